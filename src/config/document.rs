@@ -53,7 +53,7 @@ pub struct Config {
     /// element set)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
     pub drag: Option<String>,
-    /// Model of the Earth's shadow: geometric (solid Earth; default) or atmosphere (with refracted and reddened light)
+    /// Model of the Earth's shadow: atmosphere (refraction and extinction; default) or geometric (solid Earth)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
     pub shadow: Option<String>,
     /// Model files, standard magnitudes, and models by generation.

@@ -70,7 +70,7 @@ impl Config {
         })
     }
 
-    /// Returns the model of the Earth's shadow; if omitted, that of a solid Earth without atmosphere.
+    /// Returns the model of the Earth's shadow; with the atmosphere if omitted.
     ///
     /// # Errors
     /// The model is unknown.

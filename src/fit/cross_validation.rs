@@ -302,6 +302,8 @@ mod tests {
                     group,
                     norad_id: None,
                     epoch: None,
+                    grazing_height_km: None,
+                    lit_fraction: 1.0,
                 });
             }
         }

@@ -115,6 +115,8 @@ mod tests {
                     group: i as u32,
                     norad_id: None,
                     epoch: None,
+                    grazing_height_km: None,
+                    lit_fraction: 1.0,
                 };
                 magnitudes.iter().map(point)
             })

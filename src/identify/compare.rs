@@ -122,8 +122,7 @@ pub(super) fn compare(
         line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     }
     let passage = track.point(passage_s, photometry)?;
-    let is_lit =
-        |time_s: f64| track.point(time_s, photometry).is_some_and(|point| point.illumination.lit_fraction() > 0.0);
+    let is_lit = |time_s: f64| track.point(time_s, photometry).is_some_and(|point| point.illumination.is_lit());
     if !track.is_up(passage_s) || !(include_dark || line.times_s.iter().any(|&time_s| is_lit(time_s))) {
         return None;
     }

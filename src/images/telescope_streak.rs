@@ -34,7 +34,7 @@ pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f
 
 /// Returns the fraction of a field's area that a band along the streak covers, [0, 1].
 ///
-/// The band is `masked_width_arcsec` wide and `streak_length_deg` long (the sum of all chords within the field). Its
+/// The band is `masked_width_arcsec` wide and `streak_length_deg` long (the lit part within the field). Its
 /// round ends and the clipping at the edge of the field are neglected. For several streaks, sum the fractions and limit
 /// the sum to 1; intersections are then counted twice.
 pub fn expected_lost_pixel_fraction(streak_length_deg: f64, masked_width_arcsec: f64, field_area_deg2: f64) -> f64 {

@@ -132,7 +132,7 @@ impl<'a> SkyView<'a> {
         })
     }
 
-    /// Sets the model of the Earth's shadow, which is geometric by default.
+    /// Sets the model of the Earth's shadow, with the atmosphere by default.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
     }
@@ -313,15 +313,13 @@ impl<'a> SkyView<'a> {
                     let position = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
                     self.shadow.illumination(&position, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
                 };
-                if self.shadow != ShadowModel::Geometric {
-                    return turned();
-                }
                 // Distance from the axis of the shadow, compared with the Earth's radius minus or plus the Sun's
                 // angular radius (0.0047 rad) times the distance behind the Earth.
                 let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
-                if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
+                if self.shadow == ShadowModel::Geometric && across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
                     return 1.0;
                 }
+                // The geometric umbra is dark with either model.
                 if across_km < EARTH_EQUATORIAL_RADIUS_KM * 0.9998 - slope_km {
                     return 0.0;
                 }

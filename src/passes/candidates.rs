@@ -11,6 +11,7 @@ use super::sky::Sky;
 use super::track::ObserverMotion;
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_between};
+use crate::geometry::ShadowModel;
 use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
 
 /// Longest slice for an observer on the ground, seconds. From its middle to its ends the observer moves by 14 km.
@@ -78,7 +79,7 @@ impl Sky {
 
     /// Returns the part of the Earth's shadow in which no satellite is lit at any time of an exposure.
     pub(super) fn dark_cone(&self, scene: &Scene, exposure: &Exposure) -> ShadowCone {
-        let (radius_km, narrowing) = self.shadow().dark_core();
+        let (radius_km, narrowing) = ShadowModel::dark_core();
         let sun = scene.sun.at_s(seconds_between(scene.start, exposure.start) + 0.5 * exposure.duration_s).sun;
         // The Sun moves during the exposure, which narrows the dark cone by a fraction of the depth.
         let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;

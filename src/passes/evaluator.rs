@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::crossing::{Crossing, root};
+use super::intervals::intervals_where;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{Chord, SightLine, TrackPoint};
@@ -116,9 +117,17 @@ impl PassEvaluator<'_> {
         Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
     }
 
-    /// Returns true if at any of the steps any part of the Sun illuminates the satellite.
+    /// Returns true if the satellite is lit at any of the steps.
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
-        times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).lit_fraction() > 0.0)
+        times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).is_lit())
+    }
+
+    /// Returns the parts of a chord in which the satellite is lit.
+    pub fn lit_parts(&self, chord: &Chord) -> Vec<Chord> {
+        intervals_where(chord.enter_s, chord.exit_s, LIGHT_STEPS, |time_s| self.illumination(time_s).is_lit())
+            .into_iter()
+            .map(|(enter_s, exit_s)| Chord { enter_s, exit_s })
+            .collect()
     }
 
     /// Returns the parts of a chord in which the satellite is above the ground; for an observer in orbit, the parts in

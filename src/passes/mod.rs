@@ -19,6 +19,7 @@ mod evaluator;
 mod exposure;
 mod field;
 mod field_passes;
+mod intervals;
 mod models;
 mod probability;
 mod scene;
@@ -37,9 +38,10 @@ pub use field::{Field, FieldOnSky};
 pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };
+pub use intervals::intervals_where;
 pub use models::ModelChoice;
 pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 pub use track::{Chord, Pass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
-pub use visible_passes::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
+pub use visible_passes::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest};

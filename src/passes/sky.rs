@@ -42,7 +42,7 @@ pub struct Sky {
 impl Sky {
     /// Creates a sky from satellites and an observer, with the embedded brightness models and Earth orientation table.
     ///
-    /// This takes about 2 µs of processor time per satellite. The model of the Earth's shadow is the geometric one.
+    /// This takes about 2 µs of processor time per satellite. The model of the Earth's shadow includes the atmosphere.
     pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
         Self::with_models(satellites.element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default())
             .with_ephemerides(satellites.ephemerides)

@@ -14,7 +14,7 @@ use super::track::{SightLine, TrackPoint};
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::elements::NoradId;
 use crate::frames::{Direction, seconds_after};
-use crate::geometry::{Illumination, ObserverState, ViewingGeometry};
+use crate::geometry::{ObserverState, ViewingGeometry};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError};
 use crate::photometry::{Brightness, PhotometryOptions};
 
@@ -77,7 +77,7 @@ impl SatelliteTrack {
 impl SatelliteSnapshot {
     /// Returns true if any part of the Sun illuminates the satellite.
     pub fn is_lit(&self) -> bool {
-        self.point.illumination != Illumination::Umbra
+        self.point.illumination.is_lit()
     }
 }
 
@@ -203,7 +203,7 @@ impl Sky {
         let is_selected = |time: &SiteAt| {
             let (state, _, aspect) = near_line.aspect_at(time.time_s);
             let sun = || scene.sun.at_s(time.time_s).sun;
-            let is_lit = || self.shadow().illumination(&state.position, &sun()) != Illumination::Umbra;
+            let is_lit = || self.shadow().illumination(&state.position, &sun()).is_lit();
             time.here.sine_of_altitude(&aspect.geometric) >= lowest && (options.include_dark || is_lit())
         };
         let mut seen = near.filter(|&index| is_selected(&times[index])).peekable();

@@ -178,18 +178,20 @@ pub struct Pass {
     /// Parts of the track inside the field, in order of time. There may be several for mosaics and concave shapes, and
     /// none for a near miss.
     pub chords: Vec<Chord>,
+    /// Parts of the chords in which the satellite is lit ([`Illumination::is_lit`]), to a millisecond.
+    pub lit_chords: Vec<Chord>,
     /// Point at the start of the first chord; for a near miss, the closest point.
     pub enter: TrackPoint,
     /// Point midway in time between `enter` and `exit`; for a near miss, the closest point.
     pub mid: TrackPoint,
     /// Point at the end of the last chord; for a near miss, the closest point.
     pub exit: TrackPoint,
-    /// Brightest point between `enter` and `exit`; `None` if the satellite is not visible in between, or if the options
-    /// omit brightness.
+    /// Brightest point between `enter` and `exit`; `None` if the satellite is in the umbra or not visible in between, or
+    /// if the options omit brightness.
     pub peak: Option<TrackPoint>,
     /// Smallest angle between the track and the centre of the field while the shutter is open, radians.
     pub min_separation_rad: f64,
-    /// Length of the track inside the field, radians: the sum over all chords.
+    /// Length of the lit part of the track inside the field, radians: the sum over `lit_chords`.
     pub streak_length_rad: f64,
     /// Position angle of the motion at `mid`, from north through east, [0, 2π), radians.
     pub position_angle_rad: f64,
@@ -205,7 +207,7 @@ pub struct Pass {
     pub cross_track_sigma_rad: f64,
     /// Probability that the satellite is in the field at any time of the exposure, given these uncertainties.
     pub probability: f64,
-    /// True if the satellite is lit at any time between `enter` and `exit`.
+    /// True if the satellite is lit at any time inside the field; for a near miss, at the closest point.
     pub lit: bool,
     /// Points along the track; empty if [`samples`](super::PassOptions::samples) is 0.
     pub samples: Vec<TrackPoint>,

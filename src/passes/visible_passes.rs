@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::above_horizon::{AboveHorizon, HorizonSearch, Sample, Treatment};
 use super::error::{SkyError, check_epoch};
 use super::evaluator::PassEvaluator;
+use super::intervals::intervals_where;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{ObserverMotion, SightLine, TrackPoint};
@@ -28,8 +29,6 @@ const LIGHT_STEP_S: f64 = 10.0;
 const MOST_LIGHT_STEPS: f64 = 360.0;
 /// Smallest number of satellites per thread.
 const TOGETHER: usize = 8;
-/// Tolerance of the ends of sunlit intervals, seconds.
-const BORDER_S: f64 = 1e-3;
 
 /// Request for visible passes.
 #[derive(Clone, Debug, PartialEq)]
@@ -262,7 +261,7 @@ impl Search<'_> {
             let (first_s, last_s) = (samples[0].time_s, samples[samples.len() - 1].time_s);
             let is_in_umbra = |sample: &Sample| {
                 let sun = self.scene.sun.at_s(sample.time_s).sun;
-                self.sky.shadow().illumination(&sample.state.position, &sun) == Illumination::Umbra
+                !self.sky.shadow().illumination(&sample.state.position, &sun).is_lit()
             };
             if self.request.include_dark {
                 Treatment::Compute
@@ -331,7 +330,7 @@ impl Search<'_> {
         let steps = ((end_s - begin_s) / LIGHT_STEP_S).ceil().clamp(4.0, MOST_LIGHT_STEPS) as usize;
         let illumination = |time_s: f64| evaluator.illumination(time_s);
         let full = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) == Illumination::Sunlit);
-        let lit = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) != Illumination::Umbra);
+        let lit = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s).is_lit());
         let lit_by_night = both(&lit, &span.dark_s);
         let visible = if lit_by_night.is_empty() {
             None
@@ -395,34 +394,6 @@ fn visibility(
     Some(Visibility { begin: evaluator.point(seen.first()?.0)?, highest, end: evaluator.point(seen.last()?.1)?, peak })
 }
 
-/// Returns the intervals between two times, seconds, in which a condition holds. The condition is tested at even steps,
-/// and the ends of the intervals are found by bisection to a millisecond, on the inside of the intervals.
-pub fn intervals_where(begin_s: f64, end_s: f64, steps: usize, holds: impl Fn(f64) -> bool) -> Vec<(f64, f64)> {
-    let time_s = |step: usize| begin_s + (end_s - begin_s) * step as f64 / steps as f64;
-    let border = |mut in_s: f64, mut out_s: f64| {
-        while (in_s - out_s).abs() > BORDER_S {
-            let middle_s = 0.5 * (in_s + out_s);
-            if holds(middle_s) { in_s = middle_s } else { out_s = middle_s }
-        }
-        in_s
-    };
-    let mut found = Vec::new();
-    let mut began = holds(begin_s).then_some(begin_s);
-    for step in 1..=steps {
-        let (before_s, now_s) = (time_s(step - 1), time_s(step));
-        match (began, holds(now_s)) {
-            (None, true) => began = Some(border(now_s, before_s)),
-            (Some(from_s), false) => {
-                found.push((from_s, border(before_s, now_s)));
-                began = None;
-            }
-            _ => {}
-        }
-    }
-    found.extend(began.map(|from_s| (from_s, end_s)));
-    found
-}
-
 /// Returns the intersection of two lists of intervals.
 fn both(one: &[(f64, f64)], other: &[(f64, f64)]) -> Vec<(f64, f64)> {
     one.iter()
@@ -436,15 +407,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn intervals_are_closed_and_intersected() {
-        let found = intervals_where(0.0, 100.0, 10, |time_s| (12.0..37.5).contains(&time_s) || time_s > 80.25);
-        assert_eq!(found.len(), 2);
-        for ((from_s, until_s), (first_s, last_s)) in found.iter().zip([(12.0, 37.5), (80.25, 100.0)]) {
-            assert!(
-                (from_s - first_s).abs() < 2.0 * BORDER_S && (until_s - last_s).abs() < 2.0 * BORDER_S,
-                "{found:?}"
-            );
-        }
+    fn intervals_are_intersected() {
         assert_eq!(both(&[(0.0, 5.0), (8.0, 9.0)], &[(4.0, 8.5)]), [(4.0, 5.0), (8.0, 8.5)]);
         assert!(both(&[(0.0, 5.0)], &[(5.0, 6.0)]).is_empty());
     }

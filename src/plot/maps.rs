@@ -161,8 +161,8 @@ fn conditions(facts: &[Fact]) -> String {
     if text("earthshine") == "off" {
         sentences.push_str(" Sunlight only.");
     }
-    if text("shadow") == "atmosphere" {
-        sentences.push_str(" Shadow of the Earth with its atmosphere.");
+    if text("shadow") == "geometric" {
+        sentences.push_str(" Shadow of the Earth without its atmosphere.");
     }
     match text("model_status").as_str() {
         "" => {}

@@ -351,6 +351,7 @@ mod tests {
             norad_id: NoradId(norad_id),
             element_index: norad_id as usize,
             chords: vec![Chord { enter_s: 3.0, exit_s: 8.0 }],
+            lit_chords: vec![Chord { enter_s: 3.0, exit_s: 8.0 }],
             enter: point.clone(),
             mid: point.clone(),
             exit: point.clone(),

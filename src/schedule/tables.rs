@@ -116,9 +116,10 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             ),
             |flag| flag.p_any.into(),
         ),
-        field(Column::real("streak_length_deg", "deg", 4, "Length of all nominal lit streaks in the field."), |flag| {
-            flag.streak_length_deg.into()
-        }),
+        field(
+            Column::real("streak_length_deg", "deg", 4, "Length of the lit parts of all nominal tracks in the field."),
+            |flag| flag.streak_length_deg.into(),
+        ),
         field(Column::new("reasons", Kind::List { separator: "; " }, "Reasons for the verdict."), |flag| {
             Value::List(flag.reasons.clone())
         }),
@@ -249,9 +250,15 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
         field(Column::real("min_separation_deg", "deg", 6, "Least angle between track and field centre."), |row| {
             row.pass.min_separation_rad.to_degrees().into()
         }),
-        field(Column::real("streak_length_deg", "deg", 6, "Length of the streak inside the field."), |row| {
-            row.pass.streak_length_rad.to_degrees().into()
-        }),
+        field(
+            Column::real(
+                "streak_length_deg",
+                "deg",
+                6,
+                "Length of the streak inside the field: the lit part of the track.",
+            ),
+            |row| row.pass.streak_length_rad.to_degrees().into(),
+        ),
         field(
             Column::real("position_angle_deg", "deg", 4, "Direction of motion at mid, from north through east."),
             |row| row.pass.position_angle_rad.to_degrees().into(),
@@ -278,7 +285,7 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             row.pass.mid.illumination.name().into()
         }),
         field(
-            Column::real("lit_fraction", "", 4, "Fraction of the Sun's disk visible from the satellite at mid."),
+            Column::real("lit_fraction", "", 4, "Fraction of the Sun's light that reaches the satellite at mid."),
             |row| row.pass.mid.illumination.lit_fraction().into(),
         ),
         field(
@@ -293,9 +300,15 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
         field(Column::real("magnitude_sigma", "mag", 3, "One-sigma uncertainty of the magnitude at mid."), |row| {
             sigma(&row.pass.mid)
         }),
-        field(Column::real("magnitude_peak", "mag", 3, "Brightest magnitude along the track."), |row| {
-            row.pass.peak.as_ref().map_or(Value::Null, magnitude)
-        }),
+        field(
+            Column::real(
+                "magnitude_peak",
+                "mag",
+                3,
+                "Brightest magnitude along the track; empty if all of it is in the umbra.",
+            ),
+            |row| row.pass.peak.as_ref().map_or(Value::Null, magnitude),
+        ),
         field(Column::new("band", Kind::Text, "Passband of the magnitudes."), |row| row.photometry.band.name().into()),
         field(Column::new("mag_system", Kind::Text, "Zero point of the magnitudes."), |row| {
             row.photometry.system.to_string().into()
@@ -381,14 +394,22 @@ fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
         ),
         field(Column::new("chords", Kind::Rows(CHORDS), "Intervals of the track inside the field."), |row| {
-            let opening = row.exposure.start;
-            let chord = |chord: &Chord| {
-                let moment = |seconds| seconds_after(opening, seconds).into();
-                vec![moment(chord.enter_s), moment(chord.exit_s), chord.enter_s.into(), chord.exit_s.into()]
-            };
-            Value::Rows(row.pass.chords.iter().map(chord).collect())
+            intervals(row, &row.pass.chords)
         }),
+        field(
+            Column::new("lit_chords", Kind::Rows(CHORDS), "Parts of these intervals in which the satellite is lit."),
+            |row| intervals(row, &row.pass.lit_chords),
+        ),
     ]
+}
+
+fn intervals(row: &StreakRow<'_>, chords: &[Chord]) -> Value {
+    let opening = row.exposure.start;
+    let chord = |chord: &Chord| {
+        let moment = |seconds| seconds_after(opening, seconds).into();
+        vec![moment(chord.enter_s), moment(chord.exit_s), chord.enter_s.into(), chord.exit_s.into()]
+    };
+    Value::Rows(chords.iter().map(chord).collect())
 }
 
 fn samples_field<'a>() -> TableField<StreakRow<'a>> {

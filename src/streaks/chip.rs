@@ -33,13 +33,13 @@ pub struct Chip {
     pub scale: CountScale,
 }
 
-/// Path of a moving light over a chip, and the interval in which the light is on illuminated pixels of the chip.
+/// Path of a moving light over a chip, and the interval in which it shines on illuminated pixels of the chip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChipPath {
     /// Path from one margin of the chip to the other, in frame units per second.
     pub path: StreakPath,
-    /// First and last time at which the centre of the light is on the chip, seconds after the shutter opened; `None` if
-    /// only the wings of its image reach the chip.
+    /// First and last time at which the centre of the light is on the chip and not dark, seconds after the shutter
+    /// opened; `None` if only the wings of its image reach the chip.
     pub inside_s: Option<[f64; 2]>,
 }
 
@@ -122,7 +122,9 @@ impl Chip {
         Ok(Some(ChipPath { path, inside_s }))
     }
 
-    /// Returns the first and the last time at which the path is on illuminated pixels, to a microsecond.
+    /// Returns the first and the last time at which the path is on illuminated pixels and the light is not dark, to a
+    /// microsecond. A light that fades between two nodes, as a satellite does at the edge of the umbra, is dark from the
+    /// first node without light.
     fn inside_s(&self, path: &StreakPath) -> Option<[f64; 2]> {
         const SAMPLES: usize = 8;
         let nodes = path.nodes();
@@ -134,7 +136,7 @@ impl Chip {
             })
             .chain(nodes.last().map(|last| last.time_s))
             .collect();
-        let inside = |time_s: f64| self.light_area.contains(path.point_at(time_s));
+        let inside = |time_s: f64| self.light_area.contains(path.point_at(time_s)) && path.rate_at(time_s) > 0.0;
         let first = times_s.iter().position(|&time_s| inside(time_s))?;
         let last = times_s.iter().rposition(|&time_s| inside(time_s))?;
         let border = |mut out_s: f64, mut in_s: f64| {

@@ -44,8 +44,8 @@ pub struct DrawnStreak<'a> {
     pub is_on_sky: bool,
     /// Light of each pixel in the frame's unit, before the effects of the detector.
     pub patch: Patch,
-    /// Points evenly spaced in time, from the first to the last time at which the light is on the chip. Empty if only
-    /// the wings of the image reach the chip.
+    /// Points evenly spaced in time, from the first to the last time at which the light is on the chip and not dark.
+    /// Empty if only the wings of the image reach the chip.
     pub points: Vec<StreakPoint>,
     /// Full width at half maximum of the streak across its length, arcsec. For a light that does not move,
     /// approximately the width of its image.
@@ -54,8 +54,8 @@ pub struct DrawnStreak<'a> {
     pub width_pix: f64,
     /// Length between the two ends of the streak on the chip, pixels.
     pub length_pix: f64,
-    /// Point at the middle of the time during which the light is on the chip; `None` if only the wings of the image
-    /// reach the chip.
+    /// Point at the middle of the time during which the light is on the chip and not dark; `None` if only the wings of
+    /// the image reach the chip.
     pub middle: Option<StreakPoint>,
     /// Brightest magnitude while the light is on the chip; `None` if it is always dark.
     pub peak_magnitude: Option<f64>,

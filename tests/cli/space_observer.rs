@@ -38,7 +38,7 @@ fn passes_and_flags_from_an_orbit() {
     let (ra, dec, answer) = crossed();
     let observer = &answer["provenance"]["observer"];
     assert_eq!((&observer["norad_id"], &observer["limb_height_km"]), (&90001.into(), &0.0.into()));
-    assert!(answer["provenance"].get("site").is_none() && answer["provenance"]["shadow"] == "geometric");
+    assert!(answer["provenance"].get("site").is_none() && answer["provenance"]["shadow"] == "atmosphere");
     let passes = answer["passes"].as_array().unwrap();
     for pass in passes {
         assert!(pass["altitude_deg"].is_null() && pass["azimuth_deg"].is_null());

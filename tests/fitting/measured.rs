@@ -523,6 +523,8 @@ proptest! {
                 group: 0,
                 norad_id: None,
                 epoch: None,
+                grazing_height_km: None,
+                lit_fraction: 1.0,
             })
             .collect();
         let options = ReduceOptions { nside: 4, least_count: 1, mode: DensityMode::Kernel, ..ReduceOptions::default() };

@@ -171,6 +171,11 @@ fn valid_bundled_models_against_photometry() {
     let mut found = BTreeMap::new();
     for name in library.names() {
         for row in compare(&library.get(name).unwrap(), Some(&photometry)) {
+            if row.kind == ReferenceKind::GrazingPhotometry {
+                // Reported, not required: the scatter of the air is not in the sigma of a model.
+                println!("{name}: {row:.3?}");
+                continue;
+            }
             assert_eq!(row.verdict, Verdict::Ok, "{row:?}");
             if row.kind == ReferenceKind::Photometry {
                 println!("{name}: {row:.3?}");

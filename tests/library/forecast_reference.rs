@@ -7,7 +7,7 @@ use hifitime::{Epoch, Unit};
 use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
 use streakcast::forecast::{Forecast, ForecastRequest, PassRow, Selection, compass, forecast};
 use streakcast::frames::{EopTable, seconds_after, seconds_between};
-use streakcast::geometry::{Observer, Site};
+use streakcast::geometry::{Observer, ShadowModel, Site};
 use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
@@ -48,6 +48,8 @@ fn sky(elements: Vec<ElementSet>, site: Site) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     Sky::with_models(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice)
         .with_drag(DragModel::Published)
+        // The shadow of the references has no atmosphere.
+        .with_shadow(ShadowModel::Geometric)
 }
 
 fn moment(date: &str, clock: &str) -> Epoch {

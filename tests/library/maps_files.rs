@@ -115,16 +115,16 @@ mod pictures {
     #[test]
     fn verif_a_chart_lists_unusual_options() {
         let model = v15();
-        let notes = [" 0.2 mag per airmass.", "Sunlight only.", "Shadow of the Earth with its atmosphere."];
+        let notes = [" 0.2 mag per airmass.", "Sunlight only.", "Shadow of the Earth without its atmosphere."];
         let sky = |options: PhotometryOptions, shadow| {
             let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options).unwrap().with_shadow(shadow);
             words(&sky_picture(&view))
         };
-        let plain = sky(options(), ShadowModel::Geometric);
+        let plain = sky(options(), ShadowModel::Atmosphere);
         assert!(notes.iter().all(|part| !plain.contains(part)));
         let other =
             PhotometryOptions { extinction_mag_per_airmass: Some(0.2), earthshine: Earthshine::Off, ..options() };
-        let all = sky(other, ShadowModel::Atmosphere);
+        let all = sky(other, ShadowModel::Geometric);
         assert!(notes.iter().all(|part| all.contains(part)), "{all}");
         let body = words(&body_picture(&BodyView::new(&model, -0.2, 550.0, other).unwrap()));
         assert!(body.contains(notes[1]) && !body.contains(notes[0]));

@@ -1,6 +1,7 @@
 //! Statements of Lu (2024), section 5, on maps, compared with the bundled model of Starlink V1.5.
 
 use crate::common::maps::{options, v15};
+use streakcast::geometry::ShadowModel;
 use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, FigurePanel, Grid, PAPER_FIGURES, SkyMap, SkyView};
 use streakcast::photometry::BrightnessModel;
 
@@ -149,7 +150,9 @@ fn verif_magnitudes_of_figures_7_to_9_are_those_of_the_captions() {
 /// Returns the lowest altitude of the Sun at which a satellite at this altitude is lit, degrees.
 fn last_lit_deg(model: &BrightnessModel, height_km: f64, altitude_deg: f64) -> f64 {
     let lit = |sun_deg: f64| {
-        let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_deg.to_radians(), options()).unwrap();
+        let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_deg.to_radians(), options())
+            .unwrap()
+            .with_shadow(ShadowModel::Geometric);
         // Satellites in the direction of the Sun are lit longest.
         view.at(0.0, altitude_deg.to_radians()).lit_fraction > 0.0
     };

@@ -6,7 +6,7 @@ use std::path::Path;
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
 use streakcast::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
-use streakcast::geometry::{Illumination, Observer, Site, SunTable, illumination};
+use streakcast::geometry::{Illumination, Observer, ShadowModel, Site, SunTable};
 use streakcast::orbit::Propagator;
 use streakcast::passes::{ModelChoice, Sky, VisiblePass, VisibleRequest};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
@@ -104,7 +104,8 @@ fn valid_passes_and_shadow_against_heavens_above() {
     let lit = |epoch: Epoch| {
         let seconds = seconds_between(start, epoch);
         let state = propagator.state(epoch, &orientation.at_s(seconds).teme_to_gcrs).expect("a state");
-        illumination(&state.position, &sun.at_s(seconds).sun)
+        // Heavens-Above gives the first dimming without atmosphere.
+        ShadowModel::Geometric.illumination(&state.position, &sun.at_s(seconds).sun)
     };
 
     let (mut compared, mut shadows) = (0, Vec::new());

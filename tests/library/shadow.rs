@@ -1,4 +1,5 @@
-//! Times of shadow entry and exit compared with a cone, and with rays past the ellipsoid, for the Sun of Skyfield.
+//! Times of entry and exit of the geometric shadow, compared with a cone and with rays past the ellipsoid, and light
+//! behind the atmosphere compared with traced rays.
 
 use crate::common::agreement::Agreement;
 use std::collections::BTreeSet;
@@ -6,7 +7,7 @@ use std::collections::BTreeSet;
 use hifitime::Epoch;
 use streakcast::elements::{NoradId, ReadOptions, Satellites};
 use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_after};
-use streakcast::geometry::{Illumination, SunTable, illumination};
+use streakcast::geometry::{Illumination, ShadowModel, SunTable};
 use streakcast::orbit::Propagator;
 
 /// Tolerance of times, seconds: the positions of Sun and Earth differ (epv00 and DE421, 11 km), times are bisected to
@@ -21,6 +22,35 @@ fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     let cosine = -satellite.vector().dot(to_sun.vector()) / (r * d);
     let (angle, earth, disk) = (cosine.acos(), (6378.137 / r).asin(), (695_700.0 / d).asin());
     [angle - earth - disk, angle - earth + disk]
+}
+
+/// Tolerance of the light behind the atmosphere against traced rays, as a fraction of the Sun's light (0.001 mag in full
+/// light). It was chosen before the comparison.
+const LIGHT: f64 = 1e-3;
+
+/// Rays through the standard atmosphere, traced step by step; `tests/reference/make_atmosphere_goldens.py`.
+#[test]
+fn valid_light_behind_the_atmosphere_against_traced_rays() {
+    let text =
+        std::fs::read_to_string(crate::common::golden_dir().join("atmosphere_golden.csv")).expect("the golden numbers");
+    let sun = Position::<Gcrs>::new(streakcast::constants::AU_KM, 0.0, 0.0);
+    let mut light = Agreement::new("Light behind the atmosphere", "traced rays", LIGHT, "");
+    let mut compared = 0;
+    for line in text.lines().skip(2) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let [radius_km, height_km, expected] = cells[..] else { panic!("{line}") };
+        let (sin, cos) = ((6378.137 + height_km) / radius_km).asin().sin_cos();
+        let satellite = Position::<Gcrs>::new(-radius_km * cos, radius_km * sin, 0.0);
+        match ShadowModel::Atmosphere.illumination(&satellite, &sun) {
+            Illumination::Penumbra { lit_fraction } => {
+                light.see(lit_fraction - expected);
+                compared += 1;
+            }
+            Illumination::Umbra => assert!(expected < 0.01 + LIGHT, "{line}"),
+            Illumination::Sunlit => assert!(expected > 0.99 - LIGHT, "{line}"),
+        }
+    }
+    assert!(compared > 25, "{compared}");
 }
 
 #[test]
@@ -50,7 +80,7 @@ fn valid_shadow_moments_against_skyfield() {
         };
         let is_in = |seconds: f64| {
             let (place, sun) = state(seconds);
-            match illumination(&place, &sun) {
+            match ShadowModel::Geometric.illumination(&place, &sun) {
                 Illumination::Sunlit => false,
                 Illumination::Penumbra { .. } => !umbra,
                 Illumination::Umbra => true,

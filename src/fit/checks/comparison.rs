@@ -4,7 +4,7 @@ use crate::output::{Column, Kind, Table};
 use crate::photometry::BrightnessModel;
 
 use super::super::statistics::{ResidualStatistics, share_within};
-use super::photometry::{Photometry, in_v};
+use super::photometry::{Photometry, ReferenceMeasurement, in_v};
 use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 
@@ -28,8 +28,11 @@ pub enum ReferenceKind {
     Mean,
     /// A published phase function, compared over the same geometries within the phase function's range of validity.
     PhaseCurve,
-    /// Measured magnitudes, each in its own geometry.
+    /// Measured magnitudes in full sunlight, each in its own geometry.
     Photometry,
+    /// Measured magnitudes in sunlight that grazes the Earth lower than 100 km, each in its own geometry and dimmed by
+    /// the atmosphere.
+    GrazingPhotometry,
     /// There is no reference for these satellites.
     None,
 }
@@ -40,6 +43,7 @@ impl ReferenceKind {
             Self::Mean => "mean",
             Self::PhaseCurve => "phase curve",
             Self::Photometry => "photometry",
+            Self::GrazingPhotometry => "grazing",
             Self::None => "none",
         }
     }
@@ -114,7 +118,8 @@ pub struct Comparison {
 ///   the survey scatters as much about its own curve, and a model that depends on more angles than the phase angle
 ///   differs from it;
 /// * with measurements if the mean difference is no more than [`OFFSET_TOLERANCE_MAG`], the core no more than 1.15
-///   times and the RMS no more than 2 times the sigma in the model's file.
+///   times and the RMS no more than 2 times the sigma in the model's file. Measurements in grazing sunlight are compared
+///   separately with the same tolerances.
 ///
 /// The result has at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
@@ -152,15 +157,22 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
         rows.extend(subject.curve.iter().map(|curve| with_curve(&blank, curve, subject.survey_sd_mag(), &modelled)));
     }
     if let Some(set) = subject.photometry {
-        let measured = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
-        let pairs = measured.iter().filter_map(|one| Some((one.magnitude.0, one.of_model(model)?.0, 1.0))).collect();
         let tolerances = Tolerances {
             mean_mag: OFFSET_TOLERANCE_MAG,
             core_mag: CORE_TOLERANCE_SIGMA * sigma_mag,
             rms_mag: RMS_TOLERANCE_SIGMA * sigma_mag,
         };
+        let pairs = |measured: &[ReferenceMeasurement]| {
+            measured.iter().filter_map(|one| Some((one.magnitude.0, one.of_model(model)?.0, 1.0))).collect::<Vec<_>>()
+        };
+        let sunlit = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
+        let grazing = pairs(photometry.map_or(&[], |photometry| photometry.grazing(set)));
         let row = Comparison { kind: ReferenceKind::Photometry, reference: set.source(), ..blank };
-        rows.push(with_pairs(row, tolerances, pairs));
+        let grazing = (!grazing.is_empty()).then(|| {
+            with_pairs(Comparison { kind: ReferenceKind::GrazingPhotometry, ..row.clone() }, &tolerances, grazing)
+        });
+        rows.push(with_pairs(row, &tolerances, pairs(sunlit)));
+        rows.extend(grazing);
     }
     rows
 }
@@ -203,11 +215,11 @@ fn with_curve(blank: &Comparison, curve: &PublishedCurve, sd_mag: f64, modelled:
     let tolerances = Tolerances { mean_mag: sd_mag, core_mag: sd_mag, rms_mag: sd_mag };
     let pairs = modelled.iter().filter_map(|one| Some((curve.at(one.phase_rad)?, one.magnitude, one.weight)));
     let row = Comparison { kind: ReferenceKind::PhaseCurve, reference: curve.source, ..blank.clone() };
-    with_pairs(row, tolerances, pairs.collect())
+    with_pairs(row, &tolerances, pairs.collect())
 }
 
 /// Completes a row from triples of a reference magnitude, a model magnitude and a weight.
-fn with_pairs(row: Comparison, tolerances: Tolerances, pairs: Vec<(f64, f64, f64)>) -> Comparison {
+fn with_pairs(row: Comparison, tolerances: &Tolerances, pairs: Vec<(f64, f64, f64)>) -> Comparison {
     let differences = || pairs.iter().map(|&(reference, model, weight)| (reference - model, weight));
     let reference = ResidualStatistics::weighted(pairs.iter().map(|&(reference, _, weight)| (reference, weight)));
     let model = ResidualStatistics::weighted(pairs.iter().map(|&(_, model, weight)| (model, weight)));
@@ -237,7 +249,11 @@ fn with_pairs(row: Comparison, tolerances: Tolerances, pairs: Vec<(f64, f64, f64
 const COLUMNS: [Column; 15] = [
     Column::new("model", Kind::Text, "Name of the model."),
     Column::new("satellites", Kind::Text, "Satellites that the model describes; empty if its name is unknown."),
-    Column::new("kind", Kind::Text, "Kind of reference: mean, phase curve, photometry, none."),
+    Column::new(
+        "kind",
+        Kind::Text,
+        "Kind of reference: mean, phase curve, photometry, grazing (photometry in grazing sunlight), none.",
+    ),
     Column::new("reference", Kind::Text, "Publication of the reference."),
     Column::new("n", Kind::Integer, "Number of geometries or measurements compared."),
     Column::real("model_mean_mag", "mag", 3, "Mean of the model over them, at 1000 km."),

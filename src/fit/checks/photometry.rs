@@ -5,8 +5,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 use super::super::error::FitError;
-use super::super::measurements::{DropReason, Format, PhotometryOptions, Placement, RecordReader, Selection, measure};
-use crate::geometry::ViewingGeometry;
+use super::super::measurements::{
+    DropReason, Format, Measurement, Measurements, PhotometryOptions, Placement, RecordReader, Selection, measure,
+};
+use crate::geometry::{KARMAN_LINE_KM, ViewingGeometry};
 use crate::input;
 use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
 
@@ -65,7 +67,7 @@ impl DataSet {
         }
     }
 
-    fn read(self, path: &Path) -> Result<Vec<ReferenceMeasurement>, FitError> {
+    fn read(self, path: &Path) -> Result<SetMeasurements, FitError> {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
@@ -73,8 +75,8 @@ impl DataSet {
             Self::Mmt9VisorSat => read_survey(path, Format::Mmt, Some(540.0)),
             Self::Mmt9OneWeb => read_survey(path, Format::Mmt, Some(1200.0)),
             Self::Mmt9IridiumNext => read_survey(path, Format::Mmt, Some(780.0)),
-            Self::AmateursPayloads => read_qs_mag(path, false),
-            Self::AmateursRocketBodies => read_qs_mag(path, true),
+            Self::AmateursPayloads => Ok(SetMeasurements { sunlit: read_qs_mag(path, false)?, grazing: Vec::new() }),
+            Self::AmateursRocketBodies => Ok(SetMeasurements { sunlit: read_qs_mag(path, true)?, grazing: Vec::new() }),
         }
     }
 }
@@ -88,15 +90,18 @@ pub struct ReferenceMeasurement {
     pub phase_rad: f64,
     /// Complete viewing geometry; `None` if only the phase angle is known.
     pub geometry: Option<ViewingGeometry>,
+    /// Fraction of the Sun's light that reached the satellite, (0, 1]; by it the model's magnitude is dimmed.
+    pub lit_fraction: f64,
 }
 
 impl ReferenceMeasurement {
-    /// Returns the magnitude of the model in this geometry, V (Vega) at a range of 1000 km. `None` if no lit surface is
+    /// Returns the magnitude of the model in this geometry and light, V (Vega) at a range of 1000 km. `None` if no lit surface is
     /// visible, or if the model requires angles that are unknown.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
-        geometry.and_then(|geometry| in_v(model, &geometry))
+        let lit = geometry.and_then(|geometry| in_v(model, &geometry))?;
+        Some(StandardMagnitude(lit.0 - 2.5 * self.lit_fraction.log10()))
     }
 }
 
@@ -114,21 +119,45 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// Returns all rows in the survey's usual filter whose satellite is in full sunlight by the 100 km rule of Lu (2024).
-fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, FitError> {
+/// Measurements of one set.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct SetMeasurements {
+    /// In full sunlight by the 100 km rule of Lu (2024), and not flagged by the survey as in the penumbra.
+    sunlit: Vec<ReferenceMeasurement>,
+    /// Lit, with sunlight that passes lower than 100 km above the ground.
+    grazing: Vec<ReferenceMeasurement>,
+}
+
+/// Reads all rows in the survey's usual filter whose satellite is lit.
+fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<SetMeasurements, FitError> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
-    let mut reader = RecordReader::open(&[path], &options)?;
-    let measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default())?;
-    let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
-    if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
-        return Err(FitError::CheckRow(example.clone()));
-    }
-    let points = measured.points.iter().map(|point| ReferenceMeasurement {
+    let placement = Placement::recorded(height_km);
+    let read = |selection: &Selection| -> Result<Measurements, FitError> {
+        let measured = measure(&mut RecordReader::open(&[path], &options)?, &placement, selection)?;
+        let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
+        if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
+            return Err(FitError::CheckRow(example.clone()));
+        }
+        Ok(measured)
+    };
+    let reference = |point: &Measurement, lit_fraction: f64| ReferenceMeasurement {
         magnitude: point.magnitude,
         phase_rad: point.geometry.phase_angle_rad(),
         geometry: Some(point.geometry),
-    });
-    Ok(points.collect())
+        lit_fraction,
+    };
+    let sunlit = read(&Selection::default())?;
+    // A survey may flag grazing rows as in the penumbra.
+    let any_light = Selection { drop_penumbra_flag: false, least_grazing_height_km: None, ..Selection::default() };
+    let all = read(&any_light)?;
+    let is_grazing = |point: &&Measurement| {
+        point.grazing_height_km.is_some_and(|height_km| height_km < KARMAN_LINE_KM) && point.lit_fraction > 0.0
+    };
+    Ok(SetMeasurements {
+        // The 100 km rule leaves 0.01 mag of dimming at most, which is neglected.
+        sunlit: sunlit.points.iter().map(|point| reference(point, 1.0)).collect(),
+        grazing: all.points.iter().filter(is_grazing).map(|point| reference(point, point.lit_fraction)).collect(),
+    })
 }
 
 /// Reads standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, on which the priors are based.
@@ -144,7 +173,7 @@ fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurem
         let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
         let selected = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
         let magnitude = table.get(id).filter(|_| selected)?;
-        Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None })
+        Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None, lit_fraction: 1.0 })
     });
     Ok(listed.collect())
 }
@@ -152,7 +181,7 @@ fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurem
 /// All measurements found in a data folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Photometry {
-    sets: BTreeMap<DataSet, Vec<ReferenceMeasurement>>,
+    sets: BTreeMap<DataSet, SetMeasurements>,
 }
 
 impl Photometry {
@@ -177,9 +206,16 @@ impl Photometry {
         Ok(Self { sets })
     }
 
-    /// Returns the measurements of one set; `None` if its file is missing.
+    /// Returns the measurements of one set in full sunlight by the 100 km rule of Lu (2024); `None` if its file is
+    /// missing.
     pub fn get(&self, set: DataSet) -> Option<&[ReferenceMeasurement]> {
-        self.sets.get(&set).map(Vec::as_slice)
+        self.sets.get(&set).map(|all| all.sunlit.as_slice())
+    }
+
+    /// Returns the measurements of one set with grazing sunlight: the satellite is lit, and the line to the Sun passes
+    /// lower than 100 km above the ground. Empty if its file is missing.
+    pub fn grazing(&self, set: DataSet) -> &[ReferenceMeasurement] {
+        self.sets.get(&set).map_or(&[], |all| all.grazing.as_slice())
     }
 }
 

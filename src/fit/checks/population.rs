@@ -9,13 +9,14 @@
 //! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the
 //! satellite, and i the inclination. A solid angle of the sky covers an area proportional to ρ²/cos θ on the shell. The
 //! last factor is the density of satellites on circular orbits with evenly distributed nodes. The observer is on a
-//! sphere of 6378.137 km; the shadow is that of the ellipsoid.
+//! sphere of 6378.137 km; the shadow is that of the
+//! ellipsoid without atmosphere.
 
 use nalgebra::Vector3;
 
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Gcrs, Position};
-use crate::geometry::{ViewingGeometry, illumination};
+use crate::geometry::{ShadowModel, ViewingGeometry};
 
 /// Description of the geometries, for the provenance of tables.
 pub const POPULATION: &str = "satellites of the shell in full sunlight above 30 deg altitude, site at latitude 40 deg, equinox, \
@@ -64,7 +65,7 @@ pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(Vie
             let zenith = satellite / radius_km;
             let density = sin_inclination * sin_inclination - zenith.z * zenith.z;
             let satellite = Position::from_vector(satellite);
-            if density <= 0.0 || illumination(&satellite, &sun).lit_fraction() < 1.0 {
+            if density <= 0.0 || ShadowModel::Geometric.illumination(&satellite, &sun).lit_fraction() < 1.0 {
                 continue;
             }
             let weight = cos_alt * range_km * range_km / sight.dot(&zenith) / density.sqrt();
@@ -115,7 +116,8 @@ mod tests {
                         * radius_km;
                 let up = Vector3::new(site.cos(), 0.0, site.sin());
                 let sight = (position - up * EARTH_EQUATORIAL_RADIUS_KM).normalize();
-                let lit = illumination(&Position::from_vector(position), &sun).lit_fraction() >= 1.0;
+                let lit =
+                    ShadowModel::Geometric.illumination(&Position::from_vector(position), &sun).lit_fraction() >= 1.0;
                 if sight.dot(&up) > LEAST_ALTITUDE_DEG.to_radians().sin() && lit {
                     // Area r² cos φ dφ dλ times density 1/cos φ.
                     expected +=

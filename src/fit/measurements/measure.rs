@@ -29,6 +29,11 @@ pub struct Measurement {
     pub norad_id: Option<NoradId>,
     /// Time, if known.
     pub epoch: Option<Epoch>,
+    /// Lowest height above the ground of the line from satellite to Sun, km; `None` if the satellite is the lowest point.
+    pub grazing_height_km: Option<f64>,
+    /// Fraction of the Sun's light that reaches the satellite past the Earth's atmosphere. The magnitude is not corrected
+    /// for it.
+    pub lit_fraction: f64,
 }
 
 /// Measurements, with the numbers of dropped rows.
@@ -87,7 +92,7 @@ impl Measurements {
     }
 }
 
-/// Returns all measurements of a source; each takes 130 bytes.
+/// Returns all measurements of a source; each takes 150 bytes.
 ///
 /// # Errors
 /// The errors of [`measure_each`].
@@ -204,6 +209,8 @@ fn select(
                         group: record.group,
                         norad_id: placed.norad_id,
                         epoch: record.epoch,
+                        grazing_height_km: placed.grazing_height_km(),
+                        lit_fraction: placed.illumination().lit_fraction(),
                     }),
                     Err(reason) => dropped.add(reason, || DropExample {
                         file: files.get(record.file as usize).cloned().unwrap_or_default(),

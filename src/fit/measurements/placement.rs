@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::elements::{ElementSet, History, NoradId};
 use crate::frames::{Direction, EopTable, Gcrs, Horizontal, Itrs, Position};
-use crate::geometry::{ViewingGeometry, ellipsoidal_height_km};
+use crate::geometry::{Illumination, ShadowModel, ViewingGeometry, ellipsoidal_height_km, grazing_height_km};
 use crate::orbit::Propagator;
 
 use super::dropped::DropReason;
@@ -113,6 +113,36 @@ pub struct Placed {
     pub altitude_rad: Option<f64>,
     /// NORAD catalogue number.
     pub norad_id: Option<NoradId>,
+}
+
+impl Placed {
+    /// Returns the lowest height above the ground of the line from satellite to Sun, km; `None` if the satellite is the
+    /// lowest point. Without positions, the ground is a sphere of 6378.137 km.
+    pub fn grazing_height_km(&self) -> Option<f64> {
+        match &self.satellite_and_sun {
+            Some((satellite, sun)) => grazing_height_km(satellite, sun),
+            // Distance between the Earth's centre and the line to the Sun: R cos δ_sun for a Sun below the satellite's
+            // horizontal plane.
+            None => (self.geometry.sun_latitude_rad < 0.0).then(|| {
+                let radius_km = EARTH_EQUATORIAL_RADIUS_KM + self.geometry.height_km;
+                radius_km * self.geometry.sun_latitude_rad.cos() - EARTH_EQUATORIAL_RADIUS_KM
+            }),
+        }
+    }
+
+    /// Returns the illumination, with the atmosphere. Without positions, the Earth is a sphere of 6378.137 km.
+    pub fn illumination(&self) -> Illumination {
+        match &self.satellite_and_sun {
+            Some((satellite, sun)) => ShadowModel::Atmosphere.illumination(satellite, sun),
+            None => {
+                // In the plane of the equator, where the ellipsoid is a circle.
+                let radius_km = EARTH_EQUATORIAL_RADIUS_KM + self.geometry.height_km;
+                let (sin, cos) = self.geometry.sun_latitude_rad.sin_cos();
+                let satellite = Position::<Gcrs>::new(radius_km * sin, radius_km * cos, 0.0);
+                ShadowModel::Atmosphere.illumination(&satellite, &Position::new(AU_KM, 0.0, 0.0))
+            }
+        }
+    }
 }
 
 /// Computes the viewing geometry of records chunk by chunk. Tables of Sun and Earth are kept from chunk to chunk.

@@ -9,9 +9,8 @@ use super::super::error::FitError;
 use super::dropped::DropReason;
 use super::placement::Placed;
 use super::record::Record;
-use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::elements::{ElementSet, History, NoradId, OrbitPhase, StationRule, orbit_phases};
-use crate::geometry::{KARMAN_LINE_KM, grazing_height_km};
+use crate::geometry::KARMAN_LINE_KM;
 use crate::photometry::StandardMagnitude;
 
 /// Thresholds for the use of records. Filters are selected when files are read
@@ -118,19 +117,10 @@ impl Selection {
         {
             return Some(DropReason::WrongAssociation);
         }
-        if let Some(least) = self.least_grazing_height_km {
-            let height_km = match &placed.satellite_and_sun {
-                Some((satellite, sun)) => grazing_height_km(satellite, sun),
-                // Distance between the Earth's centre and the line to the Sun: R cos δ_sun for a Sun below the
-                // satellite's horizontal plane.
-                None => (geometry.sun_latitude_rad < 0.0).then(|| {
-                    let radius_km = EARTH_EQUATORIAL_RADIUS_KM + geometry.height_km;
-                    radius_km * geometry.sun_latitude_rad.cos() - EARTH_EQUATORIAL_RADIUS_KM
-                }),
-            };
-            if height_km.is_some_and(|height_km| height_km < least) {
-                return Some(DropReason::Shaded);
-            }
+        if let Some(least) = self.least_grazing_height_km
+            && placed.grazing_height_km().is_some_and(|height_km| height_km < least)
+        {
+            return Some(DropReason::Shaded);
         }
         if let Some(stations) = stations {
             let phase = placed.norad_id.zip(record.epoch).map(|(norad_id, epoch)| stations.phase_at(norad_id, epoch));

@@ -30,6 +30,9 @@ use crate::math::quadrature::gauss_legendre;
 
 /// Height above which bending and dimming are below 10⁻⁵, km.
 pub(super) const TOP_KM: f64 = 100.0;
+/// Height of the line from the satellite to the lower limb of the Sun above which more than 99 % of the Sun's light
+/// arrives, km: 46 km for a satellite at 200 km, less for higher ones.
+pub(super) const CLEAR_KM: f64 = 50.0;
 /// Distance from the Earth's centre beyond which the shadow is no longer wide compared with the Sun, so that rays from
 /// all sides of the Earth overlap; km.
 pub(super) const FARTHEST_KM: f64 = 400_000.0;
@@ -151,8 +154,65 @@ fn bending_and_depth(height_km: f64) -> (f64, f64) {
     (sum(0).exp(), sum(1).exp())
 }
 
-static AIR_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(48));
-static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
+/// Ray past the Earth, as seen by satellites.
+#[derive(Copy, Clone)]
+struct Ray {
+    /// Distance of the straight part of the ray from the Earth's centre, km: p = n(r₀) r₀.
+    impact_km: f64,
+    /// Its change with the lowest height, dp/dh.
+    impact_per_km: f64,
+    bending_rad: f64,
+    /// Fraction of the light in V that is neither scattered nor absorbed.
+    transmission: f64,
+}
+
+/// Step of [`RAYS`], km. The linear interpolation is accurate to 3·10⁻⁶ of the Sun's light.
+const RAY_STEP_KM: f64 = 0.05;
+
+/// Rays with lowest heights from 0 to 100 km.
+static RAYS: LazyLock<Vec<Ray>> = LazyLock::new(|| {
+    (0..=(TOP_KM / RAY_STEP_KM) as usize)
+        .map(|step| {
+            let height_km = step as f64 * RAY_STEP_KM;
+            let ((density, change), lowest_km) = (density(height_km), EARTH_EQUATORIAL_RADIUS_KM + height_km);
+            let (bending_rad, depth) = bending_and_depth(height_km);
+            Ray {
+                impact_km: (1.0 + REFRACTIVITY * density) * lowest_km,
+                // dp/dh = n + (R + h) dn/dh
+                impact_per_km: 1.0 + REFRACTIVITY * (density + lowest_km * change),
+                bending_rad,
+                transmission: (-depth).exp(),
+            }
+        })
+        .collect()
+});
+
+/// Returns the ray with this lowest height, 0 to 100 km.
+fn ray_at(rays: &[Ray], height_km: f64) -> Ray {
+    let step = (height_km / RAY_STEP_KM).max(0.0);
+    let below = (step as usize).min(rays.len() - 2);
+    let (a, b, share) = (&rays[below], &rays[below + 1], step - below as f64);
+    let between = |a: f64, b: f64| a + share * (b - a);
+    Ray {
+        impact_km: between(a.impact_km, b.impact_km),
+        impact_per_km: between(a.impact_per_km, b.impact_per_km),
+        bending_rad: between(a.bending_rad, b.bending_rad),
+        transmission: between(a.transmission, b.transmission),
+    }
+}
+
+/// Quadrature rule for an interval of heights: share of the interval and weight. Heights are low + (high - low)
+/// sin²(πs/2), which removes the roots at the ends of the disk.
+static AIR_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
+    gauss_legendre(32)
+        .into_iter()
+        .map(|(s, weight)| {
+            let (sin, cos) = (std::f64::consts::FRAC_PI_2 * s).sin_cos();
+            (sin * sin, std::f64::consts::PI * sin * cos * weight)
+        })
+        .collect()
+});
+static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(10));
 
 /// Returns the fraction of the Sun's light in V that passes the Earth and its atmosphere, [0, 1].
 ///
@@ -167,70 +227,60 @@ static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16
 /// with w the light of a strip of the disk. Strips are approximated by arcs about the Earth's centre, corrected by
 /// √(sin θ/sin σ); the error is (α/8 sin σ)².
 pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) -> f64 {
-    let ground_km = EARTH_EQUATORIAL_RADIUS_KM;
+    let rays = RAYS.as_slice();
     // For a satellite inside the atmosphere, no ray has its lowest point above the satellite.
-    let top_km = TOP_KM.min(radius_km - ground_km - 1e-3);
+    let top_km = TOP_KM.min(radius_km - EARTH_EQUATORIAL_RADIUS_KM - 1e-3);
     let sine_separation = separation_rad.sin().max(1e-6);
-    // Angle θ' at which the ray with this lowest height arrives, and the position on the Sun's disk from which it
-    // comes.
-    let image = |height_km: f64, bending_rad: f64| {
-        let (density, _) = density(height_km);
-        let impact_km = (1.0 + REFRACTIVITY * density) * (ground_km + height_km);
-        let arrival_rad = (impact_km / radius_km).min(1.0).asin();
-        (arrival_rad, impact_km, (arrival_rad - bending_rad - separation_rad) / sun_rad)
+    // Position on the Sun's disk from which a ray comes.
+    let disk_position = |ray: &Ray| {
+        let arrival_rad = (ray.impact_km / radius_km).min(1.0).asin();
+        (arrival_rad - ray.bending_rad - separation_rad) / sun_rad
     };
-    let disk_position = |height_km: f64| image(height_km, bending_and_depth(height_km).0).2;
     let mut lit = 0.0;
+    let (mut edge, edge_ray) = (-1.0_f64, ray_at(rays, top_km.max(0.0)));
     if top_km > 0.0 {
-        let (low, high) = (height_where(&disk_position, -1.0, top_km), height_where(&disk_position, 1.0, top_km));
+        edge = disk_position(&edge_ray).clamp(-1.0, 1.0);
+        let [low, high] = [-1.0, 1.0].map(|limb| height_where(rays, &disk_position, limb, top_km));
         if high > low {
-            for &(s, weight) in AIR_RULE.iter() {
-                // The substitution h = low + (high - low) sin²(πs/2) removes the roots at the ends of the disk.
-                let (sin, cos) = (std::f64::consts::FRAC_PI_2 * s).sin_cos();
-                let height_km = low + (high - low) * sin * sin;
-                let dh = std::f64::consts::PI * (high - low) * sin * cos * weight;
-                let (bending_rad, depth) = bending_and_depth(height_km);
-                let (arrival_rad, impact_km, u) = image(height_km, bending_rad);
-                // dp/dh = n + (R + h) dn/dh;  dθ' = dp / (r cos θ')
-                let (n, change) = density(height_km);
-                let dp = 1.0 + REFRACTIVITY * (n + (ground_km + height_km) * change);
-                let darrival = dp * dh / (radius_km.powi(2) - impact_km.powi(2)).max(1e-9).sqrt();
-                let sine = (arrival_rad - bending_rad).sin().max(1e-6);
-                lit += strip(u) * (-depth).exp() * arrival_rad.sin() / (sine * sine_separation).sqrt() * darrival
+            for &(share, weight) in AIR_RULE.iter() {
+                let height_km = low + (high - low) * share;
+                let dh = (high - low) * weight;
+                let ray = ray_at(rays, height_km);
+                let sine_arrival = (ray.impact_km / radius_km).min(1.0);
+                let origin_rad = sine_arrival.asin() - ray.bending_rad;
+                // dθ' = dp / (r cos θ')
+                let darrival =
+                    ray.impact_per_km * dh / (radius_km * radius_km - ray.impact_km * ray.impact_km).max(1e-9).sqrt();
+                let sine = origin_rad.sin().max(1e-6);
+                lit += strip((origin_rad - separation_rad) / sun_rad) * ray.transmission * sine_arrival
+                    / (sine * sine_separation).sqrt()
+                    * darrival
                     / sun_rad;
             }
         }
     }
     // Light of the part of the disk that is seen above the atmosphere.
-    let edge = if top_km > 0.0 { disk_position(top_km).clamp(-1.0, 1.0) } else { -1.0 };
     let turn = edge.acos();
-    for &(s, weight) in FREE_RULE.iter() {
-        let (sin, cos) = (turn * s).sin_cos();
-        let sine = (separation_rad + cos * sun_rad).sin().max(1e-6);
-        lit += strip(cos) * (sine / sine_separation).sqrt() * sin * turn * weight;
+    if turn > 0.0 {
+        for &(s, weight) in FREE_RULE.iter() {
+            let (sin, cos) = (turn * s).sin_cos();
+            let sine = (separation_rad + cos * sun_rad).sin().max(1e-6);
+            lit += strip(cos) * (sine / sine_separation).sqrt() * sin * turn * weight;
+        }
     }
     lit.clamp(0.0, 1.0)
 }
 
-/// Returns the height in [0, `top_km`] at which an increasing function reaches a value, to 0.1 m, or the nearer end of
-/// the interval.
-fn height_where(function: &impl Fn(f64) -> f64, value: f64, top_km: f64) -> f64 {
-    let (mut low, mut high) = (0.0, top_km);
-    if function(low) >= value {
-        return low;
+/// Returns the height in [0, `top_km`] at which a function of the ray that increases with height reaches a value, or
+/// the nearer end of the interval. The function is linear between two rays of the table.
+fn height_where(rays: &[Ray], function: &impl Fn(&Ray) -> f64, value: f64, top_km: f64) -> f64 {
+    let above = rays.partition_point(|ray| function(ray) < value);
+    if above == 0 {
+        return 0.0;
     }
-    if function(high) <= value {
-        return high;
-    }
-    for _ in 0..20 {
-        let middle = 0.5 * (low + high);
-        if function(middle) < value {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
+    let Some(upper) = rays.get(above) else { return top_km };
+    let (low, high) = (function(&rays[above - 1]), function(upper));
+    ((above as f64 - (high - value) / (high - low)) * RAY_STEP_KM).min(top_km)
 }
 
 #[cfg(test)]
@@ -300,6 +350,16 @@ mod tests {
         }
     }
 
+    /// Returns the height from 0 to 100 km at which an increasing function reaches a value between those at the ends.
+    fn bisected_km(function: &impl Fn(f64) -> f64, value: f64) -> f64 {
+        let (mut low, mut high) = (0.0, TOP_KM);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            if function(middle) < value { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    }
+
     /// Sums over patches of the Sun's disk: the ray of each patch is found by bisection, its flattening by differences.
     #[test]
     fn verif_against_rays_from_every_part_of_the_disk() {
@@ -333,7 +393,7 @@ mod tests {
                         sum += weight;
                         continue;
                     }
-                    let height_km = height_where(&origin, theta, TOP_KM);
+                    let height_km = bisected_km(&origin, theta);
                     let d = 0.01_f64.min(height_km);
                     let flattening = (arrival(height_km + 0.01) - arrival(height_km - d))
                         / (origin(height_km + 0.01) - origin(height_km - d));
@@ -351,6 +411,15 @@ mod tests {
         model.illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun).lit_fraction()
     }
 
+    /// The computed light, without the limits of 1 % and 99 %.
+    fn computed(angle_from_antisun_rad: f64, radius_km: f64) -> f64 {
+        let (sin, cos) = angle_from_antisun_rad.sin_cos();
+        let to_sun = [AU_KM + radius_km * cos, -radius_km * sin];
+        let distance_km = to_sun[0].hypot(to_sun[1]);
+        let separation_rad = ((to_sun[0] * cos - to_sun[1] * sin) / distance_km).acos();
+        lit_fraction(radius_km, separation_rad, (SUN_RADIUS_KM / distance_km).asin())
+    }
+
     /// Continuity, slope and monotony, from full light to none.
     #[test]
     fn fading_is_smooth_and_one_way() {
@@ -361,11 +430,9 @@ mod tests {
             let to = limb - 0.035;
             let steps = 8000;
             let values: Vec<f64> = (0..=steps)
-                .map(|step| {
-                    lit(ShadowModel::Atmosphere, from + (to - from) * f64::from(step) / f64::from(steps), radius_km)
-                })
+                .map(|step| computed(from + (to - from) * f64::from(step) / f64::from(steps), radius_km))
                 .collect();
-            assert!(values[0] == 1.0 && values[steps as usize] == 0.0);
+            assert!(values[0] > 1.0 - 1e-6 && values[steps as usize] < 1e-6);
             let step_rad = (from - to) / f64::from(steps);
             let steepest = disk_slope(&values);
             // Slopes are not steeper than without air and change smoothly.
@@ -416,7 +483,7 @@ mod tests {
         let sun_rad = SUN_RADIUS_KM / AU_KM;
         let limb = (EARTH_EQUATORIAL_RADIUS_KM / 6928.0_f64).asin();
         assert_eq!(lit(ShadowModel::Geometric, limb - 1.01 * sun_rad, 6928.0), 0.0);
-        let inside = lit(ShadowModel::Atmosphere, limb - 1.01 * sun_rad, 6928.0);
+        let inside = computed(limb - 1.01 * sun_rad, 6928.0);
         assert!(inside > 1e-4 && inside < 0.05, "{inside}");
         assert_eq!(lit(ShadowModel::Atmosphere, limb - 0.05, 6928.0), 0.0);
         let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);

@@ -13,14 +13,17 @@
 //! is used. The lit fraction is the fraction of the Sun's light in V, with limb darkening; it is within 10⁻⁴ of a sum
 //! over rays to all points of the disk.
 //!
-//! The geometric shadow neglects the tilt of the Earth's axis against z of GCRS (0.15° in 2026, which moves boundaries
-//! by up to 60 m or 0.02 s) and the atmosphere. A satellite at 550 km crosses the penumbra (25 km deep) at up to 3
-//! km/s, in 8 s or more. With [`ShadowModel::Atmosphere`] the satellite receives 90 % of the light where the line to
-//! the Sun's centre passes 41 km above the ground, 50 % at 27 km and 10 % at 12 km; a little light remains inside the
-//! umbra. Half of the light is lost 9 s earlier than for an Earth without air, at a descent of 3 km/s.
+//! [`ShadowModel::Atmosphere`], the default, includes refraction and extinction. A satellite at 550 km receives 99 % of
+//! the light where the line to the Sun's centre passes 56 km above the ground, 90 % at 41 km, 50 % at 27 km, 10 % at 12
+//! km and 1 % at -9 km. Below 1 % a satellite counts as dark, above 99 % as sunlit.
+//!
+//! [`ShadowModel::Geometric`] has no atmosphere. A satellite at 550 km crosses its penumbra, from 13 km to -13 km, at up
+//! to 3 km/s, in 8 s or more. With the atmosphere half of the light is lost 9 s earlier at this speed. Both models
+//! neglect the tilt of the Earth's axis against z of GCRS (0.15° in 2026, which moves boundaries by up to 60 m or
+//! 0.02 s).
 //!
 //! Heavens-Above gives the time of the first geometric dimming as the time of shadow entry: for 15 passes these times
-//! agree with this module within 0.8 s, rounding included.
+//! agree with the geometric model within 0.8 s, rounding included.
 
 use nalgebra::Vector3;
 
@@ -29,16 +32,21 @@ use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, SUN_RADIUS_
 use crate::frames::{Gcrs, Position};
 
 /// Illumination of a satellite: sunlit, penumbra or umbra.
+///
+/// A satellite is lit unless it is in the umbra ([`Illumination::is_lit`]). Passes, streak lengths, lost pixels and the
+/// truth of injected streaks use this rule.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Illumination {
-    /// The whole disk of the Sun is visible; with [`ShadowModel::Atmosphere`], all of it is seen above the atmosphere.
+    /// The whole disk of the Sun is visible; with [`ShadowModel::Atmosphere`], at least 99 % of its light arrives, and
+    /// the rest (0.01 mag) is neglected.
     Sunlit,
     /// A part of the Sun's light is missing.
     Penumbra {
         /// Fraction of the Sun's light in V that arrives, (0, 1).
         lit_fraction: f64,
     },
-    /// No part of the Sun is visible; with [`ShadowModel::Atmosphere`], less than a millionth of its light arrives.
+    /// No part of the Sun is visible; with [`ShadowModel::Atmosphere`], less than 1 % of its light arrives (5 mag
+    /// fainter than in full sunlight).
     Umbra,
 }
 
@@ -50,6 +58,11 @@ impl Illumination {
             Self::Penumbra { lit_fraction } => lit_fraction,
             Self::Umbra => 0.0,
         }
+    }
+
+    /// Returns true unless the satellite is in the umbra.
+    pub fn is_lit(&self) -> bool {
+        *self != Self::Umbra
     }
 
     /// Returns `sunlit`, `penumbra` or `umbra`.
@@ -66,13 +79,12 @@ impl Illumination {
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum ShadowModel {
     /// The solid Earth without atmosphere.
-    #[default]
     Geometric,
     /// The Earth and its atmosphere: rays near the limb are bent, spread, scattered and absorbed.
     ///
-    /// With this model, `Penumbra` extends from rays that pass at 100 km to a millionth of the Sun's light, well into
-    /// the geometric umbra. The model is valid for satellites from 100 km up to the Moon's distance; the geometric
-    /// shadow is returned for all others.
+    /// The model is valid for satellites from 100 km up to the Moon's distance; the geometric shadow is returned for all
+    /// others.
+    #[default]
     Atmosphere,
 }
 
@@ -90,21 +102,19 @@ impl ShadowModel {
         }
     }
 
-    /// Returns a cone about the anti-solar direction inside which every position is in [`Illumination::Umbra`]: its
-    /// radius at the Earth's centre, km, and the decrease of the radius per km of distance behind the Earth. Valid for
-    /// satellites from 100 km up to the Moon's distance.
-    pub fn dark_core(self) -> (f64, f64) {
-        // sin = (R_sun - R) / d at perihelion is 0.00469; rays at the ground are bent by twice 35' = 0.0204 at most.
-        let narrowing = if self == Self::Atmosphere { 0.026 } else { 0.0048 };
-        // The poles are the nearest points of the limb.
-        (EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING), narrowing)
+    /// Returns a cone about the anti-solar direction inside which every position is in [`Illumination::Umbra`], with
+    /// either model: its radius at the Earth's centre, km, and the decrease of the radius per km of distance behind the
+    /// Earth. Valid for satellites from 100 km up to the Moon's distance.
+    pub fn dark_core() -> (f64, f64) {
+        // The poles are the nearest points of the limb. sin = (R_sun - R) / d at perihelion is 0.00469.
+        (EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING), 0.0048)
     }
 
     /// Returns the illumination of a satellite; both positions are geocentric, km. A position below the Earth's surface
     /// is treated as the surface point above it.
     ///
     /// The result is quick to compute far from the shadow's boundary. Near the boundary the sum covers two dozen rings
-    /// of the Sun's disk, or five dozen rays through the atmosphere.
+    /// of the Sun's disk, or three dozen rays through the atmosphere.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
         let radius = EARTH_EQUATORIAL_RADIUS_KM;
         let position = stretch(satellite.vector());
@@ -113,7 +123,7 @@ impl ShadowModel {
         let airy = self == Self::Atmosphere
             && height_km > atmosphere::TOP_KM
             && position.norm_squared() < atmosphere::FARTHEST_KM * atmosphere::FARTHEST_KM;
-        let edge_km = if airy { radius + atmosphere::TOP_KM } else { radius };
+        let edge_km = if airy { radius + atmosphere::CLEAR_KM } else { radius };
 
         // Behind the terminator plane, and within the cone of the penumbra (half angle at most 0.0048 rad, the Earth's
         // radius at the terminator).
@@ -127,7 +137,13 @@ impl ShadowModel {
         }
 
         let limb = Limb::new(&position, &to_sun);
+        // x = angle (Earth's centre, Sun) - angular radius of the Earth
+        let above = (limb.separation_rad - limb.earth_rad) / limb.sun_across_rad;
         if airy {
+            // Less than 1 % of the light is bent into the geometric umbra.
+            if above <= -1.0 {
+                return Illumination::Umbra;
+            }
             let lit_fraction = atmosphere::lit_fraction(position.norm(), limb.separation_rad, limb.sun_across_rad);
             return match lit_fraction {
                 lit if lit < LEAST_LIT => Illumination::Umbra,
@@ -135,8 +151,6 @@ impl ShadowModel {
                 lit_fraction => Illumination::Penumbra { lit_fraction },
             };
         }
-        // x = angle (Earth's centre, Sun) - angular radius of the Earth
-        let above = (limb.separation_rad - limb.earth_rad) / limb.sun_across_rad;
         if above >= 1.0 {
             return Illumination::Sunlit;
         }
@@ -148,13 +162,17 @@ impl ShadowModel {
     }
 }
 
-/// Returns the illumination of a satellite by [`ShadowModel::Geometric`].
+/// Returns the illumination of a satellite by the default [`ShadowModel`], with the atmosphere.
 pub fn illumination(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
-    ShadowModel::Geometric.illumination(satellite, sun)
+    ShadowModel::default().illumination(satellite, sun)
 }
 
-/// Fraction of the Sun's light below which a satellite behind the atmosphere counts as dark (a loss of 15 mag).
-const LEAST_LIT: f64 = 1e-6;
+/// Fraction of the Sun's light below which a satellite behind the atmosphere is in the umbra, and missing fraction below
+/// which it is sunlit.
+///
+/// For a satellite at 550 km 1 % remains 3 km above the edge of the geometric umbra. Less light is uncertain, because
+/// clouds block the lowest rays.
+const LEAST_LIT: f64 = 0.01;
 
 /// Two perpendicular directions: any third direction is far from parallel to at least one of them.
 const AXES: [Vector3<f64>; 2] = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.0)];
@@ -214,7 +232,7 @@ mod tests {
     fn lit_at(angle_from_antisun_rad: f64, radius_km: f64) -> Illumination {
         let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);
         let (sin, cos) = angle_from_antisun_rad.sin_cos();
-        illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun)
+        ShadowModel::Geometric.illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun)
     }
 
     #[test]
@@ -329,7 +347,8 @@ mod tests {
                 for step in 0..16 {
                     let angle = limb - 0.009 + 0.016 * f64::from(step) / 16.0;
                     let satellite = (-sun.normalize() * angle.cos() + up * angle.sin()) * radius_km;
-                    let ours = illumination(&Position::from_vector(satellite), &Position::from_vector(sun));
+                    let (place, sun_place) = (Position::from_vector(satellite), Position::from_vector(sun));
+                    let ours = ShadowModel::Geometric.illumination(&place, &sun_place);
                     if let Illumination::Penumbra { lit_fraction } = ours {
                         let rays = lit_by_rays(&satellite, &sun);
                         worst = worst.max((lit_fraction - rays).abs());
@@ -342,10 +361,27 @@ mod tests {
         assert!(worst < TOLERANCE, "{worst}");
     }
 
+    /// Where the light of the atmosphere is not computed, it is below 1 % or above 99 %.
+    #[test]
+    fn verif_the_edges_of_the_computed_light() {
+        let mut radius_km = EARTH_EQUATORIAL_RADIUS_KM + atmosphere::TOP_KM + 0.1;
+        while radius_km < atmosphere::FARTHEST_KM {
+            let arc = |height_km: f64| ((EARTH_EQUATORIAL_RADIUS_KM + height_km) / radius_km).asin();
+            // Smallest and largest radius of the Sun, which the flattening of the Earth changes by 0.3 %.
+            for sun_rad in [0.004_55, 0.004_65, 0.004_78] {
+                let dark = atmosphere::lit_fraction(radius_km, arc(0.0) - sun_rad, sun_rad);
+                assert!(dark < LEAST_LIT, "{radius_km} {sun_rad}: {dark}");
+                let clear = atmosphere::lit_fraction(radius_km, arc(atmosphere::CLEAR_KM) + sun_rad, sun_rad);
+                assert!(clear > 1.0 - LEAST_LIT, "{radius_km} {sun_rad}: {clear}");
+            }
+            radius_km *= 1.01;
+        }
+    }
+
     #[test]
     fn verif_all_of_the_dark_core_is_dark() {
+        let (radius_km, narrowing) = ShadowModel::dark_core();
         for model in [ShadowModel::Geometric, ShadowModel::Atmosphere] {
-            let (radius_km, narrowing) = model.dark_core();
             // The nearest Sun, overhead at both tropics and at the equator.
             for declination_rad in [-0.409_f64, 0.0, 0.409] {
                 let toward = Vector3::new(declination_rad.cos(), 0.0, declination_rad.sin());

@@ -28,7 +28,8 @@ impl ExposedField<'_> {
         let Some((enter_s, exit_s)) = evaluator.keep_above_ground(&mut crossing, near_the_ground) else {
             return Ok(None);
         };
-        let lit = evaluator.is_lit(enter_s, exit_s);
+        let lit_chords: Vec<Chord> = crossing.chords.iter().flat_map(|chord| evaluator.lit_parts(chord)).collect();
+        let lit = if crossing.chords.is_empty() { evaluator.is_lit(enter_s, exit_s) } else { !lit_chords.is_empty() };
         if !(lit || options.include_dark) {
             return Ok(None);
         }
@@ -65,10 +66,11 @@ impl ExposedField<'_> {
         Ok(Some(Pass {
             norad_id: satellite.propagator.norad_id(),
             element_index,
-            peak: evaluator.peak(enter_s, exit_s),
+            peak: if lit { evaluator.peak(enter_s, exit_s) } else { None },
             samples: evaluator.samples(enter_s, exit_s, options.samples),
-            streak_length_rad: crossing.chords.iter().map(|chord| evaluator.length_rad(chord)).sum(),
+            streak_length_rad: lit_chords.iter().map(|chord| evaluator.length_rad(chord)).sum(),
             chords: self.after_opening(&crossing.chords),
+            lit_chords: self.after_opening(&lit_chords),
             enter,
             mid,
             exit,

@@ -27,6 +27,7 @@ use super::super::error::SkyError;
 use super::super::evaluator::LOWEST_ALTITUDE_RAD;
 use super::super::exposure::Exposure;
 use super::super::field::Field;
+use super::super::intervals::intervals_where;
 use super::super::probability::{Delays, REACH_SIGMAS, crossing_odds};
 use super::super::scene::SearchScope;
 use super::super::sky::Sky;
@@ -45,7 +46,7 @@ const SEARCHED_S: f64 = 60.0;
 /// Longest delay, seconds, up to which the exposure is not divided into pieces.
 const ON_TIME_S: f64 = 10.5;
 /// Number of steps along a path in the search for points that are lit.
-const LIGHT_STEPS: u32 = 24;
+const LIGHT_STEPS: usize = 24;
 /// Smallest probability with which near misses are included for a telescope in orbit.
 const LEAST_IN_FLIGHT: f64 = 0.01;
 
@@ -57,7 +58,8 @@ pub struct CrossingProbability {
     /// Probability that the satellite is in the field at any time of the exposure, (0, 1].
     pub probability: f64,
     /// Expected length of the satellite's streak within the field, radians. It is the average over all errors of the
-    /// position; errors with which the satellite misses the field count with length 0.
+    /// position; errors with which the satellite misses the field count with length 0. If the satellite is lit on a part
+    /// of its predicted path, the length is reduced in proportion.
     pub streak_length_rad: f64,
     /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,
@@ -239,7 +241,7 @@ impl ExposedField<'_> {
             if from_s > to_s {
                 return None;
             }
-            self.probability_in(piece, element_index, arc, [from_s, to_s], sigma, |_, _| true)
+            self.probability_in(piece, element_index, arc, [from_s, to_s], sigma, |_, _| 1.0)
         };
         pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus).map_or(0.0, |one| one.probability)
     }
@@ -286,18 +288,21 @@ impl ExposedField<'_> {
         let teme_to_gcrs = &pieces[pieces.len() / 2].orientation.teme_to_gcrs;
         let arc = OrbitArc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs).ok()?;
         let of_piece = |piece: &Piece| {
-            let is_visible = |nominal: &Crossing, nearest: &Aspect| {
-                observer.state(&piece.orientation).sine_of_altitude(&nearest.geometric) >= LOWEST_ALTITUDE_RAD.sin()
-                    && self.is_lit(piece, &arc, nominal, (from_s, to_s), nearest.range_km)
+            let visible_share = |nominal: &Crossing, nearest: &Aspect| {
+                let sine = observer.state(&piece.orientation).sine_of_altitude(&nearest.geometric);
+                if sine < LOWEST_ALTITUDE_RAD.sin() {
+                    return 0.0;
+                }
+                self.lit_share(piece, &arc, nominal, (from_s, to_s), nearest.range_km)
             };
-            self.probability_in(piece, element_index, &arc, [from_s, to_s], sigma, is_visible)
+            self.probability_in(piece, element_index, &arc, [from_s, to_s], sigma, visible_share)
         };
         pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus)
     }
 
-    /// Returns the probability of a satellite in one piece. `None` if it cannot be in the field, or if `is_visible`
-    /// rejects its predicted crossing. `is_visible` also receives the satellite's aspect where it is nearest to the
-    /// centre of the field.
+    /// Returns the probability of a satellite in one piece. `None` if it cannot be in the field, or if no part of its
+    /// predicted crossing is visible. `visible_share` returns the visible part of the crossing as a fraction of its
+    /// time; it also receives the satellite's aspect where it is nearest to the centre of the field.
     fn probability_in(
         &self,
         piece: &Piece,
@@ -305,7 +310,7 @@ impl ExposedField<'_> {
         arc: &OrbitArc,
         [from_s, to_s]: [f64; 2],
         sigma: OrbitUncertainty,
-        is_visible: impl Fn(&Crossing, &Aspect) -> bool,
+        visible_share: impl Fn(&Crossing, &Aspect) -> f64,
     ) -> Option<CrossingProbability> {
         let is_late = sigma.lateness.reach_s() >= ON_TIME_S;
         let still = if is_late { piece.site.still_outside(piece.mid_s(), piece.mid_s()) } else { piece.site.clone() };
@@ -314,9 +319,11 @@ impl ExposedField<'_> {
         let nominal = cross(&track, from_s, to_s, &self.field);
         let (state, observer, aspect) = line.aspect_at(nominal.closest_s);
         let cross_track_rad = sigma.cross_track_km / aspect.range_km;
-        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad
-            || !is_visible(&nominal, &aspect)
-        {
+        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad {
+            return None;
+        }
+        let visible_share = visible_share(&nominal, &aspect);
+        if visible_share <= 0.0 {
             return None;
         }
         // If the site moves in the same direction as the satellite, the satellite enters the field later. In the time
@@ -345,7 +352,7 @@ impl ExposedField<'_> {
         Some(CrossingProbability {
             element_index,
             probability: odds.probability.min(1.0),
-            streak_length_rad: odds.streak_length_rad,
+            streak_length_rad: odds.streak_length_rad * visible_share,
             along_track_sigma_s: sigma.along_track_s,
             geometry: ViewingGeometry::new(&state.position, &observer, &sun)?,
             lit_fraction: self.sky.shadow().illumination(&state.position, &sun).lit_fraction(),
@@ -354,28 +361,28 @@ impl ExposedField<'_> {
         })
     }
 
-    /// Returns true if the Sun shines on any point of the path within the field; the Sun is at its position at the
-    /// middle of the piece. For a path that misses the field, the points nearest to the field are tested.
-    fn is_lit(
+    /// Returns the fraction of the time on the path within the field in which the satellite is lit; the Sun is at its
+    /// position at the middle of the piece. For a path that misses the field, the part nearest to the field counts.
+    fn lit_share(
         &self,
         piece: &Piece,
         arc: &OrbitArc,
         nominal: &Crossing,
         (from_s, to_s): (f64, f64),
         range_km: f64,
-    ) -> bool {
+    ) -> f64 {
         let sun = self.scene.sun.at_s(piece.mid_s()).sun;
-        let is_lit_at =
-            |time_s: f64| self.sky.shadow().illumination(&arc.state_at(time_s).position, &sun).lit_fraction() > 0.0;
-        if is_lit_at(nominal.closest_s) {
-            return true;
-        }
+        let is_lit_at = |time_s: f64| self.sky.shadow().illumination(&arc.state_at(time_s).position, &sun).is_lit();
         let speed_km_s = arc.state_at(nominal.closest_s).velocity.norm_km_s();
         let beside_s = self.field.bounding_radius_rad() * range_km / speed_km_s;
         let (enter_s, exit_s) = match (nominal.chords.first(), nominal.chords.last()) {
             (Some(first), Some(last)) => (first.enter_s, last.exit_s),
             _ => ((nominal.closest_s - beside_s).max(from_s), (nominal.closest_s + beside_s).min(to_s)),
         };
-        (0..=LIGHT_STEPS).any(|step| is_lit_at(enter_s + (exit_s - enter_s) * f64::from(step) / f64::from(LIGHT_STEPS)))
+        if exit_s <= enter_s {
+            return f64::from(u8::from(is_lit_at(nominal.closest_s)));
+        }
+        let lit = intervals_where(enter_s, exit_s, LIGHT_STEPS, is_lit_at);
+        lit.iter().map(|(from_s, to_s)| to_s - from_s).sum::<f64>() / (exit_s - enter_s)
     }
 }

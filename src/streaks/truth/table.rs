@@ -50,8 +50,12 @@ static FIELDS: &[Field] = &[
     field(Column::real("element_age_days", "d", 4, "Time of the exposure less epoch of the elements."), |row| {
         row.streak.source.element_age_days.into()
     }),
-    field(Column::time("enter_utc", "Entry into the chip."), |row| end(row, 0, |point| point.epoch.into())),
-    field(Column::time("exit_utc", "Exit from the chip."), |row| end(row, 1, |point| point.epoch.into())),
+    field(Column::time("enter_utc", "Entry into the chip, or end of the umbra."), |row| {
+        end(row, 0, |point| point.epoch.into())
+    }),
+    field(Column::time("exit_utc", "Exit from the chip, or start of the umbra."), |row| {
+        end(row, 1, |point| point.epoch.into())
+    }),
     field(Column::real("x1_pix", "pix", 3, "Column of the first end; the first pixel's centre is 1."), |row| {
         end(row, 0, |point| point.at.fits()[0].into())
     }),
@@ -77,7 +81,9 @@ static FIELDS: &[Field] = &[
     field(Column::real("dec2_deg", "deg", 7, "Declination of the last end."), |row| {
         end(row, 1, |point| dec_deg(row, point))
     }),
-    field(Column::real("length_pix", "pix", 3, "Length over the chip."), |row| row.streak.length_pix.into()),
+    field(Column::real("length_pix", "pix", 3, "Length over the chip, without parts in the umbra."), |row| {
+        row.streak.length_pix.into()
+    }),
     field(Column::real("angle_deg", "deg", 4, "Direction of motion from the x axis towards the y axis."), |row| {
         row.streak.angle_deg().into()
     }),

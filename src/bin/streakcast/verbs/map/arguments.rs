@@ -93,7 +93,7 @@ pub struct SkyViewArguments {
     /// Height of the satellites above 6378.137 km, km
     #[arg(long, value_name = "KM", default_value_t = 550.0, allow_hyphen_values = true)]
     pub height_km: f64,
-    /// Model of the Earth's shadow: geometric (solid Earth; default) or atmosphere (with refracted and reddened light)
+    /// Model of the Earth's shadow: atmosphere (refraction and extinction; default) or geometric (solid Earth)
     #[arg(long, value_name = "MODEL")]
     pub shadow: Option<String>,
     /// Atmospheric extinction, mag per airmass; magnitudes outside the atmosphere if omitted

@@ -27,7 +27,7 @@ pub fn position(sky: &Sky, element_index: usize, point: &TrackPoint, age_days: f
         "date_time": date_time(point.epoch),
         "tle_epoch": epoch,
         "orbital_data_epoch": epoch,
-        "illuminated": point.illumination.lit_fraction() > 0.0,
+        "illuminated": point.illumination.is_lit(),
         "phase_angle_deg": degrees(point.geometry.phase_angle_rad()),
         "apparent_magnitude": brightness.map(|brightness| rounded(brightness.magnitude.0, 3)),
         "apparent_magnitude_uncert": brightness.map(|brightness| rounded(brightness.sigma_mag, 3)),
