@@ -43,7 +43,7 @@ def standard_magnitudes(
 
     Parameters
     ----------
-    Name from `model_names`, or a path that ends in ``.json``.
+    model : str
         A name of `model_names`, or a path that ends in ``.json``.
     sun_latitude : float, array or `~astropy.units.Quantity`
         Latitude of the Sun above the plane of the chassis, degrees.
