@@ -39,6 +39,9 @@ fn measurements(truth: &BrightnessModel) -> Measurements {
                 group,
                 norad_id: None,
                 epoch: None,
+                // In full sunlight, far from the Earth's limb.
+                grazing_height_km: None,
+                lit_fraction: 1.0,
             });
         }
     }

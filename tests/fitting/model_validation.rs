@@ -131,7 +131,8 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     // The same is true for comparisons with measurements.
     let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.8, 1000.0, 550.0);
     let magnitude = StandardMagnitude(6.0);
-    let seen = ReferenceMeasurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry };
+    let seen =
+        ReferenceMeasurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry, lit_fraction: 1.0 };
     let [in_i, in_v] = [&panels_in_i, &*ModelLibrary::embedded().get("starlink-v1.5").unwrap()]
         .map(|model| seen.of_model(model).unwrap().0);
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");

@@ -175,7 +175,7 @@ class ExposureQueries(SiteQueries):
         -------
         QTable or dict of arrays, ``(n_passes,)`` each
             ``exposure_id`` is the flat index of the exposure; magnitudes with sigma and source, entry and exit, length,
-            width, surface brightness, probability, age of the element set, chords.
+            width, surface brightness, probability, age of the element set, chords, and the lit parts of the chords.
         """
         exposures, _, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
         limits = None if limit_mag is None else np.broadcast_to(np.asarray(limit_mag, dtype=float), shape).ravel().tolist()
