@@ -5,9 +5,10 @@ use streakcast::geometry::ShadowModel;
 use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, FigurePanel, Grid, PAPER_FIGURES, SkyMap, SkyView};
 use streakcast::photometry::BrightnessModel;
 
+/// Map with the shadow of the paper: the Earth without an atmosphere.
 fn sky(model: &BrightnessModel, height_km: f64, sun_altitude_deg: f64) -> SkyMap {
     let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_deg.to_radians(), options()).unwrap();
-    view.map(Grid::regular(DEFAULT_STEP_DEG).unwrap())
+    view.with_shadow(ShadowModel::Geometric).map(Grid::regular(DEFAULT_STEP_DEG).unwrap())
 }
 
 /// Returns the median magnitude of a body map over the directions for which `holds` (longitude and latitude in
