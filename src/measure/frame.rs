@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::background::Background;
 use super::error::MeasureError;
+use super::measurement::{Estimate, MeasureOptions, StreakImage, StreakMeasurement};
 use super::predict::{PredictOptions, Prediction, predictions};
-use super::streak::{Estimate, MeasureOptions, StreakImage, StreakMeasurement, measure_streak};
+use super::streak::measure_streak;
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::orbit::LeftOut;
 use crate::passes::Sky;

@@ -5,7 +5,8 @@
 //!
 //! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
 //! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the
-//! weighted least-squares fit of the drawn streak; `streak` combines them. `predict` computes tracks from a sky,
+//! weighted least-squares fit of the drawn streak; `streak` combines them into a [`StreakMeasurement`], which
+//! `measurement` defines with the inputs. `predict` computes tracks from a sky,
 //! `frame` measures whole files, `table` makes the outputs.
 
 mod background;
@@ -15,6 +16,7 @@ mod error;
 mod fit;
 #[cfg(all(feature = "fits", unix))]
 mod frame;
+mod measurement;
 #[cfg(all(feature = "fits", unix))]
 mod predict;
 mod search;
@@ -27,8 +29,9 @@ pub use background::Background;
 pub use error::MeasureError;
 #[cfg(all(feature = "fits", unix))]
 pub use frame::{FrameMeasurements, MeasuredPass, measure_frame};
+pub use measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 #[cfg(all(feature = "fits", unix))]
 pub use predict::{PredictOptions, Prediction, predictions};
-pub use streak::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak};
+pub use streak::measure_streak;
 #[cfg(all(feature = "fits", unix))]
 pub use table::{ScoreObserver, measurement_table, score_table};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::error::MeasureError;
-use super::streak::PredictedStreak;
+use super::measurement::PredictedStreak;
 use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
 use crate::orbit::LeftOut;

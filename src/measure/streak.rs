@@ -1,13 +1,14 @@
 //! Measurement of one streak in one image.
 
-use super::background::{Background, median_and_sigma};
+use super::background::median_and_sigma;
 use super::band::Band;
 use super::corridor::Corridor;
 use super::error::MeasureError;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks, squares_by_block};
+use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 use super::search::{Extent, Found, search};
 use super::stars::{mask_stars, without_streak};
-use crate::images::{LightArea, PixelPosition, Plane};
+use crate::images::{LightArea, PixelPosition};
 use crate::math::minimum::minimum;
 use crate::math::quantile::median;
 use crate::streaks::{Optics, PathNode, RadialProfile, StreakPath, draw};
@@ -50,147 +51,6 @@ const WIDTH_TOLERANCE: f64 = 0.2;
 const MEDIAN_SHARE: f64 = 0.4;
 /// Smallest number of blocks of which the median is tested.
 const LEAST_BLOCKS: usize = 4;
-
-/// Image with a streak.
-#[derive(Copy, Clone, Debug)]
-pub struct StreakImage<'a> {
-    /// Pixels.
-    pub plane: &'a Plane,
-    /// Sky background of the pixels.
-    pub background: &'a Background,
-    /// Illuminated part.
-    pub light_area: &'a LightArea,
-    /// Exposure time, seconds.
-    pub exposure_s: f64,
-    /// Electrons per unit of the pixels; `None` if unknown: the photon noise of the streak is then omitted.
-    pub electrons_per_unit: Option<f64>,
-    /// Value at which a pixel is saturated; `None` if unknown.
-    pub saturation: Option<f64>,
-    /// Angular size of a pixel, arcsec.
-    pub pixel_scale_arcsec: f64,
-    /// Ratio of width to height of a pixel on the sky.
-    pub pixel_aspect: f64,
-}
-
-/// Predicted track of a satellite in an image, with its errors.
-#[derive(Clone, Debug)]
-pub struct PredictedStreak {
-    /// Predicted positions. Times are seconds after the shutter opened; the path extends beyond the exposure by the
-    /// largest delay and beyond the image by the corridor. The rate is 1 where the satellite is lit and 0 elsewhere.
-    pub path: StreakPath,
-    /// Displacement of the track in the image for a delay of one second that is not due to the satellite's own motion:
-    /// the observer moves during the delay. Pixels per second.
-    pub drift_pix_s: [f64; 2],
-    /// Error (one sigma) along the track, seconds.
-    pub lateness_sigma_s: f64,
-    /// Error (one sigma) across the track, pixels.
-    pub cross_sigma_pix: f64,
-    /// Distance of the satellite, km, and radius of a disk with its area, m.
-    pub range_km: f64,
-    /// Radius of a disk with the area of the satellite, m.
-    pub radius_m: f64,
-}
-
-/// Options of a measurement.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct MeasureOptions {
-    /// Half width of the corridor in sigmas of the prediction.
-    pub corridor_sigmas: f64,
-    /// Largest half width of the corridor, pixels.
-    pub most_corridor_pix: f64,
-    /// Probability of a false detection in one corridor.
-    pub false_alarm: f64,
-    /// Upper limits are this number of sigmas above the brightest place of the corridor.
-    pub limit_sigmas: f64,
-    /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
-    pub fit_width: bool,
-}
-
-impl Default for MeasureOptions {
-    fn default() -> Self {
-        Self { corridor_sigmas: 3.0, most_corridor_pix: 2000.0, false_alarm: 0.01, limit_sigmas: 3.0, fit_width: false }
-    }
-}
-
-/// Remark about a measurement.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Flag {
-    /// Pixels of the streak are saturated: the flux is a lower limit.
-    Saturated,
-    /// The streak runs along the edge of the image.
-    Edge,
-    /// Stars or defects cover more than half of the streak.
-    Masked,
-    /// The width of the streak differs from the given seeing by more than 20 %: the flux is biased.
-    Width,
-    /// The gain is unknown: the error does not contain the photon noise of the streak.
-    NoGain,
-    /// There is no space for fits beside the streak: the error is that of the pixels, without faint stars.
-    PixelNoise,
-}
-
-impl Flag {
-    /// Returns the name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Saturated => "saturated",
-            Self::Edge => "edge",
-            Self::Masked => "masked",
-            Self::Width => "width",
-            Self::NoGain => "no_gain",
-            Self::PixelNoise => "pixel_noise",
-        }
-    }
-}
-
-/// A number and its error (one sigma).
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Estimate {
-    /// Value.
-    pub value: f64,
-    /// One sigma.
-    pub sigma: f64,
-}
-
-/// Measured streak, or upper limit of a streak that was not found.
-#[derive(Clone, Debug)]
-pub struct StreakMeasurement {
-    /// True if the streak was found.
-    pub is_detected: bool,
-    /// Light per second, in the unit of the pixels, averaged over the track in the image.
-    pub rate: Estimate,
-    /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
-    pub rate_limit: f64,
-    /// Rate divided by its error.
-    pub signal_to_noise: f64,
-    /// Significance in the search, and the significance required for a detection.
-    pub significance: f64,
-    /// Significance that noise exceeds with the given probability.
-    pub threshold: f64,
-    /// Distance from the predicted track, pixels, positive towards increasing y (increasing x for a track nearer to the
-    /// columns).
-    pub offset_pix: Estimate,
-    /// Difference in angle from the predicted track, radians.
-    pub tilt_rad: f64,
-    /// Delay, seconds, if an end of the streak is in the image.
-    pub late_s: Option<Estimate>,
-    /// Number of ends in the image.
-    pub ends: usize,
-    /// Measured seeing: FWHM of a star's image, arcsec, that gives the width of the streak; `None` at low signal.
-    pub seeing_arcsec: Option<f64>,
-    /// Full width at half maximum of the drawn streak, pixels.
-    pub width_pix: f64,
-    /// Length in the image, pixels.
-    pub length_pix: f64,
-    /// First and last time at which the satellite is in the image, seconds after the shutter opened.
-    pub inside_s: [f64; 2],
-    /// Path of the measured streak.
-    pub path: StreakPath,
-    /// Remarks, in order.
-    pub flags: Vec<Flag>,
-    /// Largest distance from the predicted track that was searched, pixels.
-    pub corridor_pix: f64,
-}
 
 /// Parameters of a streak relative to its prediction.
 #[derive(Copy, Clone, Debug)]

@@ -1,7 +1,7 @@
 //! Tables of measurements: all columns, and the upload format of IAU CPS SCORE.
 
 use super::frame::MeasuredPass;
-use super::streak::Flag;
+use super::measurement::Flag;
 use crate::geometry::Site;
 use crate::output::{Column, Kind, Table, TableField, Value};
 

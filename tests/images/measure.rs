@@ -16,7 +16,7 @@ use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath,
 const FLUX_BIAS: f64 = 0.02;
 /// Share of fluxes within one sigma.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.63..=0.73;
-/// Probability of a false detection in a corridor that the library is asked for, and the largest observed share in 600
+/// Probability of a false detection in a corridor, an option of the measurement, and the largest observed share in 600
 /// corridors: 2.4 sigmas more.
 const FALSE_ALARM: f64 = 0.01;
 const FALSE_ALARMS: f64 = 0.02;
@@ -24,10 +24,13 @@ const FALSE_ALARMS: f64 = 0.02;
 const FOUND_AT_10: f64 = 0.95;
 const FOUND_AT_30: f64 = 0.99;
 
-/// Two bounds that are not met, with the measured values in docs/explanation/measuring.md: the bias of the flux at a
-/// signal to noise of 10 (2.9 %), and the share within one sigma among 1,000 stars per megapixel (62.2 %).
+/// Two bounds are not met (docs/explanation/measuring.md): the bias of the flux at a signal to noise of 10 is 2.9 %, and
+/// 62.2 % are within one sigma among 1,000 stars per megapixel. There, wider bounds, set after the first run, only show
+/// whether a change makes it worse.
 const BIASED: &str = "signal to noise 10";
+const FLUX_BIAS_THERE: f64 = 0.035;
 const SHARE_TOO_SMALL: &str = "stars per megapixel 1000";
+const LEAST_SHARE_THERE: f64 = 0.60;
 
 const ROWS: usize = 320;
 const COLUMNS: usize = 400;
@@ -206,9 +209,9 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
             100.0 * error,
             100.0 * share
         );
-        let is_biased = bias.abs() >= FLUX_BIAS && name != BIASED;
-        let is_dishonest = !WITHIN_ONE_SIGMA.contains(&share) && name != SHARE_TOO_SMALL;
-        if is_biased || is_dishonest {
+        let most_bias = if name == BIASED { FLUX_BIAS_THERE } else { FLUX_BIAS };
+        let least_share = if name == SHARE_TOO_SMALL { LEAST_SHARE_THERE } else { *WITHIN_ONE_SIGMA.start() };
+        if bias.abs() >= most_bias || !(least_share..=*WITHIN_ONE_SIGMA.end()).contains(&share) {
             failures.push(name);
         }
     };
@@ -257,7 +260,7 @@ fn verif_false_detections_are_rare() {
     let found = outcomes.iter().filter(|one| one.measured.is_detected).count() as f64 / outcomes.len() as f64;
     println!("false detections: {:.2} %", 100.0 * found);
     assert!(found <= FALSE_ALARMS, "{found}");
-    // Upper limits are above the rate, which is 0, and not above a streak that is found with certainty.
+    // Upper limits are above the rate, which is 0.
     assert!(outcomes.iter().all(|one| one.measured.rate_limit > 0.0));
 }
 
