@@ -28,6 +28,7 @@ mod model_files;
 mod next_clear_start;
 mod orbit_uncertainty;
 mod overhead;
+mod partly_lit;
 mod passes_reference;
 mod photometry_model;
 mod photometry_panels;
