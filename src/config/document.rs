@@ -234,6 +234,9 @@ pub struct RulesConfig {
     /// Limiting magnitude: brighter crossings give the verdict avoid; 7, or by band g=7,y=5,default=6
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_mag: Option<MagnitudeLimit>,
+    /// Satellites that block a start: any (all lit ones) or avoid (those that exceed a limit; default)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "CHOICE"))]
+    pub blocking: Option<String>,
     /// Longest delay in the search for the next clear start, with its unit, for example 10min
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
     pub max_delay: Option<Quantity>,
@@ -241,11 +244,12 @@ pub struct RulesConfig {
 
 /// Accepted keys of a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 42] = [
+const KEYS: [&str; 43] = [
     "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
     "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
     "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
-    "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
+    "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
+    "include_dark", "samples", "format",
 ];
 
 impl Config {
@@ -334,7 +338,7 @@ impl Config {
         complete!(self, base:
             accept_bad_checksums, qs_mag, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
             light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
-            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,
+            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, rules.policy, rules.limit_mag, rules.blocking, rules.max_delay, include_dark, samples, format,
         );
         self
     }

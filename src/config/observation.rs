@@ -122,6 +122,9 @@ impl Config {
             in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
         }
         policy.min_probability = self.min_probability.or(policy.min_probability);
+        if let Some(blocking) = &self.rules.blocking {
+            policy.blocking = blocking.parse().map_err(ConfigError::Policy)?;
+        }
         if let Some(delay) = &self.rules.max_delay {
             policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
         }

@@ -194,6 +194,12 @@ pub enum ScheduleError {
         /// Text that cannot be parsed.
         given: String,
     },
+    /// A choice of blocking satellites is not one of the allowed words.
+    #[error("blocking is '{given}'; allowed: any, avoid")]
+    PolicyBlocking {
+        /// Text that is not allowed.
+        given: String,
+    },
     /// A band has two limits.
     #[error("band {band} has two limits in '{given}'; allowed: one number for each band, such as g=7,y=5,default=6")]
     PolicyBand {

@@ -3,11 +3,11 @@
 use crate::passes::{CrossingProbability, Exposure, Pass};
 use crate::photometry::Brightness;
 
-use super::policy::{LimitKind, MagnitudeLimit, Policy};
+use super::policy::{Blocking, LimitKind, MagnitudeLimit, Policy};
 use super::verdict::{Verdict, VerdictKind};
 
 /// Largest number of satellites listed as reasons of one verdict.
-const NAMED_REASONS: usize = 5;
+const MAX_REASONS: usize = 5;
 
 /// Policy and camera limits that determine a verdict.
 pub(super) struct Rules<'a> {
@@ -104,7 +104,7 @@ impl Rules<'_> {
 
 /// Crossing probabilities and expected loss of an exposure for all satellites together, including near misses.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub(super) struct Expected {
+pub(super) struct ExpectedLoss {
     /// Probability that at least one lit satellite crosses and is brighter than a limit of the policy; equal to
     /// `p_crossing` if no limit applies.
     pub p_any: f64,
@@ -117,7 +117,7 @@ pub(super) struct Expected {
     pub lost_pixel_fraction: Option<f64>,
 }
 
-impl Expected {
+impl ExpectedLoss {
     /// Combines satellites whose errors are independent. `brighter` returns the probability that a satellite is
     /// brighter than a limit (1 without limits). `lost_fraction` returns the expected fraction of pixels lost to a
     /// satellite; it requires a telescope.
@@ -140,22 +140,22 @@ impl Expected {
     }
 }
 
-/// Judges an exposure by its crossings and near misses. If the verdict is not `clear`, the next clear start is not set.
+/// Judges an exposure by its crossings and near misses. If the verdict is not `clear`, the next starts are not set.
 ///
 /// Passes in the Earth's shadow are ignored. A near miss counts only if the policy has a `min_probability` and the
 /// crossing probability is at least that. The verdict is `avoid` if, for one pass that counts, the probability that it
 /// crosses and is brighter at its peak than a limit is at least `min_probability` (0.5 if omitted), or if the expected
 /// loss exceeds `max_lost_fraction`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
-pub(super) fn flag(
+pub(super) fn judge_exposure(
     exposure: &Exposure,
     band: Option<&str>,
     passes: &[Pass],
-    expected: &Expected,
+    expected: &ExpectedLoss,
     rules: &Rules<'_>,
 ) -> Verdict {
     let policy = rules.policy;
     let lit = || passes.iter().filter(|pass| pass.lit);
-    let counted: Vec<&Pass> = lit().filter(|pass| counts(pass, policy)).collect();
+    let counted: Vec<&Pass> = lit().filter(|pass| is_counted(pass, policy)).collect();
     let nominal = || counted.iter().filter(|pass| pass.is_crossing());
 
     let mut reasons = Vec::new();
@@ -169,7 +169,7 @@ pub(super) fn flag(
                 continue;
             }
             avoid = true;
-            if reasons.len() == NAMED_REASONS {
+            if reasons.len() == MAX_REASONS {
                 more_reasons += 1;
                 continue;
             }
@@ -208,6 +208,8 @@ pub(super) fn flag(
         reasons,
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
+        next_acceptable_start: clear.then_some(exposure.start),
+        acceptable_delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
         // The caller sets the passes.
         passes: Vec::new(),
@@ -255,34 +257,21 @@ fn reason(
     )
 }
 
-/// Returns true if the probability that a pass crosses and is brighter than a limit is at least that of the policy.
-pub(super) fn is_to_avoid(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
-    counts(pass, rules.policy)
-        && rules
-            .probability_brighter(Light::of(pass), band)
-            .is_some_and(|brighter| pass.probability * brighter >= rules.policy.avoid_probability())
-}
-
 /// Returns true for a lit crossing, and for a lit near miss whose probability is at least the `min_probability` of the
 /// policy.
-pub(super) fn counts(pass: &Pass, policy: &Policy) -> bool {
+pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// Returns true if a pass blocks an exposure for [`Blocking::Limits`](super::Blocking::Limits).
-///
-/// The pass must count. With a `min_probability`, the probability that it crosses and is brighter than a limit must be
-/// at least that. Without one, every nominal crossing is taken as certain, and the probability of being brighter must
-/// be at least 0.5. If no limit applies to the band, only the crossing probability is compared.
-pub(super) fn is_dodged(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
-    let policy = rules.policy;
-    if !counts(pass, policy) {
-        return false;
-    }
-    let crossing = policy.min_probability.map_or(1.0, |_| pass.probability);
-    let brighter = rules.probability_brighter(Light::of(pass), band);
-    let least = policy.min_probability.or(brighter.map(|_| policy.avoid_probability())).unwrap_or(0.0);
-    crossing * brighter.unwrap_or(1.0) >= least
+/// Returns true if a pass blocks the start of an exposure: it counts, and for [`Blocking::Avoid`] the probability that it
+/// crosses and is brighter than a limit is at least that of the policy, unless no limit applies to the band.
+pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, rules: &Rules<'_>) -> bool {
+    let exceeds_limit = || {
+        rules
+            .probability_brighter(Light::of(pass), band)
+            .is_none_or(|brighter| pass.probability * brighter >= rules.policy.avoid_probability())
+    };
+    is_counted(pass, rules.policy) && (blocking == Blocking::Any || exceeds_limit())
 }
 
 fn peak_magnitude(pass: &Pass) -> Option<f64> {
@@ -394,8 +383,8 @@ mod tests {
             let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
             rules.probability_brighter(pass.and_then(Light::of), Some("r")).unwrap_or(1.0)
         };
-        let expected = Expected::of(&probabilities(passes), &brighter, Some(&lost));
-        flag(&exposure(), Some("r"), passes, &expected, &rules)
+        let expected = ExpectedLoss::of(&probabilities(passes), &brighter, Some(&lost));
+        judge_exposure(&exposure(), Some("r"), passes, &expected, &rules)
     }
 
     fn verdict(passes: &[Pass], policy: &str) -> VerdictKind {
@@ -488,24 +477,27 @@ mod tests {
     }
 
     #[test]
-    fn passes_brighter_than_a_limit_are_dodged_or_all_without_a_limit() {
-        let dodged = |pass: &Pass, policy: &str| {
+    fn satellites_that_exceed_a_limit_block_or_all_without_a_limit() {
+        let blocked = |pass: &Pass, policy: &str| {
             let policy = Policy::from_toml(policy).unwrap();
-            is_dodged(pass, Some("r"), &Rules { policy: &policy, camera: None })
+            blocks(pass, Some("r"), policy.blocking, &Rules { policy: &policy, camera: None })
         };
-        let bright = pass(1, Some(5.0), 0.1);
-        assert!(dodged(&bright, "limit_mag = 7") && dodged(&bright, "") && dodged(&bright, "limit_mag = {g = 0}"));
-        assert!(!dodged(&bright, "limit_mag = 4.9") && !dodged(&bright, "limit_mag = 7\nmin_probability = 0.2"));
-        assert!(dodged(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
+        let bright = pass(1, Some(5.0), 1.0);
+        assert!(blocked(&bright, "limit_mag = 7") && blocked(&bright, "") && blocked(&bright, "limit_mag = {g = 0}"));
+        assert!(!blocked(&bright, "limit_mag = 4.9") && blocked(&bright, "limit_mag = 4.9\nblocking = 'any'"));
+        assert!(blocked(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
         let dark = Pass { lit: false, ..bright.clone() };
-        assert!(!dodged(&dark, "limit_mag = 7"));
-        // Lit, with unknown brightness: blocked only if the policy has no limits.
+        assert!(!blocked(&dark, "limit_mag = 7") && !blocked(&dark, "blocking = 'any'"));
+        // Lit, with unknown brightness: blocks only if the policy has no limits.
         let unseen = pass(1, None, 1.0);
-        assert!(dodged(&unseen, "") && !dodged(&unseen, "limit_mag = 7"));
-        let near = Pass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
-        assert!(!dodged(&near, "limit_mag = 7") && dodged(&near, "limit_mag = 7\nmin_probability = 0.2"));
+        assert!(blocked(&unseen, "") && !blocked(&unseen, "limit_mag = 7"));
+        // A crossing with a probability below 0.5 is not avoided.
+        let doubtful = pass(1, Some(5.0), 0.3);
+        assert!(!blocked(&doubtful, "limit_mag = 7") && blocked(&doubtful, "limit_mag = 7\nblocking = 'any'"));
+        let near = Pass { chords: Vec::new(), ..doubtful };
+        assert!(!blocked(&near, "") && blocked(&near, "limit_mag = 7\nmin_probability = 0.2"));
         // Probability 0.3 of crossing, and Φ(0.2) = 0.58 of being brighter.
-        let near = |policy: &str| dodged(&near, &format!("limit_mag = 5.1\nmin_probability = {policy}"));
+        let near = |policy: &str| blocked(&near, &format!("limit_mag = 5.1\nmin_probability = {policy}"));
         assert!(near("0.17") && !near("0.18"));
     }
 
@@ -528,7 +520,7 @@ mod tests {
             let policy = Policy::from_toml(policy).unwrap();
             let rules = Rules { policy: &policy, camera: Some(&Camera) };
             let passes = [pass(1, Some(magnitude), 1.0)];
-            flag(&exposure(), Some(band), &passes, &Expected::default(), &rules)
+            judge_exposure(&exposure(), Some(band), &passes, &ExpectedLoss::default(), &rules)
         };
         let both = "saturation_mag = 'telescope'\ncrosstalk_mag = 'telescope'";
         let avoided = verdict("g", 3.6, both);

@@ -29,7 +29,7 @@ pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;
 pub use nights::{Shard, ShardError, evening_mjd, night_of};
 pub(crate) use policy::one_line as toml_error_on_one_line;
-pub use policy::{MagnitudeLimit, OfTelescope, Policy};
+pub use policy::{Blocking, MagnitudeLimit, OfTelescope, Policy};
 pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use tables::{StreakColumns, StreakRow, exposure_table, flag_table, flag_table_with_exposures, streak_table};
@@ -37,6 +37,6 @@ pub use targets::{ListedTarget, read_targets};
 pub use verdict::{Verdict, VerdictKind};
 pub use window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table};
 pub use windows::{
-    Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows,
-    clear_windows_without_passes, next_window,
+    ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows, clear_windows_without_passes,
+    next_window,
 };

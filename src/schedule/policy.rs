@@ -79,6 +79,40 @@ impl MagnitudeLimit {
     }
 }
 
+/// Choice of the satellites that block the start of an exposure.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Blocking {
+    /// All lit satellites that count: a start is possible if the verdict is `clear`.
+    Any,
+    /// Satellites that exceed a magnitude limit of the policy: a start is possible if the verdict is `clear` or
+    /// `streaked`. If no magnitude limit applies to the band of the exposure, all lit satellites block.
+    #[default]
+    Avoid,
+}
+
+impl Blocking {
+    /// Returns the name used in policies: `any` or `avoid`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Blocking::Any => "any",
+            Blocking::Avoid => "avoid",
+        }
+    }
+}
+
+impl FromStr for Blocking {
+    type Err = ScheduleError;
+
+    fn from_str(text: &str) -> Result<Self, ScheduleError> {
+        let known = [Blocking::Any, Blocking::Avoid];
+        known
+            .into_iter()
+            .find(|blocking| blocking.name() == text)
+            .ok_or_else(|| ScheduleError::PolicyBlocking { given: text.to_owned() })
+    }
+}
+
 /// Effect on the camera if a magnitude limit is exceeded.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum LimitKind {
@@ -120,6 +154,8 @@ pub struct Policy {
     /// Least probability of a crossing brighter than a limit for the verdict `avoid`, and least crossing probability of
     /// a near miss that counts. If omitted, the first is 0.5 and near misses do not count.
     pub min_probability: Option<f64>,
+    /// Choice of the satellites that block the start of an exposure, for windows, delays and gates.
+    pub blocking: Blocking,
     /// Time without crossings required before opening and after closing, seconds; default 0.
     pub margin_s: Option<f64>,
     /// Longest delay of an exposure, seconds; default [`Policy::DEFAULT_MAX_DELAY_S`].
@@ -213,6 +249,11 @@ impl Policy {
             .into_iter()
             .filter(|(.., limit)| matches!(limit, Some(MagnitudeLimit::OfTelescope(_))))
             .map(|(name, kind, _)| (name, kind))
+    }
+
+    /// Returns true if the policy has any magnitude limit.
+    pub fn has_magnitude_limit(&self) -> bool {
+        [&self.limit_mag, &self.saturation_mag, &self.crosstalk_mag].into_iter().any(Option::is_some)
     }
 
     /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.

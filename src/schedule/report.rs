@@ -10,8 +10,8 @@ use crate::passes::{CrossingProbability, Exposure, Field, Pass, PassOptions, Sky
 use crate::photometry::{Band, PhotometryOptions};
 
 use super::horizon::{last_starts_s, lowest_altitudes_over};
-use super::judge::{CameraLimits, Expected, Light, Rules, counts, flag};
-use super::policy::{LimitKind, Policy};
+use super::judge::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
+use super::policy::{Blocking, LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
 use super::verdict::{Verdict, VerdictKind};
@@ -88,7 +88,7 @@ impl FlagReport {
     }
 }
 
-/// Judges every row, and finds the next clear starts. Rows that cannot be judged get the verdict `invalid`.
+/// Judges every row, and finds the next clear and the next acceptable starts. Rows that cannot be judged get the verdict `invalid`.
 ///
 /// The `margin_s` of the policy applies before and after an exposure. An exposure with a crossing only in its margins
 /// is `streaked`.
@@ -96,15 +96,14 @@ impl FlagReport {
 /// # Errors
 /// [`SkyError`] if passes cannot be computed.
 pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
-    let Judged { mut report, mut flags, above, counted } = judge(rows, request)?;
-    let waits = shift(&above, request, &counted, &mut flags, &mut report)?;
-    if request.policy.min_probability.is_some() || request.policy.max_lost_fraction.is_some() {
-        confirm(&above, waits, request, &mut flags)?;
-    }
+    let mut judged = judge(rows, request)?;
+    find_starts(Blocking::Any, &mut judged, rows, request)?;
+    find_starts(Blocking::Avoid, &mut judged, rows, request)?;
+    let Judged { report, flags, counted, .. } = judged;
     Ok(finished(report, flags, counted))
 }
 
-/// Judges every row without margins, and without the next clear starts of exposures that are not clear.
+/// Judges every row without margins, and without the next starts of exposures that are not clear.
 ///
 /// It takes less than half the time of [`flag_exposures`].
 ///
@@ -157,8 +156,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
     let probabilities = request.sky.crossing_probabilities(&exposures, request.field)?;
 
-    let camera =
-        request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
+    let camera = Camera::of(request);
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
         let band = rows[*row].band.as_deref();
@@ -171,8 +169,8 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
             element_age_days: seconds_between(request.sky.elements()[one.element_index].epoch, exposure.start) / DAY_S,
             along_track_sigma_s: one.along_track_sigma_s,
         }));
-        flags[*row] = Some(flag(exposure, band, &passes, &expected, &rules));
-        counted[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
+        flags[*row] = Some(judge_exposure(exposure, band, &passes, &expected, &rules));
+        counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
     }
     Ok(Judged { report, flags, above, counted })
 }
@@ -271,13 +269,13 @@ fn expected_of(
     satellites: &[CrossingProbability],
     request: &FlagRequest<'_>,
     brighter: &dyn Fn(&CrossingProbability) -> f64,
-) -> Expected {
-    let Some(telescope) = request.telescope else { return Expected::of(satellites, brighter, None) };
+) -> ExpectedLoss {
+    let Some(telescope) = request.telescope else { return ExpectedLoss::of(satellites, brighter, None) };
     let lost_fraction = |one: &CrossingProbability| {
         let width_arcsec = telescope.width_arcsec(one.geometry.range_km, request.sky.model(one.element_index).size_m());
         telescope.lost_pixel_fraction(one.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
     };
-    Expected::of(satellites, brighter, Some(&lost_fraction))
+    ExpectedLoss::of(satellites, brighter, Some(&lost_fraction))
 }
 
 /// Magnitude limits of a telescope, with the sky and the photometry options that determine the predicted magnitudes.
@@ -285,6 +283,14 @@ pub(super) struct Camera<'a> {
     pub telescope: &'a Telescope,
     pub sky: &'a Sky,
     pub photometry: &'a PhotometryOptions,
+}
+
+impl<'a> Camera<'a> {
+    /// Returns the camera of a request; `None` without a telescope.
+    pub fn of(request: &FlagRequest<'a>) -> Option<Self> {
+        let FlagRequest { sky, telescope, photometry, .. } = *request;
+        telescope.map(|telescope| Self { telescope, sky, photometry })
+    }
 }
 
 impl CameraLimits for Camera<'_> {
@@ -306,23 +312,44 @@ impl CameraLimits for Camera<'_> {
     }
 }
 
-/// Finds the next clear starts of exposures that are not clear, including those with a crossing only in their margins.
-fn shift(
-    judged: &[(usize, &Exposure)],
+/// Finds the earliest start that no satellite of `blocking` blocks, for all exposures that cannot start as scheduled.
+/// With [`Blocking::Any`], an exposure with a crossing only in its margins becomes `streaked`.
+fn find_starts(
+    blocking: Blocking,
+    judged: &mut Judged<'_>,
+    rows: &[&ScheduledExposure],
     request: &FlagRequest<'_>,
-    counted: &[Vec<Pass>],
-    flags: &mut [Option<Verdict>],
-    report: &mut FlagReport,
-) -> Result<Vec<Wait>, SkyError> {
+) -> Result<(), SkyError> {
     let policy = request.policy;
-    let mut waits = Vec::new();
+    let camera = Camera::of(request);
+    let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
+    let band = |row: usize| rows[row].band.as_deref();
     let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
-    let waiting: Vec<(usize, &Exposure)> = judged
+    let Judged { report, flags, above, counted } = judged;
+    if blocking == Blocking::Avoid {
+        for (row, exposure) in above.iter() {
+            let Some(flag) = flags[*row].as_mut() else { continue };
+            let start = match rules.has_limit(band(*row)) {
+                true if flag.kind == VerdictKind::Avoid => continue,
+                true => Some((exposure.start, 0.0)),
+                false => flag.next_start(Blocking::Any),
+            };
+            flag.set_next_start(Blocking::Avoid, start);
+        }
+    }
+    let is_searched = |row: usize, kind: VerdictKind| match blocking {
+        Blocking::Any => margin_s > 0.0 || kind != VerdictKind::Clear,
+        Blocking::Avoid => {
+            rules.has_limit(band(row))
+                && (kind == VerdictKind::Avoid || kind == VerdictKind::Streaked && margin_s > 0.0)
+        }
+    };
+    let searched: Vec<(usize, &Exposure)> = above
         .iter()
-        .filter(|(row, _)| margin_s > 0.0 || flags[*row].as_ref().is_some_and(|flag| flag.kind != VerdictKind::Clear))
+        .filter(|(row, _)| flags[*row].as_ref().is_some_and(|flag| is_searched(*row, flag.kind)))
         .copied()
         .collect();
-    let long: Vec<Exposure> = waiting
+    let long: Vec<Exposure> = searched
         .iter()
         .map(|(_, exposure)| Exposure {
             start: seconds_after(exposure.start, -margin_s),
@@ -330,58 +357,68 @@ fn shift(
             ..(*exposure).clone()
         })
         .collect();
-    let options = PassOptions { without_light: true, ..pass_options(request) };
+    let options = PassOptions { without_light: blocking == Blocking::Any, ..pass_options(request) };
     let answer = request.sky.field_passes(&long, request.field, &options)?;
     report.left_out.extend(answer.left_out);
-    let waiting_exposures: Vec<&Exposure> = waiting.iter().map(|(_, exposure)| *exposure).collect();
+    let exposures: Vec<&Exposure> = searched.iter().map(|(_, exposure)| *exposure).collect();
     let earth = |start, end| request.sky.orientation_over(start, end);
-    let last_starts = last_starts_s(&waiting_exposures, request.sky.viewpoint(), &earth, max_delay_s);
-    for (((row, exposure), passes), last_start_s) in waiting.iter().zip(&answer.by_exposure).zip(last_starts) {
+    let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s);
+    let mut searches = Vec::new();
+    for (((row, exposure), passes), last_start_s) in searched.iter().zip(&answer.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let blocked = |late: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
+        let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, &rules);
+        let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
             let ahead = passes
                 .iter()
-                .filter(|pass| counts(pass, policy))
-                .flat_map(|pass| intervals(pass, exposure, margin_s, late(pass)));
+                .filter(is_blocking)
+                .flat_map(|pass| intervals(pass, exposure, margin_s, allowance_s(pass)));
             // The passes of the verdict are added because the search over the longer interval may omit one that only
             // just enters the field.
-            let now = counted[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
+            let now = counted[*row]
+                .iter()
+                .filter(is_blocking)
+                .flat_map(|pass| intervals(pass, exposure, 0.0, allowance_s(pass)));
             ahead.chain(now).collect()
         };
         if flag.kind == VerdictKind::Clear {
             // Margins apply to nominal crossings, without the allowance for early and late satellites.
             let nominal = blocked(&|_| 0.0);
-            let touched = next_clear_start(&nominal, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
-            if !touched {
+            let is_crossed = next_clear_start(&nominal, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
+            if !is_crossed {
                 continue;
             }
             flag.kind = VerdictKind::Streaked;
             flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
         }
-        let late_s = |pass: &Pass| late_s(pass, policy).min(max_delay_s);
-        let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
-        wait.find(exposure, policy, 0.0, flag);
-        if flag.delay_s == Some(0.0) {
-            // No satellite blocks this start: the exposure is not clear because of the expected loss over all
-            // satellites.
-            wait.find(exposure, policy, least_step_s(policy), flag);
+        let allowance_s = |pass: &Pass| lateness_allowance_s(pass, policy).min(max_delay_s);
+        let search = StartSearch { row: *row, blocking, blocked: blocked(&allowance_s), last_start_s };
+        search.find(exposure, policy, 0.0, flag);
+        let is_possible_now = blocking == Blocking::Avoid && flag.kind == VerdictKind::Streaked;
+        if !is_possible_now && flag.next_start(blocking).is_some_and(|(_, delay_s)| delay_s == 0.0) {
+            // No satellite blocks this start: the exposure is excluded by the expected loss over all satellites.
+            search.find(exposure, policy, least_step_s(policy), flag);
         }
-        waits.push(wait);
+        searches.push(search);
     }
-    Ok(waits)
+    if policy.min_probability.is_some() || policy.max_lost_fraction.is_some() {
+        let is_blocking = |row: usize, pass: &Pass| blocks(pass, band(row), blocking, &rules);
+        confirm(searches, above, &is_blocking, &options, request, flags)?;
+    }
+    Ok(())
 }
 
-/// Data for the search of the next clear start of one exposure.
-struct Wait {
+/// Search for the next start of one exposure.
+struct StartSearch {
     row: usize,
-    /// Intervals in which a satellite is in the field, seconds after the scheduled opening.
+    blocking: Blocking,
+    /// Intervals in which a blocking satellite is in the field, seconds after the scheduled opening.
     blocked: Vec<Interval>,
     /// Latest start before the pointing sets, seconds after the scheduled opening.
     last_start_s: f64,
 }
 
-impl Wait {
-    /// Sets the earliest clear start that is at least `from_s` after the scheduled opening, or adds a reason if there
+impl StartSearch {
+    /// Sets the earliest possible start that is at least `from_s` after the scheduled opening, or adds a reason if there
     /// is none.
     fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
         // The guard includes the error of rounding to a millisecond.
@@ -391,13 +428,20 @@ impl Wait {
         let found = next_clear_start(&self.blocked, exposure.duration_s, margin_s, guard_s, from_s, rest_s);
         let delay_s = found.map(|delay_s| (delay_s / TICK_S).ceil() * TICK_S);
         let sets = delay_s.is_some_and(|delay_s| delay_s > self.last_start_s);
-        flag.delay_s = delay_s.filter(|_| !sets);
-        flag.next_clear_start = flag.delay_s.map(|delay_s| seconds_after(exposure.start, delay_s));
-        if flag.delay_s.is_none() {
+        let start = delay_s.filter(|_| !sets).map(|delay_s| (seconds_after(exposure.start, delay_s), delay_s));
+        flag.set_next_start(self.blocking, start);
+        if start.is_none() {
+            let state = match self.blocking {
+                Blocking::Any => "clear",
+                Blocking::Avoid => "acceptable",
+            };
             flag.reasons.push(if sets {
-                format!("no clear start before the pointing sets, {:.0} s after the scheduled start", self.last_start_s)
+                format!(
+                    "no {state} start before the pointing sets, {:.0} s after the scheduled start",
+                    self.last_start_s
+                )
             } else {
-                format!("no clear start within {max_delay_s} s")
+                format!("no {state} start within {max_delay_s} s")
             });
         }
     }
@@ -408,30 +452,31 @@ fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Checks the clear starts by computing passes and losses at them, because the blocked intervals do not determine the
+/// Checks the starts found by computing passes and losses at them, because the blocked intervals do not determine the
 /// probabilities exactly.
 ///
-/// A start at which a satellite still counts, or at which the expected loss exceeds that of the policy, is replaced by
-/// the next candidate within the longest delay.
+/// A start at which a satellite still blocks, or at which the expected loss exceeds that of the policy, is replaced by
+/// the next candidate within the longest delay. `is_blocking` takes the row of a pass.
 fn confirm(
+    mut searches: Vec<StartSearch>,
     judged: &[(usize, &Exposure)],
-    mut waits: Vec<Wait>,
+    is_blocking: &dyn Fn(usize, &Pass) -> bool,
+    options: &PassOptions,
     request: &FlagRequest<'_>,
     flags: &mut [Option<Verdict>],
 ) -> Result<(), SkyError> {
     let policy = request.policy;
-    let options = PassOptions { without_light: true, ..pass_options(request) };
     let scheduled: HashMap<usize, &Exposure> = judged.iter().copied().collect();
-    while !waits.is_empty() {
-        let (open, later): (Vec<Wait>, Vec<Exposure>) = waits
+    while !searches.is_empty() {
+        let (open, later): (Vec<StartSearch>, Vec<Exposure>) = searches
             .into_iter()
-            .filter_map(|wait| {
-                let start = flags[wait.row].as_ref()?.next_clear_start?;
-                let exposure = Exposure { start, ..(*scheduled.get(&wait.row)?).clone() };
-                Some((wait, exposure))
+            .filter_map(|search| {
+                let (start, _) = flags[search.row].as_ref()?.next_start(search.blocking)?;
+                let exposure = Exposure { start, ..(*scheduled.get(&search.row)?).clone() };
+                Some((search, exposure))
             })
             .unzip();
-        let answer = request.sky.field_passes(&later, request.field, &options)?;
+        let answer = request.sky.field_passes(&later, request.field, options)?;
         let too_much_lost = match policy.max_lost_fraction {
             Some(most) => request
                 .sky
@@ -443,22 +488,24 @@ fn confirm(
                 .collect(),
             None => vec![false; later.len()],
         };
-        waits = Vec::new();
-        for ((wait, passes), too_much_lost) in open.into_iter().zip(&answer.by_exposure).zip(too_much_lost) {
-            let (Some(flag), Some(exposure)) = (flags[wait.row].as_mut(), scheduled.get(&wait.row)) else { continue };
+        searches = Vec::new();
+        for ((search, passes), too_much_lost) in open.into_iter().zip(&answer.by_exposure).zip(too_much_lost) {
+            let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
+                continue;
+            };
             let longest_sigma_s = passes
                 .iter()
-                .filter(|pass| counts(pass, policy))
+                .filter(|pass| is_blocking(search.row, pass))
                 .map(|pass| pass.along_track_sigma_s)
                 .max_by(f64::total_cmp);
             if longest_sigma_s.is_none() && !too_much_lost {
                 continue;
             }
             // After half a sigma the probability is smaller by at least a tenth. The search ends at the longest delay.
-            if let Some(delay_s) = flag.delay_s {
+            if let Some((_, delay_s)) = flag.next_start(search.blocking) {
                 let step_s = longest_sigma_s.map_or(0.0, |sigma_s| 0.5 * sigma_s).max(least_step_s(policy));
-                wait.find(exposure, policy, delay_s + step_s, flag);
-                waits.push(wait);
+                search.find(exposure, policy, delay_s + step_s, flag);
+                searches.push(search);
             }
         }
     }
@@ -466,7 +513,7 @@ fn confirm(
 }
 
 /// Returns the allowance for an early or late satellite, seconds; 0 if the policy has no `min_probability`.
-pub(super) fn late_s(pass: &Pass, policy: &Policy) -> f64 {
+pub(super) fn lateness_allowance_s(pass: &Pass, policy: &Policy) -> f64 {
     policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
 }
 

@@ -8,6 +8,8 @@ use crate::elements::NoradId;
 use crate::output::format_utc;
 use crate::passes::Pass;
 
+use super::policy::Blocking;
+
 /// Kind of a verdict on an exposure.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum VerdictKind {
@@ -74,6 +76,11 @@ pub struct Verdict {
     pub next_clear_start: Option<Epoch>,
     /// Delay of `next_clear_start` after the scheduled start, seconds.
     pub delay_s: Option<f64>,
+    /// Earliest start, not before the scheduled one, at which no limit of the policy is exceeded. Equal to
+    /// `next_clear_start` if no limit applies to the exposure.
+    pub next_acceptable_start: Option<Epoch>,
+    /// Delay of `next_acceptable_start` after the scheduled start, seconds.
+    pub acceptable_delay_s: Option<f64>,
     /// NORAD catalogue numbers of `passes`.
     pub norad_ids: Vec<NoradId>,
     /// Lit crossings in order of entry, and probable near misses if the policy has a `min_probability`.
@@ -81,6 +88,23 @@ pub struct Verdict {
 }
 
 impl Verdict {
+    /// Returns the earliest start that no satellite of `blocking` blocks, with its delay in seconds.
+    pub fn next_start(&self, blocking: Blocking) -> Option<(Epoch, f64)> {
+        match blocking {
+            Blocking::Any => self.next_clear_start.zip(self.delay_s),
+            Blocking::Avoid => self.next_acceptable_start.zip(self.acceptable_delay_s),
+        }
+    }
+
+    /// Sets the earliest start that no satellite of `blocking` blocks, with its delay in seconds.
+    pub(super) fn set_next_start(&mut self, blocking: Blocking, start: Option<(Epoch, f64)>) {
+        let (epoch, delay_s) = match blocking {
+            Blocking::Any => (&mut self.next_clear_start, &mut self.delay_s),
+            Blocking::Avoid => (&mut self.next_acceptable_start, &mut self.acceptable_delay_s),
+        };
+        (*epoch, *delay_s) = start.unzip();
+    }
+
     /// Returns the verdict for a row that cannot be judged.
     pub fn invalid(exposure_id: &str, reason: String) -> Self {
         Self {
@@ -96,6 +120,8 @@ impl Verdict {
             reasons: vec![reason],
             next_clear_start: None,
             delay_s: None,
+            next_acceptable_start: None,
+            acceptable_delay_s: None,
             norad_ids: Vec::new(),
             passes: Vec::new(),
         }
@@ -108,11 +134,13 @@ impl fmt::Display for Verdict {
         if !self.reasons.is_empty() {
             write!(formatter, ": {}", self.reasons.join("; "))?;
         }
-        match (self.delay_s, self.next_clear_start) {
-            (Some(delay_s), Some(start)) if delay_s > 0.0 => {
-                write!(formatter, "; clear when started {delay_s:.1} s later, at {}", format_utc(start, 3))
+        let clear = self.next_start(Blocking::Any);
+        let acceptable = self.next_start(Blocking::Avoid).filter(|start| Some(*start) != clear);
+        for (state, start) in [("within the limits", acceptable), ("clear", clear)] {
+            if let Some((start, delay_s)) = start.filter(|(_, delay_s)| *delay_s > 0.0) {
+                write!(formatter, "; {state} when started {delay_s:.1} s later, at {}", format_utc(start, 3))?;
             }
-            _ => Ok(()),
         }
+        Ok(())
     }
 }

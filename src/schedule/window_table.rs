@@ -92,7 +92,7 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
             one.windows().len().into(),
             sum_s(one.windows()).into(),
             one.found.map(|found| sum_s(&found.observable)).into(),
-            one.found.map_or(0, |found| found.dodged.len()).into(),
+            one.found.map_or(0, |found| found.blocking_passes.len()).into(),
             one.reason().into(),
         ]
     });

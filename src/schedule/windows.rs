@@ -8,32 +8,16 @@ use crate::orbit::LeftOut;
 use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::horizon::{altitude_rad, sampling_interval_s};
-use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
-use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, late_s, pass_options};
+use super::judge::{CameraLimits, Rules, blocks};
+use super::policy::Blocking;
+use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
-
-/// Choice of the satellites that block an exposure.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
-pub enum Blocking {
-    /// All lit satellites; the verdict of every exposure in a window is `clear`.
-    #[default]
-    Any,
-    /// Satellites that make the verdict `avoid` by a magnitude limit of the policy.
-    Avoided,
-    /// Satellites that are brighter than a limit. Without a `min_probability` every nominal crossing is taken as
-    /// certain, and the probability of being brighter must be at least 0.5. With one, the probability of crossing and
-    /// being brighter must be at least `min_probability`. If no limit applies to the band, only the crossing
-    /// probability is compared.
-    Limits,
-}
 
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {
-    /// Sky, field, telescope, photometry and policy: magnitude limits, margin and probability are applied;
-    /// `max_lost_fraction` and `max_delay_s` are not.
-    pub against: FlagRequest<'a>,
-    /// Choice of the satellites that block an exposure.
-    pub blocking: Blocking,
+    /// Sky, field, telescope, photometry and policy: blocking satellites, magnitude limits, margin and probability are
+    /// applied; `max_lost_fraction` and `max_delay_s` are not.
+    pub conditions: FlagRequest<'a>,
     /// Lowest altitude of the target while the shutter is open, radians, without refraction; for a telescope in orbit,
     /// the angle above the Earth's limb.
     pub min_altitude_rad: f64,
@@ -67,7 +51,7 @@ pub struct TargetWindows {
     /// Opening times allowed by the altitudes of target and Sun; satellites are not considered.
     pub observable: Vec<ClearWindow>,
     /// Passes that block part of the range, in order of entry.
-    pub dodged: Vec<Pass>,
+    pub blocking_passes: Vec<Pass>,
 }
 
 /// Windows of all targets.
@@ -81,8 +65,8 @@ pub struct WindowReport {
 
 /// Computes all clear windows of shutter opening times from `from` to `to`; none if `to` is before `from`.
 ///
-/// No satellite of `blocking` crosses an exposure that opens in a window. The margin of the policy applies before and
-/// after the exposure, so the shutter may also open late by up to the margin. With a `min_probability`, near misses
+/// No satellite selected by the policy's `blocking` crosses an exposure that opens in a window. The margin of the policy
+/// applies before and after the exposure, so the shutter may also open late by up to the margin. With a `min_probability`, near misses
 /// count, and blocked intervals are extended by three sigmas for early and late satellites. A blocking pass blocks from
 /// its entry to its exit, also while the satellite is faint or in shadow.
 ///
@@ -101,7 +85,7 @@ pub fn clear_windows(
     windows_of(targets, from, to, request, true)
 }
 
-/// Computes the same windows without blocking passes: [`TargetWindows::dodged`] is empty. It is faster for many
+/// Computes the same windows without blocking passes: [`TargetWindows::blocking_passes`] is empty. It is faster for many
 /// targets, because magnitudes and probabilities are computed only if the policy needs them.
 ///
 /// # Errors
@@ -122,7 +106,7 @@ fn windows_of(
     request: &WindowRequest<'_>,
     with_passes: bool,
 ) -> Result<WindowReport, SkyError> {
-    let margin_s = request.against.policy.margin_or_default_s();
+    let margin_s = request.conditions.policy.margin_or_default_s();
     let span_s = seconds_between(from, to);
     if span_s < 0.0 {
         return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
@@ -135,9 +119,11 @@ fn windows_of(
             ..target.exposure.clone()
         })
         .collect();
+    let policy = request.conditions.policy;
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
-    let bare = request.blocking == Blocking::Any && request.against.policy.min_probability.is_none();
-    let (blocked, left_out) = if bare && !with_passes {
+    let every_crossing_blocks =
+        (policy.blocking == Blocking::Any || !policy.has_magnitude_limit()) && policy.min_probability.is_none();
+    let (blocked, left_out) = if every_crossing_blocks && !with_passes {
         crossings(&exposures, request)?
     } else {
         passes(targets, from, &exposures, request)?
@@ -147,7 +133,7 @@ fn windows_of(
     let by_target = targets
         .iter()
         .zip(blocked)
-        .map(|(target, Blocked { intervals, mut dodged })| {
+        .map(|(target, Blocked { intervals, mut blocking_passes })| {
             let exposure = &target.exposure;
             let observable: Vec<Interval> = constraint
                 .observable(exposure)
@@ -162,12 +148,12 @@ fn windows_of(
                 .iter()
                 .flat_map(|interval| clear_starts(&intervals, exposure.duration_s, margin_s, GUARD_S, *interval));
             if !with_passes {
-                dodged.clear();
+                blocking_passes.clear();
             }
             TargetWindows {
                 windows: clear.filter_map(|interval| window(from, interval)).collect(),
                 observable: observable.iter().filter_map(|interval| window(from, *interval)).collect(),
-                dodged,
+                blocking_passes,
             }
         })
         .collect();
@@ -177,7 +163,7 @@ fn windows_of(
 /// Intervals in which satellites block one target, seconds after the start of the range, and the blocking passes.
 struct Blocked {
     intervals: Vec<Interval>,
-    dodged: Vec<Pass>,
+    blocking_passes: Vec<Pass>,
 }
 
 /// Returns blocked intervals and passes of each target, with magnitudes and probabilities.
@@ -187,35 +173,33 @@ fn passes(
     exposures: &[Exposure],
     request: &WindowRequest<'_>,
 ) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
-    let FlagRequest { sky, field, policy, telescope, photometry } = request.against;
+    let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_passes(exposures, field, &pass_options(&request.against))?;
-    let camera = telescope.map(|telescope| Camera { telescope, sky, photometry });
+    let answer = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
+    let camera = Camera::of(&request.conditions);
     let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    let blocks = |pass: &Pass, band: Option<&str>| match request.blocking {
-        Blocking::Any => counts(pass, policy),
-        Blocking::Avoided => is_to_avoid(pass, band, &rules),
-        Blocking::Limits => is_dodged(pass, band, &rules),
-    };
     let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
-        let dodged: Vec<Pass> = passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
+        let blocking_passes: Vec<Pass> =
+            passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref(), policy.blocking, &rules)).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
-        let intervals =
-            dodged.iter().flat_map(|pass| intervals(pass, &shifted, margin_s, late_s(pass, policy))).collect();
-        Blocked { intervals, dodged }
+        let intervals = blocking_passes
+            .iter()
+            .flat_map(|pass| intervals(pass, &shifted, margin_s, lateness_allowance_s(pass, policy)))
+            .collect();
+        Blocked { intervals, blocking_passes }
     };
     Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
 }
 
 /// Returns blocked intervals of each target if every lit crossing blocks.
 fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
-    let FlagRequest { sky, field, policy, .. } = request.against;
+    let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
     let answer = sky.field_crossings(exposures, field)?;
     let of = |crossings: Vec<FieldCrossing>| {
         let chords = crossings.iter().flat_map(|one| &one.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
-        Blocked { intervals: chords.map(interval).collect(), dodged: Vec::new() }
+        Blocked { intervals: chords.map(interval).collect(), blocking_passes: Vec::new() }
     };
     Ok((answer.by_exposure.into_iter().map(of).collect(), answer.left_out))
 }
@@ -249,7 +233,7 @@ struct SunLimit<'a> {
 
 impl<'a> ObservabilityConstraint<'a> {
     fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, SkyError> {
-        let viewpoint = request.against.sky.viewpoint();
+        let viewpoint = request.conditions.sky.viewpoint();
         let end = seconds_after(from, span_s);
         let limit = |most_rad: f64| -> Result<_, SkyError> {
             let no_horizon = || SkyError::NoHorizon { observer: viewpoint.name().to_string() };
@@ -259,7 +243,7 @@ impl<'a> ObservabilityConstraint<'a> {
         Ok(Self {
             viewpoint,
             min_altitude_rad: request.min_altitude_rad,
-            orientation: request.against.sky.orientation_over(from, end),
+            orientation: request.conditions.sky.orientation_over(from, end),
             sun: request.max_sun_altitude_rad.map(limit).transpose()?,
             span_s,
         })

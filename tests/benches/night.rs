@@ -20,7 +20,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
-    Blocking, FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows_without_passes,
+    FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows_without_passes,
 };
 
 fn main() {
@@ -156,8 +156,9 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     let targets: Vec<WindowTarget> = exposures.into_iter().map(target).collect();
     let field = Field::circle(fov_deg.to_radians()).expect("a field");
     let (policy, photometry) = (Policy::default(), PhotometryOptions::default());
-    let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
-    let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
+    let conditions =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
     let find_windows =
         || clear_windows_without_passes(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
     let mut report = find_windows();
@@ -169,8 +170,12 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
         })
         .collect();
     let windows: usize = report.by_target.iter().map(|one| one.windows.len()).sum();
-    let dodged: usize = report.by_target.iter().map(|one| one.dodged.len()).sum();
-    println!("{} satellites, {} targets: {windows} windows, {dodged} passes", sky.elements().len(), targets.len());
+    let blocking_passes: usize = report.by_target.iter().map(|one| one.blocking_passes.len()).sum();
+    println!(
+        "{} satellites, {} targets: {windows} windows, {blocking_passes} passes",
+        sky.elements().len(),
+        targets.len()
+    );
     println!("{:14} {:8.2} ms a target", "five hours", 1e3 * median(times) / targets.len() as f64);
 }
 

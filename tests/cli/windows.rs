@@ -11,9 +11,7 @@ use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, Orientation, seconds_after, seconds_between};
 use streakcast::geometry::SunState;
 use streakcast::passes::{Exposure, PassOptions};
-use streakcast::schedule::{
-    Blocking, FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad,
-};
+use streakcast::schedule::{FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad};
 
 const LIMIT_MAG: f64 = 6.5;
 const MARGIN_S: f64 = 1.0;
@@ -35,14 +33,13 @@ fn verif_windows_agree_with_passes() {
     let policy = Policy::from_toml(&format!("limit_mag = {LIMIT_MAG}\nmargin_s = {MARGIN_S}")).unwrap();
     let (min_altitude_deg, max_sun_altitude_deg) = (30.0_f64, -10.0_f64);
     let request = WindowRequest {
-        against: FlagRequest {
+        conditions: FlagRequest {
             sky: &prepared.sky,
             field: &field,
             policy: &policy,
             telescope: None,
             photometry: &photometry,
         },
-        blocking: Blocking::Limits,
         min_altitude_rad: min_altitude_deg.to_radians(),
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };
@@ -104,7 +101,8 @@ fn verif_windows_agree_with_passes() {
                     // A pass blocks from entry to exit, also while it is faint or in shadow, with a guard of 2 ms.
                     let begin = seconds_after(exposure.start, -0.003);
                     let end = seconds_after(exposure.start, exposure.duration_s + 0.003);
-                    let touches = found.dodged.iter().any(|pass| pass.enter.epoch <= end && pass.exit.epoch >= begin);
+                    let touches =
+                        found.blocking_passes.iter().any(|pass| pass.enter.epoch <= end && pass.exit.epoch >= begin);
                     assert!(touches, "{} {start}: outside of all windows, and nothing crosses", exposure.id);
                 }
             } else {

@@ -52,16 +52,19 @@ fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<V
 }
 
 /// Returns the windows of four targets within an hour after dusk, including the exposures.
-fn windows(min_altitude_rad: f64, blocking: Blocking, against: &FlagRequest<'_>) -> Vec<Vec<ClearWindow>> {
+fn windows(min_altitude_rad: f64, conditions: &FlagRequest<'_>) -> Vec<Vec<ClearWindow>> {
     let target = |number| WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, number), band: None };
     let targets: Vec<WindowTarget> = (0..4).map(target).collect();
-    let request = WindowRequest { against: *against, blocking, min_altitude_rad, max_sun_altitude_rad: None };
+    let request = WindowRequest { conditions: *conditions, min_altitude_rad, max_sun_altitude_rad: None };
     let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
     let by_target = report.expect("windows").by_target;
-    assert!(by_target.iter().any(|one| !one.dodged.is_empty()));
+    assert!(by_target.iter().any(|one| !one.blocking_passes.is_empty()));
     let alone = clear_windows_without_passes(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
     for (alone, one) in alone.expect("windows").by_target.iter().zip(&by_target) {
-        assert_eq!((&alone.windows, &alone.observable, alone.dodged.len()), (&one.windows, &one.observable, 0));
+        assert_eq!(
+            (&alone.windows, &alone.observable, alone.blocking_passes.len()),
+            (&one.windows, &one.observable, 0)
+        );
     }
     by_target.into_iter().map(|one| one.windows).collect()
 }
@@ -75,15 +78,16 @@ fn verif_starts_within_are_clear_and_between_are_not() {
     let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
     let photometry = PhotometryOptions::default();
     let bright = Policy { limit_mag: Some(MagnitudeLimit::All(6.9)), ..Policy::default() };
-    let patient = Policy { margin_s: Some(MARGIN_S), max_delay_s: Some(0.0), ..Policy::default() };
-    let cases = [(&patient, Blocking::Any), (&bright, Blocking::Avoided), (&bright, Blocking::Limits)];
-    for (policy, blocking) in cases {
+    let patient =
+        Policy { blocking: Blocking::Any, margin_s: Some(MARGIN_S), max_delay_s: Some(0.0), ..Policy::default() };
+    for policy in [&patient, &bright] {
+        let blocking = policy.blocking;
         let request = FlagRequest { sky: &sky, field: &field, policy, telescope: None, photometry: &photometry };
         let is_good = |verdict: &VerdictKind| match blocking {
             Blocking::Any => *verdict == VerdictKind::Clear,
-            Blocking::Avoided | Blocking::Limits => matches!(verdict, VerdictKind::Clear | VerdictKind::Streaked),
+            Blocking::Avoid => matches!(verdict, VerdictKind::Clear | VerdictKind::Streaked),
         };
-        let answer = windows(0.0, blocking, &request);
+        let answer = windows(0.0, &request);
         let (mut inside, mut outside) = (0, 0);
         for (number, windows) in answer.iter().enumerate() {
             assert!(!windows.is_empty(), "target {number}");
@@ -102,7 +106,7 @@ fn verif_starts_within_are_clear_and_between_are_not() {
                     // A satellite that just touches the field crosses with a probability of one half, so that the
                     // probability of crossing and being brighter is below one half, although the window excludes it.
                     // The middle between two windows is used.
-                    Blocking::Avoided | Blocking::Limits => vec![0.5 * (last_s + next_s)],
+                    Blocking::Avoid => vec![0.5 * (last_s + next_s)],
                 })
                 .collect();
             let found = verdicts(&between, number, &request);
@@ -122,7 +126,7 @@ fn windows_end_at_the_minimum_altitude() {
     let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
     // The limit is the altitude of the second target in the middle of the time range, so that it rises or sets there.
     let limit_rad = altitude_rad(&exposure(seconds_after(dusk(), 0.5 * SPAN_S), 0.0, 1));
-    let answer = windows(limit_rad, Blocking::Any, &request);
+    let answer = windows(limit_rad, &request);
     let starts: Vec<f64> = answer[1].iter().map(ends_s).flat_map(|(first_s, last_s)| [first_s, last_s]).collect();
     assert!(!starts.is_empty());
     for start_s in &starts {
@@ -130,11 +134,11 @@ fn windows_end_at_the_minimum_altitude() {
         // The tolerance is the rotation of the sky in 0.01 s.
         assert!(at_start_rad > limit_rad - 1e-6, "{start_s} s: {} below", limit_rad - at_start_rad);
     }
-    let all = windows(0.0, Blocking::Any, &request);
+    let all = windows(0.0, &request);
     let length_s = |windows: &[ClearWindow]| windows.iter().map(ends_s).map(|(first, last)| last - first).sum::<f64>();
     assert!(length_s(&answer[1]) < 0.7 * length_s(&all[1]));
     // With a limit above the altitude of all targets there are no windows.
-    let none = windows(1.57, Blocking::Any, &request);
+    let none = windows(1.57, &request);
     assert!(none.iter().all(Vec::is_empty));
 }
 
@@ -146,11 +150,12 @@ fn windows_from_an_orbit_end_at_the_limb() {
     let (sky, eop) = (Sky::with_models(elements, observer, EopTable::embedded(), &choice), EopTable::embedded());
     let field = Field::circle(0.5f64.to_radians()).expect("a field");
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
-    let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let conditions =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     // The time range is two thirds of an orbit, in which every target that the Earth can block rises or sets.
     let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
     let windows_with = |max_sun_altitude_rad| {
-        let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad };
+        let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad };
         clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S), &request)
     };
     let lowest_rad = |start: Epoch| lowest_altitudes_rad(&[&exposure(start, EXPOSURE_S, 1)], sky.viewpoint(), &eop)[0];
@@ -166,4 +171,49 @@ fn windows_from_an_orbit_end_at_the_limb() {
         }
     }
     assert!(matches!(windows_with(Some(-0.2)), Err(SkyError::NoHorizon { .. })));
+}
+
+/// The next starts of verdicts and the windows follow one definition: the first window of an exposure begins at the
+/// next acceptable start for `avoid`, and at the next clear start for `any`.
+#[test]
+fn verif_windows_begin_at_the_next_starts_of_verdicts() {
+    let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
+    let photometry = PhotometryOptions::default();
+    let (mut delayed, mut different) = (0, 0);
+    for blocking in [Blocking::Any, Blocking::Avoid] {
+        for (limit_mag, margin_s) in [(Some(6.9), 0.0), (Some(6.9), MARGIN_S), (None, 0.0)] {
+            let limit_mag = limit_mag.map(MagnitudeLimit::All);
+            let policy = Policy { limit_mag, blocking, margin_s: Some(margin_s), ..Policy::default() };
+            let conditions =
+                FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+            let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
+            for number in 0..4 {
+                for step in 0..12 {
+                    let start = seconds_after(dusk(), 150.0 * f64::from(step));
+                    let exposure = exposure(start, EXPOSURE_S, number);
+                    let row = ScheduledExposure { id: "e".into(), row: 0, band: None, exposure: Ok(exposure.clone()) };
+                    let report = flag_exposures(&[&row], &conditions).expect("flags");
+                    let flag = &report.flags[0];
+                    let target = WindowTarget { exposure, band: None };
+                    let longest_s = policy.max_delay_or_default_s();
+                    let windows = clear_windows(&[target], start, seconds_after(start, longest_s), &request);
+                    let first = windows.expect("windows").by_target[0].windows.first().copied();
+                    let window_s = first.map(|window| seconds_between(start, window.first));
+                    let delay_s = flag.next_start(blocking).map(|(_, delay_s)| delay_s);
+                    // The next start has an additional guard of 1 ms and is rounded to 1 ms.
+                    let agree = match (window_s, delay_s) {
+                        (Some(window_s), Some(delay_s)) => (window_s - delay_s).abs() < 0.0031,
+                        (window_s, delay_s) => window_s.is_none() && delay_s.is_none(),
+                    };
+                    assert!(agree, "{blocking:?} {number} {step}: window {window_s:?}, {flag:?}");
+                    delayed += usize::from(delay_s.is_some_and(|delay_s| delay_s > 0.0));
+                    different += usize::from(flag.acceptable_delay_s != flag.delay_s);
+                    if policy.limit_mag.is_none() {
+                        assert_eq!(flag.acceptable_delay_s, flag.delay_s);
+                    }
+                }
+            }
+        }
+    }
+    assert!(delayed > 20 && different > 10, "{delayed} delayed, {different} with different starts");
 }

@@ -6,7 +6,7 @@ Times are UTC seconds since 1970.
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -64,7 +64,7 @@ def icrs_deg(coordinates: SkyCoord) -> tuple[FloatArray, FloatArray]:
 
 
 def clear_on_grid(
-    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
+    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: Union[str, None]
 ) -> BoolArray:
     """Returns an array ``(n_targets, n_starts)``: True where exposures are clear, False below the horizon.
 
@@ -80,8 +80,9 @@ def clear_on_grid(
         Shutter openings, UTC seconds since 1970, ascending.
     length_s : float
         Duration of each exposure, seconds.
-    blocking : {"any", "avoid"}
-        Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the policy.
+    blocking : {"any", "avoid"}, optional
+        Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the policy. Default:
+        that of the policy.
     """
     clear = np.zeros((len(ra_deg), len(starts_s)), dtype=bool)
     for begin, end in _chunks(starts_s):
@@ -95,7 +96,7 @@ def clear_on_grid(
 
 
 def clear_one_by_one(
-    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
+    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: Union[str, None]
 ) -> BoolArray:
     """Same as `clear_on_grid` for single exposures of one duration, with one target per start; returns ``(n,)``."""
     clear = np.zeros(len(ra_deg), dtype=bool)
@@ -156,7 +157,7 @@ def require_telescope(model: StreakModel) -> None:
 
 
 def windows_of(
-    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: Any, end_s: Any, length_s: float, blocking: str
+    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: Any, end_s: Any, length_s: float, blocking: Union[str, None]
 ) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
     """Returns targets, first and last clear starts, ``(n_windows,)`` each."""
     # MJD has a resolution of a microsecond: without the tolerance, the last start could be after the end.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Union
 
 import numpy as np
 from streakcast import StreakModel
@@ -31,20 +32,22 @@ class Rules:
     score : {"clear", "pixels"}
         Rating of an exposure: 1 if it is clear and 0 otherwise, or the fraction of pixels that are not lost. 0 below
         the horizon.
-    blocking : {"any", "avoid"}
+    blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy.
+        Default: that of the policy.
     margin_s : float
         Time that must be clear before the shutter opens and after it closes, seconds.
     """
 
     exposures: Exposures = field(default_factory=Exposures)
     score: str = "clear"
-    blocking: str = "any"
+    blocking: Union[str, None] = None
     margin_s: float = 1.0
 
     def __post_init__(self) -> None:
         one_of("score", self.score, SCORES)
-        one_of("blocking", self.blocking, BLOCKING)
+        if self.blocking is not None:
+            one_of("blocking", self.blocking, BLOCKING)
         if not 0.0 <= self.margin_s <= LONGEST_MARGIN_S:
             raise ValueError(f"margin is {self.margin_s} s; allowed: 0 to {LONGEST_MARGIN_S:.0f} s")
 

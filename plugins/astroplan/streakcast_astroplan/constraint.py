@@ -55,9 +55,9 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
     score : {"clear", "pixels"}, optional
         Meaning of the score: fraction of clear exposures (default), or fraction of unaffected pixels (the model needs a
         ``telescope``). Only with ``boolean_constraint=False``.
-    blocking : {"any", "avoid"}
+    blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy
-        (``limit_mag``). The score ``pixels`` includes all lit satellites.
+        (``limit_mag``). Default: that of the policy. The score ``pixels`` includes all lit satellites.
     margin : `~astropy.units.Quantity` or float
         Time that must be clear before the shutter opens and after it closes. astroplan moves blocks by up to a second
         to close gaps.
@@ -96,7 +96,7 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         n_exposures: Union[int, None] = None,
         boolean_constraint: bool = True,
         score: Union[str, None] = None,
-        blocking: str = "any",
+        blocking: Union[str, None] = None,
         margin: Any = 1.0,
         worst_score: float = 0.01,
         each: str = "auto",

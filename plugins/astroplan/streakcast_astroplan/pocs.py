@@ -51,8 +51,9 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
     min_clear_share : float
         Fields with a smaller fraction of clear exposures are vetoed. The default 0 vetoes no field, because POCS stops
         observing if all fields are vetoed.
-    blocking : {"any", "avoid"}
+    blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that are brighter than the model's ``limit_mag``.
+        Default: that of the model's policy.
     **kwargs
         ``weight`` and other arguments of POCS constraints.
     """
@@ -62,7 +63,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         model: Union[StreakModel, dict[str, Any]],
         readout: float = 0.0,
         min_clear_share: float = 0.0,
-        blocking: str = "any",
+        blocking: Union[str, None] = None,
         **kwargs: Any,
     ) -> None:
         super().__init__(**kwargs)

@@ -25,7 +25,7 @@ def clear_windows(
     *,
     observer: Union[Observer, None] = None,
     min_altitude: Any = 0.0 * u.deg,
-    blocking: str = "any",
+    blocking: Union[str, None] = None,
 ) -> QTable:
     """Returns the intervals in which an exposure of each target can start and no satellite crosses it.
 
@@ -43,8 +43,9 @@ def clear_windows(
         Its location is compared with the model's site. A distance above 1 km is logged.
     min_altitude : `~astropy.units.Quantity` or float
         Smallest altitude of the target while the shutter is open, degrees, without refraction.
-    blocking : {"any", "avoid"}
+    blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy.
+        Default: that of the policy.
 
     Returns
     -------

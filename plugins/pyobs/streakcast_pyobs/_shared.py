@@ -92,7 +92,7 @@ class Settings(BaseModel):
     #: Number of exposures of a task. Default: as many as fit into its duration.
     n_exposures: Union[int, None] = Field(default=None, ge=1, le=100_000)
     #: Satellites that block an exposure: all lit ones (``any``), or those that exceed a magnitude limit (``avoid``).
-    blocking: str = "any"
+    blocking: Union[str, None] = None
     #: Time that must be clear before the shutter opens and after it closes, seconds.
     margin_s: float = Field(default=1.0, ge=0.0, le=3600.0)
 

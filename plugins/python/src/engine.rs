@@ -39,9 +39,10 @@ pub struct Engine {
     time_scale: Option<String>,
 }
 
-/// Requirements for clear windows: blocking satellites, altitude limits of pointing and Sun.
+/// Requirements for clear windows: blocking satellites (those of the policy if `None`), altitude limits of pointing and
+/// Sun.
 struct Limits {
-    blocking: Blocking,
+    blocking: Option<Blocking>,
     min_altitude_rad: f64,
     max_sun_altitude_rad: Option<f64>,
 }
@@ -153,6 +154,12 @@ impl Engine {
         self.field.as_ref().ok().map(Field::area_deg2)
     }
 
+    /// Returns the choice of satellites that block a start: `any` or `avoid`.
+    #[getter]
+    fn blocking(&self) -> &'static str {
+        self.policy.blocking.name()
+    }
+
     /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`,
     /// `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`.
     #[pyo3(signature = (exposures, bands))]
@@ -219,7 +226,7 @@ impl Engine {
     }
 
     /// Returns intervals of clear starts: index of the target, first and last start.
-    #[pyo3(signature = (exposures, bands, exposure_s, min_altitude_deg, blocking, max_sun_altitude_deg=None))]
+    #[pyo3(signature = (exposures, bands, exposure_s, min_altitude_deg, blocking=None, max_sun_altitude_deg=None))]
     #[expect(clippy::too_many_arguments)]
     fn clear_windows<'py>(
         &self,
@@ -228,7 +235,7 @@ impl Engine {
         bands: Vec<String>,
         exposure_s: f64,
         min_altitude_deg: f64,
-        blocking: &str,
+        blocking: Option<&str>,
         max_sun_altitude_deg: Option<f64>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         within("exposure", 0, exposure_s, 0.0, 86_400.0, "s")?;
@@ -237,12 +244,7 @@ impl Engine {
         if let Some(sun_deg) = max_sun_altitude_deg {
             within("max_sun_altitude", 0, sun_deg, -90.0, 90.0, "deg")?;
         }
-        let blocking = match blocking {
-            "any" => Blocking::Any,
-            "avoid" => Blocking::Avoided,
-            "limits" => Blocking::Limits,
-            other => return Err(failure::request(format!("blocking is '{other}'; allowed: any, avoid, limits"))),
-        };
+        let blocking = blocking.map(str::parse).transpose().map_err(failure::request)?;
         let limits = Limits {
             blocking,
             min_altitude_rad: min_altitude_deg.to_radians(),
@@ -428,13 +430,14 @@ impl Engine {
         limits: &Limits,
     ) -> PyResult<WithWarnings<Vec<(usize, ClearWindow)>>> {
         let field = self.field()?;
+        let policy = Policy { blocking: limits.blocking.unwrap_or(self.policy.blocking), ..self.policy.clone() };
         let times: Vec<(Exposure, Option<String>)> =
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
         let (mut found, mut warnings) = (Vec::new(), Vec::new());
         for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start))? {
-            let against = self.request(field, &prepared);
-            let Limits { blocking, min_altitude_rad, max_sun_altitude_rad } = *limits;
-            let request = WindowRequest { against, blocking, min_altitude_rad, max_sun_altitude_rad };
+            let conditions = FlagRequest { policy: &policy, ..self.request(field, &prepared) };
+            let Limits { min_altitude_rad, max_sun_altitude_rad, .. } = *limits;
+            let request = WindowRequest { conditions, min_altitude_rad, max_sun_altitude_rad };
             let mut by_span: BTreeMap<(Epoch, Epoch), Vec<usize>> = BTreeMap::new();
             for index in indices {
                 let (time, _) = &times[index];

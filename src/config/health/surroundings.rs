@@ -107,10 +107,11 @@ pub(super) fn policy(config: &Config) -> Finding {
         ["limit_mag", "saturation_mag", "crosstalk_mag", "max_lost_fraction"].iter().any(|key| words.starts_with(key))
     });
     let without = "no magnitude limit is set: no exposure has the verdict avoid".to_owned();
-    let is_default = config.rules.policy.is_none() && config.rules.max_delay.is_none();
+    let is_default =
+        config.rules.policy.is_none() && config.rules.max_delay.is_none() && config.rules.blocking.is_none();
     match has_limit {
         true => Finding::fine(SUBJECT, keys.join(", ")),
-        false if keys.is_empty() || is_default => Finding::fine(SUBJECT, without),
+        false if is_default => Finding::fine(SUBJECT, without),
         false => Finding::fine(SUBJECT, format!("{without}; {}", keys.join(", "))),
     }
 }

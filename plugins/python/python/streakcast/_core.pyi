@@ -112,7 +112,7 @@ class Engine:
         bands: list[str],
         exposure_s: float,
         min_altitude_deg: float,
-        blocking: str,
+        blocking: str | None = None,
         max_sun_altitude_deg: Optional[float] = None,
     ) -> tuple[dict[str, Any], list[str]]: ...
     def overhead(

@@ -14,7 +14,7 @@ from ._tables import TableLike, table_of, time_of, is_qtable
 from ._times import TimeLike, to_tai
 
 #: Accepted values of ``blocking``: choices of the satellites that block an exposure.
-BLOCKING = ("any", "avoid", "limits")
+BLOCKING = ("any", "avoid")
 #: Number or array.
 Numbers = Any
 
@@ -104,7 +104,7 @@ class ExposureQueries(SiteQueries):
         QTable or dict of arrays, ``(n_exposures,)`` each
             ``exposure_id`` (flat index of the exposure), ``verdict``, ``n_streaks``, ``brightest_mag``,
             ``expected_lost_pixel_fraction``, ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``,
-            ``delay_s``, ``norad_ids``, ``p_crossing``.
+            ``delay_s``, ``next_acceptable_start_utc``, ``acceptable_delay_s``, ``norad_ids``, ``p_crossing``.
         """
         exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
@@ -121,7 +121,7 @@ class ExposureQueries(SiteQueries):
         rotation: Numbers = 0.0,
         scale: Union[str, None] = None,
     ) -> Numbers:
-        """Returns the delay of each exposure until its field is clear.
+        """Returns the delay of each exposure until no satellite that the policy's ``blocking`` selects crosses its field.
 
         Parameters
         ----------
@@ -132,13 +132,14 @@ class ExposureQueries(SiteQueries):
         Returns
         -------
         float or array
-            Delay, seconds, to the millisecond; 0 if the field is clear now, NaN if no start within the limit is clear.
+            Delay, seconds, to the millisecond; 0 if no satellite blocks now, NaN if there is no start within the limit.
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
         sky_cache, engine = self._open()
         columns, warnings = engine.flags(exposures, bands)
         self._warn_once(sky_cache, warnings)
-        (delay,) = (column["values"] for column in columns if column["name"] == "delay_s")
+        name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[engine.blocking]
+        (delay,) = (column["values"] for column in columns if column["name"] == name)
         return float(delay[0]) if shape == () else delay.reshape(shape)
 
     def passes(
@@ -194,7 +195,7 @@ class ExposureQueries(SiteQueries):
         min_altitude: Numbers = 0.0,
         rotation: Numbers = 0.0,
         band: Any = None,
-        blocking: str = "any",
+        blocking: Union[str, None] = None,
         max_sun_altitude: Union[Numbers, None] = None,
         scale: Union[str, None] = None,
         output: str = "auto",
@@ -213,12 +214,9 @@ class ExposureQueries(SiteQueries):
             Smallest altitude of the pointing while the shutter is open, degrees, without refraction.
         rotation, band, scale
             As for `assess`.
-        blocking : {"any", "avoid", "limits"}
+        blocking : {"any", "avoid"}, optional
             Satellites that block an exposure. ``any``: all lit satellites. ``avoid``: satellites that exceed a
-            magnitude limit of the policy. ``limits``: satellites that are brighter than a limit with a probability of
-            at least 0.5, every nominal crossing taken as certain; if the policy has a ``min_probability``, satellites
-            that cross and are brighter with at least this probability. If no limit applies to the band, only the
-            crossing probability is compared.
+            magnitude limit of the policy; all lit satellites if no limit applies to the band. Default: the policy's.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
             Highest altitude of the Sun while the shutter is open, degrees. Default: no limit.
         output : {"auto", "qtable", "dict"}
@@ -233,7 +231,7 @@ class ExposureQueries(SiteQueries):
         StreakcastWarning
             Satellites were omitted because their position cannot be computed at that time, or the element sets are old.
         """
-        if blocking not in BLOCKING:
+        if blocking is not None and blocking not in BLOCKING:
             raise ValueError(f"blocking is '{blocking}'; allowed: {', '.join(BLOCKING)}")
         sun = None if max_sun_altitude is None else scalar(max_sun_altitude, "deg", "max_sun_altitude")
         jd1, jd2 = to_tai(end, self._scale(scale), "end")

@@ -19,7 +19,7 @@ SKY_KEYS = frozenset(
 ENGINE_KEYS = frozenset(
     {
         "fov", "field", "telescope", "band", "mag_system", "earthshine", "extinction", "sun_distance", "limit_mag",
-        "min_probability", "policy", "max_delay", "time_scale",
+        "min_probability", "policy", "blocking", "max_delay", "time_scale",
     }
 )  # fmt: skip
 

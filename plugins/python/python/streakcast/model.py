@@ -44,9 +44,12 @@ class StreakModel(ExposureQueries):
     limit_mag : float or dict, optional
         Magnitude limit. If a brighter satellite probably crosses an exposure, its verdict is ``avoid``. By band:
         ``{"g": 7, "default": 6}``.
+    blocking : {"avoid", "any"}, optional
+        Satellites that block a start: ``avoid`` (default), those that exceed a magnitude limit (all lit satellites if no
+        limit applies); ``any``, all lit satellites.
     policy : path or dict, optional
-        All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s,
-        max_delay_s``.
+        All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, blocking,
+        margin_s, max_delay_s``.
     mjd_scale : {"utc", "tai", "tt"}, optional
         Time scale of numbers given as times. Without it they raise `TypeError`.
     epoch : time, optional

@@ -11,7 +11,7 @@ use streakcast::config::parse_duration_s;
 use streakcast::config::{Config, RulesConfig, state_scales, time_range};
 use streakcast::output::{Section, format_utc};
 use streakcast::schedule::{
-    Blocking, FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
+    FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
     read_targets, window_table, window_target_table,
 };
 
@@ -102,8 +102,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings);
     let targets: Vec<WindowTarget> = listed.iter().filter_map(|one| one.target.clone().ok()).collect();
     let request = WindowRequest {
-        against: plan.request(&prepared.sky),
-        blocking: Blocking::Limits,
+        conditions: plan.request(&prepared.sky),
         min_altitude_rad: min_altitude_deg.to_radians(),
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };

@@ -34,6 +34,10 @@ pub struct GateArguments {
     /// Policy file (TOML): limits by magnitude, probability, margin
     #[arg(long, value_name = "FILE")]
     pub policy: Option<PolicyChoice>,
+    /// Satellites to avoid: avoid (those that exceed a limit; all lit ones without a limit; default) or any (all lit
+    /// ones)
+    #[arg(long, value_name = "CHOICE")]
+    pub blocking: Option<String>,
     /// Longest wait with its unit
     #[arg(long, value_name = "TIME", default_value = "90s")]
     pub max_wait: String,
@@ -117,7 +121,12 @@ impl Request {
                 ra: typed.ra,
                 dec: typed.dec,
             },
-            rules: RulesConfig { policy: typed.policy, limit_mag: typed.limit_mag, max_delay: None },
+            rules: RulesConfig {
+                policy: typed.policy,
+                limit_mag: typed.limit_mag,
+                blocking: typed.blocking,
+                max_delay: None,
+            },
             ..typed.config
         };
         let config_file = flags.run.file.clone();

@@ -80,7 +80,7 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
             ("fault", if request.strict { Err(anyhow!("{fault}")) } else { Ok(Outcome::Done) })
         }
     };
-    let line = line(&answer, request.max_wait_s);
+    let line = line(&answer, &request);
     let code = match &outcome {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::No) => 1,
@@ -114,14 +114,24 @@ fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
 }
 
 /// Returns the log line of a run.
-fn line(answer: &Result<GateVerdict, Fault>, max_wait_s: f64) -> String {
+fn line(answer: &Result<GateVerdict, Fault>, request: &Request) -> String {
+    let policy = &request.plan.policy;
+    let others = match policy.blocking == Blocking::Avoid && policy.has_magnitude_limit() {
+        true => "; satellites that exceed no limit may cross",
+        false => "",
+    };
     match answer {
         Ok(GateVerdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
-            format!("gate: clear after {waited_s:.1} s, starts until {}", format_utc(*until, 0))
+            format!("gate: clear after {waited_s:.1} s, starts until {}{others}", format_utc(*until, 0))
         }
-        Ok(GateVerdict::Clear { until, .. }) => format!("gate: clear now, starts until {}", format_utc(*until, 0)),
+        Ok(GateVerdict::Clear { until, .. }) => {
+            format!("gate: clear now, starts until {}{others}", format_utc(*until, 0))
+        }
         Ok(GateVerdict::NotClear) => {
-            format!("warning: gate: no clear start within {max_wait_s} s; the exposure starts and will be streaked")
+            format!(
+                "warning: gate: no clear start within {} s; the exposure starts and will be streaked",
+                request.max_wait_s
+            )
         }
         Ok(GateVerdict::Skipped(why)) => format!("gate: {why}: no wait"),
         Err(fault) => format!("warning: gate: {fault}; satellites were not checked, the exposure starts"),
@@ -165,13 +175,13 @@ fn answer(
     state(status, "dec_deg", round(pointing.latitude_rad()));
     state(status, "exposure_s", duration_s);
     state(status, "band", band.clone());
+    state(status, "blocking", request.plan.policy.blocking.name());
     state(status, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
 
     let prepared = prepare(request, &site, satellites_before, status, notices)?;
     let now = request.clock.now();
     let window_request = WindowRequest {
-        against: request.plan.request(&prepared.sky),
-        blocking: Blocking::Limits,
+        conditions: request.plan.request(&prepared.sky),
         min_altitude_rad: 0.0,
         max_sun_altitude_rad: None,
     };
@@ -193,7 +203,7 @@ fn answer(
     // The clock is read again, because reading the elements took some time.
     let now = request.clock.now();
     let last = seconds_after(now, request.max_wait_s);
-    add_avoided_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
+    add_blocking_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
     let Some(ClearWindow { first, last: until }) = next_window(&found.windows, now, last) else {
         return Ok(GateVerdict::NotClear);
     };
@@ -363,7 +373,7 @@ fn age(path: &Path) -> Option<Duration> {
 }
 
 /// Adds the passes that the wait avoids to the status file.
-fn add_avoided_passes(
+fn add_blocking_passes(
     found: &TargetWindows,
     prepared: &PreparedSky,
     from: Epoch,
@@ -371,7 +381,7 @@ fn add_avoided_passes(
     status: &mut Map<String, Value>,
 ) {
     let ahead: Vec<&Pass> =
-        found.dodged.iter().filter(|pass| pass.exit.epoch >= from && pass.enter.epoch <= to).collect();
+        found.blocking_passes.iter().filter(|pass| pass.exit.epoch >= from && pass.enter.epoch <= to).collect();
     let named: Vec<Value> = ahead
         .iter()
         .take(NAMED)

@@ -249,8 +249,10 @@ function answered({ document, ms }, parameters) {
   const count = flag.n_streaks;
   const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
-  const next =
-    flag.verdict === "clear" ? "" : flag.delay_s != null ? ` · next clear start ${delay(flag.delay_s)} (${clock(moment(then), 0, 3)} UTC)` : " · no clear start in time";
+  const start = (name, delay_s, utc) => (delay_s != null ? ` · next ${name} start ${delay(delay_s)} (${clock(moment(utc), 0, 3)} UTC)` : ` · no ${name} start in time`);
+  const isSame = flag.acceptable_delay_s === flag.delay_s;
+  const acceptable = flag.verdict === "avoid" && !isSame ? start("acceptable", flag.acceptable_delay_s, flag.next_acceptable_start_utc) : "";
+  const next = flag.verdict === "clear" ? "" : `${acceptable}${start("clear", flag.delay_s, then)}`;
   const lacks = document.left_out_count ? `${document.left_out_count} of ${night.provenance.satellites} satellites left out: their crossings are unknown.` : "";
   showAnswer(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
