@@ -72,7 +72,7 @@ pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, For
 #[derive(Copy, Clone)]
 pub struct EphemerisRow<'a> {
     /// Topocentric position.
-    pub place: &'a EphemerisPoint,
+    pub point: &'a EphemerisPoint,
     /// Element set of the satellite.
     pub elements: &'a ElementSet,
 }
@@ -84,55 +84,55 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
     let field = TableField::<EphemerisRow<'a>>::new;
     [
         field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
-            i64::from(row.place.norad_id.0).into()
+            i64::from(row.point.norad_id.0).into()
         }),
         field(Column::new("name", Kind::Text, "Name in the element set."), |row| Value::nonempty(&row.elements.name)),
-        field(Column::time("utc", "Time of reception."), |row| row.place.point.epoch.into()),
+        field(Column::time("utc", "Time of reception."), |row| row.point.point.epoch.into()),
         field(Column::real("julian_date_utc", "d", 8, "Time of reception as a Julian date, UTC."), |row| {
-            let (day, fraction) = utc_jd(row.place.point.epoch);
+            let (day, fraction) = utc_jd(row.point.point.epoch);
             (day + fraction).into()
         }),
         field(Column::real("ra_deg", "deg", DEGREES, "Right ascension, ICRS astrometric topocentric."), |row| {
-            row.place.point.direction.longitude_rad().to_degrees().into()
+            row.point.point.direction.longitude_rad().to_degrees().into()
         }),
         field(Column::real("dec_deg", "deg", DEGREES, "Declination."), |row| {
-            row.place.point.direction.latitude_rad().to_degrees().into()
+            row.point.point.direction.latitude_rad().to_degrees().into()
         }),
         field(
             Column::real("ra_cos_dec_rate_deg_s", "deg / s", 8, "Rate of right ascension times cosine of declination."),
-            |row| row.place.ra_cos_dec_rate_rad_s.to_degrees().into(),
+            |row| row.point.ra_cos_dec_rate_rad_s.to_degrees().into(),
         ),
         field(Column::real("dec_rate_deg_s", "deg / s", 8, "Rate of declination."), |row| {
-            row.place.dec_rate_rad_s.to_degrees().into()
+            row.point.dec_rate_rad_s.to_degrees().into()
         }),
         field(Column::real("altitude_deg", "deg", DEGREES, "Altitude without refraction and aberration."), |row| {
-            row.place.point.altitude_rad.map(f64::to_degrees).into()
+            row.point.point.altitude_rad.map(f64::to_degrees).into()
         }),
         field(Column::real("azimuth_deg", "deg", DEGREES, "Azimuth from north through east."), |row| {
-            row.place.point.azimuth_rad.map(f64::to_degrees).into()
+            row.point.point.azimuth_rad.map(f64::to_degrees).into()
         }),
         field(Column::real("altitude_rate_deg_s", "deg / s", 8, "Rate of altitude."), |row| {
-            row.place.altitude_rate_rad_s.map(f64::to_degrees).into()
+            row.point.altitude_rate_rad_s.map(f64::to_degrees).into()
         }),
         field(
             Column::real("azimuth_cos_altitude_rate_deg_s", "deg / s", 8, "Rate of azimuth times cosine of altitude."),
-            |row| row.place.azimuth_cos_altitude_rate_rad_s.map(f64::to_degrees).into(),
+            |row| row.point.azimuth_cos_altitude_rate_rad_s.map(f64::to_degrees).into(),
         ),
-        field(Column::real("range_km", "km", 4, "Distance from the observer."), |row| row.place.point.range_km.into()),
+        field(Column::real("range_km", "km", 4, "Distance from the observer."), |row| row.point.point.range_km.into()),
         field(Column::real("range_rate_km_s", "km / s", 7, "Rate of the distance."), |row| {
-            row.place.range_rate_km_s.into()
+            row.point.range_rate_km_s.into()
         }),
         field(Column::real("elongation_deg", "deg", 4, "Sun-observer-satellite angle."), |row| {
-            row.place.elongation_rad.to_degrees().into()
+            row.point.elongation_rad.to_degrees().into()
         }),
         field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle."), |row| {
-            row.place.point.geometry.phase_angle_rad().to_degrees().into()
+            row.point.point.geometry.phase_angle_rad().to_degrees().into()
         }),
         field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra."), |row| {
-            row.place.point.illumination.name().into()
+            row.point.point.illumination.name().into()
         }),
         field(Column::real("lit_fraction", "", 4, "Fraction of the Sun's light that arrives."), |row| {
-            row.place.point.illumination.lit_fraction().into()
+            row.point.point.illumination.lit_fraction().into()
         }),
         field(
             Column::real(
@@ -141,18 +141,18 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
                 3,
                 "Apparent magnitude; empty in the umbra and where no lit surface is visible.",
             ),
-            |row| row.place.point.brightness.as_ref().map(|light| light.magnitude.0).into(),
+            |row| row.point.point.brightness.as_ref().map(|light| light.magnitude.0).into(),
         ),
         field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| {
-            row.place.point.brightness.as_ref().map(|light| light.sigma_mag).into()
+            row.point.point.brightness.as_ref().map(|light| light.sigma_mag).into()
         }),
         field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
-            row.place.point.brightness.as_ref().map(|light| light.source.to_string()).into()
+            row.point.point.brightness.as_ref().map(|light| light.source.to_string()).into()
         }),
         field(Column::time("element_epoch_utc", "Epoch of the element set."), |row| row.elements.epoch.into()),
         field(
             Column::real("element_age_days", "d", 3, "Time less element epoch; negative if the elements are newer."),
-            |row| row.place.element_age_days.into(),
+            |row| row.point.element_age_days.into(),
         ),
         field(
             Column::real(
@@ -161,11 +161,11 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
                 2,
                 "Lateness: half width that holds 68 % of the delays along the track, early or late.",
             ),
-            |row| row.place.uncertainty.along_track_s.into(),
+            |row| row.point.uncertainty.along_track_s.into(),
         ),
         field(
             Column::real("cross_track_sigma_deg", "deg", 4, "One-sigma error across the track as an angle."),
-            |row| row.place.cross_track_sigma_rad().to_degrees().into(),
+            |row| row.point.cross_track_sigma_rad().to_degrees().into(),
         ),
         field(
             Column::new(
@@ -173,7 +173,7 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
                 Kind::Text,
                 "Source of the positions: `element set`, or `ephemeris` with the name of the file.",
             ),
-            |row| row.place.position_source.to_string().into(),
+            |row| row.point.position_source.to_string().into(),
         ),
     ]
 }

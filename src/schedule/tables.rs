@@ -137,20 +137,6 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             flag.delay_s.into()
         }),
         field(
-            Column {
-                kind: Kind::Time { decimals: 3 },
-                ..Column::time(
-                    "next_acceptable_start_utc",
-                    "Earliest start, not before the scheduled one, at which no limit of the policy is exceeded; equal to next_clear_start_utc if no limit applies.",
-                )
-            },
-            |flag| flag.next_acceptable_start.into(),
-        ),
-        field(
-            Column::real("acceptable_delay_s", "s", 3, "Delay of the next acceptable start after the scheduled start."),
-            |flag| flag.acceptable_delay_s.into(),
-        ),
-        field(
             Column::new(
                 "norad_ids",
                 Kind::List { separator: " " },
@@ -166,6 +152,20 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 "Probability that at least one lit satellite of any brightness crosses, near misses included.",
             ),
             |flag| flag.p_crossing.into(),
+        ),
+        field(
+            Column {
+                kind: Kind::Time { decimals: 3 },
+                ..Column::time(
+                    "next_acceptable_start_utc",
+                    "Earliest start, not before the scheduled one, at which no limit of the policy is exceeded; equal to next_clear_start_utc if no limit applies.",
+                )
+            },
+            |flag| flag.next_acceptable_start.into(),
+        ),
+        field(
+            Column::real("acceptable_delay_s", "s", 3, "Delay of the next acceptable start after the scheduled start."),
+            |flag| flag.acceptable_delay_s.into(),
         ),
     ]
 }

@@ -149,7 +149,7 @@ fn limits_can_be_flags_and_an_unreadable_policy_is_an_error() {
         (code, found[0].0.clone(), found[0].1.clone())
     };
     assert!(about(&[]).2.starts_with("no magnitude limit is set"));
-    assert_eq!(about(&["--limit-mag", "6.5"]), (0, "fine".into(), "limit_mag 6.5".into()));
+    assert_eq!(about(&["--limit-mag", "6.5"]), (0, "fine".into(), "blocking avoid, limit_mag 6.5".into()));
     std::fs::write(&policy, "limit_mag = 7\nmargin_s = 3\n").unwrap();
     let (code, severity, words) = about(&["--policy", &policy, "--max-delay", "2min"]);
     assert_eq!((code, severity.as_str()), (0, "fine"));

@@ -96,6 +96,41 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
     assert!(waited > 0, "all of them were clear: the test has seen no wait");
 }
 
+/// The gate waits as long as `flag` states: until no limit is exceeded, or with `--blocking any` until no lit satellite
+/// crosses.
+#[test]
+fn waits_are_those_of_flag() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = path(&folder, "schedule.csv");
+    let starts: Vec<String> = (30..50).map(|minute| format!("2024-08-14T23:{minute}:00.000Z")).collect();
+    let rows: String = starts.iter().map(|start| format!("{start},{start},10,217.5,-30\n")).collect();
+    fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+    let flag = ["flag", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--limit-mag", "6", "--quiet"];
+    let (code, stdout, stderr) = run(&[&flag, &["--schedule", &schedule, "--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    let flags: Value = serde_json::from_str(&stdout).unwrap();
+    let flags = flags["flags"].as_array().unwrap();
+    // An exposure with different waits, and one that is avoided.
+    let differ = |flag: &&Value| flag["acceptable_delay_s"] != flag["delay_s"];
+    let is_avoided = |flag: &&Value| flag["verdict"] == "avoid" && flag["acceptable_delay_s"].is_number();
+    let chosen = [flags.iter().find(differ).expect("different waits"), flags.iter().find(is_avoided).expect("avoided")];
+    for flag in chosen {
+        let now = flag["exposure_id"].as_str().unwrap();
+        for (blocking, column) in [("avoid", "acceptable_delay_s"), ("any", "delay_s")] {
+            let limit = ["--limit-mag", "6", "--max-wait", "10min", "--margin", "0s", "--blocking", blocking];
+            let (_, stderr, status) = gate(&folder, &[POINTING, &limit, &["--now", now]].concat());
+            assert_eq!(status["blocking"], blocking);
+            match flag[column].as_f64() {
+                // `flag` has an additional guard of 1 ms, and both are rounded to 1 ms.
+                Some(delay_s) => {
+                    assert!((status["waited_s"].as_f64().unwrap() - delay_s).abs() < 0.0031, "{stderr} {flag}")
+                }
+                None => assert_eq!(status["verdict"], "not_clear", "{flag}"),
+            }
+        }
+    }
+}
+
 #[test]
 fn exit_codes_and_counters_are_as_documented() {
     let folder = tempfile::tempdir().unwrap();

@@ -181,7 +181,7 @@ fn verif_windows_begin_at_the_next_starts_of_verdicts() {
     let photometry = PhotometryOptions::default();
     let (mut delayed, mut different) = (0, 0);
     for blocking in [Blocking::Any, Blocking::Avoid] {
-        for (limit_mag, margin_s) in [(Some(6.9), 0.0), (Some(6.9), MARGIN_S), (None, 0.0)] {
+        for (limit_mag, margin_s) in [(Some(6.9), 0.0), (Some(5.5), 0.0), (Some(5.5), MARGIN_S), (None, 0.0)] {
             let limit_mag = limit_mag.map(MagnitudeLimit::All);
             let policy = Policy { limit_mag, blocking, margin_s: Some(margin_s), ..Policy::default() };
             let conditions =

@@ -156,7 +156,7 @@ fn requests_are_filtered_by_name_and_altitude() {
     assert!(!expected.is_empty() && expected.len() < all.points.len(), "{} of {}", expected.len(), all.points.len());
     let elements = sky.elements();
     assert!(all.points.iter().all(|point| elements[point.element_index].name.contains("S1 P")));
-    let rows = all.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
+    let rows = all.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
     assert_eq!(ephemeris_table(rows).rows.len(), all.points.len());
 
     let mut none = request("");

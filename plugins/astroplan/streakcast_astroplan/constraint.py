@@ -176,11 +176,11 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         fallback = np.ones(shape, dtype=bool if self.boolean_constraint else float)
         if observer is not None and observer is not self._observer:
             self._observer = observer
-            self.hook.see_site(lambda: observer.location)
+            self.hook.check_site(lambda: observer.location)
         if targets is None:
             self.hook.note("target", "no target was passed; it is taken as observable")
             return fallback
-        return self.hook.ask(lambda model: self._evaluate(model, times, targets, fallback), fallback)
+        return self.hook.evaluate(lambda model: self._evaluate(model, times, targets, fallback), fallback)
 
     def _evaluate(self, model: StreakModel, times: Time, targets: SkyCoord, fallback: npt.NDArray[Any]) -> npt.NDArray[Any]:
         ra_deg, dec_deg = icrs_deg(targets)

@@ -37,5 +37,5 @@ class SatelliteStreaks(Constraint):  # type: ignore[misc]
 
     def __call__(self, observer_location: Any, target_coord: Any, obstime: Any) -> npt.NDArray[np.bool_]:
         """Evaluates the constraint. Targets and times are broadcast against each other."""
-        self.constraint.hook.see_site(lambda: observer_location[0] if observer_location.shape else observer_location)
+        self.constraint.hook.check_site(lambda: observer_location[0] if observer_location.shape else observer_location)
         return np.asarray(self.constraint.compute_constraint(obstime, None, target_coord), dtype=bool)

@@ -97,9 +97,9 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         """
         if getattr(observation, "dark", False):
             return False, self.weight
-        self.hook.see_clock(lambda: _time_to_compare(time))
-        self.hook.see_site(lambda: observer.location)
-        share = self.hook.ask(lambda model: self._share(model, time, observation), 1.0)
+        self.hook.check_clock(lambda: _time_to_compare(time))
+        self.hook.check_site(lambda: observer.location)
+        share = self.hook.evaluate(lambda model: self._share(model, time, observation), 1.0)
         return share < self.min_clear_share, share * self.weight
 
     def _share(self, model: StreakModel, time: Time, observation: Any) -> float:

@@ -54,7 +54,7 @@ def clear_windows(
         ``length`` (s) between them; ordered by target and time. A target without windows has no row.
     """
     if observer is not None:
-        Hook(model, "astroplan").see_site(observer.location)
+        Hook(model, "astroplan").check_site(observer.location)
     coordinates = get_skycoord(targets)
     names = _names(targets, coordinates)
     ra_deg, dec_deg = (np.atleast_1d(angle) for angle in icrs_deg(coordinates))

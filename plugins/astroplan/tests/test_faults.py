@@ -157,7 +157,7 @@ def test_the_scheduler_continues(model, observer, targets, log, failure):
     start = START
     hook = Hook(model, "astroplan")
     if failure == "model breaks":
-        hook.ask = lambda question, otherwise: Hook.ask(hook, lambda _: 1 / 0, otherwise)
+        hook.evaluate = lambda question, otherwise: Hook.evaluate(hook, lambda _: 1 / 0, otherwise)
     else:
         start = START + 37 * u.s
     constraint = SatelliteStreakConstraint(hook, 30.0)

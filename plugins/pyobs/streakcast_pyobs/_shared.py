@@ -60,10 +60,10 @@ class Host:
             self._observer = observer
             return location
 
-        self.hook.see_site(location_if_changed)
+        self.hook.check_site(location_if_changed)
         if monotonic() >= self._next_check_s:
             self._next_check_s = monotonic() + CLOCK_CHECK_S
-            self.hook.see_clock(Time.now)
+            self.hook.check_clock(Time.now)
 
 
 # Models and counters are common to all constraints and merits with the same model. pyobs creates constraints and merits
@@ -176,7 +176,7 @@ class Settings(BaseModel):
                 return CLEAR
             return host.memory.worth_of_block(model, rules, ra_deg, dec_deg, float(unix_s(time)), duration_s)
 
-        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, rating, CLEAR)
+        return await asyncio.get_running_loop().run_in_executor(_worker, hook.evaluate, rating, CLEAR)
 
     async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider) -> npt.NDArray[np.float64]:
         """Returns the ratings of a block of ``n_exposures`` exposures (default 1) at many positions: ``(n,)``."""
@@ -196,7 +196,7 @@ class Settings(BaseModel):
                 shares[valid] = rules.worth_of_block(model, ra_deg[valid], dec_deg[valid], float(unix_s(time)), 0.0)
             return shares
 
-        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, ratings, all_clear)
+        return await asyncio.get_running_loop().run_in_executor(_worker, hook.evaluate, ratings, all_clear)
 
 
 def _duration_s(task: Task, time: Time) -> float:

@@ -105,8 +105,8 @@ def test_valid_a_merit_prefers_clear_tasks(observer, tasks, hours, settings, sky
 
 
 def test_the_event_loop_does_not_stall(observer, tasks, hours, settings, monkeypatch):
-    """The event loop runs during each computation: the patched `ask` waits for it, and fails in the loop's thread."""
-    turns, is_running, original = [], threading.Event(), Hook.ask
+    """The event loop runs during each computation: the patched `evaluate` waits for it, and fails in the loop's thread."""
+    turns, is_running, original = [], threading.Event(), Hook.evaluate
 
     async def heartbeat():
         while True:
@@ -115,7 +115,7 @@ def test_the_event_loop_does_not_stall(observer, tasks, hours, settings, monkeyp
             if len(turns) > 10:
                 is_running.set()
 
-    def ask(self, question, otherwise):
+    def evaluate(self, question, otherwise):
         turns.clear()
         is_running.clear()
         assert is_running.wait(120.0), "the event loop is blocked"

@@ -108,7 +108,7 @@ pub fn ephemeris<'py>(
         let prepared = sky_cache.get().over(first, last).map_err(failure::setup)?;
         let elements = prepared.sky.elements();
         let found = compute_ephemeris(&prepared.sky, &request).map_err(|error| exception(error.into()))?;
-        let rows = found.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
+        let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
         let left_out = prepared.left_out_warning(&found.left_out, first).map_err(failure::setup)?;
         let warnings = [left_out, request.selection.unknown_warning(elements)].into_iter().flatten();
         Ok((ephemeris_table(rows), warnings.map(|warning| failure::as_arguments(&warning)).collect()))

@@ -62,7 +62,7 @@ def hook(path):
 
 
 def count(hook):
-    return hook.ask(lambda model: model.satellites(START), -1)
+    return hook.evaluate(lambda model: model.satellites(START), -1)
 
 
 def count_and_settle(hook):
@@ -74,8 +74,8 @@ def count_and_settle(hook):
 def test_an_error_gives_the_fallback_and_is_counted_and_logged_once(model, caplog):
     hook = Hook(model, "test")
     for length in (-1.0, -2.0, -3.0):
-        assert hook.ask(lambda model: model.assess(TARGET, START, length).verdict, "clear") == "clear"
-    assert hook.ask(lambda model: model.assess(TARGET, START, 30.0).verdict, "clear") == "avoid"
+        assert hook.evaluate(lambda model: model.assess(TARGET, START, length).verdict, "clear") == "clear"
+    assert hook.evaluate(lambda model: model.assess(TARGET, START, 30.0).verdict, "clear") == "avoid"
     assert hook.counts["asked"] == 4 and hook.counts["failed"] == 3
     (record,) = [record for record in caplog.records if record.name == "streakcast.test" and "failed" in record.message]
     assert record.levelno == logging.WARNING and "exposure" in record.message
@@ -115,32 +115,32 @@ def test_a_file_being_written_is_not_read(hook, path):
 def test_site(model, caplog):
     hook = Hook(model, "test")
     site = model.site
-    hook.see_site((site.latitude_deg + 0.008, site.longitude_deg, site.height_m))
+    hook.check_site((site.latitude_deg + 0.008, site.longitude_deg, site.height_m))
     assert hook.counts["site"] == 0
     for _ in range(2):
-        hook.see_site((site.latitude_deg + 0.01, site.longitude_deg, site.height_m))
+        hook.check_site((site.latitude_deg + 0.01, site.longitude_deg, site.height_m))
     assert hook.counts["site"] == 2
     (record,) = caplog.records
     assert "1.1 km apart" in record.message
     coordinates = pytest.importorskip("astropy.coordinates")
-    hook.see_site(model.location)
+    hook.check_site(model.location)
     assert hook.counts["site"] == 2
-    hook.see_site(coordinates.EarthLocation.from_geodetic(lon=20.81, lat=-32.38, height=1798.0))
+    hook.check_site(coordinates.EarthLocation.from_geodetic(lon=20.81, lat=-32.38, height=1798.0))
     assert hook.counts["site"] == 3
 
 
 def test_clock(model, caplog):
     hook = Hook(model, "test")
     utc = datetime.timezone.utc
-    hook.see_clock(datetime.datetime.now(utc))
-    hook.see_clock("2020-01-01T00:00:00Z")
+    hook.check_clock(datetime.datetime.now(utc))
+    hook.check_clock("2020-01-01T00:00:00Z")
     assert hook.counts["clock"] == 0
     mjd = time.time() / 86_400.0 + 40_587.0
-    hook.see_clock(mjd, "tai")
+    hook.check_clock(mjd, "tai")
     assert hook.counts["clock"] == 1
     (record,) = caplog.records
     assert re.search(r"-3[67]\.\d s off", record.message) and "TAI" in record.message
-    hook.see_clock(datetime.datetime.now(utc) + datetime.timedelta(seconds=60))
+    hook.check_clock(datetime.datetime.now(utc) + datetime.timedelta(seconds=60))
     assert hook.counts["clock"] == 2
 
 
@@ -160,7 +160,7 @@ def test_deep_copies_share_one_state(hook, path, caplog):
     assert [count(one) for one in (hook, *copies)] == [25] * 4
     assert hook.counts["reloaded"] == 1 and hook.counts["asked"] == 5
     for one in copies:
-        assert one.ask(lambda model: model.assess(TARGET, START, -1.0), None) is None
+        assert one.evaluate(lambda model: model.assess(TARGET, START, -1.0), None) is None
     assert hook.counts["failed"] == 3
     assert len([record for record in caplog.records if record.levelno == logging.WARNING]) == 1
     # A copy of a copy that is made after a file change reads the new file.
@@ -280,17 +280,17 @@ def test_broken_files_are_read_with_growing_delays(path, fake_clock, monkeypatch
 def test_an_unreadable_site_or_clock_is_counted(model, caplog):
     hook = Hook(model, "test")
     for _ in range(3):
-        hook.see_site(("north", None))
-        hook.see_site(lambda: 1 / 0)
-        hook.see_clock("no time")
-        hook.see_clock(lambda: 1 / 0)
+        hook.check_site(("north", None))
+        hook.check_site(lambda: 1 / 0)
+        hook.check_clock("no time")
+        hook.check_clock(lambda: 1 / 0)
     assert hook.counts["site"] == hook.counts["clock"] == 6 and hook.counts["failed"] == 0
     assert len([record for record in caplog.records if "cannot be read" in record.message]) == 2
     site = model.site
-    hook.see_site(lambda: (site.latitude_deg, site.longitude_deg, site.height_m))
-    hook.see_site(lambda: None)
-    hook.see_clock(lambda: None)
-    hook.see_clock(lambda: datetime.datetime.now(datetime.timezone.utc))
+    hook.check_site(lambda: (site.latitude_deg, site.longitude_deg, site.height_m))
+    hook.check_site(lambda: None)
+    hook.check_clock(lambda: None)
+    hook.check_clock(lambda: datetime.datetime.now(datetime.timezone.utc))
     assert hook.counts["site"] == hook.counts["clock"] == 6
 
 
@@ -305,7 +305,7 @@ def test_warnings_of_the_model_are_counted_and_logged_once(path, caplog):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for _ in range(3):
-            assert hook.ask(lambda model: model.assess(TARGET, start, 30.0).verdict, None) is not None
+            assert hook.evaluate(lambda model: model.assess(TARGET, start, 30.0).verdict, None) is not None
         assert hook.counts == {"asked": 3, "warned": 1}
     assert len([record for record in caplog.records if "14 days" in record.message]) == 1
     # Without a hook they are Python warnings.
@@ -323,7 +323,7 @@ def test_other_warnings_are_not_affected(model):
 
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
-        threads = [threading.Thread(target=lambda: [hook.ask(warn, None) for _ in range(50)]) for _ in range(4)]
+        threads = [threading.Thread(target=lambda: [hook.evaluate(warn, None) for _ in range(50)]) for _ in range(4)]
         for thread in threads:
             thread.start()
         for thread in threads:
@@ -332,9 +332,9 @@ def test_other_warnings_are_not_affected(model):
 
 
 def in_process(hook, divisor):
-    hook.ask(lambda model: model.satellites(START), None)
+    hook.evaluate(lambda model: model.satellites(START), None)
     for _ in range(3):
-        hook.ask(lambda model: 1 / divisor, None)
+        hook.evaluate(lambda model: 1 / divisor, None)
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])

@@ -59,7 +59,7 @@ class StreakMap(BaseBasisFunction):
 
     def _calc_value(self, conditions: Any, indx: Any = None, **_: Any) -> FloatArray:
         """Returns the map at the time of the conditions, or zeros after an error."""
-        self.value = self.hook.ask(lambda model: self._map_of(model, conditions), np.zeros(CELLS))
+        self.value = self.hook.evaluate(lambda model: self._map_of(model, conditions), np.zeros(CELLS))
         self.mjd_last = conditions.mjd + 0
         self.recalc = False
         return self.value

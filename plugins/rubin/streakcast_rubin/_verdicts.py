@@ -74,15 +74,15 @@ def weight_of_light(brightest_mag: FloatArray) -> FloatArray:
     return np.asarray(np.where(np.isfinite(weight), np.clip(weight, LEAST_WEIGHT, MOST_WEIGHT), 1.0), dtype=float)
 
 
-def see(hook: Hook, conditions: Any, scale: str) -> None:
+def check_conditions(hook: Hook, conditions: Any, scale: str) -> None:
     """Compares site and clock of the scheduler with those of the model and of this computer."""
 
     def location() -> tuple[float, float, float]:
         site = conditions.site
         return site.latitude, site.longitude, site.height
 
-    hook.see_site(location)
-    hook.see_clock(lambda: float(np.max(conditions.mjd)), scale)
+    hook.check_site(location)
+    hook.check_clock(lambda: float(np.max(conditions.mjd)), scale)
 
 
 def limit_of(limit_mag: Any, band: str | None) -> float | None:

@@ -12,7 +12,7 @@ from streakcast import StreakModel
 from ._arrays import BoolArray, FloatArray
 from ._checks import above, at_least
 from ._maps import CELLS, NSIDE, StreakMap
-from ._verdicts import limit_of, see
+from ._verdicts import limit_of, check_conditions
 from ._tracks import SAMPLE_S, SLOT_S, Pointings, Samples, SlotCache, cells_as_pointings, fields_as_pointings, loss_of, sectors
 
 #: Half of the side of a cell of nside 32, degrees.
@@ -160,7 +160,7 @@ class StreakMaskBasisFunction(StreakMap):
 
     def _map_of(self, model: StreakModel, conditions: Any) -> FloatArray:
         now = float(np.max(conditions.mjd))
-        see(self.hook, conditions, self.mjd_scale)
+        check_conditions(self.hook, conditions, self.mjd_scale)
         slew_s = np.broadcast_to(np.asarray(conditions.slewtime, dtype=float), (CELLS,))
         reached = np.isfinite(slew_s)
         mask = np.zeros(CELLS)

@@ -18,7 +18,7 @@ from ._candidates import Choice, candidates, choose
 from ._checks import at_least, limits, one_of
 from ._dispatched import DispatchedVisits, Owner
 from ._mount import Mount, Openings
-from ._verdicts import BLOCKINGS, DAMAGES, Rules, Verdicts, judge, scale_of, see
+from ._verdicts import BLOCKINGS, DAMAGES, Rules, Verdicts, judge, scale_of, check_conditions
 
 log = logging.getLogger("streakcast.rubin")
 
@@ -144,7 +144,7 @@ class StreakQueueManager(BaseQueueManager):
                 self.hook.note("clock", f"the time of the scheduler cannot be used: {type(error).__name__}: {error}", kind="time")
         if not self._choosing or np.size(valid) == 0:
             return valid
-        chosen = self.hook.ask(lambda model: self._choice(model, conditions, valid), None)
+        chosen = self.hook.evaluate(lambda model: self._choice(model, conditions, valid), None)
         if chosen is None:
             return valid
         return np.concatenate([[chosen], valid[valid != chosen]])
@@ -165,7 +165,7 @@ class StreakQueueManager(BaseQueueManager):
 
     def _choice(self, model: StreakModel, conditions: Any, valid: IntArray) -> Union[int, None]:
         """Returns the queue index of the visit to dispatch; `None` for the default visit."""
-        see(self.hook, conditions, self.mjd_scale)
+        check_conditions(self.hook, conditions, self.mjd_scale)
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
         free = np.array([index for index in valid[: 4 * self.look_ahead] if not self._dispatched.is_with_another(queue[index], self._owner, now)])
         indices = candidates(queue, free if free.size else valid, self.look_ahead)

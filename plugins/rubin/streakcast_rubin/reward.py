@@ -11,7 +11,7 @@ from streakcast import StreakModel
 from ._arrays import FloatArray
 from ._checks import at_least
 from ._maps import CELLS, NSIDE, StreakMap
-from ._verdicts import limit_of, see
+from ._verdicts import limit_of, check_conditions
 from ._tracks import SAMPLE_S, Samples, centres_of, loss_of
 
 #: Number of cells that are smoothed together: two rings, so that only satellites at their declinations are used.
@@ -107,7 +107,7 @@ class StreakRewardBasisFunction(StreakMap):
         cached = self._cached
         if cached is not None and cached[1] == key and 0.0 <= (now - cached[0]) * 86_400.0 <= self.cache_s:
             return cached[2]
-        see(self.hook, conditions, self.mjd_scale)
+        check_conditions(self.hook, conditions, self.mjd_scale)
         ahead_h = np.linspace(0.0, self.look_ahead_min / 60.0, self.samples)
         sky = self._sky_of(model)
         samples = [sky.sample(now + later_h / 24.0, SAMPLE_S) for later_h in ahead_h]

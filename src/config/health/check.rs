@@ -4,7 +4,7 @@ use hifitime::Epoch;
 
 use super::elements::ElementState;
 use super::finding::{Finding, MomentSource, Severity};
-use super::surroundings::{camera, clock, earth_orientation, place, policy};
+use super::observation::{camera, clock, earth_orientation, policy, site};
 use crate::config::document::Config;
 use crate::elements::SourceFile;
 use crate::passes::ModelChoice;
@@ -35,7 +35,7 @@ impl Config {
         self.check_elements(now, source, &mut health);
         health.findings.push(clock(now, source, health.elements.as_ref()));
         health.findings.extend(earth_orientation(self, now));
-        health.findings.extend(place(self, now));
+        health.findings.extend(site(self, now));
         health.findings.extend(camera(self));
         health.findings.push(policy(self));
         health
@@ -151,7 +151,7 @@ mod tests {
             assert_eq!(severity(&all, subject), Severity::Unchecked, "{subject}");
         }
         let policy = all.findings.iter().find(|one| one.subject == "policy").unwrap();
-        assert_eq!((policy.severity, policy.finding.as_str()), (Severity::Fine, "limit_mag 7.0"));
+        assert_eq!((policy.severity, policy.finding.as_str()), (Severity::Fine, "blocking avoid, limit_mag 7.0"));
         let all = health("policy = { saturation_mag = 'telescope' }", "2026-11-25T00:00:00Z");
         assert_eq!(severity(&all, "policy"), Severity::Error, "{:?}", all.findings);
     }

@@ -1,12 +1,12 @@
 //! Setup check of a configuration at a given time.
 //!
 //! `finding` defines the result for one subject. `elements` checks the element sets (ages, duplicates, models),
-//! `surroundings` checks clock, Earth orientation, site, camera and policy; `check` runs all checks.
+//! `observation` checks clock, Earth orientation, site, camera and policy; `check` runs all checks.
 
 mod check;
 mod elements;
 mod finding;
-mod surroundings;
+mod observation;
 
 pub use check::Health;
 pub use elements::{AgeBin, ElementState, EphemerisState, Unmatched};

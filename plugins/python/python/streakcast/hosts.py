@@ -59,7 +59,7 @@ class Hook:
     Attributes
     ----------
     counts : collections.Counter
-        ``asked`` (calls of `ask`), ``failed``, ``reloaded``, ``kept_old`` (changed files that were rejected),
+        ``asked`` (calls of `evaluate`), ``failed``, ``reloaded``, ``kept_old`` (changed files that were rejected),
         ``warned`` (warnings of the model: old element sets, rejected records), ``site`` and ``clock`` (different or not
         readable), and counters of the host.
     """
@@ -105,15 +105,15 @@ class Hook:
         """Logger for problems: ``streakcast.<name>``."""
         return logging.getLogger(f"streakcast.{self._state.name}")
 
-    def ask(self, question: Callable[[StreakModel], Answer], otherwise: Answer) -> Answer:
+    def evaluate(self, function: Callable[[StreakModel], Answer], fallback: Answer) -> Answer:
         """Returns the result of a function of the model, or a fallback if the function raises an exception.
 
         Parameters
         ----------
-        Function with the model as argument.
-            Function of the model.
-        Value that is returned if the function raises an exception.
-            Return value if the function raises.
+        function : callable
+            Function with the model as argument.
+        fallback : object
+            Value that is returned if the function raises an exception.
 
         Returns
         -------
@@ -123,10 +123,10 @@ class Hook:
         try:
             with handle_warnings(self._warned):
                 self._watch()
-                return question(self._state.model)
+                return function(self._state.model)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("failed", f"satellites are ignored: {type(error).__name__}: {error}")
-            return otherwise
+            return fallback
 
     def note(self, counter: str, message: str, *, kind: Union[str, None] = None, level: int = logging.WARNING) -> None:
         """Counts an event, and logs each kind of message once.
@@ -152,7 +152,7 @@ class Hook:
                 self._state.mailbox.keep_message(message)
             self.logger.log(level, "%s (logged once; counted as '%s')", message, counter)
 
-    def see_site(self, location: Any) -> None:
+    def check_site(self, location: Any) -> None:
         """Compares the site of the host with that of the model. Counts ``site`` above 1 km, or if it cannot be read.
 
         Parameters
@@ -184,7 +184,7 @@ class Hook:
             )
             self.note("site", message, kind="site")
 
-    def see_clock(self, now: Union[TimeLike, Callable[[], TimeLike]], scale: Union[str, None] = None) -> None:
+    def check_clock(self, now: Union[TimeLike, Callable[[], TimeLike]], scale: Union[str, None] = None) -> None:
         """Compares the time of the host with the clock. Counts ``clock`` above 1 s, or if it cannot be read.
 
         Simulated nights, with differences of ten minutes or more, are accepted.

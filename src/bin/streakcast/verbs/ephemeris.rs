@@ -66,7 +66,7 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     notices.warn_left_out(&prepared, &found.left_out, first)?;
     state(&mut prepared, &config, &typed.ephemeris, &request);
     let elements = prepared.sky.elements();
-    let rows = found.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
+    let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
     let table = ephemeris_table(rows);
     output.write(
         &Answer {

@@ -117,7 +117,7 @@ pub(super) fn policy(config: &Config) -> Finding {
 }
 
 /// Checks the site, or the orbit of the telescope.
-pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
+pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "site";
     if !config.has_viewpoint() {
         let remedy = "specify --site, --mpc, or --lat, --lon and --height";
