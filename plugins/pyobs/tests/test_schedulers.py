@@ -115,13 +115,13 @@ def test_the_event_loop_does_not_stall(observer, tasks, hours, settings, monkeyp
             if len(turns) > 10:
                 is_running.set()
 
-    def evaluate(self, question, otherwise):
+    def waiting(self, function, fallback):
         turns.clear()
         is_running.clear()
         assert is_running.wait(120.0), "the event loop is blocked"
-        return original(self, question, otherwise)
+        return original(self, function, fallback)
 
-    monkeypatch.setattr(Hook, "ask", ask)
+    monkeypatch.setattr(Hook, "evaluate", waiting)
 
     async def evaluate():
         beat = asyncio.create_task(heartbeat())
