@@ -105,7 +105,7 @@ fn waits_are_those_of_flag() {
     let starts: Vec<String> = (30..50).map(|minute| format!("2024-08-14T23:{minute}:00.000Z")).collect();
     let rows: String = starts.iter().map(|start| format!("{start},{start},10,217.5,-30\n")).collect();
     fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
-    let flag = ["flag", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--limit-mag", "5.45", "--quiet"];
+    let flag = ["flag", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--limit-mag", "5.49", "--quiet"];
     let (code, stdout, stderr) = run(&[&flag, &["--schedule", &schedule, "--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
     let flags: Value = serde_json::from_str(&stdout).unwrap();
@@ -117,7 +117,7 @@ fn waits_are_those_of_flag() {
     for flag in chosen {
         let now = flag["exposure_id"].as_str().unwrap();
         for (blocking, column) in [("avoid", "acceptable_delay_s"), ("any", "delay_s")] {
-            let limit = ["--limit-mag", "5.45", "--max-wait", "10min", "--margin", "0s", "--blocking", blocking];
+            let limit = ["--limit-mag", "5.49", "--max-wait", "10min", "--margin", "0s", "--blocking", blocking];
             let (_, stderr, status) = gate(&folder, &[POINTING, &limit, &["--now", now]].concat());
             assert_eq!(status["blocking"], blocking);
             match flag[column].as_f64() {
