@@ -102,7 +102,7 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
 fn waits_are_those_of_flag() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = path(&folder, "schedule.csv");
-    let starts: Vec<String> = (30..50).map(|minute| format!("2024-08-14T23:{minute}:00.000Z")).collect();
+    let starts: Vec<String> = (40..60).map(|minute| format!("2024-08-14T23:{minute}:00.000Z")).collect();
     let rows: String = starts.iter().map(|start| format!("{start},{start},10,217.5,-30\n")).collect();
     fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
     let flag = ["flag", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--limit-mag", "5.49", "--quiet"];
