@@ -45,6 +45,8 @@ pub mod images;
 #[doc(hidden)]
 pub mod input;
 pub mod maps;
+#[cfg(feature = "fit")]
+pub mod learn;
 #[doc(hidden)]
 pub mod math;
 pub mod measure;

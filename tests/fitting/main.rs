@@ -9,6 +9,7 @@ mod error_distributions;
 mod fit_closed_circle;
 mod fit_panels;
 mod fit_two_panel;
+mod learning;
 mod measured;
 mod measured_real;
 mod model_validation;

@@ -30,6 +30,8 @@ use verbs::gate::GateArguments;
 use verbs::identify::IdentifyArguments;
 #[cfg(all(feature = "fits", unix))]
 use verbs::inject::InjectArguments;
+#[cfg(feature = "fit")]
+use verbs::learn::LearnArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
 #[cfg(all(feature = "fits", unix))]
@@ -88,6 +90,9 @@ enum Verb {
     /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
+    /// Learn offsets of satellites and kinds from their brightness models, for --learned
+    #[cfg(feature = "fit")]
+    Learn(Box<LearnArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
@@ -144,6 +149,8 @@ fn main() -> ExitCode {
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
         #[cfg(feature = "fit")]
         Verb::Fit(typed) => verbs::fit::run(*typed),
+        #[cfg(feature = "fit")]
+        Verb::Learn(typed) => verbs::learn::run(*typed),
         #[cfg(feature = "serve")]
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),

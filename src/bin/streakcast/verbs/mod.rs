@@ -14,6 +14,8 @@ pub mod identify;
 #[cfg(all(feature = "fits", unix))]
 pub mod inject;
 mod judged;
+#[cfg(feature = "fit")]
+pub mod learn;
 pub mod lists;
 pub mod map;
 #[cfg(all(feature = "fits", unix))]
