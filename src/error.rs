@@ -11,7 +11,6 @@ use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
 use crate::images::ImagesError;
-#[cfg(feature = "fit")]
 use crate::learn::LearnError;
 use crate::maps::MapError;
 use crate::measure::MeasureError;
@@ -78,7 +77,6 @@ pub enum Error {
     #[error(transparent)]
     Fit(#[from] FitError),
     /// Error of learning from measurements.
-    #[cfg(feature = "fit")]
     #[error(transparent)]
     Learn(#[from] LearnError),
     /// Error in a configuration.

@@ -45,7 +45,6 @@ pub mod images;
 #[doc(hidden)]
 pub mod input;
 pub mod maps;
-#[cfg(feature = "fit")]
 pub mod learn;
 #[doc(hidden)]
 pub mod math;

@@ -84,9 +84,9 @@ pub fn fit_kind(passes: &[&Pass], model_sigma_mag: f64) -> KindFit {
     let point_sigma_mag = point_sigma_mag(passes);
     let mut satellites: BTreeMap<NoradId, Vec<Row>> = BTreeMap::new();
     for pass in passes {
-        let point_mag2 = point_sigma_mag.powi(2) / pass.points.len() as f64;
+        let point_mag2 = point_sigma_mag.powi(2) / pass.points().len() as f64;
         let row = Row { y_mag: pass.median_mag(), point_mag2, weight: 1.0 };
-        satellites.entry(pass.norad_id).or_default().push(row);
+        satellites.entry(pass.norad_id()).or_default().push(row);
     }
     // The model's sigma, shared equally by satellites, passes and measurements.
     let third_mag2 = model_sigma_mag.powi(2) / 3.0;
@@ -153,7 +153,7 @@ pub fn fit_kind(passes: &[&Pass], model_sigma_mag: f64) -> KindFit {
 /// else the median of the stated errors.
 fn point_sigma_mag(passes: &[&Pass]) -> f64 {
     let scatters: Vec<f64> = passes.iter().filter_map(|pass| pass.scatter_mag()).collect();
-    let stated = || passes.iter().flat_map(|pass| &pass.points).filter_map(|point| point.sigma_mag);
+    let stated = || passes.iter().flat_map(|pass| pass.points()).filter_map(|point| point.sigma_mag);
     let found = if scatters.is_empty() { median(stated().collect()) } else { median(scatters) };
     // NaN, without either, gives the smallest scatter.
     found.max(LEAST_POINT_SIGMA_MAG)

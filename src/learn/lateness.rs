@@ -84,7 +84,8 @@ pub fn learn_lateness(delays: &[MeasuredDelay]) -> Option<LearnedLateness> {
     let n = delays.len() as f64;
     let mut factor2 = 1.0;
     for _ in 0..ITERATIONS {
-        // δ ~ t₄ with v = q (f² s² + σ²); u = 5 / (4 + δ²/v); f² = (10 + Σ u (δ² - q σ²)₊ / (q s²)) / (10 + n)
+        // δ ~ t₄ √v, v = q (f² s² + σ²); u = 5 / (4 + δ²/v); k = f² s² / (f² s² + σ²);
+        // f² = (10 + Σ (u k² δ² + q k σ²) / (q s²)) / (10 + n)
         let mut sum = PRIOR_COUNT;
         for one in delays {
             let (expected2, own2) = (one.expected_sigma_s.powi(2), one.sigma_s.powi(2));

@@ -35,7 +35,7 @@ impl Extent {
             first: passes.clone().map(Pass::first).min()?,
             last: passes.clone().map(Pass::last).max()?,
             passes: passes.clone().count(),
-            measurements: passes.map(|pass| pass.points.len()).sum(),
+            measurements: passes.map(|pass| pass.points().len()).sum(),
         })
     }
 
@@ -69,10 +69,10 @@ pub fn learn(
     }
     let (mut satellites, mut fits) = (Vec::new(), BTreeMap::new());
     for kind in Generation::ALL {
-        let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind == kind).collect();
+        let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
         let (Some(extent), Some(model)) = (Extent::of(of_kind.iter().copied()), models.of_kind(kind)) else { continue };
         let fit = fit_kind(&of_kind, model.sigma_mag());
-        let mut ids: Vec<NoradId> = of_kind.iter().map(|pass| pass.norad_id).collect();
+        let mut ids: Vec<NoradId> = of_kind.iter().map(|pass| pass.norad_id()).collect();
         ids.sort();
         ids.dedup();
         let [first_utc, last_utc] = extent.utc();
@@ -94,7 +94,7 @@ pub fn learn(
         let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });
         entry.magnitude = Some(magnitude);
         for id in ids {
-            let Some(extent) = Extent::of(of_kind.iter().copied().filter(|pass| pass.norad_id == id)) else { continue };
+            let Some(extent) = Extent::of(of_kind.iter().copied().filter(|pass| pass.norad_id() == id)) else { continue };
             let ([first_utc, last_utc], prediction) = (extent.utc(), fit.predict(id));
             satellites.push(LearnedSatellite {
                 norad_id: id.0,

@@ -5,11 +5,8 @@ use std::collections::BTreeMap;
 use hifitime::Epoch;
 
 use crate::elements::{Generation, NoradId};
-use crate::fit::measurements::Measurements;
 use crate::frames::seconds_between;
 use crate::math::quantile::median;
-use crate::passes::ModelChoice;
-use crate::photometry::Earthshine;
 
 /// Longest interval between two measurements of one pass, seconds. A pass of a low satellite takes some ten minutes, and
 /// the next one is an orbit later.
@@ -33,15 +30,41 @@ pub struct PassPoint {
 /// Measurements of one pass of a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
-    /// NORAD catalogue number.
-    pub norad_id: NoradId,
-    /// Kind of satellite.
-    pub kind: Generation,
-    /// Measurements in order of time, at least one.
-    pub points: Vec<PassPoint>,
+    norad_id: NoradId,
+    kind: Generation,
+    points: Vec<PassPoint>,
+    median_mag: f64,
+    scatter_mag: Option<f64>,
 }
 
 impl Pass {
+    /// Creates a pass of a satellite of this kind; `None` without points.
+    pub fn new(norad_id: NoradId, kind: Generation, mut points: Vec<PassPoint>) -> Option<Self> {
+        if points.is_empty() {
+            return None;
+        }
+        points.sort_by_key(|point| point.epoch);
+        let median_mag = median(points.iter().map(|point| point.residual_mag).collect());
+        let sizes = points.iter().map(|point| (point.residual_mag - median_mag).abs()).collect();
+        let scatter_mag = (points.len() >= LEAST_FOR_SCATTER).then(|| SIGMA_OF_MAD * median(sizes));
+        Some(Self { norad_id, kind, points, median_mag, scatter_mag })
+    }
+
+    /// Returns the NORAD catalogue number.
+    pub fn norad_id(&self) -> NoradId {
+        self.norad_id
+    }
+
+    /// Returns the kind of satellite.
+    pub fn kind(&self) -> Generation {
+        self.kind
+    }
+
+    /// Returns the measurements in order of time, at least one.
+    pub fn points(&self) -> &[PassPoint] {
+        &self.points
+    }
+
     /// Returns the time of the first measurement.
     pub fn first(&self) -> Epoch {
         self.points[0].epoch
@@ -54,84 +77,28 @@ impl Pass {
 
     /// Returns the median of the residuals, mag.
     pub fn median_mag(&self) -> f64 {
-        median(self.points.iter().map(|point| point.residual_mag).collect())
+        self.median_mag
     }
 
     /// Returns the robust standard deviation of the residuals from their median, mag; `None` with fewer than five.
     pub fn scatter_mag(&self) -> Option<f64> {
-        let centre = self.median_mag();
-        let sizes = self.points.iter().map(|point| (point.residual_mag - centre).abs()).collect();
-        (self.points.len() >= LEAST_FOR_SCATTER).then(|| SIGMA_OF_MAD * median(sizes))
+        self.scatter_mag
     }
 }
 
-/// Numbers of measurements that were left out.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
-pub struct LeftOutPoints {
-    /// Without the number of a satellite.
-    pub no_satellite: usize,
-    /// Without a time.
-    pub no_time: usize,
-    /// Of a satellite whose kind is unknown or has no brightness model.
-    pub no_model: usize,
-    /// Without a sunlit surface in the model, or with a residual that is not finite.
-    pub dark: usize,
-}
-
-impl LeftOutPoints {
-    /// Returns each reason with its number, without those that do not occur.
-    pub fn reasons(&self) -> impl Iterator<Item = (&'static str, usize)> {
-        let all = [
-            ("without a satellite number", self.no_satellite),
-            ("without a time", self.no_time),
-            ("of satellites without a kind or model", self.no_model),
-            ("without a sunlit surface in the model", self.dark),
-        ];
-        all.into_iter().filter(|(_, count)| *count > 0)
-    }
-}
-
-/// Returns the passes of measured magnitudes, by kind, satellite and time, and the numbers of measurements left out.
+/// Returns the passes of measurements of satellites, by kind, satellite and time.
 ///
-/// `kind_of` returns the kind of a satellite. Measurements of one satellite belong to one pass if less than 20 minutes
-/// separate them. Magnitudes are compared in the band of the measurements, which is taken as that of the model.
-pub fn passes_of(
-    measurements: &Measurements,
-    kind_of: impl Fn(NoradId) -> Option<Generation>,
-    models: &ModelChoice,
-    earthshine: Earthshine,
-) -> (Vec<Pass>, LeftOutPoints) {
-    let mut left_out = LeftOutPoints::default();
+/// Measurements of one satellite belong to one pass if less than 20 minutes separate them.
+pub fn group_passes(points: impl IntoIterator<Item = (NoradId, Generation, PassPoint)>) -> Vec<Pass> {
     let mut satellites: BTreeMap<(Generation, NoradId), Vec<PassPoint>> = BTreeMap::new();
-    for point in &measurements.points {
-        let Some(norad_id) = point.norad_id else {
-            left_out.no_satellite += 1;
-            continue;
-        };
-        let Some(epoch) = point.epoch else {
-            left_out.no_time += 1;
-            continue;
-        };
-        let Some((kind, model)) = kind_of(norad_id).and_then(|kind| Some((kind, models.of_kind(kind)?))) else {
-            left_out.no_model += 1;
-            continue;
-        };
-        let predicted = model.standard_magnitude_with(&point.geometry, earthshine);
-        // The Earth's shadow dims the satellite: m = m_model - 2.5 log₁₀ f
-        let residual_mag =
-            predicted.map(|predicted| point.magnitude.0 - (predicted.0 - 2.5 * point.lit_fraction.log10()));
-        let Some(residual_mag) = residual_mag.filter(|residual| residual.is_finite()) else {
-            left_out.dark += 1;
-            continue;
-        };
-        let point = PassPoint { epoch, residual_mag, sigma_mag: point.sigma_mag };
+    for (norad_id, kind, point) in points {
         satellites.entry((kind, norad_id)).or_default().push(point);
     }
     let mut passes = Vec::new();
     for ((kind, norad_id), mut points) in satellites {
         points.sort_by_key(|point| point.epoch);
         let same_pass = |a: &PassPoint, b: &PassPoint| seconds_between(a.epoch, b.epoch) < LONGEST_GAP_S;
-        passes.extend(points.chunk_by(same_pass).map(|points| Pass { norad_id, kind, points: points.to_vec() }));
+        passes.extend(points.chunk_by(same_pass).filter_map(|points| Pass::new(norad_id, kind, points.to_vec())));
     }
-    (passes, left_out)
+    passes
 }

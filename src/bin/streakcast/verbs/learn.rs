@@ -75,6 +75,8 @@ const LEAVE_OUT_ON_SCREEN: &[Shown] = &[
     shown("passes", "passes"),
     rounded("model_rms_mag", "rms model", 2),
     rounded("learned_rms_mag", "rms learned", 2),
+    rounded("model_half_width_mag", "68 % model", 2),
+    rounded("learned_half_width_mag", "68 % learned", 2),
     rounded("model_within_one_sigma", "in 1 sigma model", 2),
     rounded("learned_within_one_sigma", "in 1 sigma learned", 2),
 ];
@@ -131,7 +133,7 @@ pub fn residuals(typed: &ResidualArguments) -> anyhow::Result<(Residuals, Notice
     if !reasons.is_empty() {
         notices.info(&format!("measurements left out: {}", reasons.join(", ")));
     }
-    for kind in Generation::ALL.into_iter().filter(|kind| passes.iter().any(|pass| pass.kind == *kind)) {
+    for kind in Generation::ALL.into_iter().filter(|kind| passes.iter().any(|pass| pass.kind() == *kind)) {
         let band = models.of_kind(kind).map(|model| model.band().0);
         if let Some(mismatch) = band.and_then(|band| filters.mismatch(band)) {
             notices.warn(&[mismatch.to_string()]);
@@ -173,7 +175,7 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
         .map_err(|error| anyhow!("{}: {error}", typed.output.display()))?;
     notices.info(&format!(
         "{} in {} of {}",
-        counted(found.passes.iter().map(|pass| pass.points.len()).sum(), "measurement", "measurements"),
+        counted(found.passes.iter().map(|pass| pass.points().len()).sum(), "measurement", "measurements"),
         counted(found.passes.len(), "pass", "passes"),
         counted(learned.file.satellites.len(), "satellite", "satellites"),
     ));
