@@ -6,9 +6,11 @@
 //! - `lateness`: factor of the error along the track, from the tables of `streakcast measure`
 //! - `leave_out`: each pass predicted from the others
 //! - `learned`: the learned file of all kinds
+//! - `alarms`: improbable light, trends and periods
 //!
 //! The learned file and its application are in [`passes`](crate::passes). docs/explanation/learning.md has the equations.
 
+mod alarms;
 mod error;
 mod hierarchy;
 mod lateness;
@@ -18,6 +20,7 @@ mod pass;
 #[cfg(feature = "fit")]
 mod residuals;
 
+pub use alarms::{Alarm, AlarmKind, Alarms, alarm_table, find_alarms, pass_differences};
 pub use error::LearnError;
 pub use hierarchy::{KindFit, Prediction, fit_kind};
 pub use lateness::{MeasuredDelay, learn_lateness, read_delays};

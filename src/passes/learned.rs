@@ -169,7 +169,7 @@ pub struct LearnedSatellite {
 
 /// Distribution of measured magnitudes about learned ones, in units of their sigma: two normal distributions that agree
 /// with Student's t of four degrees of freedom, whose central 68.27 % are within one sigma.
-pub(super) const LEARNED_ERRORS: ErrorDistribution =
+pub(crate) const LEARNED_ERRORS: ErrorDistribution =
     ErrorDistribution { core_shift: 0.0, core_sigma: 0.78, wing_share: 0.31, wing_shift: 0.0, wing_sigma: 1.75 };
 
 impl LearnedFile {

@@ -41,6 +41,7 @@ pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };
 pub use intervals::intervals_where;
+pub(crate) use learned::LEARNED_ERRORS;
 pub use learned::{LearnedError, LearnedFile, LearnedKind, LearnedLateness, LearnedMagnitude, LearnedSatellite};
 pub use models::ModelChoice;
 pub use sky::Sky;

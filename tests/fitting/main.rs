@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod alarms;
 mod default_models;
 mod error_distributions;
 mod fit_closed_circle;

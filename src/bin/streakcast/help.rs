@@ -349,6 +349,13 @@ const VERBS: &[VerbHelp] = &[
             "--photometry mmt.csv --height-km 1200 --kind oneweb -o learned.json --leave-pass-out 0,1,2",
         ],
     ),
+    verb(
+        "alarms",
+        [
+            "--photometry tonight.csv --elements history.tle --learned learned.json",
+            "--photometry mmt.csv --height-km 1200 --kind oneweb --learned learned.json --picture alarms.png",
+        ],
+    ),
     VerbHelp {
         path: "serve",
         flags: &["schedule"],

@@ -17,6 +17,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{exit_code, report_usage};
+#[cfg(feature = "fit")]
+use verbs::alarms::AlarmsArguments;
 use verbs::annotate::AnnotateArguments;
 use verbs::doctor::DoctorArguments;
 use verbs::ephemeris::EphemerisArguments;
@@ -93,6 +95,9 @@ enum Verb {
     /// Learn offsets of satellites and kinds from their brightness models, for --learned
     #[cfg(feature = "fit")]
     Learn(Box<LearnArguments>),
+    /// List passes with improbable light, trends and periodic light, compared with learned magnitudes
+    #[cfg(feature = "fit")]
+    Alarms(Box<AlarmsArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
@@ -151,6 +156,8 @@ fn main() -> ExitCode {
         Verb::Fit(typed) => verbs::fit::run(*typed),
         #[cfg(feature = "fit")]
         Verb::Learn(typed) => verbs::learn::run(*typed),
+        #[cfg(feature = "fit")]
+        Verb::Alarms(typed) => verbs::alarms::run(*typed),
         #[cfg(feature = "serve")]
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),

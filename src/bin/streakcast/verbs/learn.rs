@@ -10,7 +10,7 @@ use streakcast::elements::{Generation, GenerationTable, History, NoradId};
 use streakcast::learn::{
     MeasuredDelay, Pass, kind_table, learn, leave_out_table, leave_passes_out, passes_of, read_delays,
 };
-use streakcast::output::{Provenance, Section, counted, write_atomically};
+use streakcast::output::{Provenance, Section, counted};
 use streakcast::passes::ModelChoice;
 use streakcast::photometry::Earthshine;
 
@@ -18,7 +18,7 @@ use super::fit::{PhotometryArguments, config_of, history_of_flags, measured, sta
 use super::judged::begin;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Answer, Output, check, write_bytes};
 use crate::screen::{Shown, Style, rounded, shown};
 
 /// Photometry, with the kinds and models of its satellites.
@@ -150,7 +150,7 @@ pub fn residuals(typed: &ResidualArguments) -> anyhow::Result<(Residuals, Notice
 }
 
 pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
-    streakcast::output::check_target(&typed.output).map_err(|error| anyhow!("{}: {error}", typed.output.display()))?;
+    check(&typed.output)?;
     let output = Output::new(typed.format.as_deref(), None)?;
     let (mut found, notices) = residuals(&typed.residuals)?;
     let mut delays: BTreeMap<Generation, Vec<MeasuredDelay>> = BTreeMap::new();
@@ -171,8 +171,7 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
     }
     let stated = found.provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect();
     let learned = learn(&found.passes, &delays, &found.models, stated)?;
-    write_atomically(&typed.output, |file| file.write_all(learned.file.to_json().as_bytes()))
-        .map_err(|error| anyhow!("{}: {error}", typed.output.display()))?;
+    write_bytes(&typed.output, learned.file.to_json().as_bytes(), &notices)?;
     notices.info(&format!(
         "{} in {} of {}",
         counted(found.passes.iter().map(|pass| pass.points().len()).sum(), "measurement", "measurements"),

@@ -1,5 +1,7 @@
 //! Verbs of the command line. Each has a file or folder that also defines its flags.
 
+#[cfg(feature = "fit")]
+pub mod alarms;
 pub mod annotate;
 pub mod doctor;
 pub mod ephemeris;
