@@ -60,7 +60,8 @@ pub fn alarm_chart(input: &AlarmChart<'_>) -> Result<Picture, PlotError> {
     };
     let (first, last) = ends(&mut input.days.iter().copied());
     let sides = input.differences_mag.iter().zip(input.sigmas_mag).flat_map(|(mag, sigma)| [mag - sigma, mag + sigma]);
-    let (bright, faint) = ends(&mut sides.chain([-1.0, 1.0]));
+    let marked = input.alarms.iter().map(|mark| mark.difference_mag);
+    let (bright, faint) = ends(&mut sides.chain(marked).chain([-1.0, 1.0]));
     let (wide, high) = (0.03 * (last - first).max(0.1), 0.06 * (faint - bright));
     let y = Axis { from: faint + high, to: bright - high, is_log: false };
     let frame = Frame { sides: SIDES, x: Axis::linear(first - wide, last + wide), y };

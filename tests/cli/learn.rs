@@ -114,6 +114,29 @@ fn verif_learned_offsets_move_predictions_of_all_verbs() {
     let (by_file, _) = places(&elements, &["--config", &configuration]);
     assert_eq!(by_file, after);
 
+    // The same satellites later, one of them 4 mag brighter.
+    let (tonight, picture) = (path(&folder, "tonight.csv"), path(&folder, "alarms.svg"));
+    let bright = before[0]["norad_id"].to_string();
+    let changed = fs::read_to_string(&photometry).unwrap().lines().map(|line| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if cells[0] == bright {
+            cells[2] = (cells[2].parse::<f64>().unwrap() - 4.0).to_string();
+        }
+        cells.join(",") + "\n"
+    });
+    fs::write(&tonight, changed.collect::<String>()).unwrap();
+    let verb = ["alarms", "--photometry", &tonight, "--learned", &learned, "--picture", &picture, "--quiet"];
+    let alarms = json(&[&verb, &flags]);
+    assert_eq!(alarms["provenance"]["passes_tested"], MEASURED);
+    let rows = alarms["alarms"].as_array().unwrap();
+    assert_eq!(rows.iter().map(|row| row["norad_id"].to_string()).collect::<Vec<_>>(), [bright.as_str()], "{rows:?}");
+    assert!(rows[0]["alarm"] == "brightness" && number(&rows[0], "difference_mag") < -3.5, "{rows:?}");
+    assert!(fs::read_to_string(&picture).unwrap().contains(&format!("{bright}: ")));
+    for (flag, parts) in [("0", "above 0"), ("2", "at most 1")] {
+        let (code, _, stderr) = run(&[&verb, &flags, &["--probability", flag]]);
+        assert!(code == 2 && stderr.contains(parts) && stderr.lines().count() == 1, "{stderr}");
+    }
+
     let other = ["--learned", &learned, "--model", "starlink-v1.5=starlink-v1.5-phase"];
     let (code, _, stderr) = run(&[&["ephemeris"], &TIMES, &["starlink-v1.5"], &flags, &SITE, &other]);
     assert_eq!((code, stderr.lines().count()), (2, 1), "{stderr}");
