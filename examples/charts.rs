@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    AlarmChart, AlarmMark, alarm_chart, Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Quantity, ResidualHistogram, ResidualPanels, corner,
-    counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
+    AlarmChart, AlarmMark, Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Quantity, ResidualHistogram,
+    ResidualPanels, alarm_chart, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
 };
 
 /// Generator of reproducible quasi-random numbers: the fractional parts of multiples of an irrational number.

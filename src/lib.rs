@@ -44,8 +44,8 @@ pub mod identify;
 pub mod images;
 #[doc(hidden)]
 pub mod input;
-pub mod maps;
 pub mod learn;
+pub mod maps;
 #[doc(hidden)]
 pub mod math;
 pub mod measure;

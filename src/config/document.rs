@@ -375,7 +375,10 @@ impl Config {
 
     fn visit_paths(&mut self, mut visit: impl FnMut(&mut PathBuf)) {
         self.elements.iter_mut().for_each(&mut visit);
-        [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag, &mut self.learned].into_iter().flatten().for_each(&mut visit);
+        [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag, &mut self.learned]
+            .into_iter()
+            .flatten()
+            .for_each(&mut visit);
         if let Some(NameOrTable::Name(path)) = &mut self.field {
             visit(path);
         }

@@ -25,13 +25,12 @@ const LEAST_FOR_PERIOD: usize = 60;
 const LEAST_PERIODS: usize = 4;
 /// Degree of the polynomial in time that is subtracted before the search for periods.
 const DEGREE: usize = 3;
-/// Number of frequencies on each side from which the background of a frequency is computed.
-const BACKGROUND: usize = 16;
+/// Smallest and largest number of frequencies on each side from which the background of a frequency is computed.
+const BACKGROUND: [usize; 2] = [16, 32];
 /// Nearest frequencies that do not count for the background: those of the same signal.
 const OWN: usize = 3;
-/// Probabilities of a peak over a background that is the median of 2 · 13 powers: (1 + r/m)^-m with this m. The variance
-/// of such a median is 1/m of its square.
-const BACKGROUND_COUNT: f64 = 12.0;
+/// The variance of the median of n exponential values is 1/(0.48 n) of its square.
+const MEDIAN_COUNT: f64 = 0.48;
 
 /// What an alarm is about.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,8 +125,8 @@ fn difference<'p>(pass: &'p Pass, of_kind: &LearnedMagnitude, own: Option<&Learn
         None => (of_kind.offset_mag, of_kind.offset_sigma_mag.powi(2) + of_kind.satellite_sigma_mag.powi(2)),
     };
     // (1.14 ω)² + σ²/n
-    let pass_mag2 = (HALF_WIDTH * of_kind.pass_scale_mag).powi(2)
-        + of_kind.point_sigma_mag.powi(2) / pass.points().len() as f64;
+    let pass_mag2 =
+        (HALF_WIDTH * of_kind.pass_scale_mag).powi(2) + of_kind.point_sigma_mag.powi(2) / pass.points().len() as f64;
     Difference { pass, mag: pass.median_mag() - offset_mag, offset_mag2, pass_mag2 }
 }
 
@@ -146,8 +145,7 @@ pub fn find_alarms(passes: &[Pass], learned: &LearnedFile, p_below: f64) -> Alar
     let (tested, trends_tested, searched) = (alarms.len(), trends.len(), periods.len());
     alarms.extend(trends);
     alarms.extend(periods);
-    let frequencies: usize =
-        alarms.iter().filter(|one| one.alarm == AlarmKind::Period).map(|one| one.looks).sum();
+    let frequencies: usize = alarms.iter().filter(|one| one.alarm == AlarmKind::Period).map(|one| one.looks).sum();
     for one in &mut alarms {
         one.looks = match one.alarm {
             AlarmKind::Brightness => tested,
@@ -201,9 +199,8 @@ fn trend(differences: &[&Difference]) -> Option<Alarm> {
         return None;
     }
     let weight: f64 = differences.iter().map(|one| 1.0 / one.pass_mag2).sum();
-    let mean = |of: &dyn Fn(&Difference) -> f64| {
-        differences.iter().map(|one| of(one) / one.pass_mag2).sum::<f64>() / weight
-    };
+    let mean =
+        |of: &dyn Fn(&Difference) -> f64| differences.iter().map(|one| of(one) / one.pass_mag2).sum::<f64>() / weight;
     // slope = Σ w (t - t̄) (y - ȳ) / S, S = Σ w (t - t̄)², σ = 1/√S
     let (t_mean, y_mean) = (mean(&|one| days(one)), mean(&|one| one.mag));
     let squares = weight * mean(&|one| (days(one) - t_mean).powi(2));
@@ -227,19 +224,22 @@ fn period(pass: &Pass) -> Option<Alarm> {
     let light_mag = detrended(&time_s, pass, span_s);
     // Frequencies k/T, up to half of the mean rate of the measurements.
     let powers: Vec<f64> = (1..=n / 2).map(|k| power(&time_s, &light_mag, TAU * k as f64 / span_s)).collect();
-    let ratio = |k: usize| {
-        let near = (k.saturating_sub(BACKGROUND)..powers.len().min(k + BACKGROUND + 1))
+    let peak = |k: usize| {
+        let side = k.clamp(BACKGROUND[0], BACKGROUND[1]);
+        let near: Vec<f64> = (k.saturating_sub(side)..powers.len().min(k + side + 1))
             .filter(|other| other.abs_diff(k) >= OWN)
-            .map(|other| powers[other]);
-        // The median of an exponential distribution is ln 2 times its mean.
-        powers[k] * LN_2 / median(near.collect())
+            .map(|other| powers[other])
+            .collect();
+        // p = (1 + r/m)^-m, m = 0.48 n; the median of an exponential distribution is ln 2 times its mean.
+        let m = MEDIAN_COUNT * near.len() as f64;
+        let ratio = powers[k] * LN_2 / median(near);
+        (k, ratio, (1.0 + ratio / m).powf(-m))
     };
     let looks = powers.len() - (LEAST_PERIODS - 1);
-    let (k, ratio) = (LEAST_PERIODS - 1..powers.len()).map(|k| (k, ratio(k))).max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (k, ratio, p_value) = (LEAST_PERIODS - 1..powers.len()).map(peak).min_by(|a, b| a.2.total_cmp(&b.2))?;
     // A sine of amplitude A has the power n A²/4.
     let amplitude = |power: f64| 2.0 * (power / n as f64).sqrt();
     let found = alarm(AlarmKind::Period, pass, amplitude(powers[k]), amplitude(powers[k] / ratio));
-    let p_value = (1.0 + ratio / BACKGROUND_COUNT).powf(-BACKGROUND_COUNT);
     Some(Alarm { period_s: Some(span_s / (k + 1) as f64), p_value, looks, ..found })
 }
 

@@ -94,7 +94,9 @@ pub fn learn(
         let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });
         entry.magnitude = Some(magnitude);
         for id in ids {
-            let Some(extent) = Extent::of(of_kind.iter().copied().filter(|pass| pass.norad_id() == id)) else { continue };
+            let Some(extent) = Extent::of(of_kind.iter().copied().filter(|pass| pass.norad_id() == id)) else {
+                continue;
+            };
             let ([first_utc, last_utc], prediction) = (extent.utc(), fit.predict(id));
             satellites.push(LearnedSatellite {
                 norad_id: id.0,

@@ -190,8 +190,8 @@ impl LearnedFile {
     /// [`LearnedError`] if the file cannot be read, or as for [`Self::from_json`].
     pub fn read(path: &Path) -> Result<Self, LearnedError> {
         let origin = path.display().to_string();
-        let text = crate::input::read_to_string(path)
-            .map_err(|source| LearnedError::Io { path: origin.clone(), source })?;
+        let text =
+            crate::input::read_to_string(path).map_err(|source| LearnedError::Io { path: origin.clone(), source })?;
         Self::from_json(&text, &origin)
     }
 
@@ -200,8 +200,8 @@ impl LearnedFile {
     /// # Errors
     /// [`LearnedError`] if the text is not JSON, a key is unknown or missing, or a value is out of range.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, LearnedError> {
-        let file: Self = serde_json::from_str(text)
-            .map_err(|source| LearnedError::Json { origin: origin.to_owned(), source })?;
+        let file: Self =
+            serde_json::from_str(text).map_err(|source| LearnedError::Json { origin: origin.to_owned(), source })?;
         file.validate(origin)?;
         Ok(file)
     }

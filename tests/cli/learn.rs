@@ -117,7 +117,8 @@ fn verif_learned_offsets_move_predictions_of_all_verbs() {
     // The same satellites later, one of them 4 mag brighter.
     let (tonight, picture) = (path(&folder, "tonight.csv"), path(&folder, "alarms.svg"));
     let bright = before[0]["norad_id"].to_string();
-    let changed = fs::read_to_string(&photometry).unwrap().lines().map(|line| {
+    let quiet = fs::read_to_string(&photometry).unwrap();
+    let changed = quiet.lines().map(|line| {
         let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
         if cells[0] == bright {
             cells[2] = (cells[2].parse::<f64>().unwrap() - 4.0).to_string();

@@ -39,7 +39,8 @@ fn halves(satellites: u32, passes: u32, seed: u64) -> (LearnedFile, Vec<Pass>) {
 }
 
 fn changed(pass: &Pass, by_mag: impl Fn(&PassPoint) -> f64) -> Pass {
-    let points = pass.points().iter().map(|point| PassPoint { residual_mag: point.residual_mag + by_mag(point), ..*point });
+    let points =
+        pass.points().iter().map(|point| PassPoint { residual_mag: point.residual_mag + by_mag(point), ..*point });
     Pass::new(pass.norad_id(), pass.kind(), points.collect()).unwrap()
 }
 

@@ -190,7 +190,8 @@ fn pomenis(data: &Path, models: &ModelChoice) -> Vec<Pass> {
     });
     let sure: HashMap<(Epoch, u64), NoradId> = sure.collect();
     let path = data.join("photometry/pomenis/pomenis_observations.csv");
-    let mut records = Records::collect(&mut RecordReader::open(&[path], &PhotometryOptions::default()).unwrap()).unwrap();
+    let mut records =
+        Records::collect(&mut RecordReader::open(&[path], &PhotometryOptions::default()).unwrap()).unwrap();
     for record in &mut records.records {
         record.norad_id = sure.get(&(record.epoch.unwrap(), record.magnitude.0.to_bits())).copied();
     }
@@ -261,10 +262,13 @@ fn write_learning_table() {
     }
     let (simulated, _) = simulated(30, 11, 2);
     let simulated = leave_passes_out(&simulated, &ModelChoice::default(), &[0, 1, 3, 10]);
-    rows.extend(simulated.into_iter().filter(|row| row.kind.is_none()).map(|row| ("without offsets", "simulated", row)));
-    let mut text = "| model | kind | passes seen | passes predicted | RMS model | RMS learned | 68 % model | 68 % learned | \
+    rows.extend(
+        simulated.into_iter().filter(|row| row.kind.is_none()).map(|row| ("without offsets", "simulated", row)),
+    );
+    let mut text =
+        "| model | kind | passes seen | passes predicted | RMS model | RMS learned | 68 % model | 68 % learned | \
                     in one sigma, model | in one sigma, learned |\n|---|---|---|---|---|---|---|---|---|---|\n"
-        .to_owned();
+            .to_owned();
     for (model, name, row) in rows {
         writeln!(
             text,

@@ -121,8 +121,7 @@ pub fn residuals(typed: &ResidualArguments) -> anyhow::Result<(Residuals, Notice
     let history = history_of_flags(&typed.photometry)?;
     let (measurements, filters) = measured(&typed.photometry, &config, history.as_ref(), &notices)?;
     let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
-    let (passes, left_out) =
-        passes_of(&measurements, |id| kind_of(kind, history.as_ref(), id), &models, earthshine);
+    let (passes, left_out) = passes_of(&measurements, |id| kind_of(kind, history.as_ref(), id), &models, earthshine);
     let reasons: Vec<String> = left_out.reasons().map(|(reason, count)| format!("{count} {reason}")).collect();
     if passes.is_empty() {
         return Err(anyhow!(
