@@ -1,8 +1,8 @@
 //! Offsets learned from measured magnitudes, and alarms: `cargo run --example learn_offsets`.
 //!
-//! The measurements are invented: eight nights of three OneWeb satellites, 0.3 mag fainter than their model, and a ninth
-//! night in which one of them is 4 mag brighter. For real ones, fill `residual_mag` with measured less predicted magnitudes,
-//! or read photometry files with `streakcast::learn::passes_of`.
+//! The measurements are invented: eight nights of three OneWeb satellites, 0.3 mag fainter than their model, and a
+//! ninth night in which one of them is 4 mag brighter. For real ones, fill `residual_mag` with measured less predicted
+//! magnitudes, or read photometry files with `streakcast::learn::passes_of`.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -69,8 +69,8 @@ pub struct Alarm {
     pub last: Epoch,
     /// Number of passes.
     pub passes: usize,
-    /// Median difference from the learned magnitude, mag (brightness); change of the offset, mag/day (trend); amplitude,
-    /// mag (period).
+    /// Median difference from the learned magnitude, mag (brightness); change of the offset, mag/day (trend);
+    /// amplitude, mag (period).
     pub value: f64,
     /// One sigma of the value that is expected without an alarm.
     pub sigma: f64,
@@ -211,8 +211,8 @@ fn trend(differences: &[&Difference]) -> Option<Alarm> {
 
 /// Strongest period of a pass. `None` with few measurements.
 ///
-/// The power at each frequency is that of Lomb (1976) and Scargle (1982) after subtraction of a cubic polynomial in time,
-/// divided by the median power of frequencies around it: slow differences from the model have more power at low
+/// The power at each frequency is that of Lomb (1976) and Scargle (1982) after subtraction of a cubic polynomial in
+/// time, divided by the median power of frequencies around it: slow differences from the model have more power at low
 /// frequencies, as noise has not.
 fn period(pass: &Pass) -> Option<Alarm> {
     let n = pass.points().len();

@@ -9,8 +9,8 @@ use crate::passes::LearnedLateness;
 
 /// Degrees of freedom of the delays, which have wings.
 const FREEDOM: f64 = 4.0;
-/// Variance of Student's t with four degrees of freedom whose central 68.27 % are within one sigma, over the square of its
-/// scale: 1 / 1.1416².
+/// Variance of Student's t with four degrees of freedom whose central 68.27 % are within one sigma, over the square of
+/// its scale: 1 / 1.1416².
 const SCALE2: f64 = 0.7673;
 /// Number of delays that the usual error (a factor of 1) counts for.
 const PRIOR_COUNT: f64 = 10.0;
@@ -32,12 +32,12 @@ pub struct MeasuredDelay {
     pub expected_sigma_s: f64,
 }
 
-/// Reads the delays of a table that `streakcast measure` wrote as CSV or ECSV. Streaks without an end in the frame have no
-/// delay and are omitted.
+/// Reads the delays of a table that `streakcast measure` wrote as CSV or ECSV. Streaks without an end in the frame have
+/// no delay and are omitted.
 ///
 /// # Errors
-/// [`LearnError::Table`] if the file cannot be read, a column is missing, a number is invalid, or the table was measured
-/// with a learned file, so that its errors are corrected already.
+/// [`LearnError::Table`] if the file cannot be read, a column is missing, a number is invalid, or the table was
+/// measured with a learned file, so that its errors are corrected already.
 pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, LearnError> {
     let error = |problem: String| LearnError::Table { file: path.display().to_string(), problem };
     let text = input::read_to_string(path).map_err(|problem| error(problem.to_string()))?;

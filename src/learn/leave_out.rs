@@ -31,8 +31,8 @@ pub struct LeaveOutRow {
     pub learned_within: f64,
 }
 
-/// Residual of a measurement from the model and from the learned magnitude, mag, and the sigmas of both. The weight is 1
-/// over the number of measurements of the pass.
+/// Residual of a measurement from the model and from the learned magnitude, mag, and the sigmas of both. The weight is
+/// 1 over the number of measurements of the pass.
 #[derive(Copy, Clone)]
 struct Unseen {
     residuals_mag: [f64; 2],
@@ -43,8 +43,8 @@ struct Unseen {
 /// Fraction of a normal distribution within one sigma.
 const ONE_SIGMA_SHARE: f64 = 0.6827;
 
-/// Root mean square, half width that contains 68.27 %, and fraction within one sigma; `which` is 0 for the model, 1 for the
-/// learned magnitudes.
+/// Root mean square, half width that contains 68.27 %, and fraction within one sigma; `which` is 0 for the model, 1 for
+/// the learned magnitudes.
 fn statistics(unseen: &[Unseen], which: usize) -> [f64; 3] {
     let mut sizes: Vec<(f64, f64)> = unseen.iter().map(|one| (one.residuals_mag[which].abs(), one.weight)).collect();
     sizes.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -1,4 +1,5 @@
-//! Learning from measurements: offsets of satellites and kinds from their brightness models, and errors along the track.
+//! Learning from measurements: offsets of satellites and kinds from their brightness models, and errors along the
+//! track.
 //!
 //! - `pass`: measured magnitudes as residuals from the models, by satellite and pass
 //! - `residuals`: passes of photometry (feature `fit`)
@@ -8,7 +9,8 @@
 //! - `learned`: the learned file of all kinds
 //! - `alarms`: improbable light, trends and periods
 //!
-//! The learned file and its application are in [`passes`](crate::passes). docs/explanation/learning.md has the equations.
+//! The learned file and its application are in [`passes`](crate::passes). docs/explanation/learning.md has the
+//! equations.
 
 mod alarms;
 mod error;

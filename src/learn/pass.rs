@@ -8,8 +8,8 @@ use crate::elements::{Generation, NoradId};
 use crate::frames::seconds_between;
 use crate::math::quantile::median;
 
-/// Longest interval between two measurements of one pass, seconds. A pass of a low satellite takes some ten minutes, and
-/// the next one is an orbit later.
+/// Longest interval between two measurements of one pass, seconds. A pass of a low satellite takes some ten minutes,
+/// and the next one is an orbit later.
 const LONGEST_GAP_S: f64 = 1200.0;
 /// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 const SIGMA_OF_MAD: f64 = 1.4826;

@@ -34,7 +34,8 @@ impl LeftOutPoints {
 
 /// Returns the passes of measured magnitudes, by kind, satellite and time, and the numbers of measurements left out.
 ///
-/// `kind_of` returns the kind of a satellite. Magnitudes are compared in the band of the measurements, which is taken as that of the model.
+/// `kind_of` returns the kind of a satellite. Magnitudes are compared in the band of the measurements, which is taken
+/// as that of the model.
 pub fn passes_of(
     measurements: &Measurements,
     kind_of: impl Fn(NoradId) -> Option<Generation>,

@@ -6,8 +6,8 @@
 //! `above_horizon`), `snapshots` all satellites at given times, `ephemeris` selected satellites at given times, and
 //! `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the
 //! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
-//! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the corrections
-//! of `learned`.
+//! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the
+//! corrections of `learned`.
 
 mod above_horizon;
 mod altaz;

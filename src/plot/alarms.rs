@@ -83,8 +83,7 @@ pub fn alarm_chart(input: &AlarmChart<'_>) -> Result<Picture, PlotError> {
     frame.draw(&mut picture, [true, true]);
     frame.name_x(&mut picture, &format!("days since {}", input.origin));
     frame.name_y(&mut picture, "fainter than learned, mag", 58.0);
-    let caption =
-        format!("Passes, with one expected sigma: {}. Alarms: {}.", count(n), count(input.alarms.len()));
+    let caption = format!("Passes, with one expected sigma: {}. Alarms: {}.", count(n), count(input.alarms.len()));
     picture.paragraph(&caption, [SIDES[0], SIDES[2]], 612.0, 16.0);
     Ok(picture)
 }

@@ -25,8 +25,8 @@ fn learned(passes: &[Pass]) -> LearnedFile {
 }
 
 /// Simulated passes before and after the end of learning. Differences between passes are those of the two normal
-/// distributions of learned magnitudes, in units of the scale of Student's t; t itself has one pass in a thousand beyond
-/// nine scales, which would be an alarm.
+/// distributions of learned magnitudes, in units of the scale of Student's t; t itself has one pass in a thousand
+/// beyond nine scales, which would be an alarm.
 fn halves(satellites: u32, passes: u32, seed: u64) -> (LearnedFile, Vec<Pass>) {
     let difference = |random: &mut ChaCha8Rng| {
         let width = if random.random_bool(0.31) { 1.75 } else { 0.78 };

@@ -1,4 +1,5 @@
-//! Learned offsets: simulated satellites with known offsets, and each pass of MMT-9 and Pomenis predicted from the others.
+//! Learned offsets: simulated satellites with known offsets, and each pass of MMT-9 and Pomenis predicted from the
+//! others.
 //!
 //! `cargo test --test fitting -- --ignored write_learning_table` writes docs/tables/learning.md.
 //!
@@ -22,10 +23,11 @@ use streakcast::learn::{LeaveOutRow, Pass, PassPoint, fit_kind, learn, leave_pas
 use streakcast::passes::{LearnedFile, ModelChoice};
 use streakcast::photometry::{Earthshine, ModelLibrary};
 
-/// Range of the fraction within one sigma, for all kinds together: 68 % with an error of 4 % for some 130 passes, in which
-/// measurements are correlated, at two sigmas.
+/// Range of the fraction within one sigma, for all kinds together: 68 % with an error of 4 % for some 130 passes, in
+/// which measurements are correlated, at two sigmas.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.60..=0.76;
-/// Smallest number of passes for which a row is compared: no satellite has more than three other passes, and few have two.
+/// Smallest number of passes for which a row is compared: no satellite has more than three other passes, and few have
+/// two.
 const LEAST_PASSES: usize = 100;
 
 /// Models of other observers for satellites of the shared photometry.

@@ -30,7 +30,9 @@ pub fn learn(
         .ok_or_else(|| PyValueError::new_err(format!("kind is '{kind}'; allowed: {}", known())))?;
     let models = setup_of(setup, None)?.model_choice().map_err(failure::setup)?;
     if models.of_kind(kind).is_none() {
-        return Err(PyValueError::new_err(format!("kind '{kind}' has no brightness model; allowed: another kind, or model")));
+        return Err(PyValueError::new_err(format!(
+            "kind '{kind}' has no brightness model; allowed: another kind, or model"
+        )));
     }
     let (jd1, jd2) = (jd1.as_slice()?, jd2.as_slice()?);
     let (residual_mag, sigma_mag) = (residual_mag.as_slice()?, sigma_mag.as_slice()?);

@@ -62,7 +62,8 @@ def learn(
     ids = np.asarray(norad_id)
     if ids.dtype.kind not in "iu" or np.any(ids < 1):
         raise ValueError("norad_id is not a list of catalogue numbers; allowed: integers from 1")
-    numbers = [np.asarray(value, dtype=np.float64) for value in (observed, predicted, np.nan if sigma is None else sigma)]
+    errors = np.nan if sigma is None else sigma
+    numbers = [np.asarray(value, dtype=np.float64) for value in (observed, predicted, errors)]
     try:
         rows = [np.ascontiguousarray(np.ravel(column)) for column in np.broadcast_arrays(ids, jd1, jd2, *numbers)]
     except ValueError:
