@@ -20,8 +20,8 @@ FIELD = ["--fov", "3.5deg", "--telescope", "rubin"]
 
 #: How-to guide of each verb that has one.
 GUIDES = {
-    "annotate": "annotate", "doctor": "elements", "ephemeris": "forecast", "fetch": "elements", "fit": "fit", "flag": "policy", "forecast": "forecast", "gate": "gate",
-    "identify": "identify", "inject": "inject", "map": "maps", "measure": "measure", "model": "models", "plot": "plots", "reproduce": "statistics", "serve": "serve",
+    "alarms": "learn", "annotate": "annotate", "doctor": "elements", "ephemeris": "forecast", "fetch": "elements", "fit": "fit", "flag": "policy", "forecast": "forecast", "gate": "gate",
+    "identify": "identify", "inject": "inject", "learn": "learn", "map": "maps", "measure": "measure", "model": "models", "plot": "plots", "reproduce": "statistics", "serve": "serve",
     "statistics": "statistics", "windows": "windows",
 }  # fmt: skip
 

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Quantity, ResidualHistogram, ResidualPanels, corner,
-    counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
+    AlarmChart, AlarmMark, Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Quantity, ResidualHistogram,
+    ResidualPanels, alarm_chart, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
 };
 
 /// Generator of reproducible quasi-random numbers: the fractional parts of multiples of an irrational number.
@@ -131,7 +131,21 @@ fn main() -> Result<(), Box<dyn Error>> {
         phase_angle_rad,
     })?;
 
+    let days: Vec<f64> = (0..60).map(|day| 0.5 * f64::from(day)).collect();
+    let mut differences: Vec<f64> = days.iter().map(|_| 0.35 * spread.normal()).collect();
+    differences[40] = -3.5;
+    let alarms = [AlarmMark { day: days[40], difference_mag: -3.5, label: "90001: -3.5 mag".to_owned() }];
+    let passes = alarm_chart(&AlarmChart {
+        title: "Invented passes",
+        origin: "2026-01-01",
+        days: &days,
+        differences_mag: &differences,
+        sigmas_mag: &vec![0.35; days.len()],
+        alarms: &alarms,
+    })?;
+
     let pictures = [
+        ("alarms", passes),
         ("corner", posterior),
         ("slice", slice),
         ("o-c", o_c),

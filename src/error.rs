@@ -11,10 +11,11 @@ use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
 use crate::images::ImagesError;
+use crate::learn::LearnError;
 use crate::maps::MapError;
 use crate::measure::MeasureError;
 use crate::orbit::OrbitError;
-use crate::passes::SkyError;
+use crate::passes::{LearnedError, SkyError};
 use crate::photometry::PhotometryError;
 #[cfg(feature = "plot")]
 use crate::plot::PlotError;
@@ -43,6 +44,9 @@ pub enum Error {
     /// Error in an exposure, a field of view, crossings or passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
+    /// Error in a learned file.
+    #[error(transparent)]
+    Learned(#[from] LearnedError),
     /// Error in a schedule or a policy.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
@@ -72,6 +76,9 @@ pub enum Error {
     #[cfg(feature = "fit")]
     #[error(transparent)]
     Fit(#[from] FitError),
+    /// Error of learning from measurements.
+    #[error(transparent)]
+    Learn(#[from] LearnError),
     /// Error in a configuration.
     #[error(transparent)]
     Config(#[from] ConfigError),

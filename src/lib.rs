@@ -44,6 +44,7 @@ pub mod identify;
 pub mod images;
 #[doc(hidden)]
 pub mod input;
+pub mod learn;
 pub mod maps;
 #[doc(hidden)]
 pub mod math;

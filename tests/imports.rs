@@ -26,6 +26,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         "measure",
         &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry", "streaks"],
     ),
+    ("learn", &["elements", "fit", "frames", "math", "output", "passes", "photometry"]),
     ("identify", &["elements", "frames", "geometry", "orbit", "output", "passes", "photometry"]),
     ("forecast", &["elements", "frames", "geometry", "orbit", "output", "passes", "photometry"]),
     ("schedule", &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry"]),

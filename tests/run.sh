@@ -120,6 +120,7 @@ else
     step "example inject_streaks" cargo run --quiet --all-features --example inject_streaks
     step "a synthetic frame with the README's streaks" "$STREAKCAST_BIN" inject --synthetic examples/synthetic.toml \
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
+    step "example learn_offsets" cargo run --quiet --all-features --example learn_offsets
     step "example charts" cargo run --quiet --all-features --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
     # Requires programs from the package index; STREAKCAST_PLUGINS=no skips this step and the plugins.

@@ -49,6 +49,9 @@ pub struct Config {
     #[serde(deserialize_with = "model_assignments")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "[KIND=]MODEL", help_heading = "Satellites"))]
     pub model: Vec<ModelAssignment>,
+    /// Corrections of magnitudes and delays that streakcast learn wrote
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
+    pub learned: Option<PathBuf>,
     /// Drag of satellites that hold their orbits by thrust: station-keeping (no drag; default) or published (as in the
     /// element set)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
@@ -244,8 +247,8 @@ pub struct RulesConfig {
 
 /// Accepted keys of a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 43] = [
-    "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+const KEYS: [&str; 44] = [
+    "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
     "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
     "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
     "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
@@ -336,7 +339,7 @@ impl Config {
             (self.fov, self.field) = (base.fov, base.field);
         }
         complete!(self, base:
-            accept_bad_checksums, qs_mag, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
+            accept_bad_checksums, qs_mag, learned, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
             light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
             default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, rules.policy, rules.limit_mag, rules.blocking, rules.max_delay, include_dark, samples, format,
         );
@@ -372,7 +375,10 @@ impl Config {
 
     fn visit_paths(&mut self, mut visit: impl FnMut(&mut PathBuf)) {
         self.elements.iter_mut().for_each(&mut visit);
-        [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag].into_iter().flatten().for_each(&mut visit);
+        [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag, &mut self.learned]
+            .into_iter()
+            .flatten()
+            .for_each(&mut visit);
         if let Some(NameOrTable::Name(path)) = &mut self.field {
             visit(path);
         }

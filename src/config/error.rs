@@ -13,7 +13,7 @@ use crate::images::ImagesError;
 #[cfg(all(feature = "fits", unix))]
 use crate::measure::MeasureError;
 use crate::orbit::OrbitError;
-use crate::passes::SkyError;
+use crate::passes::{LearnedError, SkyError};
 use crate::photometry::PhotometryError;
 use crate::schedule::ScheduleError;
 #[cfg(all(feature = "fits", unix))]
@@ -188,6 +188,9 @@ pub enum ConfigError {
     #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Frame(ImagesError),
+    /// The learned file is invalid, or relative to other models.
+    #[error(transparent)]
+    Learned(#[from] LearnedError),
     /// Error in bands, model files or standard magnitudes.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),

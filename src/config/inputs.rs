@@ -13,7 +13,7 @@ use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
 use crate::input;
 use crate::orbit::DragModel;
-use crate::passes::ModelChoice;
+use crate::passes::{LearnedFile, ModelChoice};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 
 /// Inputs of a configuration, read once. Skies for any time can be prepared from them; only the element sets of a
@@ -148,7 +148,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::model_library`]; a generation or model is unknown; the table of standard magnitudes is
-    /// invalid.
+    /// invalid; the learned file is invalid or relative to other models.
     pub fn model_choice(&self) -> Result<ModelChoice, ConfigError> {
         let library = self.model_library()?;
         let mut choice = ModelChoice::new(&library)?;
@@ -178,6 +178,10 @@ impl Config {
         if let Some(path) = qs_mag {
             let magnitudes = StandardMagnitudes::from_qs_mag(&read_text("standard magnitudes", path)?)?;
             choice = choice.with_standard_magnitudes(magnitudes);
+        }
+        // Learned offsets are checked against the models that are set above.
+        if let Some(path) = &self.learned {
+            choice = choice.with_learned(LearnedFile::read(path)?, &path.display().to_string())?;
         }
         Ok(choice)
     }

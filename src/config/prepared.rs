@@ -139,6 +139,9 @@ impl LoadedInputs {
         let models: BTreeSet<String> =
             (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
         provenance.state("models", models.into_iter().collect::<Vec<_>>());
+        if let (Some(learned), Some(path)) = (self.choice.learned(), &self.config.learned) {
+            provenance.state("learned", learned.summary(&path.display().to_string()));
+        }
         let warnings = Vec::new();
         let mut prepared = PreparedSky { sky, eop, provenance, warnings, of_files, from_files, shells_made_for };
         prepared.warnings = prepared.warnings_at(first, last);

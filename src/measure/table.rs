@@ -82,6 +82,10 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::real("late_sigma_s", "s", 4, "Error (one sigma) of late_s."), |one| {
         one.measured.late_s.map(|late| late.sigma).into()
     }),
+    TableField::new(
+        Column::real("late_expected_sigma_s", "s", 4, "Error (one sigma) of the prediction along the track."),
+        |one| one.prediction.streak.lateness_sigma_s.into(),
+    ),
     TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |one| {
         one.measured.ends.into()
     }),

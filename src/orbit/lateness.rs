@@ -40,6 +40,11 @@ impl Lateness {
         Self { parts: self.parts.map(|(weight, part_s)| (weight, part_s.hypot(sigma_s))), ..*self }
     }
 
+    /// The distribution with all delays multiplied by a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { parts: self.parts.map(|(weight, sigma_s)| (weight, factor * sigma_s)), ..*self }
+    }
+
     fn is_gaussian(&self) -> bool {
         self.parts().count() == 1
     }

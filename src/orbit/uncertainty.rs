@@ -93,6 +93,8 @@ pub struct OrbitClass {
     pub period_s: f64,
     /// D = |ṅ/2| P: seconds gained in a day squared.
     pub drag_s_day2: f64,
+    /// Factor of the error along the track, from measured delays; 1 without them.
+    pub lateness_factor: f64,
 }
 
 impl OrbitClass {
@@ -101,7 +103,7 @@ impl OrbitClass {
     /// `mean_motion_rev_day` must be positive; `mean_motion_dot_rev_day2` is half the derivative, as published.
     pub fn new(kind: OrbitKind, mean_motion_rev_day: f64, mean_motion_dot_rev_day2: f64) -> Self {
         let period_s = DAY_S / mean_motion_rev_day;
-        Self { kind, period_s, drag_s_day2: mean_motion_dot_rev_day2.abs() * period_s }
+        Self { kind, period_s, drag_s_day2: mean_motion_dot_rev_day2.abs() * period_s, lateness_factor: 1.0 }
     }
 
     /// Returns the class of an element set.
@@ -122,10 +124,16 @@ impl OrbitClass {
     /// Distribution of the delay along the track at an age in days.
     pub fn lateness(&self, age_days: f64) -> Lateness {
         let age = age_days.abs();
-        match self.kind {
+        let usual = match self.kind {
             OrbitKind::StationKeeping(keeping) => keeping.lateness(age, self.drag_s_day2, CAP_TURNS * self.period_s),
             kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age)),
-        }
+        };
+        usual.scaled(self.lateness_factor)
+    }
+
+    /// Returns the class with a factor of the error along the track.
+    pub fn with_lateness_factor(self, lateness_factor: f64) -> Self {
+        Self { lateness_factor, ..self }
     }
 
     /// One-sigma error across the track at an age in days, km.

@@ -6,7 +6,8 @@
 //! `above_horizon`), `snapshots` all satellites at given times, `ephemeris` selected satellites at given times, and
 //! `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the
 //! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
-//! (position and brightness along a line of sight).
+//! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the
+//! corrections of `learned`.
 
 mod above_horizon;
 mod altaz;
@@ -20,6 +21,7 @@ mod exposure;
 mod field;
 mod field_passes;
 mod intervals;
+mod learned;
 mod models;
 mod probability;
 mod scene;
@@ -39,6 +41,8 @@ pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };
 pub use intervals::intervals_where;
+pub(crate) use learned::LEARNED_ERRORS;
+pub use learned::{LearnedError, LearnedFile, LearnedKind, LearnedLateness, LearnedMagnitude, LearnedSatellite};
 pub use models::ModelChoice;
 pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};

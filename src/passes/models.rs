@@ -1,9 +1,10 @@
 //! Choice of the brightness model of each satellite.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use crate::elements::{ElementSet, Generation, GenerationTable};
+use super::learned::{LEARNED_ERRORS, LearnedError, LearnedFile};
+use crate::elements::{ElementSet, Generation, GenerationTable, Origin};
 use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
 /// Rule by which each element set gets a brightness model. The first that applies is used: the model of its generation,
@@ -19,6 +20,15 @@ pub struct ModelChoice {
     bright: BTreeMap<&'static str, Arc<BrightnessModel>>,
     rocket_body: Arc<BrightnessModel>,
     unknown: Arc<BrightnessModel>,
+    learned: Learned,
+}
+
+/// Learned file, and the models that it corrects.
+#[derive(Clone, Debug, Default)]
+struct Learned {
+    file: Option<Arc<LearnedFile>>,
+    /// Models of the satellites in the file.
+    satellites: HashMap<u32, (Generation, Arc<BrightnessModel>)>,
 }
 
 /// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the
@@ -67,7 +77,48 @@ impl ModelChoice {
             bright: BrightObjects::embedded().iter().map(|one| (one.name, Arc::new(one.model()))).collect(),
             rocket_body: library.find("rocket-body")?,
             unknown: library.find("unknown")?,
+            learned: Learned::default(),
         })
+    }
+
+    /// Applies a learned file to the magnitudes of its satellites and kinds, and to the errors along the track of its
+    /// kinds. `origin` is the name of the file in errors. The models of these kinds must be set before.
+    ///
+    /// # Errors
+    /// [`LearnedError::OtherModel`] if the model of a kind is not the one in the file.
+    pub fn with_learned(mut self, file: LearnedFile, origin: &str) -> Result<Self, LearnedError> {
+        for (kind, magnitude) in file.kinds.iter().filter_map(|one| Some((one.kind, one.magnitude.as_ref()?))) {
+            let used = self.by_generation.get(&kind).cloned();
+            let source = used.as_ref().map_or("none".to_owned(), |model| model.source().to_string());
+            let Some(model) = used.filter(|_| source == magnitude.model) else {
+                let learned = magnitude.model.clone();
+                return Err(LearnedError::OtherModel { origin: origin.to_owned(), kind, learned, used: source });
+            };
+            let corrected = |model: &BrightnessModel, offset_mag, sigma_mag| {
+                Arc::new(model.with_learned(offset_mag, sigma_mag, LEARNED_ERRORS))
+            };
+            for one in file.satellites.iter().filter(|one| one.kind == kind) {
+                let own = corrected(&model, one.offset_mag, one.sigma_mag);
+                self.learned.satellites.insert(one.norad_id, (kind, own));
+            }
+            for models in [&mut self.by_generation, &mut self.assumed] {
+                if let Some(model) = models.get_mut(&kind) {
+                    *model = corrected(model, magnitude.offset_mag, magnitude.sigma_mag);
+                }
+            }
+        }
+        self.learned.file = Some(Arc::new(file));
+        Ok(self)
+    }
+
+    /// Returns the learned file that is applied.
+    pub fn learned(&self) -> Option<&LearnedFile> {
+        self.learned.file.as_deref()
+    }
+
+    /// Returns the learned factor of the error along the track of a satellite; 1 without one.
+    pub fn lateness_factor(&self, elements: &ElementSet) -> f64 {
+        self.learned().map_or(1.0, |file| file.lateness_factor(GenerationTable::embedded().of(elements)))
     }
 
     /// Sets another model for one generation. A model for [`Generation::Other`] takes precedence over standard
@@ -106,6 +157,13 @@ impl ModelChoice {
     /// Returns the brightness model of one satellite.
     pub fn model_of(&self, elements: &ElementSet) -> Arc<BrightnessModel> {
         let table = GenerationTable::embedded();
+        // The catalogue number of a simulated satellite may be that of a real one.
+        if let Some((kind, model)) = self.learned.satellites.get(&elements.norad_id.0)
+            && elements.origin != Origin::Synthetic
+            && *kind == table.of(elements)
+        {
+            return model.clone();
+        }
         let models = if table.is_assumed(elements) { &self.assumed } else { &self.by_generation };
         if let Some(model) = models.get(&table.of(elements)) {
             return model.clone();

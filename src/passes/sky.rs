@@ -57,7 +57,8 @@ impl Sky {
     ) -> Self {
         let drag = DragModel::default();
         let index = SatelliteIndex::new(&elements, drag);
-        let classes: Vec<OrbitClass> = elements.iter().map(|set| OrbitClass::of(set, drag)).collect();
+        let class = |set| OrbitClass::of(set, drag).with_lateness_factor(choice.lateness_factor(set));
+        let classes: Vec<OrbitClass> = elements.iter().map(class).collect();
         let models: Vec<_> = elements.iter().map(|elements| choice.model_of(elements)).collect();
         Self {
             elements: Arc::new(elements),
@@ -93,7 +94,13 @@ impl Sky {
         let index = SatelliteIndex::new(&self.elements, drag);
         Self {
             index: Arc::new(index.with_ephemerides(&self.elements, &self.ephemerides, &self.eop)),
-            classes: Arc::new(self.elements.iter().map(|set| OrbitClass::of(set, drag)).collect()),
+            classes: Arc::new(
+                self.elements
+                    .iter()
+                    .zip(&*self.classes)
+                    .map(|(set, old)| OrbitClass::of(set, drag).with_lateness_factor(old.lateness_factor))
+                    .collect(),
+            ),
             windows: Arc::default(),
             drag,
             ..self

@@ -11,7 +11,7 @@ use super::magnitude::Magnitude;
 ///
 /// It is displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or of
 /// a class of objects) or `prior` (unknown satellite). The names of models of satellites whose kind is assumed end with
-/// ` (kind assumed)`.
+/// ` (kind assumed)`, and with ` (learned)` if offsets learned from measurements are applied.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
     /// A model with reflection laws, by name.
@@ -29,11 +29,20 @@ pub enum MagnitudeSource {
 impl MagnitudeSource {
     /// Returns the source for satellites whose kind is assumed; a source without a name stays.
     pub(super) fn of_assumed_kind(&self) -> Self {
-        let assumed = |name: &Arc<str>| Arc::from(format!("{name} (kind assumed)"));
+        self.with_note("kind assumed")
+    }
+
+    /// Returns the source of magnitudes with a learned offset; a source without a name stays.
+    pub(super) fn of_learned(&self) -> Self {
+        self.with_note("learned")
+    }
+
+    fn with_note(&self, note: &str) -> Self {
+        let noted = |name: &Arc<str>| Arc::from(format!("{name} ({note})"));
         match self {
-            Self::Brdf(name) => Self::Brdf(assumed(name)),
-            Self::Phase(name) => Self::Phase(assumed(name)),
-            Self::Mean(name) => Self::Mean(assumed(name)),
+            Self::Brdf(name) => Self::Brdf(noted(name)),
+            Self::Phase(name) => Self::Phase(noted(name)),
+            Self::Mean(name) => Self::Mean(noted(name)),
             Self::StandardMagnitude | Self::Prior => self.clone(),
         }
     }

@@ -104,6 +104,8 @@ pub struct BrightnessModel {
     system: MagSystem,
     sigma_mag: f64,
     sigma_outside_mag: f64,
+    /// Learned offset of the satellite, mag; added to apparent magnitudes.
+    offset_mag: f64,
     error_distribution: ErrorDistribution,
     fitted_range: Option<FittedRange>,
     size_m: f64,
@@ -182,6 +184,7 @@ impl BrightnessModel {
             system,
             sigma_mag: file.sigma_mag,
             sigma_outside_mag: file.sigma_outside_mag,
+            offset_mag: 0.0,
             error_distribution: file.error_distribution.unwrap_or_default(),
             fitted_range: file.geometry_range.as_ref().map(FittedRange::from_file),
             size_m: file.size_m,
@@ -206,6 +209,7 @@ impl BrightnessModel {
             system: MagSystem::Vega,
             sigma_mag,
             sigma_outside_mag: sigma_mag,
+            offset_mag: 0.0,
             error_distribution: ErrorDistribution::default(),
             fitted_range: None,
             size_m,
@@ -216,6 +220,25 @@ impl BrightnessModel {
     /// Returns the model for satellites whose kind is assumed: its source says so.
     pub fn with_assumed_kind(&self) -> Self {
         Self { source: self.source.of_assumed_kind(), ..self.clone() }
+    }
+
+    /// Returns the model with an offset and a sigma that were learned from measurements: apparent magnitudes are
+    /// `offset_mag` fainter, and single measurements scatter by `sigma_mag` with this distribution. Its source says so.
+    ///
+    /// The learned sigma contains the errors of the parameters. Outside the fitted range it is larger by the same
+    /// variance as before. Standard magnitudes are those of the model.
+    pub fn with_learned(&self, offset_mag: f64, sigma_mag: f64, error_distribution: ErrorDistribution) -> Self {
+        // σ'² = σ_learned² + σ_outside² - σ_inside²
+        let more_mag2 = self.sigma_outside_mag.powi(2) - self.sigma_mag.powi(2);
+        Self {
+            offset_mag,
+            sigma_mag,
+            sigma_outside_mag: (sigma_mag.powi(2) + more_mag2).max(0.0).sqrt().max(sigma_mag),
+            error_distribution,
+            uncertainty: ParameterUncertainty::None,
+            source: self.source.of_learned(),
+            ..self.clone()
+        }
     }
 
     /// Returns the magnitude at 1000 km in full sunlight without earthshine, in the model's own band and system. `None`
@@ -334,7 +357,7 @@ impl BrightnessModel {
             Some(k) => k * airmass(geometry.geocentric_altitude_rad()?)?,
             None => 0.0,
         };
-        let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air);
+        let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air + self.offset_mag);
         let in_fitted_range = self.covers_phase(geometry, to_sun.cosine(&to_observer));
         let scatter = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
         let sigma =
@@ -382,6 +405,11 @@ impl BrightnessModel {
         // m = -2.5 log₁₀ B + …, dm/dp = -(2.5 / ln 10) (dB/dp) / B
         let b_total = b_total + earth_m2_sr;
         (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
+    }
+
+    /// Returns the uncertainty (one sigma) of a single measurement about the model inside the fitted range, mag.
+    pub fn sigma_mag(&self) -> f64 {
+        self.sigma_mag
     }
 
     /// Returns the distribution of single magnitudes about the model, in units of the sigma in its file.

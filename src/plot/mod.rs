@@ -7,6 +7,7 @@
 //! for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and `sun_altitude` for
 //! observers.
 
+mod alarms;
 mod axes;
 mod contour;
 mod corner;
@@ -30,6 +31,7 @@ mod sun_altitude;
 mod time_axis;
 mod tracks;
 
+pub use alarms::{AlarmChart, AlarmMark, alarm_chart};
 pub use corner::{Corner, corner};
 pub use counts_and_spread::{CountsAndSpread, counts_and_spread};
 pub use encode::{PictureFormat, data_url};

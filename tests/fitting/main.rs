@@ -4,11 +4,13 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod alarms;
 mod default_models;
 mod error_distributions;
 mod fit_closed_circle;
 mod fit_panels;
 mod fit_two_panel;
+mod learning;
 mod measured;
 mod measured_real;
 mod model_validation;

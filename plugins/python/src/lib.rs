@@ -8,6 +8,7 @@ mod exposures;
 mod failure;
 #[cfg(unix)]
 mod injection;
+mod learn;
 mod light;
 mod plots;
 mod pool;
@@ -33,6 +34,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;
     module.add_function(wrap_pyfunction!(requests::ephemeris, module)?)?;
     module.add_function(wrap_pyfunction!(requests::identify, module)?)?;
+    module.add_function(wrap_pyfunction!(learn::learn, module)?)?;
     module.add_function(wrap_pyfunction!(light::body_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::sky_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::standard_magnitudes, module)?)?;

@@ -342,6 +342,20 @@ const VERBS: &[VerbHelp] = &[
             "--photometry slingshot.csv --elements history.tle --site Paranal --max-offset-s 60 -o identified.csv",
         ],
     ),
+    verb(
+        "learn",
+        [
+            "--photometry photometry.csv --elements history.tle -o learned.json",
+            "--photometry mmt.csv --height-km 1200 --kind oneweb -o learned.json --leave-pass-out 0,1,2",
+        ],
+    ),
+    verb(
+        "alarms",
+        [
+            "--photometry tonight.csv --elements history.tle --learned learned.json",
+            "--photometry mmt.csv --height-km 1200 --kind oneweb --learned learned.json --picture alarms.png",
+        ],
+    ),
     VerbHelp {
         path: "serve",
         flags: &["schedule"],

@@ -17,6 +17,8 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{exit_code, report_usage};
+#[cfg(feature = "fit")]
+use verbs::alarms::AlarmsArguments;
 use verbs::annotate::AnnotateArguments;
 use verbs::doctor::DoctorArguments;
 use verbs::ephemeris::EphemerisArguments;
@@ -30,6 +32,8 @@ use verbs::gate::GateArguments;
 use verbs::identify::IdentifyArguments;
 #[cfg(all(feature = "fits", unix))]
 use verbs::inject::InjectArguments;
+#[cfg(feature = "fit")]
+use verbs::learn::LearnArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
 #[cfg(all(feature = "fits", unix))]
@@ -88,6 +92,12 @@ enum Verb {
     /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
+    /// Learn offsets of satellites and kinds from their brightness models, for --learned
+    #[cfg(feature = "fit")]
+    Learn(Box<LearnArguments>),
+    /// List passes with improbable light, trends and periodic light, compared with learned magnitudes
+    #[cfg(feature = "fit")]
+    Alarms(Box<AlarmsArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
@@ -144,6 +154,10 @@ fn main() -> ExitCode {
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
         #[cfg(feature = "fit")]
         Verb::Fit(typed) => verbs::fit::run(*typed),
+        #[cfg(feature = "fit")]
+        Verb::Learn(typed) => verbs::learn::run(*typed),
+        #[cfg(feature = "fit")]
+        Verb::Alarms(typed) => verbs::alarms::run(*typed),
         #[cfg(feature = "serve")]
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),

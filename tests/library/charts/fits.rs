@@ -2,8 +2,8 @@
 
 use image::RgbImage;
 use streakcast::plot::{
-    Corner, CountsAndSpread, PhaseCurve, ResidualHistogram, ResidualPanels, corner, counts_and_spread, phase_curve,
-    residual_histogram, residual_panels,
+    AlarmChart, AlarmMark, Corner, CountsAndSpread, PhaseCurve, ResidualHistogram, ResidualPanels, alarm_chart, corner,
+    counts_and_spread, phase_curve, residual_histogram, residual_panels,
 };
 
 use super::{has, pixels, words};
@@ -209,4 +209,30 @@ fn verif_points_are_drawn_with_their_model_and_over_their_angles() {
     };
     pixels(&residual_panels(&all(zero)).unwrap());
     assert!(residual_panels(&all(nothing)).is_err());
+}
+
+#[test]
+fn verif_a_chart_of_alarms_shows_passes_and_labels() {
+    let days: Vec<f64> = (0..40).map(f64::from).collect();
+    let differences = normal(40, 7);
+    let sigmas = vec![0.4; 40];
+    let alarms = [AlarmMark { day: 30.0, difference_mag: -4.0, label: "90001: -4.0 mag".to_owned() }];
+    let chart = AlarmChart {
+        title: "Quiet sky",
+        origin: "2026-01-01T00:00:00Z",
+        days: &days,
+        differences_mag: &differences,
+        sigmas_mag: &sigmas,
+        alarms: &alarms,
+    };
+    let picture = alarm_chart(&chart).unwrap();
+    has(&picture, &["Quiet sky", "90001: -4.0 mag", "days since 2026-01-01T00:00:00Z"]);
+    has(&picture, &["Passes, with one expected sigma: 40. Alarms: 1."]);
+    let orange = |picture| pixels(picture).pixels().filter(|pixel| pixel.0 == [213, 94, 0]).count();
+    assert!(orange(&picture) > 50);
+    let quiet = alarm_chart(&AlarmChart { alarms: &[], ..chart.clone() }).unwrap();
+    assert_eq!(orange(&quiet), 0);
+    let short = alarm_chart(&AlarmChart { sigmas_mag: &[0.4], ..chart.clone() }).map(|_| ()).unwrap_err();
+    assert!(short.to_string().contains("sigmas"), "{short}");
+    assert!(alarm_chart(&AlarmChart { days: &[], differences_mag: &[], sigmas_mag: &[], ..chart }).is_err());
 }

@@ -26,6 +26,15 @@ class Picture:
     def svg(self) -> str: ...
     def save(self, path: str) -> None: ...
 
+def learn(
+    setup: str,
+    kind: str,
+    norad_id: list[int],
+    jd1: _Reals,
+    jd2: _Reals,
+    residual_mag: _Reals,
+    sigma_mag: _Reals,
+) -> str: ...
 def model_names(setup: str) -> list[str]: ...
 def body_map(
     setup: str,

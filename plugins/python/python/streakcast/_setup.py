@@ -12,7 +12,7 @@ from ._quantities import is_of, scalar
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
-        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models",
+        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models", "learned",
     }
 )  # fmt: skip
 #: Keys that an engine uses in addition to the satellites.
@@ -148,6 +148,7 @@ _CONVERTERS = {
     "telescope": _names,
     "eop": _path,
     "qs_mag": _path,
+    "learned": _path,
     "observer_elements": _path,
     "field": _path_or_table,
     "policy": _path_or_table,

@@ -62,8 +62,9 @@ class StreakModel(ExposureQueries):
         Behaviour of an unpickled model if one of its files has changed: raises `ChangedFileError`, or warns and uses
         the new file.
     **more
-        ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, drag, shadow, eop, qs_mag,
-        accept_bad_checksums, observer_elements, observer_norad, limb_height_km``, as on the command line.
+        ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, drag, shadow, eop,
+        learned, qs_mag, accept_bad_checksums, observer_elements, observer_norad, limb_height_km``, as on the
+        command line.
 
     Raises
     ------

@@ -1,5 +1,7 @@
 //! Verbs of the command line. Each has a file or folder that also defines its flags.
 
+#[cfg(feature = "fit")]
+pub mod alarms;
 pub mod annotate;
 pub mod doctor;
 pub mod ephemeris;
@@ -14,6 +16,8 @@ pub mod identify;
 #[cfg(all(feature = "fits", unix))]
 pub mod inject;
 mod judged;
+#[cfg(feature = "fit")]
+pub mod learn;
 pub mod lists;
 pub mod map;
 #[cfg(all(feature = "fits", unix))]

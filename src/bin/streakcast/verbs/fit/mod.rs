@@ -10,5 +10,7 @@ mod reduce;
 mod report;
 mod run;
 
-pub use arguments::FitArguments;
+pub use arguments::{FitArguments, PhotometryArguments};
+pub use photometry::{config as config_of, history as history_of_flags, names, state as state_photometry};
+pub use points::measured;
 pub use run::run;

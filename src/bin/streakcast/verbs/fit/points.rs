@@ -1,6 +1,8 @@
 //! Converts photometry to the points of a fit.
 
 use anyhow::anyhow;
+use streakcast::config::Config;
+use streakcast::elements::History;
 use streakcast::fit::measurements::{
     DensityMode, DropCounts, DropReason, FilterCounts, Measurements, RecordReader, ReduceOptions, Reducer, Reduction,
     measure, reduce,
@@ -50,11 +52,7 @@ pub fn read(
     let options = reduce_options(reduction);
     Reducer::new(options)?;
     let history = photometry::history(typed)?;
-    let (placement, selection) = (photometry::placement(typed, history.as_ref())?, photometry::selection(typed));
-    let mut reader = RecordReader::open(&typed.tables.photometry, &photometry::read_options(&typed.tables, &config)?)?;
-    let measurements = measure(&mut reader, &placement, &selection)?;
-    report_counts(&notices, &measurements.dropped, measurements.points.len());
-    let filters = reader.filters().clone();
+    let (measurements, filters) = measured(typed, &config, history.as_ref(), &notices)?;
     let (pixels, points) = if reduction.raw_points {
         (None, points_of_measurements(&measurements, weights))
     } else {
@@ -74,6 +72,24 @@ pub fn read(
         return Err(no_points(&measurements, pixels.as_ref()));
     }
     Ok(FitInput { measurements, filters, reduction: pixels, points, notices })
+}
+
+/// Reads the selected measurements, and prints the numbers of rows. `history` are the element sets of the flags.
+pub fn measured(
+    typed: &PhotometryArguments,
+    config: &Config,
+    history: Option<&History>,
+    notices: &Notices,
+) -> anyhow::Result<(Measurements, FilterCounts)> {
+    let (placement, selection) = (photometry::placement(typed, history)?, photometry::selection(typed));
+    let mut reader = RecordReader::open(&typed.tables.photometry, &photometry::read_options(&typed.tables, config)?)?;
+    let measurements = measure(&mut reader, &placement, &selection)?;
+    report_counts(notices, &measurements.dropped, measurements.points.len());
+    if measurements.points.is_empty() {
+        return Err(no_points(&measurements, None));
+    }
+    let filters = reader.filters().clone();
+    Ok((measurements, filters))
 }
 
 /// Returns the weights of single measurements.

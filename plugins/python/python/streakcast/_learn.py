@@ -1,0 +1,78 @@
+"""Offsets of satellites learned from measured magnitudes."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+
+from . import _core
+from ._setup import document
+from ._times import TimeLike, to_tai
+
+
+def learn(
+    norad_id: Any,
+    time: TimeLike,
+    observed: Any,
+    predicted: Any,
+    *,
+    kind: str,
+    sigma: Any = None,
+    model: Any = None,
+    scale: Union[str, None] = None,
+    output: Union[str, "os.PathLike[str]", None] = None,
+) -> dict[str, Any]:
+    """Learns the offsets of satellites of one kind from their brightness model.
+
+    Parameters
+    ----------
+    norad_id : int or array of int, shape (n,)
+        NORAD catalogue number of each measurement.
+    time : time, shape (n,)
+        Times of the measurements.
+    observed, predicted : float or array, shape (n,)
+        Measured magnitudes, and those of the model without a learned file (``magnitude`` and ``predicted_magnitude``
+        of ``streakcast measure``). Rows in which one of them is NaN are omitted.
+    kind : str
+        Kind of the satellites, for example ``"oneweb"``.
+    sigma : float or array, optional
+        Errors (one sigma) of the measurements, mag.
+    model : str, path or dict, optional
+        Brightness model of the predictions, as for `StreakModel`; the default model of the kind if omitted.
+    scale : {"utc", "tai", "tt"}, optional
+        Scale of bare numbers in `time`.
+    output : path, optional
+        File to write, for the argument ``learned`` of `StreakModel`.
+
+    Returns
+    -------
+    dict
+        Content of the learned file: ``kinds`` and ``satellites`` with their offsets and sigmas.
+
+    Raises
+    ------
+    ValueError
+        The kind is unknown or has no model, an argument has another shape, or no row is complete.
+    """
+    jd1, jd2 = to_tai(time, scale)
+    ids = np.asarray(norad_id)
+    if ids.dtype.kind not in "iu" or np.any(ids < 1):
+        raise ValueError("norad_id is not a list of catalogue numbers; allowed: integers from 1")
+    errors = np.nan if sigma is None else sigma
+    numbers = [np.asarray(value, dtype=np.float64) for value in (observed, predicted, errors)]
+    try:
+        rows = [np.ascontiguousarray(np.ravel(column)) for column in np.broadcast_arrays(ids, jd1, jd2, *numbers)]
+    except ValueError:
+        raise ValueError("norad_id, time, observed, predicted and sigma differ in shape; allowed: one shape") from None
+    complete = np.isfinite(rows[3]) & np.isfinite(rows[4])
+    ids, jd1, jd2, measured, computed, errors = [column[complete] for column in rows]
+    setup = json.dumps(document({"model": model}))
+    text = _core.learn(setup, kind, [int(number) for number in ids], jd1, jd2, measured - computed, errors)
+    if output is not None:
+        Path(output).write_text(text, encoding="utf-8")
+    learned: dict[str, Any] = json.loads(text)
+    return learned

@@ -1,0 +1,144 @@
+//! Factor of the error along the track of each kind, from delays that `streakcast measure` measured.
+
+use std::path::Path;
+
+use super::error::LearnError;
+use crate::elements::NoradId;
+use crate::input;
+use crate::passes::LearnedLateness;
+
+/// Degrees of freedom of the delays, which have wings.
+const FREEDOM: f64 = 4.0;
+/// Variance of Student's t with four degrees of freedom whose central 68.27 % are within one sigma, over the square of
+/// its scale: 1 / 1.1416².
+const SCALE2: f64 = 0.7673;
+/// Number of delays that the usual error (a factor of 1) counts for.
+const PRIOR_COUNT: f64 = 10.0;
+/// Number of iterations of the weights, which converge by a factor of two or more each.
+const ITERATIONS: usize = 100;
+/// Smallest and largest factor.
+const FACTORS: [f64; 2] = [0.1, 10.0];
+
+/// Measured delay of one satellite.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct MeasuredDelay {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Delay, seconds; positive is late.
+    pub late_s: f64,
+    /// Error (one sigma) of the measurement, seconds.
+    pub sigma_s: f64,
+    /// Error (one sigma) of the prediction, seconds.
+    pub expected_sigma_s: f64,
+}
+
+/// Reads the delays of a table that `streakcast measure` wrote as CSV or ECSV. Streaks without an end in the frame have
+/// no delay and are omitted.
+///
+/// # Errors
+/// [`LearnError::Table`] if the file cannot be read, a column is missing, a number is invalid, or the table was
+/// measured with a learned file, so that its errors are corrected already.
+pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, LearnError> {
+    let error = |problem: String| LearnError::Table { file: path.display().to_string(), problem };
+    let text = input::read_to_string(path).map_err(|problem| error(problem.to_string()))?;
+    if text.lines().take_while(|line| line.starts_with('#')).any(|line| line.contains("learned")) {
+        return Err(error("it was measured with --learned; allowed: tables measured without it".to_owned()));
+    }
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let names = reader.headers().map_err(|problem| error(problem.to_string()))?.clone();
+    let column = |name: &str| {
+        let at = names.iter().position(|column| column == name);
+        at.ok_or_else(|| error(format!("no column {name}; allowed: a table that streakcast measure wrote as CSV")))
+    };
+    let columns = [column("norad_id")?, column("late_s")?, column("late_sigma_s")?, column("late_expected_sigma_s")?];
+    let mut delays = Vec::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|problem| error(problem.to_string()))?;
+        let [id, late, sigma, expected] = columns.map(|at| record.get(at).unwrap_or_default());
+        if late.is_empty() {
+            continue;
+        }
+        let number = |name: &str, cell: &str, least: f64| {
+            let value = cell.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= least);
+            value.ok_or_else(|| error(format!("row {}: {name} is '{cell}'; allowed: a number from {least}", row + 1)))
+        };
+        let norad_id = id.parse().map(NoradId);
+        delays.push(MeasuredDelay {
+            norad_id: norad_id
+                .map_err(|_| error(format!("row {}: norad_id is '{id}'; allowed: a catalogue number", row + 1)))?,
+            late_s: number("late_s", late, f64::MIN)?,
+            sigma_s: number("late_sigma_s", sigma, 0.0)?,
+            expected_sigma_s: number("late_expected_sigma_s", expected, 1e-6)?,
+        });
+    }
+    Ok(delays)
+}
+
+/// Returns the factor of the error along the track that the delays of one kind imply; `None` without delays.
+///
+/// The factor is shrunk towards 1, as if ten more delays had the usual error.
+pub fn learn_lateness(delays: &[MeasuredDelay]) -> Option<LearnedLateness> {
+    if delays.is_empty() {
+        return None;
+    }
+    let n = delays.len() as f64;
+    let mut factor2 = 1.0;
+    for _ in 0..ITERATIONS {
+        // δ ~ t₄ √v, v = q (f² s² + σ²); u = 5 / (4 + δ²/v); k = f² s² / (f² s² + σ²);
+        // f² = (10 + Σ (u k² δ² + q k σ²) / (q s²)) / (10 + n)
+        let mut sum = PRIOR_COUNT;
+        for one in delays {
+            let (expected2, own2) = (one.expected_sigma_s.powi(2), one.sigma_s.powi(2));
+            let v = SCALE2 * (factor2 * expected2 + own2);
+            let weight = (FREEDOM + 1.0) / (FREEDOM + one.late_s.powi(2) / v);
+            // Posterior of the part of the delay that is not the error of the measurement.
+            let kept = factor2 * expected2 / (factor2 * expected2 + own2);
+            sum += (weight * kept.powi(2) * one.late_s.powi(2) + SCALE2 * kept * own2) / (SCALE2 * expected2);
+        }
+        factor2 = sum / (PRIOR_COUNT + n);
+    }
+    let [least, most] = FACTORS;
+    // The variance of the scale of Student's t with ν degrees of freedom: (ν + 3) / (2 ν n)
+    let relative_sigma = ((FREEDOM + 3.0) / (2.0 * FREEDOM * (PRIOR_COUNT + n))).sqrt();
+    Some(LearnedLateness { measurements: delays.len(), factor: factor2.sqrt().clamp(least, most), relative_sigma })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn delays(n: usize, factor: f64) -> Vec<MeasuredDelay> {
+        // Quantiles of Student's t with four degrees of freedom by bisection of its cumulative distribution.
+        let student = |t: f64| {
+            let q = (1.0 + t * t / 4.0_f64).sqrt();
+            0.5 + 0.375 * (t / q) * (1.0 - t * t / (12.0 * q * q))
+        };
+        let quantile = |share: f64| {
+            let (mut low, mut high) = (-100.0, 100.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if student(middle) < share { low = middle } else { high = middle }
+            }
+            low
+        };
+        let one = |i: usize| MeasuredDelay {
+            norad_id: NoradId(1),
+            late_s: 2.0 * factor * quantile((i as f64 + 0.5) / n as f64) / 1.1416,
+            sigma_s: 0.01,
+            expected_sigma_s: 2.0,
+        };
+        (0..n).map(one).collect()
+    }
+
+    #[test]
+    fn verif_many_delays_determine_the_factor_and_few_do_not() {
+        assert_eq!(learn_lateness(&[]), None);
+        for factor in [0.5, 1.0, 3.0] {
+            let many = learn_lateness(&delays(2000, factor)).unwrap();
+            assert!((many.factor / factor - 1.0).abs() < 0.03, "{many:?} for {factor}");
+        }
+        // Two delays of three sigmas each are not evidence of a factor of 3.
+        let few = learn_lateness(&[delays(2000, 3.0)[1500]; 2]).unwrap();
+        assert!(few.factor > 1.0 && few.factor < 1.3, "{few:?}");
+    }
+}

@@ -1,0 +1,189 @@
+//! The learned file of all kinds, and its tables.
+
+use std::collections::BTreeMap;
+
+use hifitime::Epoch;
+
+use super::error::LearnError;
+use super::hierarchy::{KindFit, fit_kind};
+use super::lateness::{MeasuredDelay, learn_lateness};
+use super::pass::Pass;
+use crate::elements::{Generation, NoradId};
+use crate::output::{Column, Kind, Table, format_utc};
+use crate::passes::{LearnedFile, LearnedKind, LearnedMagnitude, LearnedSatellite, ModelChoice};
+
+/// Learned file, with the fits of its kinds.
+#[derive(Clone, Debug)]
+pub struct Learned {
+    /// Content of the file.
+    pub file: LearnedFile,
+    /// Fits of the kinds with magnitudes.
+    pub fits: BTreeMap<Generation, KindFit>,
+}
+
+/// First and last time, and numbers of passes and measurements.
+struct Extent {
+    first: Epoch,
+    last: Epoch,
+    passes: usize,
+    measurements: usize,
+}
+
+impl Extent {
+    fn of<'p>(passes: impl Iterator<Item = &'p Pass> + Clone) -> Option<Self> {
+        Some(Self {
+            first: passes.clone().map(Pass::first).min()?,
+            last: passes.clone().map(Pass::last).max()?,
+            passes: passes.clone().count(),
+            measurements: passes.map(|pass| pass.points().len()).sum(),
+        })
+    }
+
+    fn utc(&self) -> [String; 2] {
+        [self.first, self.last].map(|epoch| format_utc(epoch, 0))
+    }
+}
+
+/// Learns the offsets of satellites and kinds from passes, and the errors along the track from delays with their kinds.
+///
+/// The models must be without a learned file. `provenance` names the files and options.
+///
+/// # Errors
+/// [`LearnError::Nothing`] without passes.
+pub fn learn(
+    passes: &[Pass],
+    delays: &BTreeMap<Generation, Vec<MeasuredDelay>>,
+    models: &ModelChoice,
+    provenance: serde_json::Map<String, serde_json::Value>,
+) -> Result<Learned, LearnError> {
+    let Some(all) = Extent::of(passes.iter()) else {
+        return Err(LearnError::Nothing {
+            reason: "no pass has a satellite with a brightness model".to_owned(),
+            allowed: "measurements with times and satellite numbers",
+        });
+    };
+    let mut kinds: BTreeMap<Generation, LearnedKind> = BTreeMap::new();
+    for (kind, delays) in delays {
+        let lateness = learn_lateness(delays);
+        kinds.insert(*kind, LearnedKind { kind: *kind, magnitude: None, lateness });
+    }
+    let (mut satellites, mut fits) = (Vec::new(), BTreeMap::new());
+    for kind in Generation::ALL {
+        let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
+        let (Some(extent), Some(model)) = (Extent::of(of_kind.iter().copied()), models.of_kind(kind)) else { continue };
+        let fit = fit_kind(&of_kind, model.sigma_mag());
+        let mut ids: Vec<NoradId> = of_kind.iter().map(|pass| pass.norad_id()).collect();
+        ids.sort();
+        ids.dedup();
+        let [first_utc, last_utc] = extent.utc();
+        let magnitude = LearnedMagnitude {
+            model: model.source().to_string(),
+            satellites: ids.len(),
+            passes: extent.passes,
+            measurements: extent.measurements,
+            first_utc,
+            last_utc,
+            offset_mag: rounded(fit.offset_mag),
+            offset_sigma_mag: rounded(fit.offset_sigma_mag),
+            satellite_sigma_mag: rounded(fit.satellite_sigma_mag),
+            pass_scale_mag: rounded(fit.pass_scale_mag),
+            point_sigma_mag: rounded(fit.point_sigma_mag),
+            // No satellite has the number 0.
+            sigma_mag: rounded(fit.predict(NoradId(0)).sigma_mag),
+        };
+        let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });
+        entry.magnitude = Some(magnitude);
+        for id in ids {
+            let Some(extent) = Extent::of(of_kind.iter().copied().filter(|pass| pass.norad_id() == id)) else {
+                continue;
+            };
+            let ([first_utc, last_utc], prediction) = (extent.utc(), fit.predict(id));
+            satellites.push(LearnedSatellite {
+                norad_id: id.0,
+                kind,
+                passes: extent.passes,
+                measurements: extent.measurements,
+                first_utc,
+                last_utc,
+                offset_mag: rounded(prediction.offset_mag),
+                offset_sigma_mag: rounded(prediction.offset_sigma_mag),
+                sigma_mag: rounded(prediction.sigma_mag),
+            });
+        }
+        fits.insert(kind, fit);
+    }
+    Ok(Learned { file: LearnedFile::new(provenance, all.utc(), kinds.into_values().collect(), satellites), fits })
+}
+
+/// Returns a magnitude with four decimals, which is more than the measurements determine.
+fn rounded(mag: f64) -> f64 {
+    (mag * 1e4).round() / 1e4
+}
+
+const KINDS: [Column; 12] = [
+    Column::new("kind", Kind::Text, "Kind of satellite."),
+    Column::new("model", Kind::Text, "Source of the magnitudes of the model."),
+    Column::new("satellites", Kind::Integer, "Number of satellites."),
+    Column::new("passes", Kind::Integer, "Number of passes."),
+    Column::new("measurements", Kind::Integer, "Number of measurements."),
+    Column::real("offset_mag", "mag", 3, "Mean offset of the satellites; positive is fainter than the model."),
+    Column::real("offset_sigma_mag", "mag", 3, "One sigma of offset_mag."),
+    Column::real("satellite_sigma_mag", "mag", 3, "Standard deviation of the offsets of the satellites."),
+    Column::real("pass_scale_mag", "mag", 3, "Scale of the differences between passes of a satellite."),
+    Column::real("point_sigma_mag", "mag", 3, "One sigma of the measurements within a pass."),
+    Column::real("sigma_mag", "mag", 3, "One sigma of a measurement of a satellite that is not in the file."),
+    Column::real("lateness_factor", "", 3, "Factor of the error along the track; empty without measured delays."),
+];
+
+/// Returns a table with one row for each kind of a learned file.
+pub fn kind_table(file: &LearnedFile) -> Table {
+    let cells = |one: &LearnedKind| {
+        let of = one.magnitude.as_ref();
+        let real = |value: fn(&LearnedMagnitude) -> f64| of.map(value).into();
+        vec![
+            one.kind.name().into(),
+            of.map(|of| of.model.clone()).into(),
+            of.map(|of| of.satellites as i64).into(),
+            of.map(|of| of.passes as i64).into(),
+            of.map(|of| of.measurements as i64).into(),
+            real(|of| of.offset_mag),
+            real(|of| of.offset_sigma_mag),
+            real(|of| of.satellite_sigma_mag),
+            real(|of| of.pass_scale_mag),
+            real(|of| of.point_sigma_mag),
+            real(|of| of.sigma_mag),
+            one.lateness.as_ref().map(|lateness| lateness.factor).into(),
+        ]
+    };
+    Table { columns: KINDS.to_vec(), rows: file.kinds.iter().map(cells).collect() }
+}
+
+const SATELLITES: [Column; 9] = [
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+    Column::new("kind", Kind::Text, "Kind of satellite."),
+    Column::new("passes", Kind::Integer, "Number of passes."),
+    Column::new("measurements", Kind::Integer, "Number of measurements."),
+    Column::new("first_utc", Kind::Text, "Time of the first measurement."),
+    Column::new("last_utc", Kind::Text, "Time of the last measurement."),
+    Column::real("offset_mag", "mag", 3, "Offset of the satellite; positive is fainter than the model."),
+    Column::real("offset_sigma_mag", "mag", 3, "One sigma of offset_mag."),
+    Column::real("sigma_mag", "mag", 3, "One sigma of a measurement in another pass."),
+];
+
+/// Returns a table with one row for each satellite of a learned file.
+pub fn satellite_table(file: &LearnedFile) -> Table {
+    let cells = |one: &LearnedSatellite| {
+        vec![
+            i64::from(one.norad_id).into(),
+            one.kind.name().into(),
+            one.passes.into(),
+            one.measurements.into(),
+            one.first_utc.clone().into(),
+            one.last_utc.clone().into(),
+            one.offset_mag.into(),
+            one.offset_sigma_mag.into(),
+            one.sigma_mag.into(),
+        ]
+    };
+    Table { columns: SATELLITES.to_vec(), rows: file.satellites.iter().map(cells).collect() }
+}
