@@ -3,11 +3,12 @@
 //! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file. `scale` assigns colours to
 //! values, `contour` computes lines of equal value, and `disc` projects a hemisphere. `maps` draws the maps of
 //! [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
-//! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread` and `residuals`
-//! for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and `sun_altitude` for
-//! observers.
+//! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
+//! and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and
+//! `sun_altitude` for observers.
 
 mod axes;
+mod blocking;
 mod contour;
 mod corner;
 mod counts_and_spread;
@@ -30,6 +31,7 @@ mod sun_altitude;
 mod time_axis;
 mod tracks;
 
+pub use blocking::blocking_picture;
 pub use corner::{Corner, corner};
 pub use counts_and_spread::{CountsAndSpread, counts_and_spread};
 pub use encode::{PictureFormat, data_url};
