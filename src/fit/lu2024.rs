@@ -53,6 +53,8 @@ pub const PUBLISHED_LAYERS: [PublishedLayer; 10] = [
 const ASSUMED_SAIL_GLOSS: (f64, f64) = (0.02, 4.0);
 /// Number of sets of tracks of the jackknife.
 const SETS: usize = 24;
+/// Largest number of single measurements whose residuals are computed.
+const SINGLES: usize = 20_000;
 /// Layer of figure 2, degrees.
 const SLICE_DEG: i32 = -19;
 
@@ -127,7 +129,7 @@ pub struct Lu2024 {
     pub fit: Fit,
     /// Fit in which the panel offset is free as well.
     pub free_offset: Fit,
-    /// Residuals of single measurements from the final model, mag.
+    /// Residuals of at most 20,000 single measurements from the final model, mag.
     pub single_mag: Vec<f64>,
 }
 
@@ -168,7 +170,14 @@ pub fn lu2024(
     each();
     let fit = fitted_with_errors(form, measurements, options, &FitSettings::free(&COEFFICIENTS))?;
     each();
-    let singles = points_of_measurements(measurements, &RawWeights { by_group: false, ..RawWeights::default() });
+    // Every k-th measurement suffices for the distribution of residuals.
+    let every = measurements.points.len().div_ceil(SINGLES);
+    let thinned = Measurements {
+        points: measurements.points.iter().step_by(every).copied().collect(),
+        groups: measurements.groups.clone(),
+        ..Measurements::default()
+    };
+    let singles = points_of_measurements(&thinned, &RawWeights { by_group: false, ..RawWeights::default() });
     let predicted = predict(form, &singles, &fit.values());
     let residuals = singles.iter().zip(predicted).map(|(point, predicted)| point.magnitude - predicted);
     let single_mag = residuals.filter(|residual| residual.is_finite()).collect();

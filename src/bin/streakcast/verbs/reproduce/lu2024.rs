@@ -46,8 +46,8 @@ const WALKERS: usize = 32;
 const RESIDUAL_LAYERS_DEG: [i64; 3] = [-9, -15, -21];
 /// Directions of Sun and observer in figure 1, degrees: Sun's latitude, observer's longitude and latitude.
 const SKETCH_DEG: [f64; 3] = [-15.0, 30.0, -40.0];
-/// Lowest altitude for magnitudes of the sky and for the last lit satellite, degrees.
-const LOW_DEG: [f64; 2] = [20.0, 30.0];
+/// Lowest altitude for the last lit satellite, degrees.
+const LOW_DEG: f64 = 30.0;
 
 /// Flags of `lu2024`.
 #[derive(Args)]
@@ -331,7 +331,6 @@ fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec
         return Ok(Vec::new());
     };
     let section = ["figure 7", "figure 8", "figure 9"][usize::from(figure.number - 7).min(2)];
-    let low_rad = LOW_DEG[0].to_radians();
     let mut lit = Vec::new();
     let mut height_km = 0.0;
     for panel in figure.panels {
@@ -339,8 +338,8 @@ fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec
         height_km = height;
         let sun_rad = sun_altitude_deg.to_radians();
         let view = SkyView::new(model, Earth::Sphere, height, 0.0, sun_rad, PhotometryOptions::default())?;
-        let high = view.map(Grid::regular(2.0)?).points.into_iter().filter(|point| point.altitude_rad >= low_rad);
-        lit.extend(high.filter_map(|point| Some((point.magnitude?.0, point.altitude_rad.cos()))));
+        let points = view.map(Grid::regular(2.0)?).points;
+        lit.extend(points.iter().filter_map(|point| Some((point.magnitude?.0, point.altitude_rad.cos()))));
     }
     lit.sort_by(|a, b| a.0.total_cmp(&b.0));
     let total: f64 = lit.iter().map(|(_, area)| area).sum();
@@ -361,16 +360,16 @@ fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec
         ours_sigma: None,
         reason: reason.to_owned(),
     };
-    let ends = "the caption does not say which part of the sky its range describes; other coefficients than those of the paper";
+    let ends = "other coefficients than those of the paper, whose captions give the ends of colour bars";
     let last = "the caption states no lowest altitude of satellites";
     Ok(vec![
-        row(format!("5 % of the sky above {} deg are brighter than", LOW_DEG[0]), "mag", stated[0], at(0.05), ends),
-        row(format!("5 % of the sky above {} deg are fainter than", LOW_DEG[0]), "mag", stated[1], at(0.95), ends),
+        row("5 % of the lit sky are brighter than".to_owned(), "mag", stated[0], at(0.05), ends),
+        row("5 % of the lit sky are fainter than".to_owned(), "mag", stated[1], at(0.95), ends),
         row(
-            format!("Sun's altitude with the last lit satellite above {} deg", LOW_DEG[1]),
+            format!("Sun's altitude with the last lit satellite above {} deg", LOW_DEG),
             "deg",
             last_deg,
-            Some(last_sun_deg(height_km, LOW_DEG[1])),
+            Some(last_sun_deg(height_km, LOW_DEG)),
             last,
         ),
     ])
