@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 
 use serde::{Deserialize, Serialize};
 
-use super::element_set::{ElementSet, Origin};
+use super::element_set::{ElementSet, NoradId, Origin};
 
 /// Table of launches with the generations of their satellites.
 const LAUNCHES: &str = include_str!("launches.txt");
@@ -210,20 +210,26 @@ impl GenerationTable {
 
     /// Returns the generation of a satellite, and the evidence for it.
     pub fn classify(&self, set: &ElementSet) -> (Generation, Certainty) {
-        let name = set.name.trim();
         if set.origin == Origin::Synthetic {
-            return (synthetic(name), Certainty::Guess);
+            return (synthetic(set.name.trim()), Certainty::Guess);
         }
-        let launch = Launch::of(&set.international_designator);
+        self.classify_object(&set.name, &set.international_designator, set.norad_id)
+    }
+
+    /// Returns the generation of a catalogued object by its name, international designator and catalogue number, and
+    /// the evidence for it.
+    pub fn classify_object(&self, name: &str, designator: &str, norad_id: NoradId) -> (Generation, Certainty) {
+        let name = name.trim();
+        let launch = Launch::of(designator);
         // Debris and rocket bodies contain the name of their parent object in their names.
         if name.ends_with(" DEB") || name.contains(" DEB ") || name.contains("R/B") {
             return (Generation::Other, Certainty::Name);
         }
         if let Some(rest) = strip_prefix_ignoring_case(name, "STARLINK") {
-            return self.starlink(rest, launch, set.norad_id.0);
+            return self.starlink(rest, launch, norad_id.0);
         }
         if name.is_empty() || strip_prefix_ignoring_case(name, "OBJECT ").is_some() {
-            let id = set.norad_id.0;
+            let id = norad_id.0;
             if IRIDIUM_NEXT_NORAD_IDS.iter().any(|[first, last]| (*first..=*last).contains(&id)) {
                 return (Generation::IridiumNext, Certainty::Table);
             }

@@ -9,6 +9,8 @@
 //! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on unseen points, the tests
 //!   of Lu (2024)
 //! - `error_distribution`: core and wing of residuals
+//! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with the
+//!   same numbers computed from photometry
 //! - `posterior`: draws with walkers, and the files of their chains
 //! - `model_of_fit`, `report`: model file and report of a fit
 //! - `inference`: numerical methods without astronomy
@@ -24,6 +26,7 @@ pub mod inference;
 mod jackknife;
 mod linear_starts;
 mod log_nodes;
+mod lu2024;
 pub mod measurements;
 mod model_of_fit;
 mod objective;
@@ -33,6 +36,7 @@ mod phase;
 mod point;
 mod posterior;
 mod report;
+mod simulation;
 mod solve;
 mod soundness;
 mod statistics;
@@ -46,6 +50,10 @@ pub use error_distribution::error_distribution;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;
 pub use jackknife::jackknife;
+pub use lu2024::{
+    LU2024_PARTS, Lu2024, Lu2024Data, Lu2024Row, Lu2024Truth, PUBLISHED_LAYERS, PublishedLayer, lu2024, lu2024_rows,
+    lu2024_table, recovered_table,
+};
 pub use model_of_fit::{ModelDescription, model_file, range_of};
 pub use objective::{Loss, Objective};
 pub use panels_form::PanelsForm;
@@ -54,6 +62,7 @@ pub use phase::{PhaseForm, SphereForm};
 pub use point::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
 pub use posterior::{ChainAbout, Marginal, Posterior, PosteriorSettings, draw, posterior, read_chain, write_chain};
 pub use report::{Report, form_score_table, marginal_table, offset_table, paired_model_table, parameter_table};
+pub use simulation::{MagnitudeLaw, Simulation, SimulationOptions, TrackTruth, simulate};
 pub use solve::{Fit, FitSettings, Problem};
 pub use soundness::{Fault, PoorAxis, faults, points_behind};
 pub use statistics::{PairedTest, ResidualStatistics, rms, sigma_68_mag};

@@ -37,6 +37,7 @@ pub enum MeasureError {
     Orbit(#[from] OrbitError),
 }
 
+#[cfg(all(feature = "fits", unix))]
 impl MeasureError {
     pub(super) fn invalid(what: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
         Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }

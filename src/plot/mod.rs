@@ -3,12 +3,13 @@
 //! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file. `scale` assigns colours to
 //! values, `contour` computes lines of equal value, and `disc` projects a hemisphere. `maps` draws the maps of
 //! [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
-//! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread` and `residuals`
-//! for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and `sun_altitude` for
-//! observers.
+//! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
+//! and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and
+//! `sun_altitude` for observers.
 
 mod alarms;
 mod axes;
+mod blocking;
 mod contour;
 mod corner;
 mod counts_and_spread;
@@ -32,6 +33,7 @@ mod time_axis;
 mod tracks;
 
 pub use alarms::{AlarmChart, AlarmMark, alarm_chart};
+pub use blocking::blocking_picture;
 pub use corner::{Corner, corner};
 pub use counts_and_spread::{CountsAndSpread, counts_and_spread};
 pub use encode::{PictureFormat, data_url};

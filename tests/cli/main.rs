@@ -38,6 +38,7 @@ mod measure;
 mod opsim;
 #[cfg(feature = "plot")]
 mod plot;
+mod reproduce;
 #[cfg(all(feature = "serve", unix))]
 mod serve;
 #[cfg(all(feature = "serve", unix))]

@@ -14,7 +14,7 @@
 //! pixel size, selection by spread) change c1 by 3 %, n_sail by 1 % and the others by at most 0.6 %, measured without
 //! noise: a quarter of a sigma.
 
-use crate::common::simulated_photometry::{SimulationOptions, simulate};
+use crate::common::simulated_photometry::{SimulationOptions, simulate_with};
 use streakcast::elements::{Constellation, ElementSet, History};
 use streakcast::fit::measurements::{Measurements, Placement, ReduceOptions, Reduction, Selection, measure, reduce};
 use streakcast::fit::{
@@ -75,10 +75,9 @@ fn observed(campaign: &Campaign) -> Measurements {
         track_s: campaign.track_s,
         point_scatter_mag: campaign.point_scatter_mag,
         track_scatter_mag: campaign.track_scatter_mag,
-        earthshine: campaign.earthshine,
         ..SimulationOptions::mmt9(first, campaign.nights)
     };
-    let simulation = simulate(&model, &history, &options);
+    let simulation = simulate_with(&model, campaign.earthshine, &history, &options);
     let placement = Placement { max_element_age_days: 400.0, ..Placement::elements(&history) };
     measure(&mut simulation.records.source(), &placement, &Selection::default()).expect("measurements")
 }

@@ -20,7 +20,7 @@ use streakcast::frames::seconds_after;
 use streakcast::geometry::{Site, ViewingGeometry};
 use streakcast::math::healpix::ring_cell;
 use streakcast::math::quantile::quantile;
-use streakcast::photometry::{Band, BrightnessModel, Earthshine, ModelLibrary, StandardMagnitude};
+use streakcast::photometry::{Band, BrightnessModel, ModelLibrary, StandardMagnitude};
 
 fn golden(name: &str) -> csv::Reader<std::fs::File> {
     csv::ReaderBuilder::new().comment(Some(b'#')).from_path(crate::common::golden_dir().join(name)).unwrap()
@@ -441,7 +441,6 @@ fn verif_the_seed_determines_the_photometry_on_any_number_of_threads() {
         wrong_association_share: 0.3,
         outlier_track_share: 0.3,
         outlier_point_share: 0.1,
-        earthshine: Earthshine::Off,
         ..quiet()
     };
     let on = |threads: usize, seed: u64| {

@@ -82,6 +82,12 @@ impl Notices {
         self.bar(length, "steps")
     }
 
+    /// Returns a progress bar over other parts of a computation, for example nights; hidden without a terminal.
+    #[cfg(all(feature = "fit", feature = "plot"))]
+    pub fn tasks(&self, length: usize, unit: &str) -> ProgressBar {
+        self.bar(length, unit)
+    }
+
     fn bar(&self, length: usize, unit: &str) -> ProgressBar {
         if self.quiet || !stderr().is_terminal() {
             return ProgressBar::hidden();

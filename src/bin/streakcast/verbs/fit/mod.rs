@@ -1,14 +1,14 @@
 //! `fit`: fits of brightness models to photometry.
 
-mod arguments;
+pub(super) mod arguments;
 mod chains;
 mod compare;
 mod form;
-mod photometry;
+pub(super) mod photometry;
 mod points;
 mod reduce;
-mod report;
-mod run;
+pub(super) mod report;
+pub(super) mod run;
 
 pub use arguments::{FitArguments, PhotometryArguments};
 pub use photometry::{config as config_of, history as history_of_flags, names, state as state_photometry};

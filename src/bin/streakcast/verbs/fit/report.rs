@@ -189,7 +189,7 @@ fn data_url(_: &[u8]) -> String {
 }
 
 #[cfg(feature = "plot")]
-pub use drawn::{pictures, pixels_picture};
+pub use drawn::{of_counts, pictures, pixels_picture, residual_maps, slice};
 #[cfg(feature = "plot")]
 use streakcast::plot::data_url;
 
@@ -258,7 +258,7 @@ mod drawn {
             model_mag: &model,
         };
         add("phase", "Magnitudes against the phase angle", phase_curve(&curve)?)?;
-        if let Some(picture) = residual_maps(&title, points, residuals)? {
+        if let Some(picture) = residual_maps(&title, points, residuals, NSIDE, None)? {
             add("maps", "Residuals over the directions around the satellite", picture)?;
         }
         if let Some(reduction) = &results.input.reduction {
@@ -288,17 +288,25 @@ mod drawn {
         Ok(drawn)
     }
 
-    /// Draws mean residuals in cells of the observer's direction, for the one-degree layers with the most cells.
-    fn residual_maps(title: &str, points: &[FitPoint], residuals: &[f64]) -> anyhow::Result<Option<Picture>> {
+    /// Draws mean residuals in cells of the observer's direction, for these one-degree layers of the Sun's latitude, or
+    /// for those with the most cells. `None` if no point is in the layers.
+    pub fn residual_maps(
+        title: &str,
+        points: &[FitPoint],
+        residuals: &[f64],
+        nside: u32,
+        from_deg: Option<&[i64]>,
+    ) -> anyhow::Result<Option<Picture>> {
         let mut all = BTreeMap::<i64, BTreeMap<u64, (f64, f64)>>::new();
         for (point, residual) in points.iter().zip(residuals) {
             let g = point.geometry.folded();
-            let Some(cell) = ring_cell(NSIDE, g.observer_longitude_rad, g.observer_latitude_rad) else { continue };
+            let Some(cell) = ring_cell(nside, g.observer_longitude_rad, g.observer_latitude_rad) else { continue };
             let layer = g.sun_latitude_rad.to_degrees().floor() as i64;
             let sum = all.entry(layer).or_default().entry(cell).or_default();
             *sum = (sum.0 + residual, sum.1 + 1.0);
         }
-        let mut fullest: Vec<i64> = all.keys().copied().collect();
+        let mut fullest: Vec<i64> =
+            all.keys().copied().filter(|layer| from_deg.is_none_or(|layers| layers.contains(layer))).collect();
         fullest.sort_by_key(|layer| std::cmp::Reverse(all[layer].len()));
         fullest.truncate(MAX_LAYERS);
         fullest.sort_by_key(|layer| std::cmp::Reverse(*layer));
@@ -316,10 +324,11 @@ mod drawn {
         let owned: Vec<_> = cells.iter().map(panel).collect();
         let panels =
             owned.iter().map(|(title, cells)| LayerPanel { title, quantity: Quantity::Residual, cells }).collect();
-        Ok(Some(layers(&Layers { title, caption: "Means of cells.", nside: NSIDE, is_folded: true, panels })?))
+        Ok(Some(layers(&Layers { title, caption: "Means of cells.", nside, is_folded: true, panels })?))
     }
 
-    fn of_counts(reduction: &Reduction) -> anyhow::Result<Picture> {
+    /// Draws figure 3 of Lu (2024).
+    pub fn of_counts(reduction: &Reduction) -> anyhow::Result<Picture> {
         let counts: Vec<f64> = reduction.pixels.iter().map(|pixel| f64::from(pixel.count)).collect();
         let iqr_mag: Vec<f64> = reduction.pixels.iter().map(|pixel| pixel.iqr_mag).collect();
         Ok(counts_and_spread(&CountsAndSpread {
@@ -342,34 +351,36 @@ mod drawn {
             reduction.ok_or_else(|| anyhow!("--picture is given with --raw-points; allowed: with reduced pixels"))?;
         let picture = match layer_deg {
             None => of_counts(reduction)?,
-            Some(sun_deg) => {
-                let width_deg = reduction.options.layer_width_rad.to_degrees();
-                let layer = (sun_deg / width_deg).floor() as i32;
-                let inside: Vec<&Pixel> = reduction.pixels.iter().filter(|pixel| pixel.layer == layer).collect();
-                if inside.is_empty() {
-                    return Err(anyhow!(
-                        "layer is {sun_deg} deg, where no pixel lies; allowed: a latitude of the Sun with pixels"
-                    ));
-                }
-                let of = |value: fn(&Pixel) -> f64| {
-                    inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>()
-                };
-                let (mode, count, spread) = (of(|p| p.mode_mag), of(|p| f64::from(p.count)), of(|p| p.iqr_mag));
-                let from = f64::from(layer) * width_deg;
-                let title = format!("Sun at latitude {from} to {} deg", from + width_deg);
-                layers(&Layers {
-                    title: &title,
-                    caption: "",
-                    nside: reduction.options.nside,
-                    is_folded: reduction.options.fold,
-                    panels: vec![
-                        LayerPanel { title: "(a) magnitude at 1000 km", quantity: Quantity::Magnitude, cells: &mode },
-                        LayerPanel { title: "(b) number of points", quantity: Quantity::Count, cells: &count },
-                        LayerPanel { title: "(c) interquartile range", quantity: Quantity::Spread, cells: &spread },
-                    ],
-                })?
-            }
+            Some(sun_deg) => slice(reduction, sun_deg)?,
         };
         write_bytes(path, &picture.to_bytes(PictureFormat::of(path)?)?, notices)
+    }
+
+    /// Draws figure 2 of Lu (2024): magnitudes, counts and spreads of the pixels of the layer that contains a latitude
+    /// of the Sun.
+    pub fn slice(reduction: &Reduction, sun_deg: f64) -> anyhow::Result<Picture> {
+        let width_deg = reduction.options.layer_width_rad.to_degrees();
+        let layer = (sun_deg / width_deg).floor() as i32;
+        let inside: Vec<&Pixel> = reduction.pixels.iter().filter(|pixel| pixel.layer == layer).collect();
+        if inside.is_empty() {
+            return Err(anyhow!(
+                "layer is {sun_deg} deg, where no pixel lies; allowed: a latitude of the Sun with pixels"
+            ));
+        }
+        let of = |value: fn(&Pixel) -> f64| inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>();
+        let (mode, count, spread) = (of(|p| p.mode_mag), of(|p| f64::from(p.count)), of(|p| p.iqr_mag));
+        let from = f64::from(layer) * width_deg;
+        let title = format!("Sun at latitude {from} to {} deg", from + width_deg);
+        Ok(layers(&Layers {
+            title: &title,
+            caption: "",
+            nside: reduction.options.nside,
+            is_folded: reduction.options.fold,
+            panels: vec![
+                LayerPanel { title: "(a) magnitude at 1000 km", quantity: Quantity::Magnitude, cells: &mode },
+                LayerPanel { title: "(b) number of points", quantity: Quantity::Count, cells: &count },
+                LayerPanel { title: "(c) interquartile range", quantity: Quantity::Spread, cells: &spread },
+            ],
+        })?)
     }
 }

@@ -269,7 +269,7 @@ fn is_date(text: &str) -> bool {
 }
 
 /// Returns the current month, for example `2026-11`.
-fn this_month() -> String {
+pub fn this_month() -> String {
     let (year, month, ..) = crate::clock::now().to_gregorian_utc();
     format!("{year:04}-{month:02}")
 }

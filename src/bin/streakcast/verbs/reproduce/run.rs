@@ -21,16 +21,22 @@ use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, night_of};
 
-use super::judged::begin;
+#[cfg(all(feature = "fit", feature = "plot"))]
+use super::lu2024::{self, Lu2024Arguments};
+
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::verbs::judged::begin;
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum Paper {
     /// LSST visits with streaks: Hu et al. 2022
     Hu2022,
+    /// Model, tests and figures on simulated or MMT-9 photometry: Lu 2024 (arXiv 2403.05831); -o names a folder
+    #[cfg(all(feature = "fit", feature = "plot"))]
+    Lu2024,
     /// Satellites brighter than 7 mag: Lu 2024 (arXiv 2403.11118)
     Lu2024b,
     /// Satellites above an altitude from the density of shells: Bassa et al. 2022
@@ -53,6 +59,9 @@ pub struct ReproduceArguments {
     /// Suppress warnings, summaries and progress
     #[arg(long, short)]
     pub quiet: bool,
+    #[cfg(all(feature = "fit", feature = "plot"))]
+    #[command(flatten)]
+    pub lu2024: Lu2024Arguments,
     #[command(flatten)]
     pub output: OutputArguments,
 }
@@ -105,6 +114,19 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             }
         }
     }
+    #[cfg(all(feature = "fit", feature = "plot"))]
+    match (typed.paper, typed.lu2024.given()) {
+        (Paper::Lu2024, _) => {
+            let folder = typed.output.output.as_deref().ok_or_else(|| {
+                anyhow!("missing folder for the report and its pictures; specify -o DIR, for example -o lu2024")
+            })?;
+            let notices = begin(&config)?;
+            let config = Config { site: SiteConfig::default(), ..config };
+            return lu2024::run(&typed.lu2024, folder, typed.output.format.as_deref(), &config, &notices);
+        }
+        (_, Some(flag)) => bail!("{flag} has no effect on this paper; allowed: reproduce lu2024"),
+        _ => {}
+    }
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     let notices = begin(&config)?;
     let mut provenance = Provenance::new();
@@ -121,6 +143,8 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             provenance.state("schedule", json!({ "file": path.display().to_string(), "visits": exposures.len() }));
             of_hu(&config, &exposures, &notices)?
         }
+        #[cfg(all(feature = "fit", feature = "plot"))]
+        Paper::Lu2024 => Vec::new(),
         Paper::Lu2024b => of_lu()?,
         Paper::Bassa2022 => of_bassa()?,
     };

@@ -1,0 +1,84 @@
+//! Table 1 of Lu (2024): satellites launched into orbit by generation, counted in a catalogue.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use streakcast::elements::{Generation, GenerationTable, NoradId, Satellites};
+use streakcast::fit::Lu2024Row;
+
+/// Printed counts of 12 January 2024, with the generations that the paper counts together.
+const PRINTED: [(&str, f64, &[Generation]); 4] = [
+    ("Starlink V1.0 with VisorSats", 1665.0, &[Generation::StarlinkV10, Generation::StarlinkVisorSat]),
+    ("Starlink V1.5", 2987.0, &[Generation::StarlinkV15]),
+    ("Starlink V2 Mini with Direct-to-Cell", 978.0, &[Generation::StarlinkV2Mini, Generation::StarlinkDirectToCell]),
+    ("OneWeb", 640.0, &[Generation::OneWeb]),
+];
+/// Last launch up to 12 January 2024.
+const LAST_LAUNCH: &str = "2024-010";
+
+/// Counts the satellites of table 1 in a SATCAT (CSV of CelesTrak), else in element sets; neither gives rows without
+/// numbers.
+pub fn rows(satcat: Option<&Path>, elements: &[PathBuf]) -> anyhow::Result<Vec<Lu2024Row>> {
+    let (objects, reason) = match satcat {
+        Some(path) => (Some(of_satcat(path)?), "the paper counts in Jonathan's Space Report and Wikipedia"),
+        None if !elements.is_empty() => (
+            Some(of_elements(elements)?),
+            "element sets hold only satellites that are still in orbit; a SATCAT (--satcat) holds all that were launched",
+        ),
+        None => (None, "needs a catalogue: --satcat FILE, or --elements FILE for those still in orbit"),
+    };
+    Ok(PRINTED
+        .iter()
+        .map(|(name, count, generations)| Lu2024Row {
+            section: "table 1",
+            quantity: format!("{name}, launched to 2024-01-12"),
+            unit: "",
+            paper: Some(*count),
+            ours: objects
+                .as_ref()
+                .map(|objects| objects.iter().filter(|(_, one)| generations.contains(one)).count() as f64),
+            ours_sigma: None,
+            reason: reason.to_owned(),
+        })
+        .collect())
+}
+
+/// Returns the objects launched up to the date of the table with their generations.
+fn of_elements(paths: &[PathBuf]) -> anyhow::Result<BTreeSet<(NoradId, Generation)>> {
+    let table = GenerationTable::embedded();
+    let sets = Satellites::read(paths, &Default::default())?.element_sets;
+    let launched = sets.iter().filter(|set| is_launched(&set.international_designator));
+    Ok(launched.map(|set| (set.norad_id, table.of(set))).collect())
+}
+
+fn is_launched(designator: &str) -> bool {
+    designator.get(..LAST_LAUNCH.len()).is_some_and(|launch| launch <= LAST_LAUNCH)
+}
+
+fn of_satcat(path: &Path) -> anyhow::Result<BTreeSet<(NoradId, Generation)>> {
+    let failed = |error: csv::Error| anyhow!("satcat {}: {error}", path.display());
+    let mut reader = csv::Reader::from_path(path).map_err(failed)?;
+    let headers = reader.headers().map_err(failed)?.clone();
+    let column = |name: &str| {
+        headers.iter().position(|header| header.trim() == name).ok_or_else(|| {
+            anyhow!("satcat {}: missing column {name}; allowed: the SATCAT of CelesTrak as CSV", path.display())
+        })
+    };
+    let [name, designator, id] = [column("OBJECT_NAME")?, column("OBJECT_ID")?, column("NORAD_CAT_ID")?];
+    let table = GenerationTable::embedded();
+    let mut objects = BTreeSet::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(failed)?;
+        let cell = |column: usize| record.get(column).unwrap_or_default().trim();
+        let number = cell(id).parse().map_err(|_| {
+            let (path, given) = (path.display(), cell(id));
+            anyhow!("satcat {path}: row {}: invalid NORAD_CAT_ID '{given}'; allowed: a catalogue number", row + 1)
+        })?;
+        if is_launched(cell(designator)) {
+            let id = NoradId(number);
+            objects.insert((id, table.classify_object(cell(name), cell(designator), id).0));
+        }
+    }
+    Ok(objects)
+}
