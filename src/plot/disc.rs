@@ -201,7 +201,7 @@ impl Layout<'_> {
         let height = TITLE + rows * self.row() + LEGEND + (caption - 1) * 22;
         let mut picture = Picture::new(width, height);
         picture.set_scales(self.scales.clone());
-        picture.text(&sheet.title, (width as f64 / 2.0, 26.0), 23.0, HPos::Center);
+        picture.set_title(&sheet.title, (width as f64 / 2.0, 26.0), 23.0, HPos::Center);
         for (index, (disc, raster)) in sheet.discs.iter().zip(&self.rasters).enumerate() {
             let middle = self.middle(index);
             self.draw_disc(&mut picture, disc, raster, middle);

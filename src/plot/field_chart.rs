@@ -103,7 +103,7 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let at = |[x, y]: [f64; 2]| frame.at(x * per_degree, y * per_degree);
 
     let mut picture = Picture::new(WIDTH as usize, 846);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     for outline in &outlines {
         let mut border: Vec<_> = outline.iter().map(|position| at(*position)).collect();
         picture.patch(border.clone(), INSIDE.to_rgba());

@@ -79,7 +79,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     let lines: Vec<Vec<(f64, f64)>> = tracks.iter().map(|track| track.line()).collect();
     let ahead_days = input.local.as_ref().map_or(0.0, |clock| clock.ahead_of_utc_h / 24.0);
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     draw_empty_sky(&mut picture);
     let magnitudes = || tracks.iter().flat_map(|track| track.magnitude.iter().copied());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
