@@ -18,6 +18,8 @@ mod encode;
 mod error;
 mod field_chart;
 mod file_options;
+mod graticule;
+mod labels;
 mod light_curve;
 mod maps;
 mod night;

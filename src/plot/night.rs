@@ -144,7 +144,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
         picture.note(text, ((LEFT + RIGHT) / 2.0, middle));
     } else {
         let sides = [RIGHT + 26.0, MAGNITUDES[0] + 26.0, RIGHT + 50.0, NUMBERS[1] - 10.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
+        colour_bar(&mut picture, &scale, sides, &scale.label());
     }
 
     let mut from = LEFT;

@@ -15,6 +15,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::error::PlotError;
+use super::labels::{around, half_size};
 use super::scale::ColourScale;
 
 /// Colour of lines and text.
@@ -208,10 +209,14 @@ impl Picture {
     }
 
     /// Draws small text on a light background, so that it is readable on any colour.
-    pub(super) fn note(&mut self, text: &str, (x, y): (f64, f64)) {
-        let half = width_of(text, 16.0) / 2.0 + 4.0;
-        self.rectangle([x - half, y - 11.0, x + half, y + 11.0], RGBColor(255, 255, 255).mix(0.72));
-        self.text(text, (x, y), 16.0, HPos::Center);
+    pub(super) fn note(&mut self, text: &str, position: (f64, f64)) {
+        self.note_of(text, position, 16.0);
+    }
+
+    /// Draws text of a given size on a light background.
+    pub(super) fn note_of(&mut self, text: &str, position: (f64, f64), size: f64) {
+        self.rectangle(around(position, half_size(text, size)), RGBColor(255, 255, 255).mix(0.72));
+        self.text(text, position, size, HPos::Center);
     }
 
     /// Draws text that is wrapped between two x positions; the middle of the first line is at `y`.

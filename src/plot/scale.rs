@@ -43,8 +43,8 @@ const BEYOND: f64 = 0.01;
 const MOST_MEDIANS: f64 = 5.0;
 
 impl Quantity {
-    /// Returns the short label that is drawn above the bar.
-    pub(super) fn label(self) -> &'static str {
+    /// Returns the short label of the quantity.
+    fn label(self) -> &'static str {
         match self {
             Self::Magnitude => "mag",
             Self::Count => "samples",
@@ -137,6 +137,12 @@ impl ColourScale {
             }
         };
         share.clamp(0.0, 1.0)
+    }
+
+    /// Returns the short label that is drawn above the bar.
+    pub(super) fn label(&self) -> String {
+        let is_clipped = self.quantity == Quantity::Rate && self.has_higher;
+        format!("{}{}", self.quantity.label(), if is_clipped { ", clipped" } else { "" })
     }
 
     /// Returns the colour of a value as red, green and blue.

@@ -408,7 +408,7 @@ fn verif_tables_of_forecast_are_drawn() {
     // Tables of points, and of passes that contain points, give the same plot in each format.
     drawn(&folder, "sky", &[&["sky-chart", "--from", &curves]], 0);
     let sky = svg_texts(&path(&folder, "sky.svg"));
-    for expected in ["Passes over Rubin Observatory, 2026-08-14 to 2026-08-15", "N", "E", "60°", "from UTC", "10"] {
+    for expected in ["Passes over the sky", "N", "E", "60°", "from UTC", "10"] {
         assert!(sky.iter().any(|text| text == expected), "{expected}: {sky:?}");
     }
     let picture = fs::read(path(&folder, "sky.png")).unwrap();

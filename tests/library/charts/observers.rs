@@ -104,7 +104,7 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     assert_eq!(chart(&outlines, &turned).unwrap().to_svg().unwrap(), picture.to_svg().unwrap());
     has(
         &picture,
-        &["EAST", "NORTH", "4.0 ±0.4", "00:30:01.0", "00:30:04.5", "N", "E", "0.5°", "offset to the east, °"],
+        &["EAST", "NORTH", "4.0 ±0.4", "00:30:01.0", "00:30:04.5", "N", "E", "0.5°", "0h40m", "−0°30′"],
     );
     let (image, scale) = (pixels(&picture), picture.scales()[0]);
     let (bright, faint) = (scale.colour(4.0), scale.colour(7.0));
@@ -137,7 +137,7 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     let small = [vec![[10.01, 0.0], [10.0, 0.06], [9.99, 0.0]]];
     has(
         &chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(),
-        &["offset to the east, ′", "dark"],
+        &["+0°01′", "dark"],
     );
 }
 
