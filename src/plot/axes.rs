@@ -5,7 +5,7 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::numbers::labels;
-use super::picture::{INK, Picture, Pixels, width_of};
+use super::picture::{INK, Picture, Pixels, lines_of, width_of};
 use super::scale::ColourScale;
 
 /// Font sizes of tick labels and of axis names, pixels.
@@ -258,7 +258,11 @@ pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64
         picture.text(&label, (right + 11.0, y), BAR_TEXT_SIZE, HPos::Left);
     }
     let above = if is_beyond(1.0) { top - TIP } else { top };
-    picture.text(text, (left, above - 20.0), BAR_TEXT_SIZE, HPos::Left);
+    // A label that is too long for the rest of the picture has several lines.
+    let lines = lines_of(text, picture.size().0 as f64 - left - 4.0, BAR_TEXT_SIZE);
+    for (line, text) in lines.iter().rev().enumerate() {
+        picture.text(text, (left, above - 20.0 - 1.2 * BAR_TEXT_SIZE * line as f64), BAR_TEXT_SIZE, HPos::Left);
+    }
 }
 
 #[cfg(test)]

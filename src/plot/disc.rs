@@ -324,9 +324,16 @@ impl Layout<'_> {
             let sun_deg = disc.sun_longitude_rad.unwrap_or(0.0).to_degrees();
             let longitudes = (0..16).map(|part| (sun_deg + 112.5 + 22.5 * f64::from(part)).rem_euclid(360.0));
             let longitudes = longitudes.filter(|longitude| !disc.is_half || (20.0..=160.0).contains(longitude));
-            let position = |longitude: f64| at(disc_position(longitude.to_radians(), angle_deg.to_radians()));
-            let free = labels.place(half_size(text, CAPTION_SIZE), longitudes.map(position));
-            picture.note(text, free.unwrap_or_else(|| position(sun_deg + 112.5)));
+            let position = |longitude: f64, aside: f64| {
+                let angle = angle_deg.to_radians() + FRAC_PI_2 * aside / radius;
+                at(disc_position(longitude.to_radians(), angle))
+            };
+            // A label that does not fit on its circle is next to it.
+            let asides = [0.0, 24.0, -24.0].into_iter();
+            let candidates = asides.flat_map(|aside| longitudes.clone().map(move |longitude| (longitude, aside)));
+            let half = half_size(text, CAPTION_SIZE);
+            let free = labels.place(half, candidates.map(|(longitude, aside)| position(longitude, aside)));
+            picture.note(text, free.unwrap_or_else(|| position(sun_deg + 112.5, 0.0)));
         }
         round(picture, FRAC_PI_2, INK.to_rgba(), 1.6);
         if disc.is_half {

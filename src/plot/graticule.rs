@@ -13,7 +13,7 @@ const LABEL_SIZE: f64 = 15.0;
 /// Number of steps along a line.
 const STEPS: usize = 240;
 /// Number of intervals that a chart should have in each direction.
-const INTERVALS: f64 = 5.0;
+const INTERVALS: f64 = 5.5;
 /// Possible steps of right ascension, milliseconds of time.
 const RA_STEPS_MS: [i64; 25] = [
     10, 20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 30_000, 60_000, 120_000, 300_000, 600_000, 1_200_000,
@@ -62,26 +62,25 @@ pub(super) fn label(picture: &mut Picture, plane: &Plane<'_>, labels: &mut Label
     let mut outside = Labels::new([left - 40.0, 0.0, right + 40.0, bottom + 40.0]);
     for line in lines(plane) {
         let (width, height) = half_size(&line.label, LABEL_SIZE);
-        let ends = || line.parts.iter().flatten().copied();
+        let mut ends = line.parts.iter().flatten().copied();
         if line.is_meridian {
-            let at = ends().find(|(_, y)| (y - bottom).abs() < 1e-6).map(|(x, _)| (x, bottom + 16.0));
-            if let Some(position) = at.and_then(|position| outside.place((width + 3.0, height), [position])) {
-                picture.line(&[(position.0, bottom), (position.0, bottom + 5.0)], INK.to_rgba(), 1.2);
-                picture.text(&line.label, position, LABEL_SIZE, HPos::Center);
+            if let Some((x, _)) = ends.find(|(_, y)| (y - bottom).abs() < 1e-6) {
+                if let Some(position) = outside.place((width + 3.0, height), [(x, bottom + 16.0)]) {
+                    picture.line(&[(x, bottom), (x, bottom + 5.0)], INK.to_rgba(), 1.2);
+                    picture.text(&line.label, position, LABEL_SIZE, HPos::Center);
+                }
                 continue;
             }
-        } else {
-            let at = ends().find(|(x, _)| (x - left).abs() < 1e-6).map(|(_, y)| (left - 16.0, y));
+        } else if let Some((_, y)) = ends.find(|(x, _)| (x - left).abs() < 1e-6) {
             // The text runs upwards.
-            if let Some(position) = at.and_then(|position| outside.place((height, width + 3.0), [position])) {
-                picture.line(&[(left, position.1), (left - 5.0, position.1)], INK.to_rgba(), 1.2);
+            if let Some(position) = outside.place((height, width + 3.0), [(left - 16.0, y)]) {
+                picture.line(&[(left, y), (left - 5.0, y)], INK.to_rgba(), 1.2);
                 picture.upright(&line.label, position, LABEL_SIZE);
-                continue;
             }
+            continue;
         }
-        let is_labelled_outside = ends().any(|(x, y)| (x - left).abs() < 1e-6 || (y - bottom).abs() < 1e-6);
         let middles = line.parts.iter().step_by(7).map(|[from, to]| ((from.0 + to.0) / 2.0, (from.1 + to.1) / 2.0));
-        if !is_labelled_outside && let Some(position) = labels.place((width, height), middles) {
+        if let Some(position) = labels.place((width, height), middles) {
             picture.note_of(&line.label, position, LABEL_SIZE);
         }
     }

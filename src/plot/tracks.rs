@@ -89,8 +89,8 @@ pub(super) fn numbers(
 
 /// Positions of numbers along a track, as fractions of its length.
 const SHARES: [f64; 13] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.45, 0.55, 0.12, 0.88, 0.05, 0.95];
-/// Distance between a track and the box of its number, pixels.
-const BESIDE: f64 = 7.0;
+/// Distance between a track and the box of its number, pixels: more than the clearance of labels in a diagonal.
+const BESIDE: f64 = 8.0;
 
 /// Returns the positions on both sides of a line at which a box of half this width and height is next to it.
 pub(super) fn positions_beside(line: &[(f64, f64)], share: f64, half: (f64, f64)) -> [(f64, f64); 2] {
@@ -126,8 +126,8 @@ fn positions_beyond(line: &[(f64, f64)], half: (f64, f64)) -> impl Iterator<Item
 pub(super) fn without_numbers(without: usize) -> String {
     match without {
         0 => String::new(),
-        1 => "1 listed track, a faint one, has no number in the chart. ".to_owned(),
-        more => format!("{more} listed tracks, the faintest that do not fit, have no numbers in the chart. "),
+        1 => "1 listed track has no number in the chart for lack of room. ".to_owned(),
+        more => format!("{more} listed tracks have no numbers in the chart for lack of room. "),
     }
 }
 

@@ -137,7 +137,7 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     let small = [vec![[10.01, 0.0], [10.0, 0.06], [9.99, 0.0]]];
     has(
         &chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(),
-        &["+0°01′", "dark"],
+        &["+0°02′", "dark"],
     );
 }
 
