@@ -96,6 +96,9 @@ impl FileOptions {
 
     /// Returns the width and height of the PNG of a chart of this size, pixels.
     pub(super) fn pixels(&self, chart: (usize, usize)) -> Result<(usize, usize), PlotError> {
+        if self.size.is_none() && self.dpi.is_none() {
+            return Ok(chart);
+        }
         let dpi = self.dpi();
         if !(DPI[0]..=DPI[1]).contains(&dpi) {
             let what = "the resolution of a picture".to_owned();
@@ -140,8 +143,7 @@ mod tests {
     #[test]
     fn verif_sizes_have_units() {
         let pixels = |text: &str, dpi: u32| {
-            let options =
-                FileOptions { size: Some(text.parse().unwrap()), dpi: Some(dpi), ..FileOptions::default() };
+            let options = FileOptions { size: Some(text.parse().unwrap()), dpi: Some(dpi), ..FileOptions::default() };
             options.pixels((1, 1))
         };
         for (text, dpi, expected) in [

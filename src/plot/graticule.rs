@@ -16,13 +16,13 @@ const STEPS: usize = 240;
 const INTERVALS: f64 = 5.5;
 /// Possible steps of right ascension, milliseconds of time.
 const RA_STEPS_MS: [i64; 25] = [
-    10, 20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 30_000, 60_000, 120_000, 300_000, 600_000, 1_200_000,
-    1_800_000, 3_600_000, 7_200_000, 10_800_000, 14_400_000, 21_600_000, 43_200_000, 86_400_000,
+    10, 20, 50, 100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 30_000, 60_000, 120_000, 300_000, 600_000,
+    1_200_000, 1_800_000, 3_600_000, 7_200_000, 10_800_000, 14_400_000, 21_600_000, 43_200_000, 86_400_000,
 ];
 /// Possible steps of declination, milliarcseconds.
 const DEC_STEPS_MAS: [i64; 20] = [
-    100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 30_000, 60_000, 120_000, 300_000, 600_000, 1_200_000, 1_800_000,
-    3_600_000, 7_200_000, 18_000_000, 36_000_000, 72_000_000,
+    100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 30_000, 60_000, 120_000, 300_000, 600_000, 1_200_000,
+    1_800_000, 3_600_000, 7_200_000, 18_000_000, 36_000_000, 72_000_000,
 ];
 const MS_PER_DEGREE: f64 = 240_000.0;
 const MAS_PER_DEGREE: f64 = 3_600_000.0;
@@ -101,9 +101,8 @@ fn lines(plane: &Plane<'_>) -> Vec<GridLine> {
         ra = [ra[0].min(east), ra[1].max(east)];
         dec = [dec[0].min(north), dec[1].max(north)];
     }
-    let has_pole = |pole: f64| {
-        gnomonic(plane.centre, [ra0, pole]).is_some_and(|[x, y]| x.abs() < reach && y.abs() < reach)
-    };
+    let has_pole =
+        |pole: f64| gnomonic(plane.centre, [ra0, pole]).is_some_and(|[x, y]| x.abs() < reach && y.abs() < reach);
     for (pole, end) in [(90.0, 1), (-90.0, 0)] {
         if has_pole(pole) {
             dec[end] = pole;

@@ -31,11 +31,7 @@ impl Labels {
     }
 
     /// Returns the first of these positions at which a label with half this width and height is free, and occupies it.
-    pub fn place(
-        &mut self,
-        half: (f64, f64),
-        candidates: impl IntoIterator<Item = (f64, f64)>,
-    ) -> Option<(f64, f64)> {
+    pub fn place(&mut self, half: (f64, f64), candidates: impl IntoIterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
         let position = candidates.into_iter().find(|position| self.is_free(*position, half))?;
         self.add_box(around(position, half));
         Some(position)
@@ -49,9 +45,10 @@ impl Labels {
             && top >= self.within[1]
             && right <= self.within[2]
             && bottom <= self.within[3]
-            && self.boxes.iter().all(|other| {
-                right <= other[0] || left >= other[2] || bottom <= other[1] || top >= other[3]
-            })
+            && self
+                .boxes
+                .iter()
+                .all(|other| right <= other[0] || left >= other[2] || bottom <= other[1] || top >= other[3])
             && self.segments.iter().all(|(_, [from, to])| clipped(*from, *to, wider).is_none())
     }
 
@@ -136,7 +133,9 @@ mod tests {
         assert_eq!(labels.place(half, [(50.0, 52.0)]), None);
         labels.add_line(1, &[(0.0, 90.0), (100.0, 90.0)]);
         assert!(labels.is_nearest(0, (50.0, 65.0)) && labels.is_nearest(1, (50.0, 75.0)));
-        assert!(!labels.is_free_line(0, (20.0, 80.0), (20.0, 95.0)) && labels.is_free_line(1, (20.0, 80.0), (20.0, 95.0)));
+        assert!(
+            !labels.is_free_line(0, (20.0, 80.0), (20.0, 95.0)) && labels.is_free_line(1, (20.0, 80.0), (20.0, 95.0))
+        );
         assert!(!labels.is_free_line(0, (20.0, 30.0), (90.0, 30.0)));
     }
 

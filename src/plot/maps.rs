@@ -92,8 +92,17 @@ pub fn paper_picture(
 
 /// Draws discs with a contour line at a magnitude limit.
 fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize, limit: (f64, String)) -> Picture {
-    DiscSheet { title, caption, discs, radius, discs_per_row: 3, contour_mag: Some(limit), nothing: "not lit", scale: None }
-        .picture()
+    DiscSheet {
+        title,
+        caption,
+        discs,
+        radius,
+        discs_per_row: 3,
+        contour_mag: Some(limit),
+        nothing: "not lit",
+        scale: None,
+    }
+    .picture()
 }
 
 /// Returns the magnitude of the contour line of a map of apparent magnitudes, and its label.

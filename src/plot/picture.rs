@@ -265,8 +265,7 @@ impl Picture {
             let first = |side: f64, from: f64| (from + side * scale - 0.5).ceil().max(0.0) as usize;
             for row in first(top, corner.1)..first(bottom, corner.1).min(height) {
                 for column in first(left, corner.0)..first(right, corner.0).min(width) {
-                    let (x, y) =
-                        ((column as f64 + 0.5 - corner.0) / scale, (row as f64 + 0.5 - corner.1) / scale);
+                    let (x, y) = ((column as f64 + 0.5 - corner.0) / scale, (row as f64 + 0.5 - corner.1) / scale);
                     if field.within.is_some_and(|(middle, radius)| (x - middle.0).hypot(y - middle.1) > radius) {
                         continue;
                     }
@@ -290,9 +289,7 @@ impl Picture {
     ) -> Result<(), PlotError> {
         register_embedded_font()?;
         let Canvas { scale, corner, .. } = *canvas;
-        let at = |&(x, y): &(f64, f64)| {
-            ((corner.0 + x * scale).round() as i32, (corner.1 + y * scale).round() as i32)
-        };
+        let at = |&(x, y): &(f64, f64)| ((corner.0 + x * scale).round() as i32, (corner.1 + y * scale).round() as i32);
         let thin = |colour: RGBAColor, width: f64| ShapeStyle {
             color: colour,
             filled: false,

@@ -193,7 +193,8 @@ impl ColourScale {
         };
         // All labels of a bar have the decimals that the steps need.
         let is_whole = |value: f64| (value - value.round()).abs() <= 1e-6;
-        let decimals = |value: f64| (0..12).find(|places| is_whole(value * 10_f64.powi(*places))).unwrap_or(12) as usize;
+        let decimals =
+            |value: f64| (0..12).find(|places| is_whole(value * 10_f64.powi(*places))).unwrap_or(12) as usize;
         let places = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
         let label = |value: f64| {
             let beyond = if self.has_lower && value <= self.least {

@@ -62,8 +62,11 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         limb_rad: None,
     };
     let scale = ColourScale::of(Quantity::Rate, input.rate.iter().copied());
-    let caption =
-        format!("Zenith in the middle, horizon at the rim, east left. {}{}", input.caption, clipping(&scale, input.rate));
+    let caption = format!(
+        "Zenith in the middle, horizon at the rim, east left. {}{}",
+        input.caption,
+        clipping(&scale, input.rate)
+    );
     let sheet = DiscSheet {
         title: input.title.to_owned(),
         caption,

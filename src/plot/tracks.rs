@@ -53,12 +53,7 @@ pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor
 /// Draws the numbers of tracks beside them or, with a thin line, beyond their ends, where they cover neither tracks nor
 /// other labels. The tracks of `order`, indices of `lines`, get their numbers in this order; their lines are already
 /// in `labels`. Returns how many tracks have no free position for a number.
-pub(super) fn numbers(
-    picture: &mut Picture,
-    labels: &mut Labels,
-    lines: &[Vec<(f64, f64)>],
-    order: &[usize],
-) -> usize {
+pub(super) fn numbers(picture: &mut Picture, labels: &mut Labels, lines: &[Vec<(f64, f64)>], order: &[usize]) -> usize {
     let mut without = 0;
     for &index in order {
         let (line, text) = (&lines[index], (index + 1).to_string());
@@ -108,7 +103,8 @@ fn positions_beyond(line: &[(f64, f64)], half: (f64, f64)) -> impl Iterator<Item
     let ends = [(line[0], along(line, 0.05)), (line[line.len() - 1], along(line, 0.95))];
     let directions = ends.map(|(tip, inside)| {
         let length = (tip.0 - inside.0).hypot(tip.1 - inside.1);
-        let cos_sin = if length > 1e-9 { ((tip.0 - inside.0) / length, (tip.1 - inside.1) / length) } else { (0.0, -1.0) };
+        let cos_sin =
+            if length > 1e-9 { ((tip.0 - inside.0) / length, (tip.1 - inside.1) / length) } else { (0.0, -1.0) };
         (tip, cos_sin)
     });
     let distances = [10.0, 32.0, 56.0, 80.0, 104.0];

@@ -63,7 +63,11 @@ impl Target {
                 );
             }
         }
-        Ok(Self { pictures, options: typed.file_options()?, data: data.map(|path| Output::new(None, Some(path))).transpose()? })
+        Ok(Self {
+            pictures,
+            options: typed.file_options()?,
+            data: data.map(|path| Output::new(None, Some(path))).transpose()?,
+        })
     }
 
     /// Draws all pictures, and then writes all files, so that an error in drawing leaves no files.
