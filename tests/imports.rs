@@ -76,6 +76,7 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("fitsio_sys", &["images"]),
     ("plotters", &["plot"]),
     ("image", &["images", "plot"]),
+    ("png", &["plot"]),
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
     ("pulp", &["math"]),

@@ -66,7 +66,7 @@ pub fn alarm_chart(input: &AlarmChart<'_>) -> Result<Picture, PlotError> {
     let y = Axis { from: faint + high, to: bright - high, is_log: false };
     let frame = Frame { sides: SIDES, x: Axis::linear(first - wide, last + wide), y };
     let mut picture = Picture::new(WIDTH as usize, 640);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     let zero = [frame.at(frame.x.from, 0.0), frame.at(frame.x.to, 0.0)];
     picture.dashed(&zero, [6.0, 4.0], INK.mix(0.7), 1.2);
     for ((day, mag), sigma) in input.days.iter().zip(input.differences_mag).zip(input.sigmas_mag) {

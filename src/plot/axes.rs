@@ -1,10 +1,11 @@
 //! Boxes with axes, ticks and labels, and colour bars.
 
+use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::numbers::labels;
-use super::picture::{INK, Picture, Pixels, width_of};
+use super::picture::{INK, Picture, Pixels, lines_of, width_of};
 use super::scale::ColourScale;
 
 /// Font sizes of tick labels and of axis names, pixels.
@@ -226,8 +227,11 @@ impl Frame {
 /// Number of colour steps per pixel.
 const STEPS_PER_PIXEL: f64 = 2.0;
 const BAR_TEXT_SIZE: f64 = 19.0;
+/// Height of the triangle at an end beyond which values lie, pixels.
+const TIP: f64 = 15.0;
 
-/// Draws a colour bar with the given left, top, right and bottom, with ticks at its right side and a label above.
+/// Draws a colour bar with the given left, top, right and bottom, with ticks at its right side and a label above. A
+/// triangle marks an end beyond which values lie.
 pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64; 4], text: &str) {
     let [left, top, right, bottom] = sides;
     let steps = ((bottom - top) * STEPS_PER_PIXEL).max(1.0) as usize;
@@ -236,12 +240,29 @@ pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64
     let colours = (0..steps).map(colour).collect();
     picture.paint(Pixels { corner: (left, top), each, columns: 1, colours, within: None });
     picture.border(sides, 1.4);
+    let is_beyond = |share: f64| match share == scale.share(scale.greatest) {
+        true => scale.has_higher,
+        false => scale.has_lower,
+    };
+    for (share, base, tip) in [(1.0, top, top - TIP), (0.0, bottom, bottom + TIP)] {
+        if is_beyond(share) {
+            let [red, green, blue] = scale.colour_at(share);
+            let corners = vec![(left, base), ((left + right) / 2.0, tip), (right, base)];
+            picture.patch(corners.clone(), RGBColor(red, green, blue).to_rgba());
+            picture.line(&[corners[0], corners[1], corners[2], corners[0]], INK.to_rgba(), 1.4);
+        }
+    }
     for (value, label) in scale.ticks() {
         let y = bottom - (bottom - top) * scale.share(value);
         picture.line(&[(right, y), (right + 6.0, y)], INK.to_rgba(), 1.4);
         picture.text(&label, (right + 11.0, y), BAR_TEXT_SIZE, HPos::Left);
     }
-    picture.text(text, (left, top - 20.0), BAR_TEXT_SIZE, HPos::Left);
+    let above = if is_beyond(1.0) { top - TIP } else { top };
+    // A label that is too long for the rest of the picture has several lines.
+    let lines = lines_of(text, picture.size().0 as f64 - left - 4.0, BAR_TEXT_SIZE);
+    for (line, text) in lines.iter().rev().enumerate() {
+        picture.text(text, (left, above - 20.0 - 1.2 * BAR_TEXT_SIZE * line as f64), BAR_TEXT_SIZE, HPos::Left);
+    }
 }
 
 #[cfg(test)]

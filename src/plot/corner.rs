@@ -80,7 +80,7 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     let side = count as f64 * panel + gaps;
     let mut picture = Picture::new((left + side + beyond(panel)) as usize, (top + side + BELOW) as usize);
     if is_titled {
-        picture.text(input.title, (left, 26.0), 23.0, HPos::Left);
+        picture.set_title(input.title, (left, 26.0), 23.0, HPos::Left);
     }
     // The title is placed in the free area above the diagonal.
     let first = left + count.div_ceil(2) as f64 * (panel + GAP);

@@ -73,7 +73,7 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     let right_frame = Frame { sides: [672.0, 240.0, 816.0, 760.0], x: shares, y };
 
     let mut picture = Picture::new(930, 900);
-    picture.text(input.title, (465.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (465.0, 28.0), 22.0, HPos::Center);
     let density = Density::of(input.counts, input.iqr_mag, &main, BINS);
     let scale = ColourScale::of(Quantity::Count, density.counts.iter().copied().filter(|count| *count > 0.0));
     picture.paint(density.pixels(&main, |count| scale.colour(count)));

@@ -13,7 +13,8 @@ use rayon::prelude::*;
 
 use super::axes::colour_bar;
 use super::contour::contours;
-use super::picture::{INK, PAPER, Picture, Pixels, lines_of};
+use super::labels::{Labels, half_size};
+use super::picture::{INK, PAPER, Picture, Pixels, lines_of, width_of};
 use super::scale::{ColourScale, Quantity};
 
 /// Side of the squares of the contour lines, pixels.
@@ -138,6 +139,18 @@ const SHADOW: [u8; 3] = [150, 150, 150];
 const UNKNOWN: [u8; 3] = [205, 205, 205];
 const WHITE: RGBColor = RGBColor(255, 255, 255);
 
+/// Labels outside the horizon of a disc of azimuths, with their azimuths in degrees.
+pub(super) const AZIMUTHS: [(f64, &str); 8] = [
+    (0.0, "N"),
+    (45.0, "45°"),
+    (90.0, "E"),
+    (135.0, "135°"),
+    (180.0, "S"),
+    (225.0, "225°"),
+    (270.0, "W"),
+    (315.0, "315°"),
+];
+
 /// Margin between the rim of a disc and the border of its part of the picture, pixels.
 const MARGIN: usize = 66;
 const TITLE: usize = 46;
@@ -164,6 +177,8 @@ pub struct DiscSheet<'a> {
     pub contour_mag: Option<(f64, String)>,
     /// Label in the legend for directions without content.
     pub nothing: &'static str,
+    /// Colour scale of all discs; `None` for one that contains nearly all values.
+    pub scale: Option<ColourScale>,
 }
 
 /// Evaluated discs and their layout.
@@ -177,7 +192,7 @@ impl DiscSheet<'_> {
     /// Evaluates the discs, lays them out and returns the picture.
     pub fn picture(self) -> Picture {
         let rasters: Vec<Raster> = self.discs.iter().map(|disc| disc.raster(self.radius)).collect();
-        let mut scales: Vec<ColourScale> = Vec::new();
+        let mut scales: Vec<ColourScale> = self.scale.into_iter().collect();
         for disc in &self.discs {
             if scales.iter().all(|scale| scale.quantity != disc.quantity) {
                 let alike = self.discs.iter().zip(&rasters).filter(|(other, _)| other.quantity == disc.quantity);
@@ -201,7 +216,7 @@ impl Layout<'_> {
         let height = TITLE + rows * self.row() + LEGEND + (caption - 1) * 22;
         let mut picture = Picture::new(width, height);
         picture.set_scales(self.scales.clone());
-        picture.text(&sheet.title, (width as f64 / 2.0, 26.0), 23.0, HPos::Center);
+        picture.set_title(&sheet.title, (width as f64 / 2.0, 26.0), 23.0, HPos::Center);
         for (index, (disc, raster)) in sheet.discs.iter().zip(&self.rasters).enumerate() {
             let middle = self.middle(index);
             self.draw_disc(&mut picture, disc, raster, middle);
@@ -271,16 +286,20 @@ impl Layout<'_> {
             raster.pixels.iter().map(|pixel| pixel.map(|content| self.colour(disc.quantity, content))).collect();
         let within = Some((middle, radius));
         picture.paint(Pixels { corner, each: (1.0, 1.0), columns: raster.side, colours, within });
-        for line in self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level)) {
-            let line: Vec<_> = line.iter().map(|(x, y)| (corner.0 + x, corner.1 + y)).collect();
-            picture.line(&line, INK.to_rgba(), 4.0);
-            picture.line(&line, WHITE.to_rgba(), 2.0);
+        let contours = self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level));
+        let mut lines: Vec<Vec<(f64, f64)>> =
+            contours.map(|line| line.iter().map(|(x, y)| (corner.0 + x, corner.1 + y)).collect()).collect();
+        for line in &lines {
+            picture.line(line, INK.to_rgba(), 4.0);
+            picture.line(line, WHITE.to_rgba(), 2.0);
         }
         if let Some(limb) = disc.limb_rad {
             for dash in 0..60 {
                 let part =
                     |part: u8| at(disc_position((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
-                picture.line(&(0..=4).map(part).collect::<Vec<_>>(), INK.mix(0.8), 1.5);
+                let dash: Vec<_> = (0..=4).map(part).collect();
+                picture.line(&dash, INK.mix(0.8), 1.5);
+                lines.push(dash);
             }
         }
         // Draws a circle about the middle, or half of it.
@@ -293,12 +312,28 @@ impl Layout<'_> {
                 picture.circle(middle, radius * angle / FRAC_PI_2, colour, width);
             }
         };
+        let mut labels = Labels::new([middle.0 - radius, middle.1 - radius, middle.0 + radius, middle.1 + radius]);
+        lines.iter().for_each(|line| labels.add_line(0, line));
+        for (angle_deg, _) in &disc.circles {
+            // A light and a dark line are visible on all colours.
+            round(picture, angle_deg.to_radians(), WHITE.mix(0.35), 3.0);
+            round(picture, angle_deg.to_radians(), INK.mix(0.6), 1.0);
+        }
         for (angle_deg, text) in &disc.circles {
-            let angle = angle_deg.to_radians();
-            round(picture, angle, INK.mix(0.45), 1.0);
-            // Labels are at a longitude away from the Sun and from other labels.
-            let sun_rad = disc.sun_longitude_rad.unwrap_or(0.0);
-            picture.note(text, at(disc_position(sun_rad + 112.5_f64.to_radians(), angle)));
+            // Labels are at a longitude away from the Sun, from contour lines and from other labels, if there is one.
+            let sun_deg = disc.sun_longitude_rad.unwrap_or(0.0).to_degrees();
+            let longitudes = (0..16).map(|part| (sun_deg + 112.5 + 22.5 * f64::from(part)).rem_euclid(360.0));
+            let longitudes = longitudes.filter(|longitude| !disc.is_half || (20.0..=160.0).contains(longitude));
+            let position = |longitude: f64, aside: f64| {
+                let angle = angle_deg.to_radians() + FRAC_PI_2 * aside / radius;
+                at(disc_position(longitude.to_radians(), angle))
+            };
+            // A label that does not fit on its circle is next to it.
+            let asides = [0.0, 24.0, -24.0].into_iter();
+            let candidates = asides.flat_map(|aside| longitudes.clone().map(move |longitude| (longitude, aside)));
+            let half = half_size(text, CAPTION_SIZE);
+            let free = labels.place(half, candidates.map(|(longitude, aside)| position(longitude, aside)));
+            picture.note(text, free.unwrap_or_else(|| position(sun_deg + 112.5, 0.0)));
         }
         round(picture, FRAC_PI_2, INK.to_rgba(), 1.6);
         if disc.is_half {
@@ -313,9 +348,17 @@ impl Layout<'_> {
         if let Some(sun_rad) = disc.sun_longitude_rad {
             picture.sun(at(disc_position(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
         }
-        let across = if disc.is_half { middle.0 - radius / 2.0 } else { middle.0 };
+        let across = match (disc.is_half, self.sheet.discs.len()) {
+            // The title of a single disc is below that of the picture.
+            (false, 1) => picture.size().0 as f64 / 2.0,
+            (false, _) => middle.0,
+            (true, _) => middle.0 - radius / 2.0,
+        };
         let above = middle.1 - radius - MARGIN as f64 - 16.0;
-        picture.text(&disc.title, (across, above), 20.0, HPos::Center);
+        // A long title becomes smaller, so that it fits.
+        let room = if self.sheet.discs.len() == 1 { picture.size().0 } else { self.share() } as f64 - 16.0;
+        let size = 20.0 * (room / width_of(&disc.title, 20.0).max(1.0)).min(1.0);
+        picture.text(&disc.title, (across, above), size, HPos::Center);
     }
 
     /// Draws a colour bar in the part of the picture that begins at `left`.
@@ -324,7 +367,7 @@ impl Layout<'_> {
         // Bars of half discs are next to the straight side.
         let left = left + 8.0 - if self.has_halves() { 30.0 } else { 0.0 };
         let (top, right, bottom) = (middle - half, left + BAR_WIDTH as f64, middle + half);
-        colour_bar(picture, scale, [left, top, right, bottom], scale.quantity.label());
+        colour_bar(picture, scale, [left, top, right, bottom], &scale.label());
         let contour = self.sheet.contour_mag.as_ref().map(|(level, _)| *level);
         if let Some(level) = contour.filter(|level| (scale.least..=scale.greatest).contains(level)) {
             let y = bottom - (bottom - top) * scale.share(level);

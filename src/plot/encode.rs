@@ -5,18 +5,25 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder};
 use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
-use super::picture::{Picture, Underlay, font_style_sheet};
+use super::file_options::{FileOptions, NATURAL_DPI};
+use super::picture::{Canvas, Picture, Underlay, font_style_sheet};
 
 /// Supersampling factor of PNGs, which makes lines and letters smooth.
 const FINE: usize = 2;
 
 /// Number of steps into which the coordinates of an SVG divide a pixel.
 const MESH: usize = 8;
+
+const METRES_PER_INCH: f64 = 0.0254;
+
+/// Program and version, as stated in files.
+const SOFTWARE: &str = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
+
+/// Keyword of the provenance.
+const PROVENANCE: &str = "Provenance";
 
 /// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -53,9 +60,17 @@ impl Picture {
     /// # Errors
     /// The drawing or encoding crate fails.
     pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, PlotError> {
+        self.to_file(format, &FileOptions::default())
+    }
+
+    /// Returns the picture as the bytes of a file in a format, with a size, a resolution and metadata.
+    ///
+    /// # Errors
+    /// The size or the resolution is out of range, or the drawing or encoding crate fails.
+    pub fn to_file(&self, format: PictureFormat, options: &FileOptions) -> Result<Vec<u8>, PlotError> {
         match format {
-            PictureFormat::Png => self.to_png(),
-            PictureFormat::Svg => self.to_svg().map(String::into_bytes),
+            PictureFormat::Png => self.png_with(options),
+            PictureFormat::Svg => self.svg_with(options).map(String::into_bytes),
         }
     }
 
@@ -64,12 +79,7 @@ impl Picture {
     /// # Errors
     /// The drawing or encoding crate fails.
     pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
-        let Underlay { width, height, mut rgb } = self.underlay(FINE);
-        let area = BitMapBackend::with_buffer(&mut rgb, (width as u32, height as u32)).into_drawing_area();
-        self.draw(&area, FINE as f64)?;
-        area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
-        drop(area);
-        png(&averaged(&rgb, width), width / FINE, height / FINE)
+        self.png_with(&FileOptions::default())
     }
 
     /// Returns a self-contained SVG of the size [`size`](Picture::size), with an embedded font.
@@ -77,27 +87,73 @@ impl Picture {
     /// # Errors
     /// The drawing or encoding crate fails.
     pub fn to_svg(&self) -> Result<String, PlotError> {
-        let (width, height) = self.size();
-        let (across, down) = (width * MESH, height * MESH);
-        let mut text = String::new();
+        self.svg_with(&FileOptions::default())
+    }
+
+    fn png_with(&self, options: &FileOptions) -> Result<Vec<u8>, PlotError> {
+        let (width, height) = options.pixels(self.size())?;
+        let canvas = Canvas::of(self, (width * FINE, height * FINE));
+        let mut rgb = self.underlay(&canvas).rgb;
         {
-            let area = SVGBackend::with_string(&mut text, (across as u32, down as u32)).into_drawing_area();
-            self.draw(&area, MESH as f64)?;
+            let size = (canvas.width as u32, canvas.height as u32);
+            let area = BitMapBackend::with_buffer(&mut rgb, size).into_drawing_area();
+            self.draw(&area, &canvas)?;
             area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
         }
-        let underlay = self.underlay(FINE);
-        let pixels = STANDARD.encode(png(&underlay.rgb, underlay.width, underlay.height)?);
+        let metadata = self.metadata(options);
+        png(&averaged(&rgb, canvas.width), (width, height), options.dpi(), &metadata)
+    }
+
+    fn svg_with(&self, options: &FileOptions) -> Result<String, PlotError> {
+        let (width, height) = self.size();
+        let canvas = Canvas::of(self, (width * MESH, height * MESH));
+        let mut text = String::new();
+        {
+            let size = (canvas.width as u32, canvas.height as u32);
+            let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
+            self.draw(&area, &canvas)?;
+            area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
+        }
+        let Underlay { width: columns, height: rows, rgb } =
+            self.underlay(&Canvas::of(self, (width * FINE, height * FINE)));
+        let pixels = STANDARD.encode(png(&rgb, (columns, rows), NATURAL_DPI, &[])?);
         // The pixel image must come first, so that it is below everything: immediately after the opening tag, which
         // contains the size.
         let broken = || PlotError::Drawing("the SVG has no opening tag".to_owned());
         let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
+        // The drawing is scaled to the given size, with margins if the shape differs.
+        let (across, down) = options.svg_lengths((width, height));
+        let (columns, rows) = (canvas.width, canvas.height);
         Ok(format!(
-            "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
-             xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n{}\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
+            "<svg width=\"{across}\" height=\"{down}\" viewBox=\"0 0 {columns} {rows}\" xmlns=\"http://www.w3.org/2000/svg\" \
+             xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n{}\n{}\n<image x=\"0\" y=\"0\" width=\"{columns}\" height=\"{rows}\" \
              xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}",
+            svg_metadata(&self.metadata(options)),
             font_style_sheet()
         ))
     }
+
+    /// Returns the metadata of a file as keywords and texts: program, title, and provenance of the data.
+    fn metadata(&self, options: &FileOptions) -> Vec<(&'static str, String)> {
+        let mut all = vec![("Software", SOFTWARE.to_owned())];
+        if !self.title().is_empty() {
+            all.push(("Description", self.title().to_owned()));
+        }
+        all.extend(options.provenance.iter().map(|json| (PROVENANCE, json.clone())));
+        all
+    }
+}
+
+/// Returns the metadata element of an SVG, which contains a JSON object.
+fn svg_metadata(metadata: &[(&str, String)]) -> String {
+    let text = |value: &str| serde_json::Value::from(value).to_string();
+    let entry = |(keyword, value): &(&str, String)| match *keyword {
+        PROVENANCE => format!("\"{keyword}\":{value}"),
+        _ => format!("\"{keyword}\":{}", text(value)),
+    };
+    let entries: Vec<String> = metadata.iter().map(entry).collect();
+    // Strings of JSON may contain the end of a CDATA section; the escaped character has the same meaning.
+    format!("<metadata><![CDATA[{{{}}}]]></metadata>", entries.join(",").replace('>', "\\u003e"))
 }
 
 /// Averages blocks of [`FINE`] by [`FINE`] pixels.
@@ -118,10 +174,29 @@ fn averaged(rgb: &[u8], width: usize) -> Vec<u8> {
     small
 }
 
-fn png(rgb: &[u8], width: usize, height: usize) -> Result<Vec<u8>, PlotError> {
+fn png(
+    rgb: &[u8],
+    (width, height): (usize, usize),
+    dpi: u32,
+    metadata: &[(&str, String)],
+) -> Result<Vec<u8>, PlotError> {
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
-        .write_image(rgb, width as u32, height as u32, ExtendedColorType::Rgb8)
-        .map_err(|error| PlotError::Drawing(error.to_string()))?;
+    let mut write = || -> Result<(), png::EncodingError> {
+        let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        let per_metre = (f64::from(dpi) / METRES_PER_INCH).round() as u32;
+        let unit = png::Unit::Meter;
+        encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: per_metre, yppu: per_metre, unit }));
+        for (keyword, text) in metadata {
+            // International text, which is UTF-8.
+            encoder.add_itxt_chunk((*keyword).to_owned(), text.clone())?;
+        }
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(rgb)?;
+        writer.finish()
+    };
+    write().map_err(|error| PlotError::Drawing(error.to_string()))?;
     Ok(bytes)
 }

@@ -6,10 +6,12 @@ use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame, colour_bar};
 use super::error::PlotError;
+use super::graticule::{self, Plane};
+use super::labels::Labels;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
 use super::scale::{ColourScale, Quantity};
-use super::tracks::{ListRow, arrow, by_brightness, list, numbers, time_of_day};
+use super::tracks::{ListRow, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day, without_numbers};
 
 const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
@@ -56,9 +58,10 @@ pub struct FieldStreak {
     pub sigma_mag: f64,
 }
 
-/// Draws the outlines of the field on the tangent plane, and every streak in the colour of its magnitude with an arrow
-/// at its exit. A list gives entry, exit and magnitude of the streaks, the brightest first; listed streaks are numbered
-/// in the chart. If there are too many for the list, the caption gives the number of the others.
+/// Draws the outlines of the field on the tangent plane with lines of right ascension and declination, and every streak
+/// in the colour of its magnitude with an arrow at its exit, the brightest on top. A list gives entry, exit and magnitude
+/// of the streaks, the brightest first; listed streaks are numbered in the chart where a number covers no streak. If there
+/// are too many for the list, its last line gives the number of the others; the caption gives that of missing numbers.
 ///
 /// A field without streaks is drawn with a note. Its size is then that of its outlines, of which at least one is
 /// required.
@@ -101,18 +104,23 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let half = reach * per_degree;
     let frame = Frame { sides: SIDES, x: Axis::linear(half, -half), y: Axis::linear(-half, half) };
     let at = |[x, y]: [f64; 2]| frame.at(x * per_degree, y * per_degree);
+    let plane = Plane { centre, reach, at: &at, sides: SIDES };
 
     let mut picture = Picture::new(WIDTH as usize, 846);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
-    for outline in &outlines {
-        let mut border: Vec<_> = outline.iter().map(|position| at(*position)).collect();
-        picture.patch(border.clone(), INSIDE.to_rgba());
-        border.extend(border.first().copied());
-        picture.line(&border, OUTLINE.to_rgba(), 1.6);
-    }
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    let borders: Vec<Vec<(f64, f64)>> = outlines
+        .iter()
+        .map(|outline| outline.iter().chain(outline.first()).map(|position| at(*position)).collect())
+        .collect();
+    borders.iter().for_each(|border: &Vec<_>| picture.patch(border.clone(), INSIDE.to_rgba()));
+    graticule::draw(&mut picture, &plane);
+    borders.iter().for_each(|border| picture.line(border, OUTLINE.to_rgba(), 1.6));
     let (x, y) = at([0.0, 0.0]);
     picture.line(&[(x - 7.0, y), (x + 7.0, y)], INK.mix(0.6), 1.2);
     picture.line(&[(x, y - 7.0), (x, y + 7.0)], INK.mix(0.6), 1.2);
+    let mut labels = Labels::new([SIDES[0] + 3.0, SIDES[1] + 3.0, SIDES[2] - 3.0, SIDES[3] - 3.0]);
+    labels.add_box(compass(&mut picture));
+    labels.add_box(scale_bar(&mut picture, &frame, unit));
     let magnitudes = || streaks.iter().map(|streak| streak.magnitude).filter(|magnitude| magnitude.is_finite());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
     let colour = |streak: &FieldStreak| match streak.magnitude.is_finite() {
@@ -122,26 +130,27 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         }
         false => DARK,
     };
-    for (streak, track) in streaks.iter().zip(&tracks) {
-        let line: Vec<_> = track.iter().map(|position| at(*position)).collect();
-        picture.line(&line, INK.to_rgba(), 5.0);
-        picture.line(&line, colour(streak).to_rgba(), 3.4);
-        arrow(&mut picture, &line, colour(streak));
-    }
     let lines: Vec<Vec<(f64, f64)>> =
         tracks.iter().map(|track| track.iter().map(|position| at(*position)).collect()).collect();
-    numbers(&mut picture, &lines);
-    frame.draw(&mut picture, [true, true]);
-    frame.name_x(&mut picture, &format!("offset to the east, {unit}"));
-    frame.name_y(&mut picture, &format!("offset to the north, {unit}"), 62.0);
-    compass(&mut picture);
-    scale_bar(&mut picture, &frame, unit);
+    // The brightest streaks are drawn last, over the others.
+    for (streak, line) in streaks.iter().zip(&lines).rev() {
+        picture.line(line, INK.to_rgba(), 5.0);
+        picture.line(line, colour(streak).to_rgba(), 3.4);
+        arrow(&mut picture, line, colour(streak));
+    }
+    lines.iter().enumerate().for_each(|(number, line)| labels.add_line(number, line));
+    let listed: Vec<usize> = (0..lines.len().min(MOST_LISTED)).collect();
+    let without = numbers(&mut picture, &mut labels, &lines, &listed);
+    graticule::label(&mut picture, &plane, &mut labels);
+    picture.border(SIDES, 1.4);
+    frame.name_x(&mut picture, "right ascension (ICRS)");
+    frame.name_y(&mut picture, "declination (ICRS)", 44.0);
     if input.streaks.is_empty() {
         picture.note("no streak crosses this field", ((SIDES[0] + SIDES[2]) / 2.0, (SIDES[1] + SIDES[3]) / 2.0 + 60.0));
     }
     if magnitudes().next().is_some() {
         let sides = [BAR_LEFT, SIDES[1] + 40.0, BAR_LEFT + 24.0, SIDES[3] - 40.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
+        colour_bar(&mut picture, &scale, sides, &scale.label());
     }
     if !input.streaks.is_empty() {
         let listed = |streak: &&FieldStreak| ListRow {
@@ -156,11 +165,12 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     }
     picture.set_scales(vec![scale]);
     let caption = format!(
-        "Centre RA {:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {}, {} with a magnitude: the brightest along each track. {}",
+        "Centre RA {:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {}, {} with a magnitude: the brightest along each track. {}{}",
         input.ra_deg,
         fixed(input.dec_deg, 4),
         many(streaks.len(), "streak", "streaks"),
         magnitudes().count(),
+        without_numbers(without),
         input.caption
     );
     picture.paragraph(caption.trim_end(), [SIDES[0], WIDTH - 24.0], 816.0, 16.0);
@@ -173,7 +183,7 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
 /// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c;
 /// η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3,
 /// in right ascension and declination).
-fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
+pub(super) fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
     let ((sin0, cos0), (sin, cos)) = (dec0.to_radians().sin_cos(), dec.to_radians().sin_cos());
     let (sin_ra, cos_ra) = (ra - ra0).to_radians().sin_cos();
     let depth = sin0 * sin + cos0 * cos * cos_ra;
@@ -181,8 +191,20 @@ fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
     (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
 }
 
-/// Draws a compass in the upper right corner: north up, east left.
-fn compass(picture: &mut Picture) {
+/// Returns the right ascension minus that of the centre, -180 to 180 degrees, and the declination, degrees, of a point of
+/// the tangent plane, degrees.
+///
+/// tan c = ρ = hypot(ξ, η); sin δ = cos c (sin δ₀ + η cos δ₀); tan Δα = ξ / (cos δ₀ − η sin δ₀)
+pub(super) fn inverse_gnomonic([_, dec0]: [f64; 2], plane: [f64; 2]) -> [f64; 2] {
+    let [xi, eta] = plane.map(f64::to_radians);
+    let (sin0, cos0) = dec0.to_radians().sin_cos();
+    let cos = 1.0 / (1.0 + xi * xi + eta * eta).sqrt();
+    let sin_dec = cos * (sin0 + eta * cos0);
+    [xi.atan2(cos0 - eta * sin0).to_degrees(), sin_dec.clamp(-1.0, 1.0).asin().to_degrees()]
+}
+
+/// Draws a compass in the upper right corner: north up, east left. Returns its sides.
+fn compass(picture: &mut Picture) -> [f64; 4] {
     let (x, y) = (SIDES[2] - 26.0, SIDES[1] + 72.0);
     for (tip, text, position) in [((x, y - 42.0), "N", (x, y - 54.0)), ((x - 42.0, y), "E", (x - 54.0, y))] {
         picture.line(&[(x, y), tip], INK.to_rgba(), 2.0);
@@ -191,10 +213,12 @@ fn compass(picture: &mut Picture) {
         picture.patch(vec![tip, side(9.0, 4.0), side(9.0, -4.0)], INK.to_rgba());
         picture.text(text, position, 17.0, HPos::Center);
     }
+    [x - 64.0, y - 64.0, x + 6.0, y + 6.0]
 }
 
-/// Draws a scale bar of a round length in the lower left corner. Its length is exact in the middle of the chart.
-fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
+/// Draws a scale bar of a round length in the lower left corner. Its length is exact in the middle of the chart. Returns
+/// its sides.
+fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) -> [f64; 4] {
     let whole = (frame.x.from - frame.x.to).abs();
     let decade = 10_f64.powf((0.3 * whole).log10().floor());
     let length = [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|length| *length <= 0.3 * whole);
@@ -202,15 +226,14 @@ fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
     let pixels = length / whole * frame.width();
     let (x, y) = (SIDES[0] + 20.0, SIDES[3] - 20.0);
     let text = format!("{length}{unit}");
-    picture.rectangle(
-        [x - 8.0, y - 30.0, x + pixels.max(width_of(&text, 16.0)) + 8.0, y + 8.0],
-        RGBColor(255, 255, 255).mix(0.8),
-    );
+    let sides = [x - 8.0, y - 30.0, x + pixels.max(width_of(&text, 16.0)) + 8.0, y + 8.0];
+    picture.rectangle(sides, RGBColor(255, 255, 255).mix(0.8));
     picture.line(&[(x, y), (x + pixels, y)], INK.to_rgba(), 3.0);
     for end in [x, x + pixels] {
         picture.line(&[(end, y - 5.0), (end, y + 5.0)], INK.to_rgba(), 1.6);
     }
     picture.text(&text, (x + pixels / 2.0, y - 17.0), 16.0, HPos::Center);
+    sides
 }
 
 #[cfg(test)]
@@ -232,6 +255,9 @@ mod tests {
         for [centre, position, plane] in TAN {
             let ours = gnomonic(*centre, *position).unwrap();
             assert!((0..2).all(|k| (ours[k] - plane[k]).abs() < 1e-9), "{centre:?} {position:?}: {ours:?} {plane:?}");
+            let [east, dec] = inverse_gnomonic(*centre, *plane);
+            let turn = (centre[0] + east - position[0] + 180.0).rem_euclid(360.0) - 180.0;
+            assert!(turn.abs() < 1e-7 && (dec - position[1]).abs() < 1e-9, "{plane:?}: {east} {dec}");
         }
         // Behind the plane and at its border.
         assert!(gnomonic([0.0, 0.0], [180.0, 0.0]).is_none() && gnomonic([0.0, 0.0], [76.0, 0.0]).is_none());

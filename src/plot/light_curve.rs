@@ -81,7 +81,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     };
     let [left, top, right, bottom] = SIDES;
     let mut picture = Picture::new(WIDTH as usize, 680);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     let across = |mjd: f64| frame.at(mjd, frame.y.from).0;
     if let Some([open, close]) = input.shutter {
         picture.rectangle([across(open), top, across(close), bottom], SHUTTER.mix(0.22));

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-use super::disc::{Disc, DiscContent, DiscSheet};
+use super::disc::{AZIMUTHS, Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
@@ -92,8 +92,17 @@ pub fn paper_picture(
 
 /// Draws discs with a contour line at a magnitude limit.
 fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize, limit: (f64, String)) -> Picture {
-    DiscSheet { title, caption, discs, radius, discs_per_row: 3, contour_mag: Some(limit), nothing: "not lit" }
-        .picture()
+    DiscSheet {
+        title,
+        caption,
+        discs,
+        radius,
+        discs_per_row: 3,
+        contour_mag: Some(limit),
+        nothing: "not lit",
+        scale: None,
+    }
+    .picture()
 }
 
 /// Returns the magnitude of the contour line of a map of apparent magnitudes, and its label.
@@ -126,7 +135,7 @@ fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
         }),
         scaled_within_rad: if has_air { FRAC_PI_2 - LOW_DEG.to_radians() } else { FRAC_PI_2 },
         sun_longitude_rad: Some(sun_longitude_rad),
-        rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
+        rim: AZIMUTHS.to_vec(),
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
         limb_rad: None,
     }
@@ -269,6 +278,7 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
         discs_per_row,
         contour_mag: None,
         nothing: "no cell",
+        scale: None,
     };
     Ok(sheet.picture())
 }

@@ -81,7 +81,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
 
     let height = 696.0;
     let mut picture = Picture::new(WIDTH as usize, height as usize);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     let shown: Vec<f64> = input.brightest_mag.iter().copied().filter(|mag| mag.is_finite()).collect();
     let scale = ColourScale::of(Quantity::Magnitude, shown.iter().copied());
     let ends = shown.iter().copied().chain(input.limit_mag).chain(shown.is_empty().then_some(scale.least));
@@ -144,7 +144,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
         picture.note(text, ((LEFT + RIGHT) / 2.0, middle));
     } else {
         let sides = [RIGHT + 26.0, MAGNITUDES[0] + 26.0, RIGHT + 50.0, NUMBERS[1] - 10.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
+        colour_bar(&mut picture, &scale, sides, &scale.label());
     }
 
     let mut from = LEFT;

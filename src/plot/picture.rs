@@ -1,7 +1,7 @@
 //! Pictures: lists of marks that any drawing backend can draw, and their font.
 //!
-//! Pixels are painted into an [`Underlay`], over which lines and text are drawn. Lengths are in pixels of the picture;
-//! `scale` is the number of pixels of the backend per pixel of the picture.
+//! Pixels are painted into an [`Underlay`], over which lines and text are drawn. Lengths are in pixels of the picture,
+//! which a [`Canvas`] scales to pixels of the backend.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -15,21 +15,47 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::error::PlotError;
+use super::labels::{around, half_size};
 use super::scale::ColourScale;
 
 /// Colour of lines and text.
 pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
 /// Colour of the background.
 pub(super) const PAPER: [u8; 3] = [255, 255, 255];
+/// Position of the line below the title, pixels from the top.
+const SUBTITLE: f64 = 51.0;
 const SUN: RGBColor = RGBColor(255, 190, 0);
 
 /// Picture of a map or a chart, which can be encoded as PNG or SVG.
 pub struct Picture {
     width: usize,
     height: usize,
+    title: String,
     scales: Vec<ColourScale>,
     pixels: Vec<Pixels>,
     marks: Vec<Mark>,
+}
+
+/// Position and scale of a picture on the canvas of a drawing backend.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) struct Canvas {
+    /// Width of the canvas, pixels.
+    pub width: usize,
+    /// Height of the canvas, pixels.
+    pub height: usize,
+    /// Pixels of the canvas per pixel of the picture.
+    pub scale: f64,
+    /// Position of the upper left corner of the picture, pixels of the canvas.
+    pub corner: (f64, f64),
+}
+
+impl Canvas {
+    /// Returns the canvas on which a picture is as large as possible, in the middle.
+    pub fn of(picture: &Picture, (width, height): (usize, usize)) -> Self {
+        let scale = (width as f64 / picture.width as f64).min(height as f64 / picture.height as f64);
+        let margin = |canvas: usize, picture: usize| ((canvas as f64 - picture as f64 * scale) / 2.0).max(0.0);
+        Self { width, height, scale, corner: (margin(width, picture.width), margin(height, picture.height)) }
+    }
 }
 
 /// Grid of coloured rectangles.
@@ -66,12 +92,31 @@ enum Mark {
 impl Picture {
     /// Creates an empty white picture.
     pub(super) fn new(width: usize, height: usize) -> Self {
-        Self { width, height, scales: Vec::new(), pixels: Vec::new(), marks: Vec::new() }
+        Self { width, height, title: String::new(), scales: Vec::new(), pixels: Vec::new(), marks: Vec::new() }
     }
 
     /// Returns the width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
+    }
+
+    /// Returns the title.
+    pub fn title(&self) -> &str {
+        &self.title
+    }
+
+    /// Draws the title of a chart.
+    pub(super) fn set_title(&mut self, title: &str, position: (f64, f64), size: f64, horizontal: HPos) {
+        title.clone_into(&mut self.title);
+        self.text(title, position, size, horizontal);
+    }
+
+    /// Draws a line of text below the title of a chart: site, and range of times.
+    ///
+    /// Pictures of discs have a line of their own there.
+    pub fn with_subtitle(mut self, text: &str) -> Self {
+        self.text(text, (self.width as f64 / 2.0, SUBTITLE), 16.0, HPos::Center);
+        self
     }
 
     /// Returns the colour scales, one for each quantity that has a colour bar; empty for charts of lines and points.
@@ -164,10 +209,14 @@ impl Picture {
     }
 
     /// Draws small text on a light background, so that it is readable on any colour.
-    pub(super) fn note(&mut self, text: &str, (x, y): (f64, f64)) {
-        let half = width_of(text, 16.0) / 2.0 + 4.0;
-        self.rectangle([x - half, y - 11.0, x + half, y + 11.0], RGBColor(255, 255, 255).mix(0.72));
-        self.text(text, (x, y), 16.0, HPos::Center);
+    pub(super) fn note(&mut self, text: &str, position: (f64, f64)) {
+        self.note_of(text, position, 16.0);
+    }
+
+    /// Draws text of a given size on a light background.
+    pub(super) fn note_of(&mut self, text: &str, position: (f64, f64), size: f64) {
+        self.rectangle(around(position, half_size(text, size)), RGBColor(255, 255, 255).mix(0.72));
+        self.text(text, position, size, HPos::Center);
     }
 
     /// Draws text that is wrapped between two x positions; the middle of the first line is at `y`.
@@ -204,19 +253,19 @@ impl Picture {
         self.line(&corners, INK.to_rgba(), 1.2);
     }
 
-    /// Returns all pixels; each pixel of the picture becomes a block of `fine` by `fine` pixels.
-    pub(super) fn underlay(&self, fine: usize) -> Underlay {
-        let (width, height) = (self.width * fine, self.height * fine);
+    /// Returns all pixels of a canvas.
+    pub(super) fn underlay(&self, canvas: &Canvas) -> Underlay {
+        let Canvas { width, height, scale, corner } = *canvas;
         let mut rgb = PAPER.repeat(width * height);
         for field in &self.pixels {
             let rows = field.colours.len() / field.columns.max(1);
             let (left, top) = field.corner;
             let (right, bottom) = (left + field.columns as f64 * field.each.0, top + rows as f64 * field.each.1);
             // Pixels whose centres are inside the rectangle.
-            let first = |side: f64| (side * fine as f64 - 0.5).ceil().max(0.0) as usize;
-            for row in first(top)..first(bottom).min(height) {
-                for column in first(left)..first(right).min(width) {
-                    let (x, y) = ((column as f64 + 0.5) / fine as f64, (row as f64 + 0.5) / fine as f64);
+            let first = |side: f64, from: f64| (from + side * scale - 0.5).ceil().max(0.0) as usize;
+            for row in first(top, corner.1)..first(bottom, corner.1).min(height) {
+                for column in first(left, corner.0)..first(right, corner.0).min(width) {
+                    let (x, y) = ((column as f64 + 0.5 - corner.0) / scale, (row as f64 + 0.5 - corner.1) / scale);
                     if field.within.is_some_and(|(middle, radius)| (x - middle.0).hypot(y - middle.1) > radius) {
                         continue;
                     }
@@ -233,9 +282,14 @@ impl Picture {
     }
 
     /// Draws lines and text over the pixels.
-    pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: f64) -> Result<(), PlotError> {
+    pub(super) fn draw<B: DrawingBackend>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        canvas: &Canvas,
+    ) -> Result<(), PlotError> {
         register_embedded_font()?;
-        let at = |&(x, y): &(f64, f64)| ((x * scale).round() as i32, (y * scale).round() as i32);
+        let Canvas { scale, corner, .. } = *canvas;
+        let at = |&(x, y): &(f64, f64)| ((corner.0 + x * scale).round() as i32, (corner.1 + y * scale).round() as i32);
         let thin = |colour: RGBAColor, width: f64| ShapeStyle {
             color: colour,
             filled: false,

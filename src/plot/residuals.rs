@@ -60,7 +60,7 @@ pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, Plot
     let frame = Frame { sides: [92.0, 60.0, 772.0, 500.0], x, y: Axis::linear(0.0, 1.08 * most) };
 
     let mut picture = Picture::new(800, 640);
-    picture.text(input.title, (400.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (400.0, 28.0), 22.0, HPos::Center);
     for (bin, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
         let side = |bin: usize| x.value(bin as f64 / bins as f64);
         let ((left, top), (right, bottom)) = (frame.at(side(bin), density(*count)), frame.at(side(bin + 1), 0.0));
@@ -159,7 +159,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     let width = if panels.len() == 1 { 640.0 } else { 560.0 };
     let whole = 92.0 + panels.len() as f64 * (width + 20.0) + 8.0;
     let mut picture = Picture::new(whole as usize, 660);
-    picture.text(input.title, (whole / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (whole / 2.0, 28.0), 22.0, HPos::Center);
     let medians: Vec<Vec<BandSegment>> =
         panels.iter().map(|(_, _, magnitudes)| running_band(&phase, magnitudes, &x, PHASE_BINS)).collect();
     for (index, (name, colour, magnitudes)) in panels.iter().enumerate() {
@@ -256,7 +256,7 @@ pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError>
     let y = Axis::linear(-end, end);
 
     let mut picture = Picture::new(1180, 940);
-    picture.text(input.title, (590.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (590.0, 28.0), 22.0, HPos::Center);
     for (index, (name, angles_rad)) in panels.into_iter().enumerate() {
         check_length(name, angles_rad, residuals.len())?;
         let angles: Vec<f64> = angles_rad.iter().map(|angle| angle.to_degrees()).collect();

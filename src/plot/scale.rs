@@ -38,9 +38,13 @@ const LONG_MAG: f64 = 3.0;
 /// Fraction of the values that may lie beyond each end of the scale.
 const BEYOND: f64 = 0.01;
 
+/// Largest upper end of a scale of rates, in medians of the rates above 0. A few directions with far higher rates, such
+/// as the geostationary belt, do not set the scale.
+const MOST_MEDIANS: f64 = 5.0;
+
 impl Quantity {
-    /// Returns the short label that is drawn above the bar.
-    pub(super) fn label(self) -> &'static str {
+    /// Returns the short label of the quantity.
+    fn label(self) -> &'static str {
         match self {
             Self::Magnitude => "mag",
             Self::Count => "samples",
@@ -72,7 +76,8 @@ impl Quantity {
 }
 
 impl ColourScale {
-    /// Creates a scale with round ends that contains 98 % of the values. Values that are not finite are ignored.
+    /// Creates a scale with round ends that contains 98 % of the values. Values that are not finite are ignored. A scale
+    /// of rates ends at the highest rate, or, if that is less, at five times the median of the rates above 0.
     pub fn of(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
         let mut all: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -90,9 +95,17 @@ impl ColourScale {
                 // Both ends have labels, so that both must be ticks.
                 if greatest - least > LONG_MAG { ends(1.0) } else { (least, greatest) }
             }
-            Quantity::Count => (round_count(low, f64::floor), round_count(high, f64::ceil)),
+            Quantity::Count => {
+                let least = round_count(low, f64::floor);
+                // A factor of 4 or more contains at least three of the values 1, 2 and 5 times powers of ten.
+                (least, round_count(high, f64::ceil).max(round_count(4.0 * least, f64::ceil)))
+            }
             Quantity::Spread => (0.0, (high / round).ceil() * round),
-            Quantity::Rate => (0.0, round_rate(high)),
+            Quantity::Rate => {
+                let positive = &all[all.partition_point(|rate| *rate <= 0.0)..];
+                let median = positive.get(positive.len() / 2).copied().unwrap_or(0.0);
+                (0.0, round_rate(last.min(MOST_MEDIANS * median)))
+            }
             Quantity::Residual => {
                 let end = (low.abs().max(high.abs()) / round).ceil().max(1.0) * round;
                 (-end, end)
@@ -126,6 +139,12 @@ impl ColourScale {
         share.clamp(0.0, 1.0)
     }
 
+    /// Returns the short label that is drawn above the bar.
+    pub(super) fn label(&self) -> String {
+        let is_clipped = self.quantity == Quantity::Rate && self.has_higher;
+        format!("{}{}", self.quantity.label(), if is_clipped { ", clipped" } else { "" })
+    }
+
     /// Returns the colour of a value as red, green and blue.
     pub fn colour(&self, value: f64) -> [u8; 3] {
         self.colour_at(self.share(value))
@@ -145,11 +164,21 @@ impl ColourScale {
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.greatest - self.least;
         let values = match self.quantity {
-            Quantity::Magnitude => multiples(if span > LONG_MAG { 1.0 } else { 0.5 }, self.least, self.greatest),
+            // Both ends are multiples of 1 for long bars and of 0.5 for others.
+            Quantity::Magnitude => {
+                let step = if span > LONG_MAG {
+                    1.0
+                } else if span >= 1.0 {
+                    0.5
+                } else {
+                    0.1
+                };
+                multiples(step, self.least, self.greatest)
+            }
             Quantity::Count => counts(self.least, self.greatest),
             Quantity::Rate => (0..=4).map(|part| f64::from(part) * self.greatest / 4.0).collect(),
             Quantity::Spread | Quantity::Residual => {
-                let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
+                let steps = [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
                 let step = steps.into_iter().find(|step| span / step <= 8.0).unwrap_or(span / 4.0);
                 let mut values = multiples(step, self.least, self.greatest);
                 // The ends have ticks of their own; other ticks near an end are omitted.
@@ -162,12 +191,10 @@ impl ColourScale {
                 values
             }
         };
+        // All labels of a bar have the decimals that the steps need.
         let is_whole = |value: f64| (value - value.round()).abs() <= 1e-6;
-        let decimals = |value: f64| match self.quantity {
-            // A quarter of 2, 4 or 8 times a power of ten needs as many decimals as that power.
-            Quantity::Rate => (0..12).find(|places| is_whole(value * 10_f64.powi(*places))).unwrap_or(12) as usize,
-            _ => usize::from(!is_whole(value)),
-        };
+        let decimals =
+            |value: f64| (0..12).find(|places| is_whole(value * 10_f64.powi(*places))).unwrap_or(12) as usize;
         let places = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
         let label = |value: f64| {
             let beyond = if self.has_lower && value <= self.least {
@@ -177,7 +204,6 @@ impl ColourScale {
             } else {
                 ""
             };
-            let places = if self.quantity == Quantity::Magnitude { decimals(value) } else { places };
             // Zero is written without a sign.
             let number = format!("{:.places$}", if value.abs() < 1e-9 { 0.0 } else { value });
             (value, format!("{beyond}{}", number.replace('-', "−")))
@@ -237,10 +263,47 @@ mod tests {
         assert!(!scale.has_lower && !scale.has_higher);
         let outlier = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| if n == 0 { 1.0 } else { 6.2 }));
         assert_eq!((outlier.least, outlier.greatest, outlier.has_lower), (6.0, 6.5, true));
-        assert_eq!(outlier.ticks()[0], (6.0, "≤ 6".to_owned()));
+        assert_eq!(outlier.ticks()[0], (6.0, "≤ 6.0".to_owned()));
         assert_eq!(ColourScale::of(Quantity::Magnitude, [f64::NAN]).least, 4.0);
         let more = scale.showing([6.0, 9.5]);
         assert_eq!((more.has_lower, more.has_higher, more.greatest), (false, true, 9.0));
+    }
+
+    /// One geostationary direction in a hundred has a rate sixty times that of the others.
+    #[test]
+    fn verif_a_few_high_rates_do_not_set_the_scale() {
+        let rates = |high: f64| (0..300).map(move |n| if n % 100 == 7 { high } else { f64::from(n % 4) * 0.05 });
+        let scale = ColourScale::of(Quantity::Rate, rates(6.0));
+        // Five times the median 0.1 is 0.5, and the next round end is 0.8.
+        assert_eq!((scale.least, scale.greatest, scale.has_higher), (0.0, 0.8, true));
+        let ticks: Vec<String> = scale.ticks().into_iter().map(|tick| tick.1).collect();
+        assert_eq!(ticks, ["0.0", "0.2", "0.4", "0.6", "≥ 0.8"]);
+        let even = ColourScale::of(Quantity::Rate, rates(0.15));
+        assert_eq!((even.greatest, even.has_higher), (0.2, false));
+        assert_eq!(ColourScale::of(Quantity::Rate, [0.0, 0.0]).greatest, 1.0);
+        // Only geostationary satellites are lit: they set the scale.
+        assert_eq!(ColourScale::of(Quantity::Rate, [0.0, 0.0, 0.0, 6.0, 7.0]).greatest, 8.0);
+    }
+
+    #[test]
+    fn verif_every_bar_has_three_ticks_with_equal_decimals() {
+        let mut least = usize::MAX;
+        for quantity in [Quantity::Magnitude, Quantity::Count, Quantity::Spread, Quantity::Residual, Quantity::Rate] {
+            for low in [1.0, 1.3, 2.2, 4.9, 8.2] {
+                for span in [0.0, 0.04, 0.3, 0.7, 1.2, 2.9, 3.3, 8.0, 700.0] {
+                    let scale = ColourScale::of(quantity, [low, low + span]);
+                    let ticks = scale.ticks();
+                    least = least.min(ticks.len());
+                    let decimals = |label: &str| label.split_once('.').map_or(0, |(_, digits)| digits.len());
+                    assert!(
+                        ticks.iter().all(|(_, label)| decimals(label) == decimals(&ticks[0].1)),
+                        "{quantity:?} {low} {span}: {ticks:?}"
+                    );
+                    assert!(ticks.len() >= 3, "{quantity:?} {low} {span}: {ticks:?}");
+                }
+            }
+        }
+        assert!(least < 5, "{least}");
     }
 
     /// Values beyond a bar are marked at its end, so both ends have labels, wherever the values begin and end.

@@ -7,13 +7,16 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::colour_bar;
-use super::disc::disc_position;
+use super::disc::{AZIMUTHS, disc_position};
 use super::error::PlotError;
+use super::labels::{Labels, around, half_size};
 use super::picture::{INK, Picture};
 use super::scale::{ColourScale, Quantity};
 use super::statistics::check;
 use super::time_axis::LocalClock;
-use super::tracks::{ListRow, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day};
+use super::tracks::{
+    ListRow, MOST_LISTED, arrow, by_brightness, list, numbers, positions_beside, time_of_day, without_numbers,
+};
 
 const WIDTH: f64 = 1440.0;
 const HEIGHT: usize = 846;
@@ -79,7 +82,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     let lines: Vec<Vec<(f64, f64)>> = tracks.iter().map(|track| track.line()).collect();
     let ahead_days = input.local.as_ref().map_or(0.0, |clock| clock.ahead_of_utc_h / 24.0);
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     draw_empty_sky(&mut picture);
     let magnitudes = || tracks.iter().flat_map(|track| track.magnitude.iter().copied());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
@@ -90,7 +93,10 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         }
         false => DARK,
     };
-    for (track, line) in tracks.iter().zip(&lines) {
+    // The brightest passes are drawn last, over the others.
+    let order = by_brightness(tracks.iter().map(|track| track.brightest_magnitude()));
+    for &number in order.iter().rev() {
+        let (track, line) = (tracks[number], &lines[number]);
         picture.line(line, INK.to_rgba(), 5.0);
         for (step, pair) in line.windows(2).enumerate() {
             // A step of which one end is in the shadow has no magnitude and is drawn dark.
@@ -98,20 +104,28 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         }
         arrow(&mut picture, line, colour(track.magnitude[line.len() - 1]));
     }
-    // Labels of the circles are drawn over the tracks, so that they are readable.
-    CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
+    let mut labels = Labels::new([30.0, TOP - 20.0, BAR_LEFT - 10.0, MIDDLE.1 + RADIUS + 30.0]);
+    lines.iter().enumerate().for_each(|(number, line)| labels.add_line(number, line));
+    for (azimuth_deg, text) in AZIMUTHS {
+        labels.add_box(around(rim_position(azimuth_deg), half_size(text, 19.0)));
+    }
+    // Labels of the circles are where no pass is, if there is such a position.
+    for altitude_deg in CIRCLES_DEG {
+        let text = format!("{altitude_deg:.0}°");
+        let candidates = (0..24).map(|part| at(112.5 + 15.0 * f64::from(part), altitude_deg));
+        let position = labels.place(half_size(&text, 16.0), candidates);
+        picture.note(&text, position.unwrap_or_else(|| at(112.5, altitude_deg)));
+    }
     if tracks.is_empty() {
         picture.note("no pass", at(180.0, 80.0));
     }
     if tracks.len() <= MOST_TIMED {
-        tracks.iter().for_each(|track| times_along(&mut picture, track, ahead_days));
+        tracks.iter().for_each(|track| times_along(&mut picture, &mut labels, track, ahead_days));
     }
-    if tracks.len() > 1 {
-        numbers(&mut picture, &lines);
-    }
+    let without = if tracks.len() > 1 { numbers(&mut picture, &mut labels, &lines, &order) } else { 0 };
     if magnitudes().any(f64::is_finite) {
         let sides = [BAR_LEFT, TOP + 60.0, BAR_LEFT + 24.0, MIDDLE.1 + RADIUS - 30.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
+        colour_bar(&mut picture, &scale, sides, &scale.label());
     }
     let rows: Vec<ListRow> = tracks
         .iter()
@@ -134,6 +148,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     if tracks.len() < input.tracks.len() {
         caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
     }
+    caption += &without_numbers(without);
     if let Some(clock) = &input.local {
         caption += &format!("Times: {}. ", clock.name);
     }
@@ -204,16 +219,25 @@ fn draw_empty_sky(picture: &mut Picture) {
         picture.line(&[at(azimuth_deg, 0.0), at(azimuth_deg + 180.0, 0.0)], INK.mix(0.25), 1.0);
     }
     picture.circle(MIDDLE, RADIUS, INK.to_rgba(), 1.6);
-    for (azimuth_deg, text) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
-        let (x, y) = at(azimuth_deg, 0.0);
-        let away = |from: f64, to: f64| (to - from) / RADIUS * 18.0;
-        picture.text(text, (x + away(MIDDLE.0, x), y + away(MIDDLE.1, y)), 19.0, HPos::Center);
+    for (azimuth_deg, text) in AZIMUTHS {
+        let size = if text.len() > 1 { 16.0 } else { 19.0 };
+        picture.text(text, rim_position(azimuth_deg), size, HPos::Center);
+        picture.line(&[at(azimuth_deg, 0.0), at(azimuth_deg, 1.5)], INK.to_rgba(), 1.2);
     }
+}
+
+/// Returns the position of a label outside the horizon.
+fn rim_position(azimuth_deg: f64) -> (f64, f64) {
+    let (x, y) = at(azimuth_deg, 0.0);
+    let away = |from: f64, to: f64| (to - from) / RADIUS * 18.0;
+    // Labels of azimuths are wider than high.
+    let aside = if azimuth_deg % 90.0 == 0.0 { 1.0 } else { 1.5 };
+    (x + aside * away(MIDDLE.0, x), y + away(MIDDLE.1, y))
 }
 
 /// Draws a dot at every full minute of a pass, with the time if its label fits. `ahead_days` is the clock's difference
 /// to UTC.
-fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
+fn times_along(picture: &mut Picture, labels: &mut Labels, track: &SkyTrack, ahead_days: f64) {
     let (first, last) = (track.time_mjd[0], track.time_mjd[track.time_mjd.len() - 1]);
     let line = track.line();
     let mut labelled: Option<(f64, f64)> = None;
@@ -228,10 +252,12 @@ fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
         picture.circle((x, y), 4.0, INK.to_rgba(), 2.0);
         if labelled.is_none_or(|(x_before, y_before): (f64, f64)| (x - x_before).hypot(y - y_before) > LABEL_GAP) {
             // The label is next to the track, at a right angle to it.
-            let length = (x1 - x0).hypot(y1 - y0).max(1e-9);
-            let (across, up) = ((y1 - y0) / length, -(x1 - x0) / length);
-            picture.note(&time_of_day(mjd + ahead_days, 0)[..5], (x + 34.0 * across, y + 22.0 * up));
-            labelled = Some((x, y));
+            let text = &time_of_day(mjd + ahead_days, 0)[..5];
+            let half = half_size(text, 16.0);
+            if let Some(position) = labels.place(half, positions_beside(&[line[step], line[step + 1]], part, half)) {
+                picture.note(text, position);
+                labelled = Some((x, y));
+            }
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::disc::{Disc, DiscContent, DiscSheet};
+use super::disc::{AZIMUTHS, Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
+use super::numbers::{fixed, many};
 use super::picture::Picture;
-use super::scale::Quantity;
+use super::scale::{ColourScale, Quantity};
 use super::statistics::check;
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
@@ -56,11 +57,16 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         content: Box::new(content),
         scaled_within_rad: std::f64::consts::FRAC_PI_2,
         sun_longitude_rad: Some(input.sun_azimuth_deg.to_radians()),
-        rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
+        rim: AZIMUTHS.to_vec(),
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
         limb_rad: None,
     };
-    let caption = format!("Zenith in the middle, horizon at the rim, east left. {}", input.caption);
+    let scale = ColourScale::of(Quantity::Rate, input.rate.iter().copied());
+    let caption = format!(
+        "Zenith in the middle, horizon at the rim, east left. {}{}",
+        input.caption,
+        clipping(&scale, input.rate)
+    );
     let sheet = DiscSheet {
         title: input.title.to_owned(),
         caption,
@@ -69,8 +75,23 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         discs_per_row: 1,
         contour_mag: None,
         nothing: "not computed",
+        scale: Some(scale),
     };
     Ok(sheet.picture())
+}
+
+/// Returns the sentence for a caption on cells above the end of the colour scale; empty if there is none.
+fn clipping(scale: &ColourScale, rates: &[f64]) -> String {
+    let above = rates.iter().filter(|rate| **rate > scale.greatest).count();
+    let highest = rates.iter().copied().fold(0.0, f64::max);
+    match above {
+        0 => String::new(),
+        _ => format!(
+            " The colours end at 5 medians of the cells with streaks; {} above, up to {} streaks.",
+            many(above, "cell is", "cells are"),
+            fixed(highest, 2)
+        ),
+    }
 }
 
 /// Returns the rate of each pixel of the sphere, by its number; `None` for a pixel without a rate.
@@ -148,17 +169,20 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
             limb_rad: None,
         }
     };
+    let scale = ColourScale::of(Quantity::Rate, input.rate.iter().copied());
     let sheet = DiscSheet {
         title: input.title.to_owned(),
         caption: format!(
-            "ICRS; the poles in the middle, the equator at the rims, as seen from within. {}",
-            input.caption
+            "ICRS; the poles in the middle, the equator at the rims, as seen from within. {}{}",
+            input.caption,
+            clipping(&scale, input.rate)
         ),
         discs: vec![half(1.0, "North of the equator"), half(-1.0, "South of the equator")],
         radius: EQUATORIAL_RADIUS,
         discs_per_row: 2,
         contour_mag: None,
         nothing: "not computed",
+        scale: Some(scale),
     };
     Ok(sheet.picture())
 }

@@ -74,7 +74,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let numbers = Frame { sides: [LEFT, NUMBERS[0], RIGHT, NUMBERS[1]], x, y: Axis::linear(0.0, 1.15 * most as f64) };
 
     let mut picture = Picture::new(WIDTH as usize, 668);
-    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
     // The coloured bands hide pixels, so with bands every point is drawn as a mark over them.

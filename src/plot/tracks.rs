@@ -1,9 +1,10 @@
-//! Elements of charts with tracks: arrows at the ends of tracks, numbers over them, and a list.
+//! Elements of charts with tracks: arrows at the ends of tracks, numbers beside them, and a list.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
+use super::labels::{Labels, around};
 use super::numbers::fixed;
 use super::picture::{INK, Picture, width_of};
 
@@ -49,26 +50,80 @@ pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor
     picture.line(&corners, INK.to_rgba(), 1.3);
 }
 
-/// Draws numbers over the first tracks, at positions that are not yet occupied.
-pub(super) fn numbers(picture: &mut Picture, lines: &[Vec<(f64, f64)>]) {
-    let mut taken: Vec<(f64, f64)> = Vec::new();
-    for (index, line) in lines.iter().enumerate().take(MOST_LISTED) {
-        let shares = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
-        let apart = |position: (f64, f64)| {
-            taken.iter().map(|other| (position.0 - other.0).hypot(position.1 - other.1)).fold(f64::INFINITY, f64::min)
-        };
-        let positions = shares.map(|share| along(line, share));
-        let free = positions.into_iter().find(|position| apart(*position) > 26.0);
-        let position = free.unwrap_or_else(|| {
-            positions.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(positions[0])
+/// Draws the numbers of tracks beside them or, with a thin line, beyond their ends, where they cover neither tracks nor
+/// other labels. The tracks of `order`, indices of `lines`, get their numbers in this order; their lines are already
+/// in `labels`. Returns how many tracks have no free position for a number.
+pub(super) fn numbers(picture: &mut Picture, labels: &mut Labels, lines: &[Vec<(f64, f64)>], order: &[usize]) -> usize {
+    let mut without = 0;
+    for &index in order {
+        let (line, text) = (&lines[index], (index + 1).to_string());
+        let half = (width_of(&text, 16.0) / 2.0 + 5.0, 11.0);
+        let beside = SHARES.into_iter().flat_map(|share| positions_beside(line, share, half));
+        let near = beside.filter(|position| labels.is_nearest(index, *position));
+        let near = near.collect::<Vec<_>>();
+        let position = labels.place(half, near).or_else(|| {
+            let (tip, position) = positions_beyond(line, half).find(|(tip, position)| {
+                labels.is_free(*position, half) && labels.is_free_line(index, *tip, *position)
+            })?;
+            picture.line(&[tip, position], INK.mix(0.7), 1.0);
+            labels.add_line(index, &[tip, position]);
+            labels.add_box(around(position, half));
+            Some(position)
         });
-        taken.push(position);
-        let text = (index + 1).to_string();
-        let half = width_of(&text, 16.0) / 2.0 + 5.0;
-        let sides = [position.0 - half, position.1 - 11.0, position.0 + half, position.1 + 11.0];
+        let Some(position) = position else {
+            without += 1;
+            continue;
+        };
+        let sides = around(position, half);
         picture.rectangle(sides, RGBColor(255, 255, 255).to_rgba());
         picture.border(sides, 1.0);
         picture.text(&text, position, 16.0, HPos::Center);
+    }
+    without
+}
+
+/// Positions of numbers along a track, as fractions of its length.
+const SHARES: [f64; 13] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.45, 0.55, 0.12, 0.88, 0.05, 0.95];
+/// Distance between a track and the box of its number, pixels: more than the clearance of labels in a diagonal.
+const BESIDE: f64 = 8.0;
+
+/// Returns the positions on both sides of a line at which a box of half this width and height is next to it.
+pub(super) fn positions_beside(line: &[(f64, f64)], share: f64, half: (f64, f64)) -> [(f64, f64); 2] {
+    let (x, y) = along(line, share);
+    let ((x0, y0), (x1, y1)) = (along(line, (share - 0.02).max(0.0)), along(line, (share + 0.02).min(1.0)));
+    let length = (x1 - x0).hypot(y1 - y0);
+    // A track of a point has no direction: positions are above and below.
+    let (cos, sin) = if length > 1e-9 { ((x1 - x0) / length, (y1 - y0) / length) } else { (1.0, 0.0) };
+    let away = half.0 * sin.abs() + half.1 * cos.abs() + BESIDE;
+    [(x + away * sin, y - away * cos), (x - away * sin, y + away * cos)]
+}
+
+/// Returns the ends of a line, each with positions beyond it, nearest first.
+fn positions_beyond(line: &[(f64, f64)], half: (f64, f64)) -> impl Iterator<Item = ((f64, f64), (f64, f64))> {
+    let ends = [(line[0], along(line, 0.05)), (line[line.len() - 1], along(line, 0.95))];
+    let directions = ends.map(|(tip, inside)| {
+        let length = (tip.0 - inside.0).hypot(tip.1 - inside.1);
+        let cos_sin =
+            if length > 1e-9 { ((tip.0 - inside.0) / length, (tip.1 - inside.1) / length) } else { (0.0, -1.0) };
+        (tip, cos_sin)
+    });
+    let distances = [10.0, 32.0, 56.0, 80.0, 104.0];
+    distances.into_iter().flat_map(move |distance| {
+        [0.0, 26.0, -26.0, 52.0, -52.0, 78.0, -78.0].into_iter().flat_map(move |aside| {
+            directions.map(|(tip, (cos, sin))| {
+                let away = half.0 * cos.abs() + half.1 * sin.abs() + distance;
+                (tip, (tip.0 + away * cos - aside * sin, tip.1 + away * sin + aside * cos))
+            })
+        })
+    })
+}
+
+/// Returns the sentence for a caption that some numbers do not fit; empty if all fit.
+pub(super) fn without_numbers(without: usize) -> String {
+    match without {
+        0 => String::new(),
+        1 => "1 listed track has no number in the chart for lack of room. ".to_owned(),
+        more => format!("{more} listed tracks have no numbers in the chart for lack of room. "),
     }
 }
 

@@ -33,10 +33,10 @@ def test_a_field_shows_its_passes(model, output):
 def test_a_field_has_the_given_diameter(model):
     passes = model.passes(TARGET, START, 30.0, output="dict")
     none = {name: column[:0] for name, column in passes.items()}
-    # A plot is 10 % wider than the field: 33 arcmin to each side.
+    # A plot is 10 % wider than the field: 33 arcmin to each side of declination 7.7 degrees.
     arcminutes, degrees = (rendered_svg(plots.field(none, TARGET, fov_deg=fov)) for fov in (1.0, 7.0))
-    assert "offset to the east, ′" in arcminutes and "\n30\n" in arcminutes and "\n40\n" not in arcminutes
-    assert "offset to the east, °" in degrees and "no streak crosses this field" in degrees
+    assert "\n+7°40′\n" in arcminutes and "\n+8°00′\n" in arcminutes and "\n+9°00′\n" not in arcminutes
+    assert "\n+6°\n" in degrees and "no streak crosses this field" in degrees
     for fov in (0.0, -1.0, 181.0):
         with pytest.raises(StreakcastError):
             plots.field(passes, TARGET, fov_deg=fov)

@@ -52,6 +52,10 @@ pub struct MapOutputArguments {
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
+    /// Size and resolution of the picture, which plot sets.
+    #[cfg(feature = "plot")]
+    #[arg(skip)]
+    pub file_options: streakcast::plot::FileOptions,
 }
 
 /// Parameters of a map over the directions around a satellite.

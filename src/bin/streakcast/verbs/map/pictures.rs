@@ -6,18 +6,25 @@ use std::path::Path;
 use anyhow::anyhow;
 use streakcast::config::SiteConfig;
 use streakcast::maps::PAPER_FIGURES;
+use streakcast::output::Provenance;
 use streakcast::photometry::PhotometryOptions;
-use streakcast::plot::{Picture, PictureFormat, paper_picture};
+use streakcast::plot::{FileOptions, Picture, PictureFormat, paper_picture};
 
-use super::arguments::{MapPaperArguments, PictureName};
+use super::arguments::{MapOutputArguments, MapPaperArguments, PictureName};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{check, write_bytes};
 use crate::verbs::judged::begin;
+use crate::verbs::plot::json_of;
 
 /// Returns the bytes of a picture in the format of its path; `None` if there is no path.
-pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
-    path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
+pub fn made(
+    to: &MapOutputArguments,
+    provenance: &Provenance,
+    picture: impl FnOnce() -> Picture,
+) -> anyhow::Result<Option<Vec<u8>>> {
+    let options = FileOptions { provenance: Some(json_of(provenance)), ..to.file_options.clone() };
+    to.picture.as_deref().map(|path| Ok(picture().to_file(PictureFormat::of(path)?, &options)?)).transpose()
 }
 
 pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>, notices: &Notices) -> anyhow::Result<()> {

@@ -65,7 +65,7 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
         ));
     }
     #[cfg(feature = "plot")]
-    let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::body_picture(&view))?;
+    let picture = pictures::made(&to, &provenance_of(&view.facts()), || streakcast::plot::body_picture(&view))?;
     match &target {
         #[cfg(feature = "plot")]
         Target::Nothing => {}
@@ -107,7 +107,7 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     notices.warn(&provisional(&model));
     notices.warn(&unused_options(&config, &[], "a map of the sky"));
     #[cfg(feature = "plot")]
-    let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
+    let picture = pictures::made(&to, &provenance_of(&view.facts()), || streakcast::plot::sky_picture(&view))?;
     match &target {
         #[cfg(feature = "plot")]
         Target::Nothing => {}

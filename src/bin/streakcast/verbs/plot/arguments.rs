@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id};
+use streakcast::plot::{FileOptions, PictureSize};
 
 use crate::arguments::utc_offset_h;
 use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
@@ -60,6 +61,22 @@ pub struct PictureArguments {
     /// Write no data file
     #[arg(long, help_heading = "Picture (required: -o)")]
     pub no_data: bool,
+    /// Size of the picture in pixels (1600x900), inches (8x5in) or centimetres (20x12cm); fonts and lines are scaled;
+    /// the size of the chart at 96 dots per inch if omitted
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, help_heading = "Picture (required: -o)")]
+    pub size: Option<PictureSize>,
+    /// Dots per inch of PNG files, 10 to 1200; 96 if omitted
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(10..=1200), help_heading = "Picture (required: -o)")]
+    pub dpi: Option<u32>,
+}
+
+impl PictureArguments {
+    /// Returns size and resolution of the picture files, which are checked.
+    pub fn file_options(&self) -> anyhow::Result<FileOptions> {
+        let options = FileOptions { size: self.size, dpi: self.dpi, provenance: None };
+        options.check()?;
+        Ok(options)
+    }
 }
 
 /// Title of a plot.

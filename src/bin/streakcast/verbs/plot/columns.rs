@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use streakcast::frames::mjd_utc;
 use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
-use streakcast::output::{Provenance, Table, Value as Cell};
+use streakcast::output::{Provenance, Table, Value as Cell, format_utc};
 
 /// Table with cells as text, as in CSV. Missing values are empty.
 pub struct Columns {
@@ -164,6 +164,23 @@ impl Columns {
         Site::new_deg(name, number("latitude_deg")?, number("longitude_deg")?, number("height_m")?).ok()
     }
 
+    /// Returns the name of the site or of the telescope in orbit, or the coordinates of a site without a name; `None` if
+    /// the provenance has no observer.
+    pub fn observer_name(&self) -> Option<String> {
+        let name = |what: &str| self.stated(what)?.get("name")?.as_str().map(str::to_owned);
+        let site = self.site();
+        let is_named = name("site").is_some_and(|name| name != "site");
+        match site.filter(|_| !is_named) {
+            Some(site) => Some(coordinates(&site)),
+            None => name("site").or_else(|| name("observer")),
+        }
+    }
+
+    /// Returns the subtitle of a picture: observer, and the range of times (MJD, UTC; NaN is ignored).
+    pub fn place_and_time(&self, moments: impl IntoIterator<Item = f64>) -> String {
+        place_and_time(self.observer_name(), moments)
+    }
+
     /// Returns the limiting magnitude of the policy; `None` if it depends on the band or is missing.
     pub fn limit_mag(&self) -> Option<f64> {
         self.stated("options")?.get("policy")?.get("limit_mag")?.as_f64()
@@ -213,6 +230,35 @@ impl Columns {
         });
         values.collect()
     }
+}
+
+/// Returns the coordinates of a site with the minus sign U+2212.
+fn coordinates(site: &Site) -> String {
+    let [latitude, longitude] = [site.latitude_rad, site.longitude_rad].map(f64::to_degrees);
+    format!("latitude {latitude:.3}°, longitude {longitude:.3}°").replace('-', "−")
+}
+
+/// Returns the name of a site, or its coordinates if it has none.
+pub fn site_name(site: &Site) -> String {
+    if site.name == "site" { coordinates(site) } else { site.name.to_string() }
+}
+
+/// Joins the name of an observer and a range of times (MJD, UTC; NaN is ignored), either of which may be missing.
+pub fn place_and_time(observer: Option<String>, moments: impl IntoIterator<Item = f64>) -> String {
+    let (first, last) = moments
+        .into_iter()
+        .filter(|mjd| mjd.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), mjd| (first.min(mjd), last.max(mjd)));
+    let text = |mjd: f64| format_utc(hifitime::Epoch::from_mjd_utc(mjd), 0).trim_end_matches('Z').replace('T', " ");
+    let time = (first <= last).then(|| {
+        let (first, last) = (text(first), text(last));
+        match first.split_once(' ').zip(last.split_once(' ')) {
+            _ if first == last => format!("{first} UTC"),
+            Some(((day, _), (other, clock))) if day == other => format!("{first} to {clock} UTC"),
+            _ => format!("{first} to {last} UTC"),
+        }
+    });
+    observer.into_iter().chain(time).collect::<Vec<_>>().join(", ")
 }
 
 fn object(value: Value) -> Option<Map<String, Value>> {

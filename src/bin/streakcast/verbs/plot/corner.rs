@@ -2,6 +2,7 @@
 
 use anyhow::{anyhow, bail};
 use streakcast::fit::read_chain;
+use streakcast::output::Provenance;
 use streakcast::plot::{Corner, corner};
 
 use super::arguments::PlotCornerArguments;
@@ -40,6 +41,7 @@ pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
     let title = typed.title.title.as_deref().unwrap_or(&default_title);
     target.write_picture(
         &corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?,
+        &Provenance::new(),
         &notices,
     )?;
     Ok(Outcome::Done)

@@ -228,13 +228,12 @@ impl Rates {
         let number = |name: &str| options.get(name).and_then(Value::as_f64);
         let nside = number("nside").ok_or_else(|| missing_statement("nside", allowed))? as u32;
         let limit = number("limit_mag");
-        let name = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str);
         Ok(Self {
             nside,
             cells: columns.numbers("healpix_cell")?.into_iter().map(|cell| cell as u64).collect(),
             rate: columns.numbers(if limit.is_some() { BRIGHT.name } else { STREAKS.name })?,
             bright: limit.map(|limit| format!(" brighter than {limit} mag")).unwrap_or_default(),
-            site: name.unwrap_or_default().to_owned(),
+            site: columns.observer_name().unwrap_or_default(),
             options,
         })
     }

@@ -3,9 +3,7 @@
 use anyhow::anyhow;
 use serde_json::Value;
 use streakcast::config::{Config, NameOrTable, Quantity};
-use streakcast::frames::parse_moment;
-use streakcast::frames::{Direction, Gcrs};
-use streakcast::output::format_utc;
+use streakcast::frames::{Direction, Gcrs, mjd_utc, parse_moment};
 use streakcast::passes::Field;
 use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
 
@@ -33,7 +31,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
             anyhow!("table {} does not state its exposure; allowed: output of passes", path.display())
         })?;
         let field = stated_field(&config, &columns)?;
-        target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?, &notices)?;
+        target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?, &columns.provenance(), &notices)?;
         return Ok(outcome(&columns));
     }
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
@@ -127,16 +125,15 @@ fn picture(
         .unwrap_or_default();
     let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|outline| outline.iter().map(degrees).collect()).collect();
     let [ra_deg, dec_deg] = degrees(&pointing.centre);
-    let start =
-        parse_moment(&pointing.start_utc, None).map_or(pointing.start_utc.clone(), |moment| format_utc(moment, 3));
-    let start = start.trim_end_matches('Z').trim_end_matches(".000").replace('T', " ");
-    let exposure = format!("{} UTC, {} s", start, pointing.exposure_s);
-    Ok(field_chart(&FieldChart {
-        title: title.unwrap_or(&format!("Streaks in the field, {exposure}")),
+    let start = parse_moment(&pointing.start_utc, None).map_or(f64::NAN, mjd_utc);
+    let subtitle = columns.place_and_time([start, start + pointing.exposure_s / 86_400.0]);
+    let drawn = field_chart(&FieldChart {
+        title: title.unwrap_or(&format!("Streaks in the field, exposure of {} s", pointing.exposure_s)),
         caption: shells_caption(&names),
         ra_deg,
         dec_deg,
         outlines: &outlines,
         streaks: &streaks,
-    })?)
+    })?;
+    Ok(drawn.with_subtitle(&subtitle))
 }

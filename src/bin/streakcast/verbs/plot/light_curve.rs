@@ -60,7 +60,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         } else {
             of_forecast(&columns, typed.norad, typed.limit_mag, clock.as_ref(), title)?
         };
-        target.write_picture(&picture, &notices)?;
+        target.write_picture(&picture, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
     let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
@@ -174,7 +174,8 @@ fn of_forecast(
     );
     let number = format!("NORAD {norad_id}");
     let satellite = if track.name == number { number } else { format!("{name} ({number})") };
-    Ok(light_curve(&LightCurve {
+    let subtitle = columns.place_and_time(track.time_mjd.iter().copied());
+    let drawn = light_curve(&LightCurve {
         title: title.unwrap_or(&format!("Light curve of {satellite}")),
         caption: caption.trim_end(),
         time_mjd: &track.time_mjd,
@@ -184,7 +185,8 @@ fn of_forecast(
         shutter: None,
         limit_mag,
         local: Clock::local(clock),
-    })?)
+    })?;
+    Ok(drawn.with_subtitle(&subtitle))
 }
 
 fn picture(
@@ -226,7 +228,8 @@ fn picture(
         let last = in_field.last().map_or(*exit, |[_, exit]| *exit);
         caption += &format!("; in the field from {} to {} UTC, {seconds:.2} s", at(*enter), at(last));
     }
-    Ok(light_curve(&LightCurve {
+    let subtitle = columns.place_and_time(time_mjd.iter().copied());
+    let drawn = light_curve(&LightCurve {
         title: title.unwrap_or(&format!("Light curve of {}", satellite.trim_start())),
         caption: format!("{caption}. {}", shells_caption(&[&name])).trim_end(),
         time_mjd: &time_mjd,
@@ -236,5 +239,6 @@ fn picture(
         shutter: stated.get("shutter_utc").and_then(span),
         limit_mag,
         local: Clock::local(clock),
-    })?)
+    })?;
+    Ok(drawn.with_subtitle(&subtitle))
 }

@@ -23,3 +23,4 @@ mod target;
 
 pub use arguments::PlotArguments;
 pub use run::run;
+pub use target::json_of;

@@ -10,7 +10,7 @@ use crate::verbs::judged::begin;
 use crate::verbs::map::site_of;
 
 use super::clock::{Clock, sun_over};
-use super::columns::Columns;
+use super::columns::{Columns, place_and_time, site_name};
 use super::exposures::{Nights, compute, of_flags};
 use super::target::{Target, required};
 
@@ -67,8 +67,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         Some(limit) => limit.of(config.light.band.as_deref()),
         None => columns.limit_mag(),
     };
-    let site_name = site.as_ref().map(|site| format!(", {}", site.name)).unwrap_or_default();
-    let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}{site_name}"));
+    let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}"));
     let timeline = Timeline {
         columns: &columns,
         keep: &keep,
@@ -86,7 +85,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             of_night.rows.retain(|_| kept.next().copied().unwrap_or(false));
             target.write(&picture, "exposures", &of_night, provenance, &notices)?;
         }
-        None => target.write_picture(&picture, &notices)?,
+        None => target.write_picture(&picture, &columns.provenance(), &notices)?,
     }
     Ok(Outcome::Done)
 }
@@ -121,7 +120,10 @@ impl Timeline<'_> {
             many => format!("{many} rows of the schedule are invalid."),
         };
         let caption = format!("{judged}{}", self.columns.simulation_note());
-        Ok(night_timeline(&NightTimeline {
+        let ends = start_mjd.iter().zip(&duration_s).map(|(start, duration_s)| start + duration_s / 86_400.0);
+        let observer = self.site.map(site_name).or_else(|| self.columns.observer_name());
+        let subtitle = place_and_time(observer, start_mjd.iter().copied().chain(ends));
+        let drawn = night_timeline(&NightTimeline {
             title: self.title,
             caption: caption.trim_start(),
             start_mjd: &start_mjd,
@@ -131,6 +133,7 @@ impl Timeline<'_> {
             limit_mag: self.limit,
             sun: &sun,
             local: Clock::local(self.clock),
-        })?)
+        })?;
+        Ok(drawn.with_subtitle(&subtitle))
     }
 }

@@ -106,5 +106,13 @@ fn map_outputs(typed: &PictureArguments) -> anyhow::Result<MapOutputArguments> {
     let picture = only(typed)?;
     Target::new(typed)?;
     let data = typed.data.clone().or_else(|| (!typed.no_data).then(|| data_path(&picture)));
-    Ok(MapOutputArguments { step_deg: None, nside: None, format: None, output: data, picture: Some(picture) })
+    let file_options = typed.file_options()?;
+    Ok(MapOutputArguments {
+        step_deg: None,
+        nside: None,
+        format: None,
+        output: data,
+        picture: Some(picture),
+        file_options,
+    })
 }

@@ -5,7 +5,7 @@ use hifitime::Epoch;
 use serde_json::{Value, json};
 use streakcast::config::{Config, ExposureConfig, PreparedSky, parse_duration_s};
 use streakcast::frames::parse_moment;
-use streakcast::frames::{Direction, Horizontal, seconds_after};
+use streakcast::frames::{Direction, Horizontal, mjd_utc, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::output::{Column, Kind, Table, format_utc};
 use streakcast::passes::{CountRequest, Counts, StreakCount};
@@ -52,7 +52,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
             true => equatorial_rate::picture(&columns, title)?,
             false => picture(&columns, title)?,
         };
-        target.write_picture(&drawn, &notices)?;
+        target.write_picture(&drawn, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
     let inputs = required(&config, &typed.picture).satellites().site().field();
@@ -186,21 +186,19 @@ fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
         None => String::new(),
     };
     let sun = rates.angle("sun_altitude_deg", Some(1));
-    let utc = rates.option("moment_utc").and_then(Value::as_str).unwrap_or_default();
-    let utc = utc.trim_end_matches('Z').replace('T', " ");
+    let moment = rates.option("moment_utc").and_then(Value::as_str).and_then(|utc| parse_moment(utc, None).ok());
+    let half_days = rates.number("over_s") / 2.0 / 86_400.0;
+    let range = moment.map(|moment| [mjd_utc(moment) - half_days, mjd_utc(moment) + half_days]);
     Ok(sky_rate(&SkyRate {
         title: title.unwrap_or(&format!(
             "Streaks{} per exposure of {} s{field}",
             rates.bright,
             rates.number("exposure_s")
         )),
-        subtitle: &format!(
-            "{} UTC, Sun at altitude {sun}°, azimuth {sun_azimuth_deg:.1}°",
-            utc.get(..19).unwrap_or(&utc)
-        ),
+        subtitle: &columns.place_and_time(range.into_iter().flatten()),
         caption: &format!(
-            "Site: {}. Means of {} exposures over {:.0} min in HEALPix cells, nside {}.{}",
-            rates.site,
+            "Sun at altitude {sun}°, azimuth {}°. Means of {} exposures over {:.0} min in HEALPix cells, nside {}.{}",
+            rates.angle("sun_azimuth_deg", Some(1)),
             rates.number("repeats"),
             rates.number("over_s") / 60.0,
             rates.nside,

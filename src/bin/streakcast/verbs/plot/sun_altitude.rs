@@ -49,9 +49,9 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "exposures")?;
-        let caption = columns.site().map(|site| format!("Site: {}.", site.name)).unwrap_or_default();
         let limit = limit.or_else(|| columns.limit_mag());
-        target.write_picture(&picture(&columns, limit, typed.bin, title, &caption)?, &notices)?;
+        let drawn = picture(&columns, limit, typed.bin, title, "")?;
+        target.write_picture(&drawn, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
     let inputs = required(&config, &typed.picture).satellites().site().field();
@@ -62,7 +62,7 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
             let site =
                 site_of(&config)?.ok_or_else(|| anyhow!("missing site; specify --site, --mpc, or --lat and --lon"))?;
             let exposures = compute(&config, schedule, Some(&site), &config.eop_table()?)?;
-            (exposures.table, exposures.provenance, format!("Site: {}.", site.name))
+            (exposures.table, exposures.provenance, String::new())
         }
         None => grid(&typed, &config, limit)?,
     };
@@ -127,8 +127,7 @@ fn grid(
         }
     }
     let caption = format!(
-        "Site: {}. Exposures of {duration_s} s evenly over the sky above {}°, every {:.0} min.",
-        prepared.sky.viewpoint().name(),
+        "Exposures of {duration_s} s evenly over the sky above {}°, every {:.0} min.",
         typed.min_altitude,
         step_s / 60.0
     );
@@ -164,12 +163,15 @@ fn picture(
     let (sun, streaks, bright) = (of(&sun), of(&streaks), of(&bright));
     let has_bright = limit.is_some() && bright.iter().all(|count| count.is_finite());
     let caption = format!("{caption}{}", columns.simulation_note());
-    Ok(sun_altitude(&SunAltitude {
+    let starts = columns.moments("start_utc")?;
+    let subtitle = columns.place_and_time(kept.iter().map(|&k| starts[k]));
+    let drawn = sun_altitude(&SunAltitude {
         title: title.unwrap_or("Trails per exposure"),
         caption: caption.trim_start(),
         sun_altitude_deg: &sun,
         n_trails: &streaks,
         n_bright: limit.filter(|_| has_bright).map(|limit| (bright.as_slice(), limit)),
         bin_deg,
-    })?)
+    })?;
+    Ok(drawn.with_subtitle(&subtitle))
 }

@@ -1,12 +1,13 @@
 //! Output files of plots: pictures and their data.
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use streakcast::config::Config;
 use streakcast::output::{Provenance, Section, Table};
-use streakcast::plot::{Picture, PictureFormat};
+use streakcast::plot::{FileOptions, Picture, PictureFormat};
 
 use super::arguments::PictureArguments;
 use crate::notices::Notices;
@@ -17,6 +18,7 @@ use crate::screen::Style;
 /// Output files. They are checked before the computation.
 pub struct Target {
     pictures: Vec<(PathBuf, PictureFormat)>,
+    options: FileOptions,
     data: Option<Output>,
 }
 
@@ -61,7 +63,11 @@ impl Target {
                 );
             }
         }
-        Ok(Self { pictures, data: data.map(|path| Output::new(None, Some(path))).transpose()? })
+        Ok(Self {
+            pictures,
+            options: typed.file_options()?,
+            data: data.map(|path| Output::new(None, Some(path))).transpose()?,
+        })
     }
 
     /// Draws all pictures, and then writes all files, so that an error in drawing leaves no files.
@@ -73,7 +79,8 @@ impl Target {
         provenance: &Provenance,
         notices: &Notices,
     ) -> anyhow::Result<()> {
-        let drawn = self.pictures.iter().map(|(path, format)| Ok((path, picture.to_bytes(*format)?)));
+        let options = FileOptions { provenance: Some(json_of(provenance)), ..self.options.clone() };
+        let drawn = self.pictures.iter().map(|(path, format)| Ok((path, picture.to_file(*format, &options)?)));
         let drawn = drawn.collect::<anyhow::Result<Vec<_>>>()?;
         if let Some(data) = &self.data {
             data.write(
@@ -92,10 +99,16 @@ impl Target {
         Ok(())
     }
 
-    /// Writes the picture for an input table.
-    pub fn write_picture(&self, picture: &Picture, notices: &Notices) -> anyhow::Result<()> {
-        self.write(picture, "", &Table::default(), &Provenance::new(), notices)
+    /// Writes the picture for an input table with this provenance.
+    pub fn write_picture(&self, picture: &Picture, provenance: &Provenance, notices: &Notices) -> anyhow::Result<()> {
+        self.write(picture, "", &Table::default(), provenance, notices)
     }
+}
+
+/// Returns a provenance as a JSON object with sorted names, so that pictures of equal data are equal.
+pub fn json_of(provenance: &Provenance) -> String {
+    let entries: BTreeMap<&str, &serde_json::Value> = provenance.entries().collect();
+    serde_json::to_value(entries).unwrap_or_default().to_string()
 }
 
 /// Returns the default path of the data file, for example `night-data.ecsv` for `night.png`. Because of the suffix it
