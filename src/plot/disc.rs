@@ -13,8 +13,8 @@ use rayon::prelude::*;
 
 use super::axes::colour_bar;
 use super::contour::contours;
-use super::labels::{Labels, half_size};
-use super::picture::{INK, PAPER, Picture, Pixels, lines_of, width_of};
+use super::labels::Labels;
+use super::picture::{INK, PAPER, Picture, Pixels, half_size, lines_of, width_of};
 use super::scale::{ColourScale, Quantity};
 
 /// Side of the squares of the contour lines, pixels.

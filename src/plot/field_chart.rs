@@ -6,7 +6,7 @@ use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame, colour_bar};
 use super::error::PlotError;
-use super::graticule::{self, Plane};
+use super::graticule::{self, Plane, gnomonic};
 use super::labels::Labels;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
@@ -17,8 +17,6 @@ const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
-/// Largest distance of points from the centre, degrees. Positions on the tangent plane diverge at 90 degrees.
-const FARTHEST_DEG: f64 = 75.0;
 const OUTLINE: RGBColor = RGBColor(60, 60, 60);
 const DARK: RGBColor = RGBColor(150, 150, 150);
 const INSIDE: RGBColor = RGBColor(240, 240, 240);
@@ -177,32 +175,6 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Returns the position on the tangent plane, degrees, x to the east and y to the north; `None` if the direction is too
-/// far from the centre.
-///
-/// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c;
-/// η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3,
-/// in right ascension and declination).
-pub(super) fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
-    let ((sin0, cos0), (sin, cos)) = (dec0.to_radians().sin_cos(), dec.to_radians().sin_cos());
-    let (sin_ra, cos_ra) = (ra - ra0).to_radians().sin_cos();
-    let depth = sin0 * sin + cos0 * cos * cos_ra;
-    let plane = [cos * sin_ra / depth, (cos0 * sin - sin0 * cos * cos_ra) / depth];
-    (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
-}
-
-/// Returns the right ascension minus that of the centre, -180 to 180 degrees, and the declination, degrees, of a point of
-/// the tangent plane, degrees.
-///
-/// tan c = ρ = hypot(ξ, η); sin δ = cos c (sin δ₀ + η cos δ₀); tan Δα = ξ / (cos δ₀ − η sin δ₀)
-pub(super) fn inverse_gnomonic([_, dec0]: [f64; 2], plane: [f64; 2]) -> [f64; 2] {
-    let [xi, eta] = plane.map(f64::to_radians);
-    let (sin0, cos0) = dec0.to_radians().sin_cos();
-    let cos = 1.0 / (1.0 + xi * xi + eta * eta).sqrt();
-    let sin_dec = cos * (sin0 + eta * cos0);
-    [xi.atan2(cos0 - eta * sin0).to_degrees(), sin_dec.clamp(-1.0, 1.0).asin().to_degrees()]
-}
-
 /// Draws a compass in the upper right corner: north up, east left. Returns its sides.
 fn compass(picture: &mut Picture) -> [f64; 4] {
     let (x, y) = (SIDES[2] - 26.0, SIDES[1] + 72.0);
@@ -238,6 +210,7 @@ fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) -> [f64; 4] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::graticule::inverse_gnomonic;
     use super::*;
 
     /// Centre and position, both in degrees, and degrees of the plane: astropy 8.0.2, `WCS` with `RA---TAN`,

@@ -4,12 +4,14 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::field_chart::{gnomonic, inverse_gnomonic};
-use super::labels::{Labels, clipped, half_size};
-use super::picture::{INK, Picture};
+use super::labels::{Labels, clipped};
+use super::picture::{INK, Picture, half_size};
 
 const LINE: RGBColor = RGBColor(120, 140, 170);
 const LABEL_SIZE: f64 = 15.0;
+/// Largest distance of points from the centre, degrees. Positions on the tangent plane diverge at 90 degrees.
+const FARTHEST_DEG: f64 = 75.0;
+
 /// Number of steps along a line.
 const STEPS: usize = 240;
 /// Number of intervals that a chart should have in each direction.
@@ -179,6 +181,32 @@ fn seconds(thousandths: i64, step: i64) -> String {
         100.. => format!("{whole:02}.{}", thousandths % 1000 / 100),
         _ => format!("{whole:02}.{:02}", thousandths % 1000 / 10),
     }
+}
+
+/// Returns the position on the tangent plane, degrees, x to the east and y to the north; `None` if the direction is too
+/// far from the centre.
+///
+/// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c;
+/// η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3,
+/// in right ascension and declination).
+pub(super) fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
+    let ((sin0, cos0), (sin, cos)) = (dec0.to_radians().sin_cos(), dec.to_radians().sin_cos());
+    let (sin_ra, cos_ra) = (ra - ra0).to_radians().sin_cos();
+    let depth = sin0 * sin + cos0 * cos * cos_ra;
+    let plane = [cos * sin_ra / depth, (cos0 * sin - sin0 * cos * cos_ra) / depth];
+    (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
+}
+
+/// Returns the right ascension minus that of the centre, -180 to 180 degrees, and the declination, degrees, of a point of
+/// the tangent plane, degrees.
+///
+/// tan c = ρ = hypot(ξ, η); sin δ = cos c (sin δ₀ + η cos δ₀); tan Δα = ξ / (cos δ₀ − η sin δ₀)
+pub(super) fn inverse_gnomonic([_, dec0]: [f64; 2], plane: [f64; 2]) -> [f64; 2] {
+    let [xi, eta] = plane.map(f64::to_radians);
+    let (sin0, cos0) = dec0.to_radians().sin_cos();
+    let cos = 1.0 / (1.0 + xi * xi + eta * eta).sqrt();
+    let sin_dec = cos * (sin0 + eta * cos0);
+    [xi.atan2(cos0 - eta * sin0).to_degrees(), sin_dec.clamp(-1.0, 1.0).asin().to_degrees()]
 }
 
 #[cfg(test)]

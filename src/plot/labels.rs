@@ -1,6 +1,6 @@
 //! Free positions of labels: labels cover neither lines nor one another.
 
-use super::picture::width_of;
+use super::picture::around;
 
 /// Smallest distance between a label and a line, pixels.
 const CLEARANCE: f64 = 5.0;
@@ -67,16 +67,6 @@ impl Labels {
         }
         nearest < other
     }
-}
-
-/// Returns half the width and height of a text of this size with a margin, pixels.
-pub(super) fn half_size(text: &str, size: f64) -> (f64, f64) {
-    (width_of(text, size) / 2.0 + 4.0, 0.6 * size + 1.0)
-}
-
-/// Returns left, top, right and bottom of a box about a position.
-pub(super) fn around((x, y): (f64, f64), half: (f64, f64)) -> [f64; 4] {
-    [x - half.0, y - half.1, x + half.0, y + half.1]
 }
 
 /// Returns the part of a segment inside a box (Liang & Barsky 1984); `None` if the segment is outside.

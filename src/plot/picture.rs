@@ -15,7 +15,6 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::error::PlotError;
-use super::labels::{around, half_size};
 use super::scale::ColourScale;
 
 /// Colour of lines and text.
@@ -338,6 +337,16 @@ pub(super) fn width_of(text: &str, size: f64) -> f64 {
         return 0.0;
     }
     (FONT_FAMILY, size * LARGE).into_font().box_size(text).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
+}
+
+/// Returns half the width and height of a text of this size with a margin, pixels.
+pub(super) fn half_size(text: &str, size: f64) -> (f64, f64) {
+    (width_of(text, size) / 2.0 + 4.0, 0.6 * size + 1.0)
+}
+
+/// Returns left, top, right and bottom of a box about a position.
+pub(super) fn around((x, y): (f64, f64), half: (f64, f64)) -> [f64; 4] {
+    [x - half.0, y - half.1, x + half.0, y + half.1]
 }
 
 /// Wraps text at spaces into lines of at most this width, pixels. A line with a single word may be wider.

@@ -4,9 +4,9 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::labels::{Labels, around};
+use super::labels::Labels;
 use super::numbers::fixed;
-use super::picture::{INK, Picture, width_of};
+use super::picture::{INK, Picture, around, width_of};
 
 /// Largest number of rows in the list and of numbered tracks.
 pub(super) const MOST_LISTED: usize = 22;

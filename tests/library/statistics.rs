@@ -169,7 +169,7 @@ mod verbs {
             (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
             (&["lu2024b", "--schedule", "a.db"], "--schedule has no effect on reproduce lu2024b"),
             (&["bassa2022", "--time-scale", "utc"], "--time-scale has no effect on reproduce bassa2022"),
-            (&["smith1999"], "hu2022, lu2024b, bassa2022"),
+            (&["smith1999"], "hu2022, lu2024, lu2024b, bassa2022"),
         ];
         let cases = statistics.iter().map(|case| (STATISTICS, case));
         for (verb, (arguments, part)) in cases.chain(reproduce.iter().map(|case| (&["reproduce"][..], case))) {
