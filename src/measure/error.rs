@@ -1,5 +1,6 @@
 //! Errors of the module `measure`.
 
+#[cfg(all(feature = "fits", unix))]
 use std::fmt::Display;
 
 use thiserror::Error;
