@@ -34,7 +34,7 @@ def elements(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def model(elements):
-    return StreakModel(site=LOCATION, elements=elements[0], fov=FOV_DEG * u.deg, limit_mag=7)
+    return StreakModel(site=LOCATION, elements=elements[0], fov=FOV_DEG * u.deg, limit_mag=7, blocking="any")
 
 
 @pytest.fixture(scope="session")
