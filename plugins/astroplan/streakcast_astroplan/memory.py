@@ -25,7 +25,7 @@ class ClearStarts:
     def __init__(self) -> None:
         self._lock = Lock()
         self._model: Union[StreakModel, None] = None
-        self._cache: OrderedDict[tuple[float, float, float, str, int], tuple[FloatArray, FloatArray]] = OrderedDict()
+        self._cache: OrderedDict[tuple[float, float, float, Union[str, None], int], tuple[FloatArray, FloatArray]] = OrderedDict()
 
     def worth_of_block(self, model: StreakModel, rules: Rules, ra_deg: float, dec_deg: float, start_s: float, block_s: float) -> float:
         """Returns the rating of a block of one target, [0, 1], as `Rules.worth_of_block`.
@@ -57,7 +57,7 @@ class ClearStarts:
                 clear |= (spans == span) & (index >= 0) & (starts_s <= closes_s[index] + TICK_S)
         return float(clear.mean())
 
-    def _windows(self, model: StreakModel, key: tuple[float, float, float, str, int]) -> tuple[FloatArray, FloatArray]:
+    def _windows(self, model: StreakModel, key: tuple[float, float, float, Union[str, None], int]) -> tuple[FloatArray, FloatArray]:
         with self._lock:
             if self._model is not model:
                 self._model = model
