@@ -207,8 +207,10 @@ fn no_temporary_files_remain() {
         ended_by(signal);
         assert_eq!(temporary(), Vec::<String>::new(), "{signal}");
     }
-    ended_by("-KILL");
-    assert!(!temporary().is_empty());
+    // The signal can arrive between two frames, when no temporary file exists.
+    while temporary().is_empty() {
+        ended_by("-KILL");
+    }
     let output = path(&folder, "frames/one.fits");
     assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &output], RANDOM]).0, 0);
     assert_eq!(temporary(), Vec::<String>::new());
