@@ -317,7 +317,14 @@ mod tests {
             assert_eq!(size(text).unwrap(), rectangle, "{text}");
         }
         assert_eq!(size("3.5deg").unwrap(), Field::circle(3.5_f64.to_radians()).unwrap());
-        for text in ["1.5x1.0", "1.5x-1deg", "x1deg", "1x2x3deg"] {
+        // A sensor of the size 2 f tan(angle / 2) sees this angle.
+        for text in ["26.1796x17.4537mm@1000mm", "2.61796x1.74537cm @ 1m"] {
+            let seen = size(text).unwrap();
+            assert!((seen.area_deg2() / rectangle.area_deg2() - 1.0).abs() < 1e-5, "{text}: {seen:?}");
+        }
+        for text in
+            ["1.5x1.0", "1.5x-1deg", "x1deg", "1x2x3deg", "36x24@400mm", "36x24mm@0mm", "36x24mm@400", "3deg@1m"]
+        {
             assert!(message(size(text)).contains("fov"), "{text}");
         }
     }

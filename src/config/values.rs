@@ -241,6 +241,7 @@ const ANGLE_UNITS: &[(&str, f64)] = &[
     ("arcsec", 1.0 / 3600.0),
     ("\"", 1.0 / 3600.0),
 ];
+const LENGTH_UNITS: &[(&str, f64)] = &[("mm", 1.0), ("cm", 10.0), ("m", 1000.0)];
 
 /// Parses a duration such as `30s`, `30.0s`, `2.5min` or `1h` into seconds, at least 0 and at most one day, the longest
 /// exposure. A number without a unit is rejected.
@@ -276,16 +277,36 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
     found.filter(|value| value.is_finite()).ok_or_else(|| invalid(what, text, allowed))
 }
 
-/// Parses the size of a field into degrees: a diameter such as `3.5deg`, or width and height such as `1.5x1.0deg`.
+/// Parses the size of a field into degrees: a diameter such as `3.5deg`, width and height such as `1.5x1.0deg`, or the
+/// size of a sensor and the focal length, such as `36x24mm@400mm`.
 ///
 /// # Errors
-/// Same as [`parse_angle_deg`], for each angle.
+/// Same as [`parse_angle_deg`], for each angle and length.
 pub(super) fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), ConfigError> {
-    let Some((width, height)) = text.split_once(['x', '×']) else { return Ok((parse_angle_deg(what, text)?, None)) };
-    // The unit of the height applies to a width without a unit.
+    if let Some((sensor, focal_length)) = text.split_once('@') {
+        let focal_mm = parse_length_mm(what, focal_length)?;
+        // 2 arctan(d / 2f)
+        let angle_deg = |size_mm: f64| 2.0 * (0.5 * size_mm / focal_mm).atan().to_degrees();
+        let (width_mm, height_mm) = width_and_height(sensor, |length| parse_length_mm(what, length))?;
+        return Ok((angle_deg(width_mm), height_mm.map(angle_deg)));
+    }
+    width_and_height(text, |angle| parse_angle_deg(what, angle))
+}
+
+/// Parses `WIDTHxHEIGHT`, or one size. The unit of the height applies to a width without a unit.
+fn width_and_height(
+    text: &str,
+    parse: impl Fn(&str) -> Result<f64, ConfigError>,
+) -> Result<(f64, Option<f64>), ConfigError> {
+    let Some((width, height)) = text.split_once(['x', '×']) else { return Ok((parse(text)?, None)) };
     let unit = height.trim_start_matches(|mark: char| mark.is_ascii_digit() || mark == '.' || mark.is_whitespace());
     let width = if width.trim().parse::<f64>().is_ok() { format!("{width}{unit}") } else { width.to_owned() };
-    Ok((parse_angle_deg(what, &width)?, Some(parse_angle_deg(what, height)?)))
+    Ok((parse(&width)?, Some(parse(height)?)))
+}
+
+fn parse_length_mm(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+    let length_mm = with_unit(what, text, LENGTH_UNITS, "sensor and focal length with their units: 36x24mm@400mm")?;
+    in_range(what, length_mm, "mm", "0.1 to 100000 mm", |length_mm| (0.1..=1e5).contains(&length_mm))
 }
 
 /// Returns `value` if it is inside a range, and an error otherwise. NaN is outside every range.

@@ -359,13 +359,13 @@ const READABLE_COLUMNS: [Column; 16] = [
 ];
 
 /// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of start,
-/// highest point and end. Local time is UTC plus `utc_offset_s` (seconds). A pass without a visible part is listed from
-/// rise to set. With a magnitude limit, the last column is the probability of being brighter.
-pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: f64) -> Table {
+/// highest point and end. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is
+/// listed from rise to set. With a magnitude limit, the last column is the probability of being brighter.
+pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: impl Fn(Epoch) -> f64) -> Table {
     let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
     let cells = |row: PassRow<'_>| {
         has_limit |= row.limit_mag.is_some();
-        let mut cells = readable_cells(&row, utc_offset_s);
+        let mut cells = readable_cells(&row, &utc_offset_s);
         cells.extend(row.limit_mag.is_some().then(|| row.p_brighter()));
         cells
     };
@@ -376,13 +376,13 @@ pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offse
     Table { columns, rows }
 }
 
-fn readable_cells(row: &PassRow<'_>, utc_offset_s: f64) -> Vec<Value> {
+fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Vec<Value> {
     let pass = row.pass;
     let (begin, highest, end) = match &pass.visible {
         Some(seen) => (Some(&seen.begin), &seen.highest, Some(&seen.end)),
         None => (pass.rise.as_ref(), &pass.culmination, pass.set.as_ref()),
     };
-    let clock = |epoch: Epoch| local(epoch, utc_offset_s).1;
+    let clock = |epoch: Epoch| local(epoch, utc_offset_s(epoch)).1;
     let three = |point: Option<&TrackPoint>| -> [Value; 3] {
         let altitude = |point: &TrackPoint| Some(format!("{:.0}\u{b0}", point.altitude_rad?.to_degrees()));
         [
@@ -392,7 +392,8 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: f64) -> Vec<Value> {
         ]
     };
     let light = row.peak().and_then(|peak| peak.brightness.as_ref());
-    let date = local(begin.unwrap_or(highest).epoch, utc_offset_s).0;
+    let first = begin.unwrap_or(highest).epoch;
+    let date = local(first, utc_offset_s(first)).0;
     let mut cells: Vec<Value> = vec![
         date.into(),
         row.name().into(),

@@ -51,6 +51,8 @@ pub struct StatisticsRequest {
     pub moments: usize,
     /// Interval over which each count is averaged, seconds, centred on the time of the Sun's altitude.
     pub spread_s: f64,
+    /// Magnitude for which brighter satellites and their trails are counted in addition.
+    pub limit_mag: Option<f64>,
     /// Band, magnitude system and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
@@ -74,6 +76,11 @@ pub struct SkyCount {
     pub brighter_than: [f64; 6],
     /// Expected number of trails in one exposure.
     pub trails: f64,
+    /// Expected number of satellites brighter than the limit of the request; 0 without a limit.
+    pub brighter_than_limit: f64,
+    /// Expected number of trails brighter than the limit in one exposure: sum over the satellites of their expected
+    /// number of trails times the probability of being brighter; 0 without a limit.
+    pub trails_brighter_than_limit: f64,
 }
 
 impl SkyCount {
@@ -144,7 +151,12 @@ impl StatisticsRequest {
         if !(0.0..=86_400.0).contains(&seconds_between(self.start, self.end)) {
             return out_of_range("length of the night", seconds_between(self.start, self.end), " s", "0 to 86400 s");
         }
-        Ok(())
+        match self.limit_mag {
+            Some(limit_mag) if !(-30.0..=40.0).contains(&limit_mag) => {
+                out_of_range("limit-mag", limit_mag, " mag", "-30 to 40 mag")
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -182,6 +194,8 @@ fn count(
         lit: 0.0,
         brighter_than: [0.0; 6],
         trails: 0.0,
+        brighter_than_limit: 0.0,
+        trails_brighter_than_limit: 0.0,
     };
     // Ω = 2π (1 - sin h)
     let sky_sr = TAU * (1.0 - min_altitude_rad.sin());
@@ -198,10 +212,17 @@ fn count(
         // (π D²/4 + ω t D) / Ω                                             Bassa et al. (2022), section 2
         let field_sr = 0.25 * PI * request.field_rad * request.field_rad;
         let swept_sr = one.angular_rate_rad_s * request.exposure_s * request.field_rad;
-        count.trails += share * (field_sr + swept_sr) / sky_sr;
+        let trails = (field_sr + swept_sr) / sky_sr;
+        count.trails += share * trails;
         let light = sky.brightness(element_index, &one.point, &request.photometry);
+        let p_brighter =
+            |limit_mag: f64| light.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit_mag));
         for (limit, number) in MAGNITUDES.iter().zip(&mut count.brighter_than) {
-            *number += light.as_ref().map_or(0.0, |light| share * light.probability_brighter_than(*limit));
+            *number += share * p_brighter(*limit);
+        }
+        if let Some(limit_mag) = request.limit_mag {
+            count.brighter_than_limit += share * p_brighter(limit_mag);
+            count.trails_brighter_than_limit += share * trails * p_brighter(limit_mag);
         }
     }
     count
@@ -226,10 +247,21 @@ const COLUMNS: [Column; 17] = [
     Column::real("trails_per_exposure", "", 5, "Expected number of trails of lit satellites in one exposure."),
     Column::real("streaked_share", "", 5, "Expected fraction of exposures with at least one trail."),
 ];
+const LIMIT_COLUMNS: [Column; 3] = [
+    Column::real("limit_mag", "mag", 2, "Limit for which brighter satellites and trails are counted."),
+    Column::real("brighter_than_limit", "", 2, "Expected number of satellites brighter than limit_mag."),
+    Column::real(
+        "trails_brighter_than_limit",
+        "",
+        5,
+        "Expected number of trails in one exposure of satellites brighter than limit_mag.",
+    ),
+];
 
 /// Returns counts as a table: one row for each night, latitude, altitude of the Sun and lowest altitude. Each row is
-/// given with the latitude of its site in radians.
+/// given with the latitude of its site in radians. Columns for a limiting magnitude are added if a request has one.
 pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>) -> Table {
+    let mut has_limit = false;
     let row = |(latitude_rad, request, count): (f64, &StatisticsRequest, &SkyCount)| -> Vec<Value> {
         let mut row: Vec<Value> = vec![
             count.epoch.into(),
@@ -247,7 +279,16 @@ pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a Statistic
             count.trails.into(),
             count.streaked_share().into(),
         ]);
+        if let Some(limit_mag) = request.limit_mag {
+            has_limit = true;
+            row.extend([limit_mag, count.brighter_than_limit, count.trails_brighter_than_limit].map(Value::Real));
+        }
         row
     };
-    Table { columns: COLUMNS.to_vec(), rows: counts.into_iter().map(row).collect() }
+    let rows = counts.into_iter().map(row).collect();
+    let mut columns = COLUMNS.to_vec();
+    if has_limit {
+        columns.extend(LIMIT_COLUMNS);
+    }
+    Table { columns, rows }
 }

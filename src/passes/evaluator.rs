@@ -9,7 +9,7 @@ use super::sky::Sky;
 use super::track::{Chord, SightLine, TrackPoint};
 use super::viewpoint::Viewpoint;
 use crate::frames::{Gcrs, Position, seconds_after};
-use crate::geometry::{Illumination, ObserverState, ViewingGeometry};
+use crate::geometry::{Illumination, ObserverState, ViewingGeometry, ellipsoidal_height_km};
 use crate::math::minimum::minimum;
 use crate::orbit::OrbitUncertainty;
 use crate::photometry::{Brightness, PhotometryOptions};
@@ -58,19 +58,21 @@ impl PassEvaluator<'_> {
     /// Returns the same as [`PassEvaluator::point`], given the state of the site at that time (`None` for an observer
     /// in orbit).
     pub fn point_over(&self, time_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
-        let (_, _, aspect) = self.line.aspect_at(time_s);
+        let (state, _, aspect) = self.line.aspect_at(time_s);
         let (geometry, illumination, brightness) = self.light(time_s)?;
         let brightness = brightness.map(|light| self.widened(time_s, light));
         let horizontal = match here {
             Some(here) => Some(here.altitude_azimuth_rad(&aspect.geometric)?),
             None => None,
         };
+        let orientation = self.scene.orientation.at_s(time_s);
         Some(TrackPoint {
             epoch: seconds_after(self.scene.start, time_s),
             direction: aspect.direction,
             altitude_rad: horizontal.map(|(altitude_rad, _)| altitude_rad),
             azimuth_rad: horizontal.map(|(_, azimuth_rad)| azimuth_rad),
             range_km: aspect.range_km,
+            height_km: ellipsoidal_height_km(&(orientation.itrs_to_gcrs.inverse() * state.position)),
             geometry,
             illumination,
             brightness,

@@ -150,6 +150,8 @@ pub struct TrackPoint {
     pub azimuth_rad: Option<f64>,
     /// Distance from the observer, km.
     pub range_km: f64,
+    /// Height of the satellite above the WGS84 ellipsoid, km.
+    pub height_km: f64,
     /// Geometry of Sun, satellite and observer.
     pub geometry: ViewingGeometry,
     /// Illumination: sunlit, in penumbra with the fraction of sunlight that arrives, or in umbra.

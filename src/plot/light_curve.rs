@@ -40,7 +40,7 @@ pub struct LightCurve<'a> {
     /// Magnitude limit, drawn as a dashed line.
     pub limit_mag: Option<f64>,
     /// Clock of the upper axis; `None` for no upper axis.
-    pub local: Option<LocalClock<'a>>,
+    pub local: Option<LocalClock>,
 }
 
 /// Draws magnitudes against time, with brighter magnitudes higher, and a band of one sigma. Vertical lines with times

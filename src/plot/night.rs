@@ -46,7 +46,7 @@ pub struct NightTimeline<'a> {
     /// drawn. Empty without a site.
     pub sun: &'a [(f64, f64)],
     /// Clock of the upper axis; `None` for no upper axis.
-    pub local: Option<LocalClock<'a>>,
+    pub local: Option<LocalClock>,
 }
 
 /// Draws three panels: at the top the brightest magnitude of each exposure with streaks (brighter is higher); below it

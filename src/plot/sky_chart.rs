@@ -47,7 +47,7 @@ pub struct SkyChart<'a> {
     /// Passes. The brightest are drawn, as many as fit into the list, in the order given.
     pub tracks: &'a [SkyTrack],
     /// Clock of all times; `None` for UTC.
-    pub local: Option<LocalClock<'a>>,
+    pub local: Option<LocalClock>,
 }
 
 /// One pass, with columns of equal length, of two points or more.

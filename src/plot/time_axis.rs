@@ -20,12 +20,12 @@ const LABEL_GAP: f64 = 16.0;
 const FINE_DECIMALS: usize = 1;
 
 /// Clock of the upper axis.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct LocalClock<'a> {
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalClock {
     /// Hours ahead of UTC, -24 to 24.
     pub ahead_of_utc_h: f64,
     /// Name, for example `local mean solar time` or `UTC−4`.
-    pub name: &'a str,
+    pub name: String,
 }
 
 /// Draws the ticks, the labels and the name of the lower side of a box whose x axis is MJD (UTC), days.
@@ -41,7 +41,7 @@ pub(super) fn draw_utc(picture: &mut Picture, frame: &Frame) {
 }
 
 /// Draws the upper side of a box with ticks of another clock; draws nothing if there is none.
-pub(super) fn draw_local(picture: &mut Picture, frame: &Frame, local: Option<&LocalClock<'_>>) {
+pub(super) fn draw_local(picture: &mut Picture, frame: &Frame, local: Option<&LocalClock>) {
     let Some(local) = local else { return };
     let [left, top, right, _] = frame.sides;
     for (mjd, label) in ticks(&frame.x, frame.width(), local.ahead_of_utc_h) {

@@ -324,6 +324,7 @@ mod tests {
             altitude_rad: Some(1.0),
             azimuth_rad: Some(0.0),
             range_km: 559.0,
+            height_km: 550.0,
             geometry: geometry.expect("a geometry"),
             illumination: Illumination::Sunlit,
             brightness: peak_mag.map(|magnitude| Brightness {

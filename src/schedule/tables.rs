@@ -289,8 +289,8 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
         field(Column::real("range_km", "km", 3, "Distance from the observer at mid."), |row| {
             row.pass.mid.range_km.into()
         }),
-        field(Column::real("height_km", "km", 3, "Distance from the Earth's centre at mid less 6378.137 km."), |row| {
-            row.pass.mid.geometry.height_km.into()
+        field(Column::real("height_km", "km", 3, "Height above the WGS84 ellipsoid at mid."), |row| {
+            row.pass.mid.height_km.into()
         }),
         field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle at mid."), |row| {
             row.pass.mid.geometry.phase_angle_rad().to_degrees().into()

@@ -199,6 +199,8 @@ fn verif_documents() {
     let table = done(&[NIGHT, &sky, &["--format", "table", "--utc-offset=-04:00"]]);
     assert_eq!(table.lines().count(), passes.len() + 1);
     assert!(table.lines().next().unwrap().contains("start (local)"));
+    // New York has summer time in August.
+    assert_eq!(table, done(&[NIGHT, &sky, &["--format", "table", "--time-zone", "America/New_York"]]));
     let votable = done(&[NIGHT, &sky, &["--format", "votable"]]);
     assert_eq!(votable.matches("<TR>").count(), passes.len());
     assert!(votable.starts_with("<?xml") && votable.trim_end().ends_with("</VOTABLE>"));
@@ -332,7 +334,10 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
             &["--night", "2024-08-14", "--angle-type", "azel"],
             &["--angle-type is given without a tracking data message", "--format tdm"],
         ),
-        (&["--night", "2024-08-14", "--utc-offset", "CET"], &["invalid value 'CET'", "--utc-offset", "+01:00"]),
+        (
+            &["--night", "2024-08-14", "--utc-offset", "Atlantis"],
+            &["invalid value 'Atlantis'", "--time-zone", "Europe/Madrid", "+01:00"],
+        ),
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
         (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),

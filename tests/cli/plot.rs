@@ -385,7 +385,7 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
     fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not state its exposure"]);
     fails(
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],
-        &["invalid value '30'", "--utc-offset", "from -14:00 to +14:00"],
+        &["invalid value '30'", "--time-zone", "from -14:00 to +14:00"],
     );
     fails(
         &[&["light-curve", "--around", "2h"], EXPOSURE, SKY, FIELD, &["-o", &out]],
@@ -432,7 +432,7 @@ fn verif_tables_of_forecast_are_drawn() {
     let minutes = |text: &String| text.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(text);
     assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
     for (file, offset, clock) in [
-        (&curves, &["--utc-offset", "-04:00"][..], "local time (UTC−4), 2026-08-15"),
+        (&curves, &["--time-zone", "America/New_York"][..], "local time (UTC−4), 2026-08-15"),
         (&json, &[], "local mean solar time, 2026-08-15"),
     ] {
         drawn(&folder, "curve", &[&["light-curve", "--from", file], offset], 0);

@@ -243,7 +243,7 @@ fn errors_at_the_start_are_one_line() {
         (vec!["--bind", address.as_str()], "cannot listen at"),
         (vec!["--bind", "localhost"], "invalid value 'localhost'"),
         (vec!["--bind", "127.0.0.1:0", "--rate", "0"], "invalid value '0'"),
-        (vec!["--bind", "127.0.0.1:0", "--utc-offset", "40"], "allowed: hours ahead of UTC from -14:00 to +14:00"),
+        (vec!["--bind", "127.0.0.1:0", "--utc-offset", "40"], "hours ahead of UTC from -14:00 to +14:00"),
         (vec!["--bind", "127.0.0.1:0", "--schedule", "no-such-file.csv"], "no-such-file.csv"),
     ] {
         let rules: &[&str] = if arguments.contains(&"--schedule") { &[] } else { RULES };

@@ -4,11 +4,15 @@ use std::collections::BTreeSet;
 
 use hifitime::Epoch;
 use streakcast::config::Config;
-use streakcast::frames::{Direction, seconds_after};
-use streakcast::geometry::{Observer, Site, SunTable};
+use streakcast::frames::{Direction, Horizontal, Position, seconds_after};
+use streakcast::geometry::{Observer, Site, SunTable, ellipsoidal_height_km};
 use streakcast::orbit::Propagator;
 use streakcast::passes::{Field, SatelliteTrack, Sky, SnapshotOptions, VisiblePass, VisibleRequest};
 use streakcast::photometry::PhotometryOptions;
+
+/// Largest difference of two heights, km. A satellite moves by 0.03 km while its light travels, and the tables of the
+/// Earth's orientation are exact to millimetres.
+const HEIGHT_KM: f64 = 0.05;
 
 fn dusk() -> Epoch {
     "2026-08-14T23:29:05 UTC".parse().unwrap()
@@ -46,6 +50,15 @@ fn verif_satellites_that_are_up_have_risen_and_not_set() {
     let (found, left_out) = sky.snapshots(at, &[0.0], &options(lowest_rad, true)).unwrap();
     let up: BTreeSet<usize> = found.iter().map(|one| one.element_index).collect();
     assert_eq!(up, risen);
+    // The height above the ellipsoid, from site, altitude, azimuth and range.
+    let site = sky.viewpoint().site().unwrap().site();
+    for one in &found {
+        let point = &one.snapshots[0].point;
+        let seen = Direction::<Horizontal>::from_lon_lat_rad(point.azimuth_rad.unwrap(), point.altitude_rad.unwrap());
+        let line = (site.horizon().inverse() * seen).vector() * point.range_km;
+        let height_km = ellipsoidal_height_km(&Position::from_vector(site.itrs().vector() + line));
+        assert!((height_km - point.height_km).abs() < HEIGHT_KM, "{height_km} {}", point.height_km);
+    }
     assert!(up.len() > 50 && left_out.is_empty(), "{} up", up.len());
     let altitude_rad = |one: &SatelliteTrack| one.snapshots[0].point.altitude_rad.unwrap();
     assert!(found.iter().all(|one| one.snapshots.len() == 1 && altitude_rad(one) >= lowest_rad));

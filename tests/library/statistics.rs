@@ -36,6 +36,7 @@ fn request(site: &Site, date: &str) -> StatisticsRequest {
         exposure_s: 30.0,
         moments: 1,
         spread_s: 0.0,
+        limit_mag: None,
         photometry: PhotometryOptions::default(),
     }
 }
@@ -81,10 +82,18 @@ fn verif_expected_trails_agree_with_crossings() {
 #[test]
 fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
     let site = Site::from_mpc("X05").unwrap();
-    let request = StatisticsRequest { moments: 5, spread_s: 600.0, ..request(&site, "2024-06-21") };
+    let request =
+        StatisticsRequest { moments: 5, spread_s: 600.0, limit_mag: Some(7.0), ..request(&site, "2024-06-21") };
     let sky = sky(&Constellation::by_name("starlink-gen1").unwrap(), site, request.start);
     let (counts, ..) = sky_counts(&sky, &request).unwrap();
     for count in &counts {
+        // The fifth of the magnitudes 3, 4, ... 8.
+        assert!((count.brighter_than_limit - count.brighter_than[4]).abs() < 1e-12);
+        assert!(count.trails_brighter_than_limit <= count.trails);
+        // Trails grow with the angular rate, and bright satellites are the near, fast ones: their share of the trails
+        // is at least their share of the lit satellites, and at most three times as large.
+        let share = count.trails_brighter_than_limit * count.lit / (count.trails * count.brighter_than_limit);
+        assert!(count.brighter_than_limit == 0.0 || (1.0..3.0).contains(&share), "{share} {count:?}");
         assert!(count.brighter_than.windows(2).all(|pair| pair[0] <= pair[1]) && count.brighter_than[5] <= count.lit);
         let higher =
             counts.iter().find(|other| other.epoch == count.epoch && other.min_altitude_rad > count.min_altitude_rad);
@@ -99,6 +108,8 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
             .sum()
     };
     assert!(lit(-12.0) > 2.0 * lit(-24.0), "{} {}", lit(-12.0), lit(-24.0));
+    let refused = StatisticsRequest { limit_mag: Some(f64::NAN), ..request.clone() };
+    assert!(sky_counts(&sky, &refused).unwrap_err().to_string().contains("limit-mag is NaN mag"));
     let refused = StatisticsRequest { field_rad: 0.0, ..request.clone() };
     assert!(sky_counts(&sky, &refused).unwrap_err().to_string().contains("above 0 deg"));
 }

@@ -5,6 +5,7 @@ mod cache;
 mod clock;
 mod failure;
 mod help;
+mod local_time;
 mod notices;
 mod output;
 mod required;

@@ -27,7 +27,7 @@ fn timeline<'a>([start, duration, streaks, magnitude]: &'a [Vec<f64>; 4], sun: &
         brightest_mag: magnitude,
         limit_mag: Some(6.5),
         sun,
-        local: Some(LocalClock { ahead_of_utc_h: -4.0, name: "UTC−4" }),
+        local: Some(LocalClock { ahead_of_utc_h: -4.0, name: "UTC−4".to_owned() }),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::{OutputArguments, reject_camera, utc_offset_h};
+use crate::arguments::{OutputArguments, reject_camera};
 use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
@@ -19,6 +19,7 @@ use streakcast::passes::SkyError;
 use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
+use crate::local_time::{LocalTime, local_time};
 use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
@@ -35,9 +36,9 @@ pub struct ForecastArguments {
     /// Additional file of light curves, one row per point; format by extension (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Local time of the table in hours ahead of UTC, for example +01:00; UTC if omitted
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Output")]
-    pub utc_offset: Option<f64>,
+    /// Local time of the table: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); UTC if omitted
+    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Output")]
+    pub time_zone: Option<LocalTime>,
     /// Alarm in the calendar this long before each pass, for example 5min
     #[arg(long, value_name = "TIME", help_heading = "Output")]
     pub alarm: Option<String>,
@@ -106,7 +107,6 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
-    let offset_s = typed.utc_offset.map(|hours| hours * 3600.0);
     let angles = angles(typed.angle_type.as_deref())?;
     reject_unused(&typed, document)?;
     let notices = begin(&config)?;
@@ -160,14 +160,16 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
         }
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry), &notices)?,
         None => {
-            let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
+            let zone = typed.time_zone.as_ref();
+            let utc_offset_s = |epoch| zone.map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
+            let readable = readable_table(rows(), utc_offset_s);
             let columns = PassColumns {
                 p_brighter: request.max_magnitude.is_some(),
                 more: output.is_json(),
                 samples: output.is_json() && request.samples > 0,
             };
             let passes = pass_table(rows(), columns);
-            let columns = if offset_s.is_some() { BY_LOCAL_TIME } else { BY_UTC };
+            let columns = if zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(
                 &Answer {
                     sections: vec![

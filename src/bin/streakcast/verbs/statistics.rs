@@ -39,6 +39,9 @@ pub struct StatisticsArguments {
     /// Exposure time with its unit
     #[arg(long, value_name = "TIME", default_value = "30s")]
     pub exposure: String,
+    /// Limiting magnitude: also count satellites brighter than this, and their trails
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_mag: Option<f64>,
     /// Number of times over which each count is averaged
     #[arg(long, value_name = "N", default_value_t = 11)]
     pub moments: usize,
@@ -69,6 +72,9 @@ const ON_SCREEN: &[Shown] = &[
     rounded("brighter_than_8", "< 8", 1),
     rounded("trails_per_exposure", "trails", 4),
     rounded("streaked_share", "streaked", 4),
+    rounded("limit_mag", "limit", 1),
+    rounded("brighter_than_limit", "brighter", 1),
+    rounded("trails_brighter_than_limit", "bright trails", 4),
 ];
 
 pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
@@ -119,6 +125,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
                 exposure_s,
                 moments: typed.moments,
                 spread_s,
+                limit_mag: typed.limit_mag,
                 photometry,
             };
             let (counts, missed, without) = sky_counts(&prepared.sky, &request)?;
@@ -152,6 +159,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             "exposure_s": exposure_s,
             "moments": typed.moments,
             "spread_s": spread_s,
+            "limit_mag": typed.limit_mag,
             "first_utc": found.first().map(|(_, request, _)| format_utc(request.start, 0)),
         }),
     );

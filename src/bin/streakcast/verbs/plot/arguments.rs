@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id};
 use streakcast::plot::{FileOptions, PictureSize};
 
-use crate::arguments::utc_offset_h;
+use crate::local_time::{LocalTime, local_time};
 use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
 
 #[derive(Args)]
@@ -90,9 +90,9 @@ pub struct TitleArguments {
 /// Local time of the upper axis.
 #[derive(Args)]
 pub struct ClockArguments {
-    /// Local time in hours ahead of UTC, for example -4 or +05:45; local mean solar time of the site if omitted
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
-    pub utc_offset: Option<f64>,
+    /// Local time: time zone (America/Santiago) or hours ahead of UTC (-4); mean solar time of the site if omitted
+    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Picture (required: -o)")]
+    pub time_zone: Option<LocalTime>,
 }
 
 #[derive(Args)]
@@ -171,9 +171,9 @@ pub struct PlotSkyChartArguments {
     /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
-    /// Local time in hours ahead of UTC, for example -4 or +05:45; UTC if omitted
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
-    pub utc_offset: Option<f64>,
+    /// Local time: time zone (America/Santiago) or hours ahead of UTC (-4); UTC if omitted
+    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Picture (required: -o)")]
+    pub time_zone: Option<LocalTime>,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]

@@ -5,37 +5,40 @@ use streakcast::frames::{EopTable, Orientation};
 use streakcast::geometry::{Observer, Site};
 use streakcast::plot::LocalClock;
 
+use crate::local_time::LocalTime;
+
 /// Interval between two computed positions of the Sun, days. The Sun's altitude changes by at most 1.25° in this time;
 /// linear interpolation is accurate to a few hundredths of a degree.
 const STEP_DAYS: f64 = 5.0 / 1440.0;
 
-/// Local time: offset from UTC, and name on the axis.
-pub struct Clock {
-    ahead_of_utc_h: f64,
-    name: String,
+/// Local time of the upper axis.
+pub enum Clock {
+    /// Local time of a time zone.
+    Zone(LocalTime),
+    /// Mean solar time, hours ahead of UTC.
+    MeanSolar(f64),
 }
 
 impl Clock {
-    /// Returns the local time with a given offset, or else the mean solar time of a site; `None` if neither is given.
-    pub fn new(offset_h: Option<f64>, site: Option<&Site>) -> Option<Self> {
-        match (offset_h, site) {
-            (Some(hours), _) => {
+    /// Returns the local time of the given zone, or else the mean solar time of a site; `None` if neither is given.
+    pub fn new(zone: Option<LocalTime>, site: Option<&Site>) -> Option<Self> {
+        // The mean Sun moves by 15° per hour.
+        let mean_solar = |site: &Site| Self::MeanSolar(site.longitude_rad.to_degrees() / 15.0);
+        zone.map(Self::Zone).or_else(|| site.map(mean_solar))
+    }
+
+    /// Returns the clock for a plot that begins at a time (MJD, UTC).
+    pub fn at(&self, mjd: f64) -> LocalClock {
+        match self {
+            Self::Zone(zone) => {
+                let hours = zone.ahead_of_utc_h(Epoch::from_mjd_utc(mjd));
                 let sign = if hours < 0.0 { '−' } else { '+' };
                 let minutes = (hours.abs() * 60.0).round() as u32;
                 let rest = if minutes.is_multiple_of(60) { String::new() } else { format!(":{:02}", minutes % 60) };
-                Some(Self { ahead_of_utc_h: hours, name: format!("local time (UTC{sign}{}{rest})", minutes / 60) })
+                LocalClock { ahead_of_utc_h: hours, name: format!("local time (UTC{sign}{}{rest})", minutes / 60) }
             }
-            // The mean Sun moves by 15° per hour.
-            (None, Some(site)) => Some(Self {
-                ahead_of_utc_h: site.longitude_rad.to_degrees() / 15.0,
-                name: "local mean solar time".to_owned(),
-            }),
-            (None, None) => None,
+            Self::MeanSolar(hours) => LocalClock { ahead_of_utc_h: *hours, name: "local mean solar time".to_owned() },
         }
-    }
-
-    pub fn local(clock: Option<&Self>) -> Option<LocalClock<'_>> {
-        clock.map(|clock| LocalClock { ahead_of_utc_h: clock.ahead_of_utc_h, name: &clock.name })
     }
 }
 

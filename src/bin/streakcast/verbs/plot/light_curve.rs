@@ -48,7 +48,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
-        let clock = Clock::new(typed.clock.utc_offset, site.or_else(|| columns.site()).as_ref());
+        let clock = Clock::new(typed.clock.time_zone, site.or_else(|| columns.site()).as_ref());
         let picture = if columns.has("in_field") {
             if let Some(id) = typed.norad {
                 bail!(
@@ -63,7 +63,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&picture, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
-    let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
+    let clock = Clock::new(typed.clock.time_zone, site.as_ref());
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;
@@ -184,7 +184,7 @@ fn of_forecast(
         in_field: &[],
         shutter: None,
         limit_mag,
-        local: Clock::local(clock),
+        local: clock.zip(track.time_mjd.first()).map(|(clock, mjd)| clock.at(*mjd)),
     })?;
     Ok(drawn.with_subtitle(&subtitle))
 }
@@ -238,7 +238,7 @@ fn picture(
         in_field: &in_field,
         shutter: stated.get("shutter_utc").and_then(span),
         limit_mag,
-        local: Clock::local(clock),
+        local: clock.zip(time_mjd.first()).map(|(clock, mjd)| clock.at(*mjd)),
     })?;
     Ok(drawn.with_subtitle(&subtitle))
 }

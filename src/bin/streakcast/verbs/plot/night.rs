@@ -51,7 +51,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         notices.warn(&["no site is given, and the table has none: twilight and local time are not drawn; specify --site, --mpc, or --lat and --lon"
             .to_owned()]);
     }
-    let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
+    let clock = Clock::new(typed.clock.time_zone.clone(), site.as_ref());
     let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
     let nights = Nights::of(&columns, longitude_deg)?;
     let night = nights.choose(typed.night.as_deref())?;
@@ -132,7 +132,7 @@ impl Timeline<'_> {
             brightest_mag: &brightest_mag,
             limit_mag: self.limit,
             sun: &sun,
-            local: Clock::local(self.clock),
+            local: self.clock.map(|clock| clock.at(first)),
         })?;
         Ok(drawn.with_subtitle(&subtitle))
     }

@@ -17,7 +17,7 @@ pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
     let target = Target::of_table(&typed.picture)?;
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;
-    let clock = Clock::new(typed.utc_offset, None);
+    let clock = Clock::new(typed.time_zone, None);
     let drawn = picture(&columns, found, clock.as_ref(), typed.title.title.as_deref())?;
     target.write_picture(&drawn, &columns.provenance(), &notices)?;
     Ok(Outcome::Done)
@@ -30,7 +30,8 @@ fn picture(
     title: Option<&str>,
 ) -> anyhow::Result<Picture> {
     let tracks: Vec<SkyTrack> = found.into_iter().map(|curve| curve.track).collect();
-    let local = Clock::local(clock);
+    let first_mjd = tracks.iter().filter_map(|track| track.time_mjd.first()).copied().fold(f64::INFINITY, f64::min);
+    let local = clock.map(|clock| clock.at(first_mjd));
     let subtitle = columns.place_and_time(tracks.iter().flat_map(|track| track.time_mjd.iter().copied()));
     let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("Pass of {}", track.name));

@@ -7,7 +7,7 @@ use clap::Args;
 
 use streakcast::config::{Config, RulesConfig};
 
-use crate::arguments::utc_offset_h;
+use crate::local_time::{LocalTime, local_time};
 
 #[derive(Args)]
 pub struct ServeArguments {
@@ -26,9 +26,9 @@ pub struct ServeArguments {
     /// Rate limit, requests per second from one address, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
     pub rate: u32,
-    /// Local time of the page in hours ahead of UTC, for example +01:00; by the longitude of the site if omitted
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Service")]
-    pub utc_offset: Option<f64>,
+    /// Local time of the page: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); by the longitude of the site if omitted
+    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Service")]
+    pub time_zone: Option<LocalTime>,
     #[command(flatten)]
     pub rules: RulesConfig,
     #[command(flatten)]

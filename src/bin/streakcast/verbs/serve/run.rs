@@ -15,7 +15,7 @@ use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
 use super::router::{App, router};
 use super::server;
-use super::state::{Caveats, ServerState, nights_of, zone_h};
+use super::state::{Caveats, ServerState, nights_of};
 use super::workers::WorkerPool;
 use crate::failure::Outcome;
 use crate::required::Required;
@@ -79,7 +79,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         library: config.model_library()?,
         caveats: Caveats { warnings, left_out_count: report.left_out.len() },
         nights: nights_of(&schedule, &site),
-        utc_offset_h: typed.utc_offset.unwrap_or_else(|| zone_h(&site)),
+        local_time: typed.time_zone,
         flags: report.flags,
         config,
         prepared,

@@ -12,6 +12,7 @@ use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{FlagRequest, Policy, Schedule, Verdict, evening_mjd};
 
 use super::problem::Problem;
+use crate::local_time::LocalTime;
 
 /// Schedule with its verdicts, satellites and site.
 pub struct ServerState {
@@ -30,8 +31,8 @@ pub struct ServerState {
     pub library: ModelLibrary,
     /// Rows of each night, by the MJD of its evening.
     pub nights: BTreeMap<i64, Vec<usize>>,
-    /// Local time minus UTC, hours.
-    pub utc_offset_h: f64,
+    /// Local time of the page; by the longitude of the site if `None`.
+    pub local_time: Option<LocalTime>,
 }
 
 /// Warnings about a response, and number of satellites whose position cannot be computed.
@@ -57,6 +58,13 @@ impl ServerState {
         let mut warnings = self.prepared.warnings_at(first, last);
         warnings.extend(of_left_out.map_err(|error| Problem::new(400, error.to_string()))?);
         Ok(Caveats { warnings, left_out_count: left_out.len() })
+    }
+
+    /// Returns local time minus UTC at a time, hours; by default that of the time zone, in whole hours ahead of UTC, in
+    /// which the Sun culminates closest to noon.
+    pub fn utc_offset_h(&self, epoch: Epoch) -> f64 {
+        let by_longitude = || (self.site.longitude_rad.to_degrees() / 15.0).round();
+        self.local_time.as_ref().map_or_else(by_longitude, |zone| zone.ahead_of_utc_h(epoch))
     }
 
     /// Returns a request for verdicts with this policy.
@@ -88,9 +96,4 @@ pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> 
         first.get_mut().sort_unstable();
     }
     nights
-}
-
-/// Returns the time zone, in whole hours ahead of UTC, in which the Sun culminates closest to noon.
-pub fn zone_h(site: &Site) -> f64 {
-    (site.longitude_rad.to_degrees() / 15.0).round()
 }

@@ -75,7 +75,9 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
     document.value("to_utc", format_utc(to, 0));
-    document.value("utc_offset_h", state.utc_offset_h);
+    // A night with a change of the clocks has the offset of its middle.
+    let middle = seconds_after(from, 0.5 * seconds_between(from, to));
+    document.value("utc_offset_h", state.utc_offset_h(middle));
     document.record("site", &site);
     document.value(
         "field",

@@ -1,0 +1,99 @@
+//! Local time of tables, plots and the page: an offset from UTC, or a time zone of the IANA database.
+
+use hifitime::Epoch;
+use jiff::Timestamp;
+use jiff::tz::{Offset, TimeZone};
+
+/// Largest offset of a local clock from UTC, hours.
+const MAX_UTC_OFFSET_H: f64 = 14.0;
+
+/// Local time with a fixed offset from UTC, or with that of a time zone, which can change in the course of a year.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalTime(TimeZone);
+
+impl LocalTime {
+    /// Returns local time minus UTC at a time, hours.
+    pub fn ahead_of_utc_h(&self, epoch: Epoch) -> f64 {
+        // Saturates for times that jiff does not support (before the year -9999 and after 9999).
+        let second = Timestamp::from_second(epoch.to_unix_seconds().floor() as i64).unwrap_or(Timestamp::MAX);
+        f64::from(self.0.to_offset(second).seconds()) / 3600.0
+    }
+}
+
+/// Parses a time zone by its name in the IANA database (`Europe/Madrid`), or an offset from UTC in hours ahead
+/// (`+01:00`, `-4:30`, `+5`, `5.75`, `Z`). The database is that compiled into the program.
+pub fn local_time(text: &str) -> Result<LocalTime, String> {
+    let hours = if text.eq_ignore_ascii_case("z") { Some(0.0) } else { signed_hours(text) };
+    let zone = match hours {
+        Some(hours) if (-MAX_UTC_OFFSET_H..=MAX_UTC_OFFSET_H).contains(&hours) => {
+            Offset::from_seconds((hours * 3600.0).round() as i32).ok().map(TimeZone::fixed)
+        }
+        Some(_) => None,
+        None => TimeZone::get(text).ok(),
+    };
+    zone.map(LocalTime).ok_or_else(|| {
+        "not a time zone; allowed: a name of the IANA database, for example Europe/Madrid, or hours ahead of UTC from \
+         -14:00 to +14:00, for example +01:00 or -4.5"
+            .to_owned()
+    })
+}
+
+fn signed_hours(text: &str) -> Option<f64> {
+    let (sign, rest) = match (text.strip_prefix('+'), text.strip_prefix(['-', '\u{2212}'])) {
+        (Some(rest), _) => (1.0, rest),
+        (_, Some(rest)) => (-1.0, rest),
+        _ => (1.0, text),
+    };
+    let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "0"));
+    let whole = |text: &str| text.parse::<u8>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
+    if let Some(hours) = whole(hours) {
+        return Some(sign * (f64::from(hours) + f64::from(whole(minutes).filter(|minutes| *minutes < 60)?) / 60.0));
+    }
+    // A number with a decimal point has no minutes part.
+    let is_decimal = rest.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    rest.parse::<f64>().ok().filter(|_| is_decimal).map(|hours| sign * hours)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Local time minus UTC at noon UTC of a date, hours.
+    fn offset_h(text: &str, (year, month, day): (i32, u8, u8)) -> Option<f64> {
+        local_time(text).ok().map(|zone| zone.ahead_of_utc_h(Epoch::from_gregorian_utc_at_noon(year, month, day)))
+    }
+
+    #[test]
+    fn offsets_of_clocks() {
+        for (text, hours) in [
+            ("+01:00", 1.0),
+            ("-4", -4.0),
+            ("5:45", 5.75),
+            ("Z", 0.0),
+            ("-03:30", -3.5),
+            ("+14:00", 14.0),
+            ("-4.5", -4.5),
+        ] {
+            assert_eq!(offset_h(text, (2026, 7, 1)), Some(hours), "{text}");
+        }
+        for text in ["", "+", "+15:00", "+1:60", "1:2:3", "+-1", "1.5:30", "inf", "1e0", "14.1", "Europe", "Atlantis"] {
+            assert!(local_time(text).is_err(), "{text}");
+        }
+    }
+
+    /// The rules of these zones are published by their governments; Chile's summer time is that of the southern
+    /// hemisphere.
+    #[test]
+    fn zones_change_to_summer_time() {
+        for (name, january_h, july_h) in [
+            ("Europe/Madrid", 1.0, 2.0),
+            ("atlantic/canary", 0.0, 1.0),
+            ("America/Santiago", -3.0, -4.0),
+            ("Pacific/Honolulu", -10.0, -10.0),
+            ("Asia/Kathmandu", 5.75, 5.75),
+        ] {
+            assert_eq!(offset_h(name, (2026, 1, 15)), Some(january_h), "{name}");
+            assert_eq!(offset_h(name, (2026, 7, 15)), Some(july_h), "{name}");
+        }
+    }
+}
