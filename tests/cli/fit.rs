@@ -15,7 +15,7 @@ const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
 
 /// Creates a folder with `mmt.csv` (simulated tracks of one shell for known coefficients) and the element file
 /// `fit.csv`.
-fn folder() -> TempDir {
+pub fn folder() -> TempDir {
     let folder = tempdir().expect("a folder");
     let library = ModelLibrary::embedded();
     let mut file = library.get("starlink-v1.5").and_then(|model| model.file().cloned()).expect("a model");
@@ -50,7 +50,7 @@ fn run_words(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }
 
-const FIT: &str = "fit run --photometry mmt.csv --height-km 550 --model starlink-v1.5 --raw-points --no-earthshine";
+pub const FIT: &str = "fit run --photometry mmt.csv --height-km 550 --model starlink-v1.5 --raw-points --no-earthshine";
 
 #[test]
 fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {

@@ -27,6 +27,8 @@ mod inject_detector;
 mod inject_outputs;
 #[cfg(all(feature = "cli", feature = "fits", unix))]
 mod inject_raw;
+#[cfg(unix)]
+mod killed;
 #[cfg(feature = "fit")]
 mod learn;
 mod magnitudes;

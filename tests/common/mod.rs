@@ -8,6 +8,7 @@ pub mod elements;
 #[cfg(all(feature = "fits", unix))]
 pub mod injected;
 pub mod maps;
+pub mod mutated;
 pub mod random;
 #[cfg(feature = "serve")]
 pub mod server;

@@ -2,6 +2,7 @@
 //! tracks with known true values.
 
 use crate::common::agreement::Agreement;
+use crate::common::mutated::Reader;
 use crate::common::simulated_photometry::{Simulation, SimulationOptions, simulate, write_mmt_csv};
 use std::collections::HashMap;
 use std::io::{Cursor, Write};
@@ -74,6 +75,24 @@ fn read(text: &str, options: &PhotometryOptions) -> Result<Records, FitError> {
 fn measured(text: &str, placement: &Placement, selection: &Selection) -> Measurements {
     let records = read(text, &PhotometryOptions::default()).unwrap();
     measure(&mut records.source(), placement, selection).unwrap()
+}
+
+/// See tests/library/mutated_files.rs for the other readers.
+#[test]
+fn mutated_photometry_is_read_or_rejected() {
+    let score = "norad_cat_id,observation_time_utc,apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,\
+        observer_longitude_deg,observer_altitude_m,observing_filter\n46056,2024-01-02 05:03:04.5,6.1,0.1,43.65,41.43,2030,V\n";
+    let pomenis = "observation_time,satellite_height,satellite_altitude,satellite_azimuth,ab_magnitude\n\
+        2022-01-02T05:03:04.5,550.1,45.2,123.4,6.1\n";
+    let slingshot = "sun altitude,sat altitude,sat height,measured_ab,az diff\n-20.1,45.2,550000,6.1,80.5\n";
+    let seeds = [&format!("{HEADER}{GOOD}"), score, pomenis, slingshot].map(|text| text.as_bytes().to_vec());
+    let read = |bytes: &[u8]| {
+        let source = Box::new(Cursor::new(bytes.to_vec()));
+        let records = RecordReader::from_reader("t.csv", source, &PhotometryOptions::default())
+            .and_then(|mut reader| Records::collect(&mut reader));
+        records.map(drop).map_err(|error| error.to_string())
+    };
+    Reader { name: "photometry", seeds: seeds.to_vec(), read: Box::new(read) }.check();
 }
 
 #[test]

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use streakcast::images::{FrameCopy, FrameFile, HduKind, ImageValues, NewImage, Pixels, Rice, write_frame};
 use tempfile::TempDir;
 
+use crate::common::mutated::Reader;
+
 /// Returns the bytes of a compressed frame of 80 by 64 pixels with one row per tile: integers, or floats with noise.
 fn compressed(folder: &TempDir, is_floating: bool) -> Vec<u8> {
     let mut random = crate::common::random::Random(3);
@@ -48,6 +50,22 @@ fn used(path: &Path) -> Result<(), String> {
         copy.finish().map_err(to_text)?;
     }
     Ok(())
+}
+
+/// See tests/library/mutated_files.rs for the other readers.
+#[test]
+fn mutated_frames_are_read_or_rejected() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plain = folder.path().join("plain.fits");
+    let values = ImageValues::new(20, Pixels::I16((0..20 * 10).collect())).expect("rows");
+    write_frame(&plain, &[NewImage { name: "", values: &values, cards: &[], rice: None }]).expect("written");
+    let seeds = vec![compressed(&folder, false), compressed(&folder, true), fs::read(&plain).expect("bytes")];
+    let read = |bytes: &[u8]| {
+        let file = tempfile::NamedTempFile::new().expect("a temporary file");
+        fs::write(file.path(), bytes).expect("written");
+        used(file.path())
+    };
+    Reader { name: "frames", seeds, read: Box::new(read) }.check();
 }
 
 fn refused(folder: &TempDir, bytes: &[u8]) -> String {

@@ -25,6 +25,7 @@ mod maps;
 mod maps_files;
 mod maps_paper;
 mod model_files;
+mod mutated_files;
 mod next_clear_start;
 mod orbit_uncertainty;
 mod overhead;
