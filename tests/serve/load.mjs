@@ -1,12 +1,14 @@
-// Constant load: `node load.mjs URL PID SECONDS [PER_SECOND]` sends requests at this rate over persistent connections.
+// Constant load: `node load.mjs URL PID SECONDS [PER_SECOND]` sends requests at this rate over 200 persistent
+// connections, while other clients send heads slowly, end connections early, send garbage, or name another host.
 // Other responses than 200 and growing memory are errors. Requests rejected by a busy server (503) are sent again,
 // because they depend on the machine.
 
 import { readFileSync } from "node:fs";
 import http from "node:http";
+import net from "node:net";
 
 const [url, pid, seconds, perSecond = "1000"] = process.argv.slice(2);
-const agent = new http.Agent({ keepAlive: true, maxSockets: 64 });
+const agent = new http.Agent({ keepAlive: true, maxSockets: 200 });
 const rate = Number(perSecond);
 const total = Math.round(rate * Number(seconds));
 
@@ -29,6 +31,49 @@ function target(number) {
   if (number % 10 === 5) return "health";
   if (number % 10 === 7) return ["", "main.js", "page.css"][number % 3];
   return `api/v1/exposure?start_utc=2026-08-14T23:29:${String(number % 60).padStart(2, "0")}Z&duration_s=30&ra_deg=198.9&dec_deg=7.7&samples=41&around_s=300`;
+}
+
+/** Number of clients that send one byte of their request in 200 ms, and time between two broken requests, ms. */
+const SLOW_CLIENTS = 20;
+const BROKEN_EVERY_MS = 20;
+const BROKEN = [
+  "GET /health HTTP/1.1\r\nHost: 127",
+  "GET /api/v1/night HTTP/1.1\r\nHost: elsewhere.example\r\n\r\n",
+  "\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03",
+  `GET /${"a".repeat(70000)} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n`,
+  "POST /api/v1/night HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 99999999999\r\n\r\n{",
+];
+let hostile = 0;
+
+/** Starts clients that a server must survive; returns a function that ends them. */
+function startHostileClients() {
+  const { hostname, port } = new URL(url);
+  const connect = () => {
+    const socket = net.connect(Number(port), hostname);
+    hostile += 1;
+    // The server may end the connection at any time.
+    socket.on("error", () => {});
+    return socket;
+  };
+  const slowText = `GET /health HTTP/1.1\r\nHost: ${hostname}\r\n${"X-Slow: 1\r\n".repeat(100)}`;
+  const slow = Array.from({ length: SLOW_CLIENTS }, () => {
+    let socket = connect();
+    let sent = 0;
+    return setInterval(() => {
+      if (socket.destroyed) {
+        socket = connect();
+        sent = 0;
+      }
+      socket.write(slowText[sent % slowText.length]);
+      sent += 1;
+    }, 200);
+  });
+  const broken = setInterval(() => {
+    const socket = connect();
+    socket.write(BROKEN[hostile % BROKEN.length], "latin1");
+    setTimeout(() => socket.destroy(), 5 * BROKEN_EVERY_MS);
+  }, BROKEN_EVERY_MS);
+  return () => [broken, ...slow].forEach(clearInterval);
 }
 
 const statuses = new Map();
@@ -68,6 +113,7 @@ for (let number = 0; number < rate; number += 1) {
 while (open) await until(performance.now() + 20);
 statuses.clear();
 times.length = 0;
+const endHostileClients = startHostileClients();
 const before = memory();
 const began = performance.now();
 let half = 0;
@@ -78,13 +124,17 @@ for (let number = 0; number < total; ) {
   await until(performance.now() + 2);
 }
 while (open) await until(performance.now() + 20);
+endHostileClients();
 const took = (performance.now() - began) / 1e3;
 const after = memory();
 times.sort((a, b) => a - b);
 const quantile = (share) => times[Math.min(times.length - 1, Math.floor(share * times.length))].toFixed(1);
 console.log(`load: ${times.length} responses in ${took.toFixed(1)} s (${(times.length / took).toFixed(0)} per second), statuses ${JSON.stringify(Object.fromEntries(statuses))}`);
+console.log(`load: 200 connections, and ${hostile} of slow and broken clients meanwhile`);
 console.log(`load: median ${quantile(0.5)} ms, 99 % ${quantile(0.99)} ms, longest ${quantile(1)} ms; ${busy} times busy; memory ${before.toFixed(1)} MB, half way ${half.toFixed(1)} MB, at the end ${after.toFixed(1)} MB`);
 if (statuses.size !== 1 || !statuses.has(200)) throw new Error("responses other than 200");
 // The response cache has at most 16 MB.
 if (after - before > 24) throw new Error("memory grows");
 agent.destroy();
+// Slow clients may still be connected.
+process.exit(0);
