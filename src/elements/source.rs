@@ -169,11 +169,18 @@ fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
         .collect()
 }
 
-/// Decompresses gzip, up to `limit` bytes.
+/// Largest size of decompressed text relative to the compressed one. Catalogues expand by a factor of 3 (TLE) to 20
+/// (XML).
+const LARGEST_EXPANSION: u64 = 100;
+/// Decompressed size that is accepted for any expansion, bytes.
+const SMALL: u64 = 1_000_000;
+
+/// Decompresses gzip, up to `limit` bytes and [`LARGEST_EXPANSION`].
 fn unpack<'a>(name: &str, bytes: &'a [u8], limit: u64) -> Result<Cow<'a, [u8]>, ElementsError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
+    let limit = limit.min(SMALL.max(LARGEST_EXPANSION * bytes.len() as u64));
     input::read_at_most(MultiGzDecoder::new(bytes), limit).map(Cow::Owned).map_err(|source| match source.kind() {
         ErrorKind::FileTooLarge => ElementsError::Unreadable { file: name.into(), source },
         _ => ElementsError::BrokenGzip { file: name.into(), source },
@@ -248,7 +255,7 @@ mod tests {
 
     use super::*;
 
-    /// Decompression bomb: a gzip file of 1 kB that expands to 1 MB. One of 2 MB would expand to 2 GB.
+    /// Decompression bombs: gzip files of 1 kB that expand to 1 MB, and of 3 kB that expand to 3 MB.
     #[test]
     fn verif_decompression_is_bounded() {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
@@ -258,5 +265,9 @@ mod tests {
         assert_eq!(unpack("bomb.gz", &bomb, 1_000_000).unwrap().len(), 1_000_000);
         let error = unpack("bomb.gz", &bomb, 999_999).unwrap_err().to_string();
         assert_eq!(error, "cannot read bomb.gz: more than 999999 bytes; allowed: at most 999999");
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(&vec![b' '; 3_000_000]).unwrap();
+        let error = unpack("bomb.gz", &encoder.finish().unwrap(), u64::MAX).unwrap_err().to_string();
+        assert_eq!(error, "cannot read bomb.gz: more than 1000000 bytes; allowed: at most 1000000");
     }
 }

@@ -251,10 +251,20 @@ fn reason(
         percent => format!(", {percent} % of crossing"),
     };
     format!(
-        "{}: {:.0} % chance of being brighter than {than}{limit_mag} ({magnitude:.2} +- {sigma_mag:.2}, {source}{equivalent}){crossing}",
+        "{}: {} % chance of being brighter than {than}{limit_mag} ({magnitude:.2} +- {sigma_mag:.2}, {source}{equivalent}){crossing}",
         pass.norad_id,
-        100.0 * brighter,
+        percent(brighter),
     )
+}
+
+/// Returns a probability as whole per cent; 0 and 100 only for the impossible and the certain.
+fn percent(probability: f64) -> String {
+    match 100.0 * probability {
+        0.0 => "0".to_owned(),
+        percent if percent < 0.5 => "<1".to_owned(),
+        percent if (99.5..100.0).contains(&percent) => ">99".to_owned(),
+        percent => format!("{percent:.0}"),
+    }
 }
 
 /// Returns true for a lit crossing, and for a lit near miss whose probability is at least the `min_probability` of the
@@ -302,6 +312,12 @@ mod tests {
     use crate::orbit::PositionSource;
     use crate::passes::{Chord, TrackPoint};
     use crate::photometry::{Brightness, ErrorDistribution, Magnitude, MagnitudeSource};
+
+    #[test]
+    fn nearly_certain_is_not_certain() {
+        let texts = [0.0, 0.004, 0.006, 0.5, 0.994, 0.996, 1.0 - 1e-12, 1.0].map(percent);
+        assert_eq!(texts, ["0", "<1", "1", "50", "99", ">99", ">99", "100"]);
+    }
 
     fn exposure() -> Exposure {
         Exposure {

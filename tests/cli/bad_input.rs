@@ -55,6 +55,26 @@ fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
+/// CSV on a terminal, which `script` of util-linux provides, has no control characters; CSV in a file has them.
+#[cfg(target_os = "linux")]
+#[test]
+fn control_characters_are_escaped_on_terminals() {
+    let folder = TempDir::new().unwrap();
+    let text = format!("{HEADER}\u{1b}[31mred,2026-08-14T23:30:00Z,30,217,-30\n");
+    let schedule = file(&folder, "night.csv", text.as_bytes());
+    let flags = [flag(&schedule), vec!["--format", "csv", "--quiet"]].concat();
+    let (code, piped, stderr) = run(&[&flags]);
+    assert!(code == 0 && piped.contains("\u{1b}[31mred"), "{stderr}{piped}");
+    let command = format!("{STREAKCAST} {}", flags.join(" "));
+    let Ok(shown) = Process::new("script").args(["--quiet", "--return", "--command", &command, "/dev/null"]).output()
+    else {
+        eprintln!("*** SKIPPED control_characters_are_escaped_on_terminals: no program `script` ***");
+        return;
+    };
+    let shown = String::from_utf8(shown.stdout).unwrap();
+    assert!(shown.contains("\\u{1b}[31mred") && !shown.contains('\u{1b}'), "{shown:?}");
+}
+
 /// A build without Parquet support reports an error, and does not write another format.
 #[cfg(not(feature = "parquet"))]
 #[test]

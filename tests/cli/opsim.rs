@@ -20,6 +20,30 @@ fn real() -> Option<(PathBuf, String)> {
     Some((data.join("schedules/opsim_prenight_2024-08-13_1.db"), elements))
 }
 
+/// Opsim databases have UTC in `observationStartMJD`.
+#[test]
+fn another_time_scale_of_opsim_gives_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "opsim.db");
+    let database = rusqlite::Connection::open(&file).unwrap();
+    database
+        .execute_batch(
+            "CREATE TABLE observations (observationId INTEGER, observationStartMJD REAL, visitExposureTime REAL, \
+             fieldRA REAL, fieldDec REAL, rotSkyPos REAL); INSERT INTO observations VALUES (1, 61266.98, 30, 217, -30, 0);",
+        )
+        .unwrap();
+    drop(database);
+    let warnings = |scale: &str| {
+        let sky = ["--shells", "oneweb", "--mpc", "X05", "--fov", "3.5deg"];
+        let (code, _, stderr) = run(&[&["flag", "--schedule", &file, "--time-scale", scale], &sky]);
+        assert_eq!(code, 0, "{stderr}");
+        stderr
+    };
+    let warning = "warning: opsim databases have observationStartMJD in UTC, but it is read as TAI";
+    assert!(warnings("tai").contains(warning), "{}", warnings("tai"));
+    assert!(!warnings("utc").contains("opsim databases"), "{}", warnings("utc"));
+}
+
 #[test]
 fn rubins_night_is_flagged() {
     let Some((schedule, elements)) = real() else { return };
