@@ -8,7 +8,8 @@ import threading
 import time as clock
 import weakref
 from collections import Counter
-from typing import Any, Union
+from collections.abc import Iterable
+from typing import Union
 
 from ._mailbox import Mailbox
 from .model import StreakModel
@@ -60,7 +61,7 @@ class HookState:
         return None if reading or self.retry_at_s < math.inf else self.seen
 
 
-def signature(files: dict[str, Any]) -> Signature:
+def signature(files: Iterable[str]) -> Signature:
     """Returns the current signature of the files."""
     found: Signature = {}
     for path in files:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from ._quantities import FloatArray
+from .typing import FloatArray, FloatOrArray, Table, TimeResult
 
 #: Verdicts in the order of their codes.
 VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
@@ -31,33 +31,33 @@ class Assessment(NamedTuple):
 
     #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
     #: horizon).
-    verdict: Any
+    verdict: Union[str, npt.NDArray[np.str_]]
     #: Whether a lit satellite crosses the field.
-    crosses: Any
+    crosses: Union[bool, npt.NDArray[np.bool_]]
     #: Number of lit satellites that cross the field.
-    n_streaks: Any
+    n_streaks: Union[int, npt.NDArray[np.int64]]
     #: Brightest magnitude of these satellites inside the field; NaN if there are none.
-    brightest_mag: Any
+    brightest_mag: FloatOrArray
     #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.
-    lost_fraction: Any
+    lost_fraction: FloatOrArray
     #: Probability that at least one lit satellite crosses and is brighter than a limit of the policy, given the errors
     #: of element sets and magnitudes; equal to ``p_crossing`` without a limit; NaN where invalid.
-    p_any: Any
+    p_any: FloatOrArray
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
-    streak_length_deg: Any
+    streak_length_deg: FloatOrArray
     #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
     #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
-    p_any_is_lower_limit: Any = False
+    p_any_is_lower_limit: Union[bool, npt.NDArray[np.bool_]] = False
     #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
-    p_crossing: Any = float("nan")
+    p_crossing: FloatOrArray = float("nan")
 
     @property
-    def avoid(self) -> Any:
+    def avoid(self) -> Union[bool, npt.NDArray[np.bool_]]:
         """Whether a limit of the policy is exceeded."""
         return self.verdict == "avoid"
 
     @property
-    def clear(self) -> Any:
+    def clear(self) -> Union[bool, npt.NDArray[np.bool_]]:
         """Whether no lit satellite crosses."""
         return self.verdict == "clear"
 
@@ -68,9 +68,9 @@ class ClearWindows(NamedTuple):
     #: Flat index of the target.
     target: npt.NDArray[np.int64]
     #: First clear start: `astropy.time.Time` if astropy is installed, otherwise ``datetime64[ns]``, UTC.
-    first_start: Any
+    first_start: TimeResult
     #: Last clear start.
-    last_start: Any
+    last_start: TimeResult
     #: Time from the first to the last start, seconds.
     length_s: FloatArray
 
@@ -103,9 +103,9 @@ class Forecast(NamedTuple):
     #: One row per pass, sorted by the start of visibility: ``night`` (row of ``nights``), rise, culmination and set,
     #: shadow entry and exit, visible part (``begin``, ``highest``, ``end`` and why it begins and ends), peak magnitude
     #: with sigma, source, position and range, age of the element set, and ``samples`` if requested.
-    passes: Any
+    passes: Table
     #: One row per night: hours of darkness, lowest Sun altitude, number of omitted passes by reason, and ``why_empty``.
-    nights: Any
+    nights: Table
 
 
 class Identification(NamedTuple):
@@ -113,9 +113,9 @@ class Identification(NamedTuple):
 
     #: One row per candidate, in order of decreasing probability: along-track and cross-track offsets with sigmas,
     #: angle, length, chi square, probability, position, magnitude, age of the element set.
-    candidates: Any
+    candidates: Table
     #: Measured streak, one row.
-    streak: Any
+    streak: Table
     #: Number of candidates, including those that are not listed.
     n_candidates: int
     #: Probability that the streak is of a satellite that is missing in the element sets.

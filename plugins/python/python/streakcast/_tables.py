@@ -3,66 +3,94 @@
 from __future__ import annotations
 
 import importlib.util
-from typing import Any, Union
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Union, get_args
 
 import numpy as np
+import numpy.typing as npt
 
-#: `QTable` if astropy is installed, otherwise a dictionary of arrays.
-TableLike = Any
+from .typing import FloatArray, Json, Output, Table
+
+if TYPE_CHECKING:
+    from astropy.table import QTable
+    from astropy.time import Time
+
+    from ._core import Column
+
+# Formats of printed columns, as on the command line. They do not change the values, and are also valid for tables that
+# are read from a file. Numbers of other units are probabilities, fractions and counts.
+_NUMBER_FORMATS = {
+    "arcsec": ".2f",
+    "d": ".2f",
+    "deg": ".4f",
+    "deg / s": ".4f",
+    "h": ".2f",
+    "km": ".1f",
+    "km / s": ".3f",
+    "mag": ".2f",
+    "mag / arcsec2": ".2f",
+    "pix": ".2f",
+    "s": ".3f",
+}
+#: Format of other numbers.
+_NUMBER_FORMAT = ".4g"
+#: Times to the millisecond (23 characters).
+_TIME_FORMAT = "{!s:.23}"
+#: Lists of points and of reasons, shortened to some characters.
+_LIST_FORMAT = "{!s:.40}"
 
 
 def is_qtable(output: str) -> bool:
     """Returns True if results with this setting are a `QTable`."""
-    if output not in ("auto", "qtable", "dict"):
-        raise ValueError(f"output is '{output}'; allowed: auto, qtable, dict")
+    if output not in get_args(Output):
+        raise ValueError(f"output is '{output}'; allowed: {', '.join(get_args(Output))}")
     return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
 
 
-def table_of(columns: list[dict[str, Any]], output: str, meta: Union[dict[str, Any], None] = None) -> TableLike:
+def table_of(columns: "Sequence[Column]", output: str, meta: Union[Mapping[str, Json], None] = None) -> Table:
     """Returns the columns in the requested form."""
     if is_qtable(output):
         return _qtable(columns, meta or {})
     return {column["name"]: _array(column) for column in columns}
 
 
-def _array(column: dict[str, Any]) -> Any:
-    kind = column["kind"]
-    if kind == "time":
+def _array(column: "Column") -> npt.NDArray[Any]:
+    if column["kind"] == "time":
         return column["utc_ns"].view("datetime64[ns]")
-    if kind == "text":
+    if column["kind"] == "text":
         return np.array(column["values"], dtype=np.str_)
-    if kind == "list":
-        return column["values"]
-    if kind in ("integer", "boolean") and column["missing"].any():
+    if column["kind"] == "list":
+        cells = np.empty(len(column["values"]), dtype=object)
+        cells[:] = column["values"]
+        return cells
+    if column["kind"] != "real" and column["missing"].any():
         return np.ma.MaskedArray(column["values"], mask=column["missing"])
     return column["values"]
 
 
-def _qtable(columns: list[dict[str, Any]], meta: dict[str, Any]) -> Any:
+def _qtable(columns: "Sequence[Column]", meta: Mapping[str, Json]) -> "QTable":
     from astropy.table import Column, MaskedColumn, QTable
     from astropy.units import Quantity
 
-    table = QTable(meta=meta)
+    table = QTable(meta=dict(meta))
     for column in columns:
-        name, kind = column["name"], column["kind"]
-        cells: Any
-        if kind == "time":
-            cells = time_of(column["jd1"], column["jd2"])
-        elif kind == "real" and column["unit"]:
-            cells = Quantity(column["values"], column["unit"], copy=False)
-        elif kind == "list":
-            cells = np.empty(len(column["values"]), dtype=object)
-            cells[:] = column["values"]
-            cells = Column(cells)
+        name, style = column["name"], None
+        if column["kind"] == "time":
+            table[name] = time_of(column["jd1"], column["jd2"])
+            style = _TIME_FORMAT
+        elif column["kind"] == "real" and column["unit"]:
+            table[name] = Quantity(column["values"], column["unit"], copy=False)
+            style = _NUMBER_FORMATS.get(column["unit"], _NUMBER_FORMAT)
         else:
             array = _array(column)
-            cells = MaskedColumn(array) if isinstance(array, np.ma.MaskedArray) else Column(array)
-        table[name] = cells
+            table[name] = MaskedColumn(array) if isinstance(array, np.ma.MaskedArray) else Column(array)
+            style = {"real": _NUMBER_FORMAT, "list": _LIST_FORMAT}.get(column["kind"])
         table[name].info.description = column["description"]
+        table[name].info.format = style
     return table
 
 
-def time_of(jd1: Any, jd2: Any) -> Any:
+def time_of(jd1: FloatArray, jd2: FloatArray) -> "Time":
     """Returns an astropy `Time`, UTC, for two-part Julian dates, TAI. NaN values are masked."""
     from astropy.time import Time
 
@@ -76,7 +104,7 @@ def time_of(jd1: Any, jd2: Any) -> Any:
     return time
 
 
-def _utc(time: Any) -> Any:
+def _utc(time: "Time") -> "Time":
     utc = time.utc
     utc.format = "isot"
     utc.precision = 6

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import datetime
 import sys
-from typing import Any, NamedTuple, Union
+from typing import NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-
-FloatArray = npt.NDArray[np.float64]
-#: An `astropy.time.Time`, an ISO 8601 string, an aware `datetime`, or, with a given scale, numbers (MJD) and
-#: `numpy.datetime64`.
-TimeLike = Any
+from .typing import FloatArray, TimeLike
 
 _ALLOWED = (
     "allowed: an astropy Time, a string that ends in Z, an aware datetime, or numbers (MJD) with "
@@ -42,10 +38,10 @@ def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tupl
     if isinstance(value, TwoPartTai):
         return value.jd1, value.jd2
     if is_time(value):
-        if np.any(getattr(value, "mask", False)):
-            index = int(np.flatnonzero(np.ravel(value.mask))[0])
-            raise ValueError(f"{what}[{index}] is masked; allowed: unmasked times")
-        tai = value.tai
+        masked = np.flatnonzero(getattr(value, "mask", False))
+        if masked.size:
+            raise ValueError(f"{what}[{masked[0]}] is masked; allowed: unmasked times")
+        tai = getattr(value, "tai")
         return np.asarray(tai.jd1, dtype=np.float64), np.asarray(tai.jd2, dtype=np.float64)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return _from_mjd(np.asarray(value, dtype=np.float64), scale, what)
@@ -83,7 +79,7 @@ def _from_mjd(array: FloatArray, scale: Union[str, None], what: str) -> tuple[Fl
     return jd1.reshape(array.shape), jd2.reshape(array.shape)
 
 
-def _from_text(array: npt.NDArray[Any], scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+def _from_text(array: npt.NDArray[np.str_], scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
     texts = array.ravel().tolist()
     if scale is None:
         for index, text in enumerate(texts):

@@ -3,14 +3,34 @@
 from __future__ import annotations
 
 import json
-import os
-from typing import Any, Union
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal, Union
 
 from ._results import Assessment, ClearWindows, Site
 from ._injection import Injected, inject
 from ._exposure_queries import ExposureQueries
 from ._setup import absolute, document
-from ._times import TimeLike, to_tai
+from ._state import State
+from ._times import to_tai
+from .typing import (
+    FloatLike,
+    HeaderLike,
+    InjectionOptions,
+    Json,
+    LimitLike,
+    ModelLike,
+    ModelOptions,
+    Options,
+    PathLike,
+    Pixels,
+    SiteLike,
+    TimeLike,
+)
+
+if TYPE_CHECKING:
+    from astropy.coordinates import EarthLocation
+    from astropy.units import Quantity
+    from typing_extensions import Unpack
 
 __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 
@@ -83,26 +103,26 @@ class StreakModel(ExposureQueries):
 
     def __init__(
         self,
-        site: Any = None,
+        site: Union[SiteLike, None] = None,
         *,
-        elements: Any = None,
-        shells: Any = None,
-        telescope: Any = None,
-        fov: Any = None,
-        field: Any = None,
-        model: Any = None,
-        models: Any = None,
-        limit_mag: Any = None,
-        policy: Any = None,
+        elements: Union[PathLike, Sequence[PathLike], None] = None,
+        shells: Union[PathLike, Sequence[PathLike], None] = None,
+        telescope: Union[PathLike, Options, None] = None,
+        fov: Union[str, Quantity, None] = None,
+        field: Union[PathLike, Options, None] = None,
+        model: Union[ModelLike, None] = None,
+        models: Union[Options, None] = None,
+        limit_mag: Union[LimitLike, None] = None,
+        policy: Union[PathLike, Options, None] = None,
         mjd_scale: Union[str, None] = None,
         epoch: Union[TimeLike, None] = None,
-        config: Union[str, "os.PathLike[str]", None] = None,
-        on_changed_file: str = "error",
-        **more: Any,
+        config: Union[PathLike, None] = None,
+        on_changed_file: Literal["error", "warn"] = "error",
+        **more: Unpack[ModelOptions],
     ) -> None:
         if on_changed_file not in ("error", "warn"):
             raise ValueError(f"on_changed_file is '{on_changed_file}'; allowed: error, warn")
-        given = dict(
+        given: dict[str, object] = dict(
             site=site, elements=elements, shells=shells, telescope=telescope, fov=fov, field=field, model=model,
             models=models, limit_mag=limit_mag, policy=policy, mjd_scale=mjd_scale, **more,
         )  # fmt: skip
@@ -112,7 +132,7 @@ class StreakModel(ExposureQueries):
             if jd1.shape != ():
                 raise ValueError(f"epoch has the shape {jd1.shape}; allowed: one time")
             epoch_tai = (float(jd1), float(jd2))
-        state = {
+        state: State = {
             "setup": document(given),
             "config": None if config is None else absolute(config),
             "epoch": epoch_tai,
@@ -131,7 +151,7 @@ class StreakModel(ExposureQueries):
         return None if site is None else Site(*site)
 
     @property
-    def location(self) -> Any:
+    def location(self) -> Union[EarthLocation, None]:
         """Site as an `astropy.coordinates.EarthLocation`; `None` for a telescope in orbit."""
         from astropy.coordinates import EarthLocation
 
@@ -183,7 +203,7 @@ class StreakModel(ExposureQueries):
         """
         return self._open()[0].night(*self._moment(time, scale))
 
-    def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Any]:
+    def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Json]:
         """Returns the provenance of a night: files with hashes and epochs, site, models, Earth orientation.
 
         Parameters
@@ -198,18 +218,18 @@ class StreakModel(ExposureQueries):
         dict
         """
         record = json.loads(self._open()[0].provenance(*self._moment(time, scale)))
-        provenance: dict[str, Any] = record.pop("provenance")
+        provenance: dict[str, Json] = record.pop("provenance")
         return {**provenance, **record}
 
     def inject(
         self,
-        frame: Any,
-        output: Union[str, "os.PathLike[str]", None] = None,
+        frame: Union[PathLike, Pixels],
+        output: Union[PathLike, None] = None,
         *,
-        header: Any = None,
+        header: Union[HeaderLike, None] = None,
         start: Union[TimeLike, None] = None,
-        exposure: Any = None,
-        **options: Any,
+        exposure: Union[FloatLike, None] = None,
+        **options: Unpack[InjectionOptions],
     ) -> Injected:
         """Adds the streaks of the satellites to a frame.
 
