@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Union, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -42,8 +42,8 @@ class ExposureQueries(SiteQueries):
         exposure: FloatArrayLike,
         *,
         rotation: FloatArrayLike = 0.0,
-        band: Union[TextLike, None] = None,
-        scale: Union[str, None] = None,
+        band: TextLike | None = None,
+        scale: str | None = None,
     ) -> Assessment:
         """Returns verdicts as arrays of numbers, which is the fastest method, for one visit or a million exposures.
 
@@ -101,8 +101,8 @@ class ExposureQueries(SiteQueries):
         exposure: FloatArrayLike,
         *,
         rotation: FloatArrayLike = 0.0,
-        band: Union[TextLike, None] = None,
-        scale: Union[str, None] = None,
+        band: TextLike | None = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> Table:
         """Returns verdicts with reasons and the next clear start, as printed by ``streakcast flag``.
@@ -135,7 +135,7 @@ class ExposureQueries(SiteQueries):
         exposure: FloatArrayLike,
         *,
         rotation: FloatArrayLike = 0.0,
-        scale: Union[str, None] = None,
+        scale: str | None = None,
     ) -> FloatOrArray:
         """Returns the delay of each exposure until no satellite that the policy's ``blocking`` selects crosses its field.
 
@@ -167,8 +167,8 @@ class ExposureQueries(SiteQueries):
         rotation: FloatArrayLike = 0.0,
         include_dark: bool = False,
         samples: int = 0,
-        limit_mag: Union[FloatArrayLike, None] = None,
-        scale: Union[str, None] = None,
+        limit_mag: FloatArrayLike | None = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> Table:
         """Returns all satellites that cross the field during each exposure, as printed by ``streakcast passes``.
@@ -210,10 +210,10 @@ class ExposureQueries(SiteQueries):
         *,
         min_altitude: FloatLike = 0.0,
         rotation: FloatArrayLike = 0.0,
-        band: Union[TextLike, None] = None,
-        blocking: Union[str, None] = None,
-        max_sun_altitude: Union[FloatLike, None] = None,
-        scale: Union[str, None] = None,
+        band: TextLike | None = None,
+        blocking: str | None = None,
+        max_sun_altitude: FloatLike | None = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> ClearWindows:
         """Returns the intervals in which an exposure of a target can start and is clear until it ends.
@@ -275,7 +275,7 @@ class ExposureQueries(SiteQueries):
         mjds: TimeLike,
         visit_time: FloatArrayLike,
         *,
-        scale: Union[str, None] = None,
+        scale: str | None = None,
     ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
         """Returns length and number of streaks per pointing, like the satellite constellations of rubin_sim.
 
@@ -303,7 +303,7 @@ class ExposureQueries(SiteQueries):
         return np.nan_to_num(np.atleast_1d(answer.streak_length_deg)), np.atleast_1d(answer.n_streaks)
 
     def _exposure_columns(
-        self, target: TargetLike, start: TimeLike, exposure: FloatArrayLike, rotation: FloatArrayLike, band: Union[TextLike, None], scale: Union[str, None]
+        self, target: TargetLike, start: TimeLike, exposure: FloatArrayLike, rotation: FloatArrayLike, band: TextLike | None, scale: str | None
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
         jd1, jd2 = to_tai(start, self._scale(scale), "start")

@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Union
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -42,13 +42,13 @@ class Injected(NamedTuple):
     """Result of an injection."""
 
     #: File that was written; `None` for an array.
-    path: Union[Path, None]
+    path: Path | None
     #: Image with streaks, in the data type of the input; `None` for a file.
-    image: Union[Pixels, None]
+    image: Pixels | None
     #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file.
-    added: Union[npt.NDArray[Union[np.float32, np.float64]], None]
+    added: npt.NDArray[np.float32 | np.float64] | None
     #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, whose masks are extensions.
-    mask: Union[npt.NDArray[np.int32], None]
+    mask: npt.NDArray[np.int32] | None
     #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` where light was added.
     mask_planes: dict[str, int]
     #: One row per streak and chip: ends in pixels and on the sky, magnitude, length, width, counts.
@@ -62,34 +62,34 @@ class Injected(NamedTuple):
 
 
 def inject(
-    frame: Union[PathLike, Pixels],
-    output: Union[PathLike, None] = None,
+    frame: PathLike | Pixels,
+    output: PathLike | None = None,
     *,
-    model: "Union[StreakModel, None]" = None,
-    header: Union[HeaderLike, None] = None,
-    start: Union[TimeLike, None] = None,
-    exposure: Union[FloatLike, None] = None,
-    scale: Union[str, None] = None,
-    random_streaks: Union[int, None] = None,
-    streak_density: Union[FloatLike, None] = None,
-    magnitude: Union[FloatArrayLike, None] = None,
-    streak_rate_deg_s: Union[FloatArrayLike, None] = None,
-    telescope: Union[PathLike, Options, None] = None,
-    band: Union[str, None] = None,
-    seeing: Union[str, Quantity, None] = None,
+    model: StreakModel | None = None,
+    header: HeaderLike | None = None,
+    start: TimeLike | None = None,
+    exposure: FloatLike | None = None,
+    scale: str | None = None,
+    random_streaks: int | None = None,
+    streak_density: FloatLike | None = None,
+    magnitude: FloatArrayLike | None = None,
+    streak_rate_deg_s: FloatArrayLike | None = None,
+    telescope: PathLike | Options | None = None,
+    band: str | None = None,
+    seeing: str | Quantity | None = None,
     psf: str = "moffat",
-    zero_point: Union[FloatLike, None] = None,
-    zero_point_1s: Union[FloatLike, None] = None,
-    gain: Union[FloatLike, None] = None,
-    detector: Union[PathLike, None] = None,
+    zero_point: FloatLike | None = None,
+    zero_point_1s: FloatLike | None = None,
+    gain: FloatLike | None = None,
+    detector: PathLike | None = None,
     noise: bool = True,
     seed: int = 0,
-    hdu: Union[WholeLike, None] = None,
-    pixel_scale: Union[str, Quantity, None] = None,
-    track_rate: Union[FloatArrayLike, Sequence[FloatLike], None] = None,
-    tumbling: Union[FloatArrayLike, Sequence[FloatLike], None] = None,
-    glints: Sequence[Union[FloatArrayLike, Sequence[FloatLike]]] = (),
-    light_curve: Union[PathLike, None] = None,
+    hdu: WholeLike | None = None,
+    pixel_scale: str | Quantity | None = None,
+    track_rate: FloatArrayLike | Sequence[FloatLike] | None = None,
+    tumbling: FloatArrayLike | Sequence[FloatLike] | None = None,
+    glints: Sequence[FloatArrayLike | Sequence[FloatLike]] = (),
+    light_curve: PathLike | None = None,
     resolve_panels: bool = False,
     truth_points: int = 11,
     mask_bits: str = "lsst",
@@ -268,10 +268,10 @@ def inject(
     )
 
 
-def _difference(after: Pixels, before: Pixels) -> npt.NDArray[Union[np.float32, np.float64]]:
+def _difference(after: Pixels, before: Pixels) -> npt.NDArray[np.float32 | np.float64]:
     """Returns the difference of two images, which is exact also for unsigned integers."""
     wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
-    difference: npt.NDArray[Union[np.float32, np.float64]] = np.subtract(after, before, dtype=wide)
+    difference: npt.NDArray[np.float32 | np.float64] = np.subtract(after, before, dtype=wide)
     return difference
 
 
@@ -279,7 +279,7 @@ def _without_none(options: Mapping[str, Json]) -> dict[str, Json]:
     return {key: value for key, value in options.items() if value is not None}
 
 
-def _scalar(value: object, unit: str, what: str) -> Union[float, None]:
+def _scalar(value: object, unit: str, what: str) -> float | None:
     return None if value is None else scalar(value, unit, what)
 
 
@@ -288,20 +288,21 @@ def _numbers(value: object, unit: str, what: str) -> list[Json]:
     return [] if value is None else [float(one) for one in np.ravel(number(value, unit, what))]
 
 
-def _mixed(values: object, units: tuple[str, ...], what: str) -> list[Json]:
+def _mixed(values: FloatArrayLike | Sequence[FloatLike] | None, units: tuple[str, ...], what: str) -> list[Json]:
     """Returns numbers of different units as a list; empty for `None`. Their count is checked by the library."""
-    if not isinstance(values, (list, tuple)):
-        return _numbers(values, "", what)
+    if values is None:
+        return []
+    items = values if isinstance(values, (list, tuple)) else list(np.asanyarray(values).reshape(-1))
     # Superfluous numbers are passed on without a unit.
-    units += ("",) * (len(values) - len(units))
-    return [scalar(one, unit, f"{what}[{index}]") for index, (one, unit) in enumerate(zip(values, units))]
+    units += ("",) * (len(items) - len(units))
+    return [scalar(one, unit, f"{what}[{index}]") for index, (one, unit) in enumerate(zip(items, units))]
 
 
-def _integers(value: Union[WholeLike, None]) -> list[Json]:
+def _integers(value: WholeLike | None) -> list[Json]:
     return [] if value is None else [int(one) for one in np.ravel(value)]
 
 
-def _angle(value: object, what: str) -> Union[str, None]:
+def _angle(value: object, what: str) -> str | None:
     """Returns an angle as a string with its unit."""
     if value is None or isinstance(value, str):
         return value
@@ -310,14 +311,14 @@ def _angle(value: object, what: str) -> Union[str, None]:
     raise TypeError(f"{what} is {type(value).__name__}; allowed: a string with a unit (\"1.2arcsec\"), or a Quantity")
 
 
-def _moment(value: TimeLike, scale: Union[str, None]) -> str:
+def _moment(value: TimeLike, scale: str | None) -> str:
     jd1, jd2 = to_tai(value, scale, "start")
     if np.shape(jd1) != ():
         raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one time")
     return _core.utc_text(float(jd1), float(jd2))
 
 
-def _header_text(header: object) -> Union[str, None]:
+def _header_text(header: object) -> str | None:
     """Returns the header as text, one card per line."""
     if header is None or isinstance(header, str):
         return header

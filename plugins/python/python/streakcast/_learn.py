@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Union
 
 import numpy as np
 
@@ -22,10 +21,10 @@ def learn(
     predicted: FloatArrayLike,
     *,
     kind: str,
-    sigma: Union[FloatArrayLike, None] = None,
-    model: Union[ModelLike, None] = None,
-    scale: Union[str, None] = None,
-    output: Union[PathLike, None] = None,
+    sigma: FloatArrayLike | None = None,
+    model: ModelLike | None = None,
+    scale: str | None = None,
+    output: PathLike | None = None,
 ) -> dict[str, Json]:
     """Learns the offsets of satellites of one kind from their brightness model.
 

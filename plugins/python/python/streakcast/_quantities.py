@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +32,7 @@ def is_quantity(value: object) -> bool:
     return is_of("astropy.units", "Quantity", value)
 
 
-def aligned(array: "npt.NDArray[Scalar]", dtype: Union[np.dtype[Scalar], None] = None) -> "npt.NDArray[Scalar]":
+def aligned(array: "npt.NDArray[Scalar]", dtype: np.dtype[Scalar] | None = None) -> "npt.NDArray[Scalar]":
     """Returns the array; copied only if it is not contiguous or not aligned (as after transfer by Dask)."""
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 

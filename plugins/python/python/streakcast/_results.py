@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -31,11 +31,11 @@ class Assessment(NamedTuple):
 
     #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
     #: horizon).
-    verdict: Union[str, npt.NDArray[np.str_]]
+    verdict: str | npt.NDArray[np.str_]
     #: Whether a lit satellite crosses the field.
-    crosses: Union[bool, npt.NDArray[np.bool_]]
+    crosses: bool | npt.NDArray[np.bool_]
     #: Number of lit satellites that cross the field.
-    n_streaks: Union[int, npt.NDArray[np.int64]]
+    n_streaks: int | npt.NDArray[np.int64]
     #: Brightest magnitude of these satellites inside the field; NaN if there are none.
     brightest_mag: FloatOrArray
     #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.
@@ -47,17 +47,17 @@ class Assessment(NamedTuple):
     streak_length_deg: FloatOrArray
     #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
     #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
-    p_any_is_lower_limit: Union[bool, npt.NDArray[np.bool_]] = False
+    p_any_is_lower_limit: bool | npt.NDArray[np.bool_] = False
     #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
     p_crossing: FloatOrArray = float("nan")
 
     @property
-    def avoid(self) -> Union[bool, npt.NDArray[np.bool_]]:
+    def avoid(self) -> bool | npt.NDArray[np.bool_]:
         """Whether a limit of the policy is exceeded."""
         return self.verdict == "avoid"
 
     @property
-    def clear(self) -> Union[bool, npt.NDArray[np.bool_]]:
+    def clear(self) -> bool | npt.NDArray[np.bool_]:
         """Whether no lit satellite crosses."""
         return self.verdict == "clear"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import operator
 from collections.abc import Iterable
-from typing import SupportsIndex, Union
+from typing import SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -38,20 +38,20 @@ class SiteQueries(ModelState):
 
     def forecast(
         self,
-        night: Union[NightLike, None] = None,
+        night: NightLike | None = None,
         *,
-        start: Union[TimeLike, None] = None,
-        end: Union[TimeLike, None] = None,
-        max_mag: Union[FloatLike, None] = None,
+        start: TimeLike | None = None,
+        end: TimeLike | None = None,
+        max_mag: FloatLike | None = None,
         min_altitude: FloatLike = 10.0,
         min_culmination: FloatLike = 0.0,
-        max_sun_altitude: Union[FloatLike, None] = -6.0,
-        generation: Union[TextLike, None] = None,
-        name: Union[TextLike, None] = None,
-        norad: Union[WholeLike, None] = None,
+        max_sun_altitude: FloatLike | None = -6.0,
+        generation: TextLike | None = None,
+        name: TextLike | None = None,
+        norad: WholeLike | None = None,
         include_dark: bool = False,
         samples: int = 0,
-        scale: Union[str, None] = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> Forecast:
         """Returns the visible passes of one or several nights, as printed by ``streakcast forecast``.
@@ -136,7 +136,7 @@ class SiteQueries(ModelState):
         *,
         min_altitude: FloatLike = 10.0,
         lit_only: bool = True,
-        scale: Union[str, None] = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> Table:
         """Returns the passes of `forecast` between two times, by day and by night; kept for compatibility.
@@ -168,7 +168,7 @@ class SiteQueries(ModelState):
         include_dark: bool = False,
         light: bool = True,
         limit_mag: FloatArrayLike = (),
-        scale: Union[str, None] = None,
+        scale: str | None = None,
     ) -> Overhead:
         """Returns all satellites above the site at one or several times, for example for sky maps.
 
@@ -220,11 +220,11 @@ class SiteQueries(ModelState):
         self,
         times: TimeLike,
         *,
-        norad: Union[WholeLike, None] = None,
-        name: Union[TextLike, None] = None,
-        generation: Union[TextLike, None] = None,
-        min_altitude: Union[FloatLike, None] = None,
-        scale: Union[str, None] = None,
+        norad: WholeLike | None = None,
+        name: TextLike | None = None,
+        generation: TextLike | None = None,
+        min_altitude: FloatLike | None = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> Table:
         """Returns the positions of satellites at given times, as printed by ``streakcast ephemeris``.
@@ -286,26 +286,26 @@ class SiteQueries(ModelState):
 
     def identify(
         self,
-        ends: Union[EndsLike, None] = None,
-        times: Union[TimeLike, None] = None,
+        ends: EndsLike | None = None,
+        times: TimeLike | None = None,
         *,
-        place: Union[TargetLike, None] = None,
-        position_angle: Union[FloatLike, None] = None,
-        length: Union[FloatLike, None] = None,
-        frame: Union[PathLike, None] = None,
-        pixels: Union[npt.ArrayLike, None] = None,
+        place: TargetLike | None = None,
+        position_angle: FloatLike | None = None,
+        length: FloatLike | None = None,
+        frame: PathLike | None = None,
+        pixels: npt.ArrayLike | None = None,
         origin: int = 1,
-        hdu: Union[int, None] = None,
-        region: Union[PathLike, None] = None,
-        start: Union[TimeLike, None] = None,
-        exposure: Union[FloatLike, None] = None,
+        hdu: int | None = None,
+        region: PathLike | None = None,
+        start: TimeLike | None = None,
+        exposure: FloatLike | None = None,
         whole_streak: bool = False,
-        place_sigma: Union[FloatLike, None] = None,
-        time_sigma: Union[FloatLike, None] = None,
-        angle_sigma: Union[FloatLike, None] = None,
+        place_sigma: FloatLike | None = None,
+        time_sigma: FloatLike | None = None,
+        angle_sigma: FloatLike | None = None,
         include_dark: bool = False,
         top: int = 10,
-        scale: Union[str, None] = None,
+        scale: str | None = None,
         output: Output = "auto",
     ) -> Identification:
         """Returns the candidate satellites for a measured streak, as printed by ``streakcast identify``.
@@ -391,7 +391,7 @@ class SiteQueries(ModelState):
         )
 
 
-def _texts(value: Union[TextLike, None], what: str) -> list[Json]:
+def _texts(value: TextLike | None, what: str) -> list[Json]:
     """Returns one or several strings as a list; empty for `None`."""
     if value is None:
         return []
@@ -401,7 +401,7 @@ def _texts(value: Union[TextLike, None], what: str) -> list[Json]:
     return [str(item) for item in items]
 
 
-def _norad_ids(value: Union[WholeLike, None]) -> list[Json]:
+def _norad_ids(value: WholeLike | None) -> list[Json]:
     """Returns one or several catalogue numbers as a list; empty for `None`."""
     numbers: list[Json] = []
     for one in [] if value is None else np.ravel(value).tolist():

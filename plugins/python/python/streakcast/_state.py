@@ -7,7 +7,7 @@ import json
 import os
 import threading
 import weakref
-from typing import TYPE_CHECKING, TypedDict, Union
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
@@ -43,12 +43,12 @@ class State(TypedDict):
     #: Document of the arguments, as returned by `document`.
     setup: dict[str, Json]
     #: Path of the configuration file.
-    config: Union[str, None]
+    config: str | None
     #: Two-part Julian date, TAI.
-    epoch: Union[tuple[float, float], None]
+    epoch: tuple[float, float] | None
     on_changed_file: str
     #: SHA-256 of each file by path; `None` before the files are read.
-    files: Union[dict[str, Union[str, None]], None]
+    files: dict[str, str | None] | None
 
 
 class ModelState:
@@ -57,7 +57,7 @@ class ModelState:
     def _begin(self, state: State) -> None:
         self._state = state
         self._lock = threading.Lock()
-        self._opened: Union[tuple[_core.SkyCache, _core.Engine], None] = None
+        self._opened: tuple[_core.SkyCache, _core.Engine] | None = None
         self._issued_warnings: set[str] = set()
 
     def _open(self) -> tuple[_core.SkyCache, _core.Engine]:
@@ -146,20 +146,20 @@ class ModelState:
         return model
 
     @property
-    def files(self) -> dict[str, Union[str, None]]:
+    def files(self) -> dict[str, str | None]:
         """Paths and SHA-256 of all files from which this model was made."""
         self._open()
         return dict(self._state["files"] or {})
 
     @property
-    def mjd_scale(self) -> Union[str, None]:
+    def mjd_scale(self) -> str | None:
         """Time scale of numbers given as times."""
         return self._open()[1].time_scale
 
-    def _scale(self, scale: Union[str, None]) -> Union[str, None]:
+    def _scale(self, scale: str | None) -> str | None:
         return self.mjd_scale if scale is None else scale
 
-    def _moment(self, time: TimeLike, scale: Union[str, None]) -> tuple[float, float]:
+    def _moment(self, time: TimeLike, scale: str | None) -> tuple[float, float]:
         jd1, jd2 = to_tai(time, self._scale(scale))
         if np.shape(jd1) != ():
             raise ValueError(f"time has the shape {np.shape(jd1)}; allowed: one time")
@@ -209,12 +209,12 @@ class ModelState:
                 warn(message)
 
 
-def _files(setup: str, config: Union[str, None]) -> list[str]:
+def _files(setup: str, config: str | None) -> list[str]:
     """Returns all files in a configuration document."""
     return sorted(os.fspath(path) for path in _core.setup_files(setup, config))
 
 
-def _sha256(path: str) -> Union[str, None]:
+def _sha256(path: str) -> str | None:
     """Returns the hash of a file; `None` if it cannot be read (the error is reported when the file is used)."""
     digest = hashlib.sha256()
     try:

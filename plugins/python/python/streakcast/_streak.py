@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from typing import Union
 
 import numpy as np
 import numpy.typing as npt
@@ -20,23 +19,23 @@ _FORMS = "ends; place with position_angle; pixels of a frame; or region"
 
 def streak_request(
     *,
-    ends: Union[EndsLike, None],
-    times: Union[TimeLike, None],
-    place: Union[TargetLike, None],
-    position_angle: Union[FloatLike, None],
-    length: Union[FloatLike, None],
-    frame: Union[PathLike, None],
-    pixels: Union[npt.ArrayLike, None],
+    ends: EndsLike | None,
+    times: TimeLike | None,
+    place: TargetLike | None,
+    position_angle: FloatLike | None,
+    length: FloatLike | None,
+    frame: PathLike | None,
+    pixels: npt.ArrayLike | None,
     origin: int,
-    hdu: Union[int, None],
-    region: Union[PathLike, None],
-    start: Union[TimeLike, None],
-    exposure: Union[FloatLike, None],
+    hdu: int | None,
+    region: PathLike | None,
+    start: TimeLike | None,
+    exposure: FloatLike | None,
     whole_streak: bool,
-    place_sigma: Union[FloatLike, None],
-    time_sigma: Union[FloatLike, None],
-    angle_sigma: Union[FloatLike, None],
-    scale: Union[str, None],
+    place_sigma: FloatLike | None,
+    time_sigma: FloatLike | None,
+    angle_sigma: FloatLike | None,
+    scale: str | None,
 ) -> dict[str, Json]:
     """Returns the request document. Arguments are those of `StreakModel.identify`."""
     ways = dict(ends=ends, place=place, pixels=pixels, region=region)
@@ -122,7 +121,7 @@ def _finite(value: FloatLike, unit: str, what: str) -> float:
     return finite
 
 
-def _positive(value: Union[FloatLike, None], unit: str, what: str) -> Union[str, None]:
+def _positive(value: FloatLike | None, unit: str, what: str) -> str | None:
     """Returns a number above 0 as a string with its unit and all digits."""
     if value is None:
         return None

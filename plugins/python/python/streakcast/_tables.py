@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Union, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -18,8 +18,11 @@ if TYPE_CHECKING:
     from ._core import Column
 
 # Formats of printed columns, as on the command line. They do not change the values, and are also valid for tables that
-# are read from a file. Numbers of other units are probabilities, fractions and counts.
+# are read from a file. Numbers by unit, and some by the name of the column; other numbers are probabilities and
+# fractions.
 _NUMBER_FORMATS = {
+    "counts": ".1f",
+    "julian_date_utc": ".8f",
     "arcsec": ".2f",
     "d": ".2f",
     "deg": ".4f",
@@ -27,6 +30,7 @@ _NUMBER_FORMATS = {
     "h": ".2f",
     "km": ".1f",
     "km / s": ".3f",
+    "m": ".1f",
     "mag": ".2f",
     "mag / arcsec2": ".2f",
     "pix": ".2f",
@@ -47,7 +51,7 @@ def is_qtable(output: str) -> bool:
     return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
 
 
-def table_of(columns: "Sequence[Column]", output: str, meta: Union[Mapping[str, Json], None] = None) -> Table:
+def table_of(columns: "Sequence[Column]", output: str, meta: Mapping[str, Json] | None = None) -> Table:
     """Returns the columns in the requested form."""
     if is_qtable(output):
         return _qtable(columns, meta or {})
@@ -78,13 +82,14 @@ def _qtable(columns: "Sequence[Column]", meta: Mapping[str, Json]) -> "QTable":
         if column["kind"] == "time":
             table[name] = time_of(column["jd1"], column["jd2"])
             style = _TIME_FORMAT
-        elif column["kind"] == "real" and column["unit"]:
-            table[name] = Quantity(column["values"], column["unit"], copy=False)
-            style = _NUMBER_FORMATS.get(column["unit"], _NUMBER_FORMAT)
+        elif column["kind"] == "real":
+            unit = column["unit"]
+            table[name] = Quantity(column["values"], unit, copy=False) if unit else Column(column["values"])
+            style = _NUMBER_FORMATS.get(name) or _NUMBER_FORMATS.get(unit, _NUMBER_FORMAT)
         else:
             array = _array(column)
             table[name] = MaskedColumn(array) if isinstance(array, np.ma.MaskedArray) else Column(array)
-            style = {"real": _NUMBER_FORMAT, "list": _LIST_FORMAT}.get(column["kind"])
+            style = _LIST_FORMAT if column["kind"] == "list" else None
         table[name].info.description = column["description"]
         table[name].info.format = style
     return table

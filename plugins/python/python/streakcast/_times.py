@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import sys
-from typing import NamedTuple, Union
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,7 @@ def is_time(value: object) -> bool:
     return module is not None and isinstance(value, module.Time)
 
 
-def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tuple[FloatArray, FloatArray]:
+def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[FloatArray, FloatArray]:
     """Returns two-part Julian dates, TAI, in the shape of the value."""
     if isinstance(value, TwoPartTai):
         return value.jd1, value.jd2
@@ -72,14 +72,14 @@ def _text(value: object, what: str) -> str:
     raise TypeError(f"{what} contains {type(value).__name__}, not a time; {_ALLOWED}")
 
 
-def _from_mjd(array: FloatArray, scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+def _from_mjd(array: FloatArray, scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
     if scale is None:
         raise TypeError(f"{what} is a bare number without a time scale; {_ALLOWED}")
     jd1, jd2 = _core.times_from_mjd(array.ravel(), scale)
     return jd1.reshape(array.shape), jd2.reshape(array.shape)
 
 
-def _from_text(array: npt.NDArray[np.str_], scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+def _from_text(array: npt.NDArray[np.str_], scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
     texts = array.ravel().tolist()
     if scale is None:
         for index, text in enumerate(texts):

@@ -9,14 +9,14 @@ import warnings
 from collections.abc import Iterator
 from contextvars import ContextVar
 from types import FrameType
-from typing import Callable, Union
+from typing import Callable
 
 from .errors import StreakcastWarning
 
 _PACKAGE = os.path.dirname(__file__) + os.sep
 # Handler for the warnings of models, used instead of Python's warning filters. It applies to one thread or task, unlike
 # `warnings.catch_warnings`.
-_handler: "ContextVar[Union[Callable[[str], None], None]]" = ContextVar("streakcast_warning_handler", default=None)
+_handler: ContextVar[Callable[[str], None] | None] = ContextVar("streakcast_warning_handler", default=None)
 
 
 @contextlib.contextmanager

@@ -9,7 +9,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol, Union
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -43,7 +43,7 @@ def annotate(
     client: Client,
     folder: PathLike,
     *,
-    scale: Union[str, None] = None,
+    scale: str | None = None,
     retries: int = 3,
 ) -> list[Path]:
     """Computes the verdicts on the visits of a survey, and writes one Parquet file per night.

@@ -8,7 +8,7 @@ import threading
 import time as clock
 import weakref
 from collections import Counter
-from typing import Callable, TypeVar, Union
+from typing import Callable, TypeVar
 
 from ._hook_state import HookState, RemoteHook, distance_km, signature
 from ._mailbox import Mailbox, Reported
@@ -131,7 +131,7 @@ class Hook:
             self.note("failed", f"satellites are ignored: {type(error).__name__}: {error}")
             return fallback
 
-    def note(self, counter: str, message: str, *, kind: Union[str, None] = None, level: int = logging.WARNING) -> None:
+    def note(self, counter: str, message: str, *, kind: str | None = None, level: int = logging.WARNING) -> None:
         """Counts an event, and logs each kind of message once.
 
         Parameters
@@ -155,7 +155,7 @@ class Hook:
                 self._state.mailbox.keep_message(message)
             self.logger.log(level, "%s (logged once; counted as '%s')", message, counter)
 
-    def check_site(self, location: Union[PlaceLike, Callable[[], Union[PlaceLike, None]]]) -> None:
+    def check_site(self, location: PlaceLike | Callable[[], PlaceLike | None]) -> None:
         """Compares the site of the host with that of the model. Counts ``site`` above 1 km, or if it cannot be read.
 
         Parameters
@@ -190,7 +190,7 @@ class Hook:
             )
             self.note("site", message, kind="site")
 
-    def check_clock(self, now: Union[TimeLike, Callable[[], Union[TimeLike, None]]], scale: Union[str, None] = None) -> None:
+    def check_clock(self, now: TimeLike | Callable[[], TimeLike | None], scale: str | None = None) -> None:
         """Compares the time of the host with the clock. Counts ``clock`` above 1 s, or if it cannot be read.
 
         Simulated nights, with differences of ten minutes or more, are accepted.
@@ -219,7 +219,7 @@ class Hook:
             message = f"the host's time is {off_s:+.1f} s off this computer's clock{hint}; a satellite crosses a field within seconds"
             self.note("clock", message, kind="clock")
 
-    def settle(self, most_s: Union[FloatLike, None] = None) -> None:
+    def settle(self, most_s: FloatLike | None = None) -> None:
         """Waits until the files that are being read in the background have been read, at most ``most_s`` seconds."""
         reading = self._state.reading
         if reading is not None:
@@ -337,7 +337,7 @@ class Hook:
 
 
 def _hook_of(
-    kind: type[Hook], model: StreakModel, name: str, watch_s: float, counts: dict[str, int], mailbox: Union[Mailbox, None] = None
+    kind: type[Hook], model: StreakModel, name: str, watch_s: float, counts: dict[str, int], mailbox: Mailbox | None = None
 ) -> Hook:
     hook = kind.__new__(kind)
     counter: "Counter[str]" = Counter(counts) if mailbox is None else Reported(counts, mailbox)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Union
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 
-def model_names(models: Union[Options, None] = None) -> list[str]:
+def model_names(models: Options | None = None) -> list[str]:
     """Returns the names of the brightness models.
 
     Parameters
@@ -126,8 +126,8 @@ def body_map(
     *,
     sun_latitude: FloatLike,
     height: FloatLike = 550.0,
-    step: Union[FloatLike, None] = None,
-    nside: Union[int, None] = None,
+    step: FloatLike | None = None,
+    nside: int | None = None,
     output: Output = "auto",
     **light: Unpack[LightOptions],
 ) -> Table:
@@ -173,8 +173,8 @@ def sky_map(
     sun_altitude: FloatLike,
     sun_azimuth: FloatLike = 0.0,
     height: FloatLike = 550.0,
-    step: Union[FloatLike, None] = None,
-    nside: Union[int, None] = None,
+    step: FloatLike | None = None,
+    nside: int | None = None,
     output: Output = "auto",
     **light: Unpack[SkyLightOptions],
 ) -> Table:

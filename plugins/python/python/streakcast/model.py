@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Literal
 
 from ._results import Assessment, ClearWindows, Site
 from ._injection import Injected, inject
@@ -103,20 +103,20 @@ class StreakModel(ExposureQueries):
 
     def __init__(
         self,
-        site: Union[SiteLike, None] = None,
+        site: SiteLike | None = None,
         *,
-        elements: Union[PathLike, Sequence[PathLike], None] = None,
-        shells: Union[PathLike, Sequence[PathLike], None] = None,
-        telescope: Union[PathLike, Options, None] = None,
-        fov: Union[str, Quantity, None] = None,
-        field: Union[PathLike, Options, None] = None,
-        model: Union[ModelLike, None] = None,
-        models: Union[Options, None] = None,
-        limit_mag: Union[LimitLike, None] = None,
-        policy: Union[PathLike, Options, None] = None,
-        mjd_scale: Union[str, None] = None,
-        epoch: Union[TimeLike, None] = None,
-        config: Union[PathLike, None] = None,
+        elements: PathLike | Sequence[PathLike] | None = None,
+        shells: PathLike | Sequence[PathLike] | None = None,
+        telescope: PathLike | Options | None = None,
+        fov: str | Quantity | None = None,
+        field: PathLike | Options | None = None,
+        model: ModelLike | None = None,
+        models: Options | None = None,
+        limit_mag: LimitLike | None = None,
+        policy: PathLike | Options | None = None,
+        mjd_scale: str | None = None,
+        epoch: TimeLike | None = None,
+        config: PathLike | None = None,
         on_changed_file: Literal["error", "warn"] = "error",
         **more: Unpack[ModelOptions],
     ) -> None:
@@ -145,13 +145,13 @@ class StreakModel(ExposureQueries):
     # Properties ------------------------------------------------------------------------------------------------------
 
     @property
-    def site(self) -> Union[Site, None]:
+    def site(self) -> Site | None:
         """Site; `None` for a telescope in orbit."""
         site = self._open()[0].site
         return None if site is None else Site(*site)
 
     @property
-    def location(self) -> Union[EarthLocation, None]:
+    def location(self) -> EarthLocation | None:
         """Site as an `astropy.coordinates.EarthLocation`; `None` for a telescope in orbit."""
         from astropy.coordinates import EarthLocation
 
@@ -161,16 +161,16 @@ class StreakModel(ExposureQueries):
         return EarthLocation.from_geodetic(lon=site.longitude_deg, lat=site.latitude_deg, height=site.height_m)
 
     @property
-    def field_radius_deg(self) -> Union[float, None]:
+    def field_radius_deg(self) -> float | None:
         """Radius of a circle that contains the field of view, degrees; `None` without a field."""
         return self._open()[1].field_radius_deg
 
     @property
-    def field_area_deg2(self) -> Union[float, None]:
+    def field_area_deg2(self) -> float | None:
         """Area of the field of view, square degrees; `None` without a field."""
         return self._open()[1].field_area_deg2
 
-    def satellites(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
+    def satellites(self, time: TimeLike, *, scale: str | None = None) -> int:
         """Returns the number of satellites loaded for a night.
 
         Parameters
@@ -186,7 +186,7 @@ class StreakModel(ExposureQueries):
         """
         return self._open()[0].satellites(*self._moment(time, scale))
 
-    def night(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
+    def night(self, time: TimeLike, *, scale: str | None = None) -> int:
         """Returns the number of the night that contains a time. It increases by one at each mean noon of the site.
 
         Parameters
@@ -203,7 +203,7 @@ class StreakModel(ExposureQueries):
         """
         return self._open()[0].night(*self._moment(time, scale))
 
-    def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Json]:
+    def provenance(self, time: TimeLike, *, scale: str | None = None) -> dict[str, Json]:
         """Returns the provenance of a night: files with hashes and epochs, site, models, Earth orientation.
 
         Parameters
@@ -223,12 +223,12 @@ class StreakModel(ExposureQueries):
 
     def inject(
         self,
-        frame: Union[PathLike, Pixels],
-        output: Union[PathLike, None] = None,
+        frame: PathLike | Pixels,
+        output: PathLike | None = None,
         *,
-        header: Union[HeaderLike, None] = None,
-        start: Union[TimeLike, None] = None,
-        exposure: Union[FloatLike, None] = None,
+        header: HeaderLike | None = None,
+        start: TimeLike | None = None,
+        exposure: FloatLike | None = None,
         **options: Unpack[InjectionOptions],
     ) -> Injected:
         """Adds the streaks of the satellites to a frame.

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Union
 
 import numpy as np
 import numpy.typing as npt
@@ -88,9 +87,9 @@ def night(
     start: TimeLike,
     exposure: FloatArrayLike,
     *,
-    limit_mag: Union[FloatLike, None] = None,
-    utc_offset: Union[FloatLike, None] = None,
-    scale: Union[str, None] = None,
+    limit_mag: FloatLike | None = None,
+    utc_offset: FloatLike | None = None,
+    scale: str | None = None,
     title: str = "",
 ) -> Picture:
     """Plots a night: number and brightness of the streaks in each exposure.
@@ -127,7 +126,7 @@ def night(
     )  # fmt: skip
 
 
-def field(passes: TableLike, target: TargetLike, *, fov_deg: Union[FloatLike, None] = None, title: str = "") -> Picture:
+def field(passes: TableLike, target: TargetLike, *, fov_deg: FloatLike | None = None, title: str = "") -> Picture:
     """Plots a field with the streaks that cross it: gnomonic, north up, east left.
 
     Parameters
@@ -174,8 +173,8 @@ def field(passes: TableLike, target: TargetLike, *, fov_deg: Union[FloatLike, No
 def light_curve(
     samples: Samples,
     *,
-    limit_mag: Union[FloatLike, None] = None,
-    utc_offset: Union[FloatLike, None] = None,
+    limit_mag: FloatLike | None = None,
+    utc_offset: FloatLike | None = None,
     title: str = "",
 ) -> Picture:
     """Plots the magnitude along the track of one pass, with its error.
@@ -290,8 +289,8 @@ def sun_altitude(
     sun_altitude_deg: FloatArrayLike,
     n_trails: npt.ArrayLike,
     *,
-    n_bright: Union[npt.ArrayLike, None] = None,
-    limit_mag: Union[FloatLike, None] = None,
+    n_bright: npt.ArrayLike | None = None,
+    limit_mag: FloatLike | None = None,
     bin_deg: FloatLike = 2.0,
     title: str = "Trails per exposure",
 ) -> Picture:
@@ -336,8 +335,8 @@ def _drawn(
     chart: str,
     title: str,
     *,
-    limit_mag: Union[FloatLike, None] = None,
-    utc_offset: Union[FloatLike, None] = None,
+    limit_mag: FloatLike | None = None,
+    utc_offset: FloatLike | None = None,
     **columns: object,
 ) -> Picture:
     """Draws a plot by name from its labels and columns."""
@@ -378,7 +377,7 @@ def _texts(table: TableLike, name: str) -> list[str]:
     return ["" if cell is None or cell is np.ma.masked else str(cell) for cell in table[name]]
 
 
-def _mjd(times: TimeLike, scale: Union[str, None]) -> FloatArray:
+def _mjd(times: TimeLike, scale: str | None) -> FloatArray:
     """Returns times as MJD (UTC)."""
     if not is_time(times):
         array = np.asarray(times)

@@ -121,91 +121,91 @@ Json = Union[None, bool, int, float, str, "list[Json]", "dict[str, Json]"]
 
 
 class _MagnitudeOptions(TypedDict, total=False):
-    band: Union[str, None]
-    mag_system: Union[str, None]
-    earthshine: Union[bool, None]
+    band: str | None
+    mag_system: str | None
+    earthshine: bool | None
 
 
 class LightOptions(_MagnitudeOptions, total=False):
     """Further arguments of `streakcast.body_map` and `streakcast.standard_magnitudes`."""
 
-    models: Union[Options, None]
+    models: Options | None
 
 
 class SkyLightOptions(LightOptions, total=False):
     """Further arguments of `streakcast.sky_map` and `streakcast.sky_magnitudes`."""
 
-    extinction: Union[FloatLike, None]
-    shadow: Union[str, None]
-    site: Union[SiteLike, None]
-    mpc: Union[str, None]
-    lat: Union[FloatLike, None]
-    lon: Union[FloatLike, None]
-    height_m: Union[FloatLike, None]
+    extinction: FloatLike | None
+    shadow: str | None
+    site: SiteLike | None
+    mpc: str | None
+    lat: FloatLike | None
+    lon: FloatLike | None
+    height_m: FloatLike | None
 
 
 class _ExposureOptions(_MagnitudeOptions, total=False):
-    extinction: Union[FloatLike, None]
-    sun_distance: Union[bool, None]
-    min_probability: Union[float, None]
-    max_delay: Union[str, Quantity, None]
+    extinction: FloatLike | None
+    sun_distance: bool | None
+    min_probability: float | None
+    max_delay: str | Quantity | None
 
 
 class FieldOptions(_ExposureOptions, total=False):
     """Arguments of `streakcast.StreakModel.with_options`."""
 
-    fov: Union[str, Quantity, None]
-    field: Union[PathLike, Options, None]
-    telescope: Union[PathLike, Options, None]
-    limit_mag: Union[LimitLike, None]
-    policy: Union[PathLike, Options, None]
-    blocking: Union[str, None]
-    mjd_scale: Union[str, None]
+    fov: str | Quantity | None
+    field: PathLike | Options | None
+    telescope: PathLike | Options | None
+    limit_mag: LimitLike | None
+    policy: PathLike | Options | None
+    blocking: str | None
+    mjd_scale: str | None
 
 
 class ModelOptions(_ExposureOptions, total=False):
     """Further arguments of `streakcast.StreakModel`."""
 
-    mpc: Union[str, None]
-    lat: Union[FloatLike, None]
-    lon: Union[FloatLike, None]
-    height: Union[FloatLike, None]
-    blocking: Union[str, None]
-    drag: Union[str, None]
-    shadow: Union[str, None]
-    eop: Union[PathLike, None]
-    learned: Union[PathLike, None]
-    qs_mag: Union[PathLike, None]
-    accept_bad_checksums: Union[bool, None]
-    observer_elements: Union[PathLike, None]
-    observer_norad: Union[int, None]
-    limb_height_km: Union[FloatLike, None]
+    mpc: str | None
+    lat: FloatLike | None
+    lon: FloatLike | None
+    height: FloatLike | None
+    blocking: str | None
+    drag: str | None
+    shadow: str | None
+    eop: PathLike | None
+    learned: PathLike | None
+    qs_mag: PathLike | None
+    accept_bad_checksums: bool | None
+    observer_elements: PathLike | None
+    observer_norad: int | None
+    limb_height_km: FloatLike | None
 
 
 class InjectionOptions(TypedDict, total=False):
     """Further arguments of `streakcast.StreakModel.inject`, the same as those of `streakcast.inject`."""
 
-    scale: Union[str, None]
-    random_streaks: Union[int, None]
-    streak_density: Union[FloatLike, None]
-    magnitude: Union[FloatArrayLike, None]
-    streak_rate_deg_s: Union[FloatArrayLike, None]
-    telescope: Union[PathLike, Options, None]
-    band: Union[str, None]
-    seeing: Union[str, Quantity, None]
+    scale: str | None
+    random_streaks: int | None
+    streak_density: FloatLike | None
+    magnitude: FloatArrayLike | None
+    streak_rate_deg_s: FloatArrayLike | None
+    telescope: PathLike | Options | None
+    band: str | None
+    seeing: str | Quantity | None
     psf: str
-    zero_point: Union[FloatLike, None]
-    zero_point_1s: Union[FloatLike, None]
-    gain: Union[FloatLike, None]
-    detector: Union[PathLike, None]
+    zero_point: FloatLike | None
+    zero_point_1s: FloatLike | None
+    gain: FloatLike | None
+    detector: PathLike | None
     noise: bool
     seed: int
-    hdu: Union[WholeLike, None]
-    pixel_scale: Union[str, Quantity, None]
-    track_rate: Union[FloatArrayLike, Sequence[FloatLike], None]
-    tumbling: Union[FloatArrayLike, Sequence[FloatLike], None]
-    glints: Sequence[Union[FloatArrayLike, Sequence[FloatLike]]]
-    light_curve: Union[PathLike, None]
+    hdu: WholeLike | None
+    pixel_scale: str | Quantity | None
+    track_rate: FloatArrayLike | Sequence[FloatLike] | None
+    tumbling: FloatArrayLike | Sequence[FloatLike] | None
+    glints: Sequence[FloatArrayLike | Sequence[FloatLike]]
+    light_curve: PathLike | None
     resolve_panels: bool
     truth_points: int
     mask_bits: str
