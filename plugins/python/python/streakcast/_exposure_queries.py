@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from ._results import VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, directions, number, scalar
@@ -23,6 +22,7 @@ from .typing import (
     TargetLike,
     TextLike,
     TimeLike,
+    WholeArray,
 )
 
 if TYPE_CHECKING:
@@ -276,7 +276,7 @@ class ExposureQueries(SiteQueries):
         visit_time: FloatArrayLike,
         *,
         scale: str | None = None,
-    ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
+    ) -> tuple[FloatArray, WholeArray]:
         """Returns length and number of streaks per pointing, like the satellite constellations of rubin_sim.
 
         Parameters

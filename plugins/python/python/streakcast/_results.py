@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from .typing import FloatArray, FloatOrArray, Table, TimeResult
+from .typing import BoolOrArray, FloatArray, FloatOrArray, Table, TextOrArray, TimeResult, WholeArray, WholeOrArray
 
 #: Verdicts in the order of their codes.
 VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
@@ -31,11 +30,11 @@ class Assessment(NamedTuple):
 
     #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
     #: horizon).
-    verdict: str | npt.NDArray[np.str_]
+    verdict: TextOrArray
     #: Whether a lit satellite crosses the field.
-    crosses: bool | npt.NDArray[np.bool_]
+    crosses: BoolOrArray
     #: Number of lit satellites that cross the field.
-    n_streaks: int | npt.NDArray[np.int64]
+    n_streaks: WholeOrArray
     #: Brightest magnitude of these satellites inside the field; NaN if there are none.
     brightest_mag: FloatOrArray
     #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.
@@ -47,17 +46,17 @@ class Assessment(NamedTuple):
     streak_length_deg: FloatOrArray
     #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
     #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
-    p_any_is_lower_limit: bool | npt.NDArray[np.bool_] = False
+    p_any_is_lower_limit: BoolOrArray = False
     #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
     p_crossing: FloatOrArray = float("nan")
 
     @property
-    def avoid(self) -> bool | npt.NDArray[np.bool_]:
+    def avoid(self) -> BoolOrArray:
         """Whether a limit of the policy is exceeded."""
         return self.verdict == "avoid"
 
     @property
-    def clear(self) -> bool | npt.NDArray[np.bool_]:
+    def clear(self) -> BoolOrArray:
         """Whether no lit satellite crosses."""
         return self.verdict == "clear"
 
@@ -66,7 +65,7 @@ class ClearWindows(NamedTuple):
     """Intervals of clear exposure starts, ordered by target and time; each field has the shape ``(n_windows,)``."""
 
     #: Flat index of the target.
-    target: npt.NDArray[np.int64]
+    target: WholeArray
     #: First clear start: `astropy.time.Time` if astropy is installed, otherwise ``datetime64[ns]``, UTC.
     first_start: TimeResult
     #: Last clear start.
@@ -79,9 +78,9 @@ class Overhead(NamedTuple):
     """Satellites above a site: one row per satellite and time, sorted by both; shape ``(n_rows,)`` if not stated."""
 
     #: Index of the time, from 0.
-    moment: npt.NDArray[np.int64]
+    moment: WholeArray
     #: NORAD catalogue number.
-    norad_id: npt.NDArray[np.int64]
+    norad_id: WholeArray
     #: Direction as a unit vector, ICRS, astrometric topocentric, ``(n_rows, 3)``.
     direction: FloatArray
     #: Range, km. This and the next columns are computed for the middle row of each satellite, and repeated in its other

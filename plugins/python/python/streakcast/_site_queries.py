@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import SupportsIndex
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._results import Forecast, Identification, Overhead
@@ -293,7 +293,7 @@ class SiteQueries(ModelState):
         position_angle: FloatLike | None = None,
         length: FloatLike | None = None,
         frame: PathLike | None = None,
-        pixels: npt.ArrayLike | None = None,
+        pixels: ArrayLike | None = None,
         origin: int = 1,
         hdu: int | None = None,
         region: PathLike | None = None,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._quantities import directions, is_of, number, scalar
@@ -25,7 +25,7 @@ def streak_request(
     position_angle: FloatLike | None,
     length: FloatLike | None,
     frame: PathLike | None,
-    pixels: npt.ArrayLike | None,
+    pixels: ArrayLike | None,
     origin: int,
     hdu: int | None,
     region: PathLike | None,

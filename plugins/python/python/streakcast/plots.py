@@ -16,7 +16,7 @@ import os
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._quantities import directions, number, scalar
@@ -247,8 +247,8 @@ def sky_chart(passes: TableLike, *, title: str = "") -> Picture:
 
 
 def sky_rate(
-    cells: npt.ArrayLike,
-    rate: npt.ArrayLike,
+    cells: ArrayLike,
+    rate: ArrayLike,
     *,
     nside: int,
     sun_azimuth_deg: FloatLike,
@@ -287,9 +287,9 @@ def sky_rate(
 
 def sun_altitude(
     sun_altitude_deg: FloatArrayLike,
-    n_trails: npt.ArrayLike,
+    n_trails: ArrayLike,
     *,
-    n_bright: npt.ArrayLike | None = None,
+    n_bright: ArrayLike | None = None,
     limit_mag: FloatLike | None = None,
     bin_deg: FloatLike = 2.0,
     title: str = "Trails per exposure",

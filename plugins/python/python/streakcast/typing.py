@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from astropy.wcs import WCS
 
 __all__ = [
+    "BoolOrArray",
     "Columns",
     "EndsLike",
     "FieldOptions",
@@ -52,9 +53,12 @@ __all__ = [
     "TableLike",
     "TargetLike",
     "TextLike",
+    "TextOrArray",
     "TimeLike",
     "TimeResult",
+    "WholeArray",
     "WholeLike",
+    "WholeOrArray",
 ]
 
 # Arguments -----------------------------------------------------------------------------------------------------------
@@ -97,8 +101,16 @@ Output = Literal["auto", "qtable", "dict"]
 
 #: Array of numbers in double precision.
 FloatArray = npt.NDArray[np.float64]
+#: Array of whole numbers.
+WholeArray = npt.NDArray[np.int64]
 #: Number for one exposure, array for several.
 FloatOrArray = Union[float, FloatArray]
+#: Whole number for one exposure, array for several.
+WholeOrArray = Union[int, WholeArray]
+#: Truth value for one exposure, array for several.
+BoolOrArray = Union[bool, npt.NDArray[np.bool_]]
+#: Text for one exposure, array for several.
+TextOrArray = Union[str, npt.NDArray[np.str_]]
 #: Image, rows and columns.
 Pixels = npt.NDArray[Union[np.float32, np.float64, np.uint8, np.int16, np.uint16, np.int32]]
 #: Point along a track: values by name; `None` if a value is missing.
