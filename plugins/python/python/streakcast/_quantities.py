@@ -74,7 +74,8 @@ def _converted(value: object, unit: str, what: str, allowed: str) -> FloatArray:
     try:
         return np.asarray(given.to(Unit(unit), numbers), dtype=np.float64)
     except UnitsError:
-        raise ValueError(f"{what} has the unit '{given}'; {allowed}") from None
+        target = f", which cannot be converted to {unit}" if unit else ""
+        raise ValueError(f"{what} has the unit '{given}'{target}; {allowed}") from None
 
 
 def scalar(value: object, unit: str, what: str) -> float:
