@@ -167,13 +167,13 @@ CASES = {
     "sky_magnitudes sun_altitude": (
         lambda sky, it: streakcast.sky_magnitudes("v2mini", 0.0, 60.0, sun_altitude=it), "sun_altitude", -20.0, -1200 * u.arcmin,
     ),
-    "sky_map step": (lambda sky, it: streakcast.sky_map("v2mini", sun_altitude=-20, step=it, output="dict"), "step", 10.0, 600 * u.arcmin),
+    "sky_map step": (lambda sky, it: streakcast.sky_map("v2mini", sun_altitude=-20, step=it, output="dict"), "step", 5.0, 300 * u.arcmin),
     "sky_map height_m": (
-        lambda sky, it: streakcast.sky_map("v2mini", sun_altitude=-20, step=10, lat=-30.0, lon=-70.0, height_m=it, output="dict"),
+        lambda sky, it: streakcast.sky_map("v2mini", sun_altitude=-20, step=5, lat=-30.0, lon=-70.0, height_m=it, output="dict"),
         "height", 2500.0, 2.5 * u.km,
     ),
     "body_map sun_latitude": (
-        lambda sky, it: streakcast.body_map("v2mini", sun_latitude=it, step=10, output="dict"), "sun_latitude", -10.0, -600 * u.arcmin,
+        lambda sky, it: streakcast.body_map("v2mini", sun_latitude=it, step=5, output="dict"), "sun_latitude", -10.0, -600 * u.arcmin,
     ),
     "night exposure": (lambda sky, it: night(sky, exposure=it), "exposure", 30.0, 0.5 * u.min),
     "night limit_mag": (lambda sky, it: night(sky, limit_mag=it), "limit_mag", 7.0, 7.0 * u.ABmag),

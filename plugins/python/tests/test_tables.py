@@ -35,8 +35,8 @@ def tables():
         "truth": injected.truth,
         "points": injected.points,
         "trails": injected.trails,
-        "sky_map": streakcast.sky_map("v2mini", sun_altitude=-20, step=10),
-        "body_map": streakcast.body_map("v2mini", sun_latitude=-10, step=10),
+        "sky_map": streakcast.sky_map("v2mini", sun_altitude=-20, step=5),
+        "body_map": streakcast.body_map("v2mini", sun_latitude=-10, step=5),
     }
 
 
@@ -70,6 +70,18 @@ def test_printed_cells_are_short(tables, name):
             assert len(text) <= 40, (column, text)
             if not isinstance(table[column], Time) and table[column].dtype.kind == "f":
                 assert len(text.partition(".")[2]) <= (8 if column == "julian_date_utc" else 6), (column, text)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if not name.endswith("map")])
+def test_the_main_columns_fit_in_80_characters(tables, name):
+    """With names as long as those of real Starlinks. Astropy replaces columns that do not fit with dots."""
+    table = tables[name].copy()
+    if "name" in table.colnames:
+        table["name"] = [str(one)[:13] for one in table["name"]]
+    lines = table.pformat(max_lines=-1, max_width=80)
+    assert len(lines) == len(table) + 3 and "..." not in lines[0] and all(len(line) <= 80 for line in lines)
+    table.pprint_include_names = None
+    assert all(column in table.pformat(max_lines=-1, max_width=-1)[0] for column in table.colnames)
 
 
 def test_times_and_numbers_are_rounded_in_print_only(tables):

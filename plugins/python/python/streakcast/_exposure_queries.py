@@ -10,7 +10,7 @@ import numpy as np
 from ._results import VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, directions, number, scalar
 from ._site_queries import SiteQueries
-from ._tables import table_of, time_of, is_qtable
+from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
 from ._times import to_tai
 from .typing import (
     FloatArray,
@@ -113,7 +113,8 @@ class ExposureQueries(SiteQueries):
             As for `assess`.
         output : {"auto", "qtable", "dict"}
             A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
-            if astropy is installed.
+            if astropy is installed. `print` shows the main columns of a `QTable`, or all of
+            them if its ``pprint_include_names`` is set to `None`; ``colnames`` lists them.
 
         Returns
         -------
@@ -126,7 +127,7 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         columns, warnings = engine.flags(exposures, bands)
         self._warn_once(sky_cache, warnings)
-        return table_of(_with_integer_ids(columns), output)
+        return table_of(_with_integer_ids(columns), output, shown=FLAGS)
 
     def next_clear_start(
         self,
@@ -199,7 +200,7 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         columns, warnings = engine.passes(exposures, include_dark, samples, limits)
         self._warn_once(sky_cache, warnings)
-        return table_of(_with_integer_ids(columns), output)
+        return table_of(_with_integer_ids(columns), output, shown=PASSES)
 
     def clear_windows(
         self,

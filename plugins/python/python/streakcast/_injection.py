@@ -15,7 +15,7 @@ import numpy.typing as npt
 from . import _core
 from ._quantities import aligned, is_of, is_quantity, number, scalar
 from ._setup import absolute, document
-from ._tables import table_of
+from ._tables import TRUTH, table_of
 from ._times import to_tai
 from ._warnings import warn
 from .typing import (
@@ -261,7 +261,7 @@ def inject(
         added=None if injected_image is None else _difference(injected_image, image),
         mask=mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
-        truth=table_of(result["truth"], table),
+        truth=table_of(result["truth"], table, shown=TRUTH),
         points=table_of(result["points"], table),
         trails=table_of(result["trails"], table),
         summary=result["summary"],

@@ -15,7 +15,7 @@ from ._results import Forecast, Identification, Overhead
 from ._quantities import number, scalar
 from ._state import ModelState
 from ._streak import streak_request
-from ._tables import table_of
+from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
 from ._times import to_tai
 from .typing import (
     EndsLike,
@@ -127,7 +127,7 @@ class SiteQueries(ModelState):
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
         self._warn_once(sky_cache, result["warnings"])
-        return Forecast(table_of(result["passes"], output), table_of(result["nights"], output))
+        return Forecast(table_of(result["passes"], output, shown=FORECAST), table_of(result["nights"], output, shown=NIGHTS))
 
     def visible_passes(
         self,
@@ -282,7 +282,7 @@ class SiteQueries(ModelState):
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         table, warnings = _core.ephemeris(json.dumps(request), setup, config, sky_cache)
         self._warn_once(sky_cache, warnings)
-        return table_of(table, output)
+        return table_of(table, output, shown=EPHEMERIS)
 
     def identify(
         self,
@@ -384,8 +384,8 @@ class SiteQueries(ModelState):
         result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
         self._warn_once(sky_cache, result["warnings"])
         return Identification(
-            table_of(result["candidates"], output),
-            table_of(result["streak"], output),
+            table_of(result["candidates"], output, shown=CANDIDATES),
+            table_of(result["streak"], output, shown=STREAK),
             result["n_candidates"],
             result["unknown_probability"],
         )

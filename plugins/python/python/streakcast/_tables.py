@@ -17,10 +17,21 @@ if TYPE_CHECKING:
 
     from ._core import Column
 
+# Columns that `print` shows, in 80 characters for short names of satellites. Other columns are in the table too.
+PASSES = ("exposure_id", "name", "enter_utc", "magnitude_peak", "probability")
+FLAGS = ("exposure_id", "verdict", "n_streaks", "brightest_mag", "p_any", "delay_s", "acceptable_delay_s")
+FORECAST = ("name", "begin_utc", "highest_altitude_deg", "peak_magnitude")
+NIGHTS = ("start_utc", "dark_from_utc", "dark_until_utc", "dark_h")
+EPHEMERIS = ("name", "utc", "ra_deg", "dec_deg", "altitude_deg", "magnitude")
+CANDIDATES = ("name", "probability", "along_track_offset_s", "magnitude")
+STREAK = ("start_utc", "ra_deg", "dec_deg", "position_angle_deg", "length_deg")
+TRUTH = ("name", "x1_pix", "y1_pix", "x2_pix", "y2_pix", "length_pix", "magnitude")
+
 # Formats of printed columns, as on the command line. They do not change the values, and are also valid for tables that
 # are read from a file. Numbers by unit, and some by the name of the column; other numbers are probabilities and
 # fractions.
 _NUMBER_FORMATS = {
+    "1 / s": ".1f",
     "counts": ".1f",
     "julian_date_utc": ".8f",
     "arcsec": ".2f",
@@ -37,7 +48,7 @@ _NUMBER_FORMATS = {
     "s": ".3f",
 }
 #: Format of other numbers.
-_NUMBER_FORMAT = ".4g"
+_NUMBER_FORMAT = ".4f"
 #: Times to the millisecond (23 characters).
 _TIME_FORMAT = "{!s:.23}"
 #: Lists of points and of reasons, shortened to some characters.
@@ -51,14 +62,18 @@ def is_qtable(output: str) -> bool:
     return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
 
 
-def table_of(columns: "Sequence[Column]", output: str, meta: Mapping[str, Json] | None = None) -> Table:
-    """Returns the columns in the requested form."""
+def table_of(
+    columns: Sequence[Column], output: str, *, meta: Mapping[str, Json] | None = None, shown: tuple[str, ...] | None = None
+) -> Table:
+    """Returns the columns in the requested form; ``shown`` are the printed columns of a `QTable`, by default all."""
     if is_qtable(output):
-        return _qtable(columns, meta or {})
+        table = _qtable(columns, meta or {})
+        table.pprint_include_names = shown
+        return table
     return {column["name"]: _array(column) for column in columns}
 
 
-def _array(column: "Column") -> npt.NDArray[Any]:
+def _array(column: Column) -> npt.NDArray[Any]:
     if column["kind"] == "time":
         return column["utc_ns"].view("datetime64[ns]")
     if column["kind"] == "text":
@@ -72,7 +87,7 @@ def _array(column: "Column") -> npt.NDArray[Any]:
     return column["values"]
 
 
-def _qtable(columns: "Sequence[Column]", meta: Mapping[str, Json]) -> "QTable":
+def _qtable(columns: Sequence[Column], meta: Mapping[str, Json]) -> QTable:
     from astropy.table import Column, MaskedColumn, QTable
     from astropy.units import Quantity
 
@@ -95,7 +110,7 @@ def _qtable(columns: "Sequence[Column]", meta: Mapping[str, Json]) -> "QTable":
     return table
 
 
-def time_of(jd1: FloatArray, jd2: FloatArray) -> "Time":
+def time_of(jd1: FloatArray, jd2: FloatArray) -> Time:
     """Returns an astropy `Time`, UTC, for two-part Julian dates, TAI. NaN values are masked."""
     from astropy.time import Time
 
@@ -109,7 +124,7 @@ def time_of(jd1: FloatArray, jd2: FloatArray) -> "Time":
     return time
 
 
-def _utc(time: "Time") -> "Time":
+def _utc(time: Time) -> Time:
     utc = time.utc
     utc.format = "isot"
     utc.precision = 6

@@ -164,7 +164,7 @@ def body_map(
         None if step is None else scalar(step, "deg", "step"),
         nside,
     )
-    return table_of(columns, output, json.loads(facts))
+    return table_of(columns, output, meta=json.loads(facts))
 
 
 def sky_map(
@@ -201,7 +201,7 @@ def sky_map(
         None if step is None else scalar(step, "deg", "step"),
         nside,
     )
-    return table_of(columns, output, json.loads(facts))
+    return table_of(columns, output, meta=json.loads(facts))
 
 
 def _setup(light: Mapping[str, object]) -> str:
