@@ -44,7 +44,7 @@ CALLS = {
     "forecast": lambda model: model.forecast(start=START, end=END),
     "visible_passes": lambda model: model.visible_passes(START, END),
     "overhead": lambda model: model.overhead(START),
-    "ephemeris": lambda model: model.ephemeris(START, generation="starlink-v1.5", min_altitude=60),
+    "ephemeris": lambda model: model.ephemeris(START, norad=900003951),
     "identify": lambda model: model.identify(place=TARGET, position_angle=45.0, start=START, exposure=30.0),
     "StreakModel.inject": lambda model: model.inject(
         FRAME, header=frame_header(), start=START, exposure=30.0, zero_point=25.0, seeing="10arcmin"
