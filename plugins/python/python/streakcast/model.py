@@ -38,7 +38,8 @@ __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 class StreakModel(ExposureQueries):
     """Satellites over a site, with a field of view, brightness models and a policy.
 
-    Arguments have the names of the command line flags and of the keys in configuration files.
+    Arguments have the names of the command line flags and of the keys in configuration files. A
+    `~astropy.units.Quantity` is accepted for every number with a unit, also in dictionaries.
 
     Parameters
     ----------
@@ -53,7 +54,8 @@ class StreakModel(ExposureQueries):
     telescope : str, path or dict, optional
         Preset name (``"rubin"``) or TOML file: field of view, and parameters of the pixels lost to a streak.
     fov : str or `~astropy.units.Quantity`, optional
-        Diameter of a circular field, with its unit: ``"3.5deg"``. Overrides the field of the telescope.
+        Diameter of a circular field, with its unit: ``"3.5deg"``; or width and height of a rectangle, ``"1.5x1.0deg"``.
+        Overrides the field of the telescope.
     field : path or dict, optional
         Field of any shape, instead of ``fov``.
     model : str, path or dict, optional
@@ -61,7 +63,7 @@ class StreakModel(ExposureQueries):
         "oneweb-panels"}``. Overrides ``models``.
     models : dict, optional
         ``{"files": [...], "generations": {"oneweb": "my-model"}, "qs_mag": path}``.
-    limit_mag : float or dict, optional
+    limit_mag : float, `~astropy.units.Quantity` or dict, optional
         Magnitude limit. If a brighter satellite probably crosses an exposure, its verdict is ``avoid``. By band:
         ``{"g": 7, "default": 6}``.
     blocking : {"avoid", "any"}, optional
