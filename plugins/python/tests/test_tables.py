@@ -99,6 +99,11 @@ def test_times_and_numbers_are_rounded_in_print_only(tables):
     assert any(abs(value - round(value, 4)) > 1e-6 for value in table["enter_ra_deg"].value)
 
 
+def test_maps_have_only_their_settings_as_metadata(tables):
+    """Other metadata would cause warnings when a map is written as FITS."""
+    assert "model" in tables["sky_map"].meta and "__attributes__" not in tables["sky_map"].meta
+
+
 def test_a_missing_time_is_printed(tables):
     """An exposure without a clear start within the limit has no time."""
     model = streakcast.StreakModel(**SKY, max_delay="1s")

@@ -27,9 +27,8 @@ CANDIDATES = ("name", "probability", "along_track_offset_s", "magnitude")
 STREAK = ("start_utc", "ra_deg", "dec_deg", "position_angle_deg", "length_deg")
 TRUTH = ("name", "x1_pix", "y1_pix", "x2_pix", "y2_pix", "length_pix", "magnitude")
 
-# Formats of printed columns, as on the command line. They do not change the values, and are also valid for tables that
-# are read from a file. Numbers by unit, and some by the name of the column; other numbers are probabilities and
-# fractions.
+# Formats of printed columns. They do not change the values, and are also valid for tables that are read from a file.
+# Numbers by unit, and some by the name of the column; other numbers are probabilities and fractions.
 _NUMBER_FORMATS = {
     "1 / s": ".1f",
     "counts": ".1f",
@@ -49,7 +48,7 @@ _NUMBER_FORMATS = {
 }
 #: Format of other numbers.
 _NUMBER_FORMAT = ".4f"
-#: Times to the millisecond (23 characters).
+#: Times to the millisecond: 23 characters, not rounded.
 _TIME_FORMAT = "{!s:.23}"
 #: Lists of points and of reasons, shortened to some characters.
 _LIST_FORMAT = "{!s:.40}"
@@ -68,7 +67,8 @@ def table_of(
     """Returns the columns in the requested form; ``shown`` are the printed columns of a `QTable`, by default all."""
     if is_qtable(output):
         table = _qtable(columns, meta or {})
-        table.pprint_include_names = shown
+        if shown is not None:
+            table.pprint_include_names = shown
         return table
     return {column["name"]: _array(column) for column in columns}
 
