@@ -113,8 +113,8 @@ class ExposureQueries(SiteQueries):
             As for `assess`.
         output : {"auto", "qtable", "dict"}
             A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
-            if astropy is installed. `print` shows the main columns of a `QTable`, or all of
-            them if its ``pprint_include_names`` is set to `None`; ``colnames`` lists them.
+            if astropy is installed. The main columns are the first and the last ones of a
+            `QTable`, which `print` shows if not all columns fit.
 
         Returns
         -------
@@ -127,7 +127,7 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         columns, warnings = engine.flags(exposures, bands)
         self._warn_once(sky_cache, warnings)
-        return table_of(_with_integer_ids(columns), output, shown=FLAGS)
+        return table_of(_with_integer_ids(columns), output, main=FLAGS)
 
     def next_clear_start(
         self,
@@ -200,7 +200,7 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         columns, warnings = engine.passes(exposures, include_dark, samples, limits)
         self._warn_once(sky_cache, warnings)
-        return table_of(_with_integer_ids(columns), output, shown=PASSES)
+        return table_of(_with_integer_ids(columns), output, main=PASSES)
 
     def clear_windows(
         self,

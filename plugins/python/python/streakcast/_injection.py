@@ -261,7 +261,7 @@ def inject(
         added=None if injected_image is None else _difference(injected_image, image),
         mask=mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
-        truth=table_of(result["truth"], table, shown=TRUTH),
+        truth=table_of(result["truth"], table, main=TRUTH),
         points=table_of(result["points"], table),
         trails=table_of(result["trails"], table),
         summary=result["summary"],

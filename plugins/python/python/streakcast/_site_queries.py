@@ -127,7 +127,7 @@ class SiteQueries(ModelState):
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
         self._warn_once(sky_cache, result["warnings"])
-        return Forecast(table_of(result["passes"], output, shown=FORECAST), table_of(result["nights"], output, shown=NIGHTS))
+        return Forecast(table_of(result["passes"], output, main=FORECAST), table_of(result["nights"], output, main=NIGHTS))
 
     def visible_passes(
         self,
@@ -282,7 +282,7 @@ class SiteQueries(ModelState):
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         table, warnings = _core.ephemeris(json.dumps(request), setup, config, sky_cache)
         self._warn_once(sky_cache, warnings)
-        return table_of(table, output, shown=EPHEMERIS)
+        return table_of(table, output, main=EPHEMERIS)
 
     def identify(
         self,
@@ -384,8 +384,8 @@ class SiteQueries(ModelState):
         result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
         self._warn_once(sky_cache, result["warnings"])
         return Identification(
-            table_of(result["candidates"], output, shown=CANDIDATES),
-            table_of(result["streak"], output, shown=STREAK),
+            table_of(result["candidates"], output, main=CANDIDATES),
+            table_of(result["streak"], output, main=STREAK),
             result["n_candidates"],
             result["unknown_probability"],
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -17,15 +17,23 @@ if TYPE_CHECKING:
 
     from ._core import Column
 
-# Columns that `print` shows, in 80 characters for short names of satellites. Other columns are in the table too.
-PASSES = ("exposure_id", "name", "enter_utc", "magnitude_peak", "probability")
-FLAGS = ("exposure_id", "verdict", "n_streaks", "brightest_mag", "p_any", "delay_s", "acceptable_delay_s")
-FORECAST = ("name", "begin_utc", "highest_altitude_deg", "peak_magnitude")
-NIGHTS = ("start_utc", "dark_from_utc", "dark_until_utc", "dark_h")
-EPHEMERIS = ("name", "utc", "ra_deg", "dec_deg", "altitude_deg", "magnitude")
-CANDIDATES = ("name", "probability", "along_track_offset_s", "magnitude")
-STREAK = ("start_utc", "ra_deg", "dec_deg", "position_angle_deg", "length_deg")
-TRUTH = ("name", "x1_pix", "y1_pix", "x2_pix", "y2_pix", "length_pix", "magnitude")
+
+class Main(NamedTuple):
+    """Main columns of a table: the first and the last ones, which `print` shows if not all columns fit."""
+
+    first: tuple[str, ...]
+    last: tuple[str, ...]
+
+
+# They fit in 80 characters if the names of the satellites have 13.
+PASSES = Main(("exposure_id", "name", "enter_utc"), ("magnitude_peak", "probability"))
+FLAGS = Main(("exposure_id", "verdict", "n_streaks"), ("brightest_mag", "p_any", "acceptable_delay_s"))
+FORECAST = Main(("name", "begin_utc"), ("highest_altitude_deg", "peak_magnitude"))
+NIGHTS = Main(("dark_from_utc", "dark_until_utc"), ("dark_h", "why_empty"))
+EPHEMERIS = Main(("name", "utc", "ra_deg"), ("dec_deg", "magnitude"))
+CANDIDATES = Main(("name", "probability"), ("along_track_offset_s", "magnitude"))
+STREAK = Main(("start_utc", "ra_deg", "dec_deg"), ("position_angle_deg", "length_deg"))
+TRUTH = Main(("name", "x1_pix", "y1_pix", "x2_pix"), ("y2_pix", "length_pix", "magnitude"))
 
 # Formats of printed columns. They do not change the values, and are also valid for tables that are read from a file.
 # Numbers by unit, and some by the name of the column; other numbers are probabilities and fractions.
@@ -62,14 +70,13 @@ def is_qtable(output: str) -> bool:
 
 
 def table_of(
-    columns: Sequence[Column], output: str, *, meta: Mapping[str, Json] | None = None, shown: tuple[str, ...] | None = None
+    columns: Sequence[Column], output: str, *, meta: Mapping[str, Json] | None = None, main: Main = Main((), ())
 ) -> Table:
-    """Returns the columns in the requested form; ``shown`` are the printed columns of a `QTable`, by default all."""
+    """Returns the columns in the requested form. The main columns are the first and the last ones of a `QTable`."""
     if is_qtable(output):
-        table = _qtable(columns, meta or {})
-        if shown is not None:
-            table.pprint_include_names = shown
-        return table
+        named = {column["name"]: column for column in columns}
+        others = [name for name in named if name not in (*main.first, *main.last)]
+        return _qtable([named[name] for name in (*main.first, *others, *main.last)], meta or {})
     return {column["name"]: _array(column) for column in columns}
 
 
