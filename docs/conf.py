@@ -35,6 +35,10 @@ copybutton_here_doc_delimiter = "EOF"
 sys.path.insert(0, str(ROOT / "plugins/python/python"))
 autodoc_mock_imports = ["streakcast._core"]
 autodoc_typehints = "signature"
+# Signatures contain the names of these types, not their definitions.
+TYPES = ROOT / "plugins/python/python/streakcast/typing.py"
+NAMES = ["ArrayLike", *re.findall(r'^    "(\w+)",$', TYPES.read_text(), re.MULTILINE)]
+autodoc_type_aliases = {name: name for name in NAMES}
 autodoc_member_order = "bysource"
 python_maximum_signature_line_length = 88
 numpydoc_show_class_members = False

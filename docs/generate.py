@@ -1,7 +1,7 @@
 """Reference pages that are generated from the command line itself: `generate.py BINARY FOLDER`; docs/build.sh calls it.
 
-Writes into FOLDER, a copy of docs/: `reference/verbs/VERB.md` (help texts), `generated/columns.md` (column tables of real runs) and
-`generated/http-api.md` (the server's OpenAPI document).
+Writes into FOLDER, a copy of docs/: `reference/verbs/VERB.md` (help texts), `generated/columns.md` (column tables of real runs),
+`generated/http-api.md` (the server's OpenAPI document) and `generated/types.md` (named types of the Python package).
 """
 
 import json
@@ -158,7 +158,18 @@ def http_api():
     (FOLDER / "generated/http-api.md").write_text("".join(parts))
 
 
+def python_types():
+    """Table of the named types of the Python package, from the comments and docstrings of its source."""
+    source = (ROOT / "plugins/python/python/streakcast/typing.py").read_text()
+    named = re.findall(r'((?:^#: .*\n)+)^(\w+) = |^class ([A-Z]\w+)\(.*\n    """(.*)"""$', source, re.MULTILINE)
+    rows = sorted((alias or kind, " ".join(re.sub("^#: ", "", comment, flags=re.MULTILINE).split()) or text) for comment, alias, kind, text in named)
+    parts = ["| name | meaning |\n|---|---|\n"]
+    parts += [f"| `{name}` | {text} |\n" for name, text in rows]
+    (FOLDER / "generated/types.md").write_text("".join(parts))
+
+
 (FOLDER / "generated").mkdir(exist_ok=True)
 verbs()
 columns()
 http_api()
+python_types()

@@ -101,7 +101,7 @@ if [[ " ${names[*]} " == *" python "* ]]; then
             pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
             cd plugins/python
             # NumPy and the last astropy for this Python. The other tests need packages that are not available for it.
-            python -m pytest --quiet -rs tests/test_{copies,threads,shapes,times,bad_input,hosts}.py
+            python -m pytest --quiet -rs tests/test_{copies,threads,shapes,times,bad_input,hosts,quantities,tables,warnings}.py
         )
     fi
 fi

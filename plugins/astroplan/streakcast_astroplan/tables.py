@@ -115,7 +115,7 @@ def streak_table(
             dec_deg.append(float(dec))
     starts = times_of(np.array(starts_s))
     pointings = (np.array(ra_deg), np.array(dec_deg))
-    table = model.passes(pointings, starts, np.array(lengths_s), include_dark=include_dark, output="qtable")
+    table: QTable = model.passes(pointings, starts, np.array(lengths_s), include_dark=include_dark, output="qtable")
     which = np.asarray(table["exposure_id"], dtype=int)
     del table["exposure_id"]
     table.add_column(Time(starts[which], format="isot", precision=3), name="exposure_start", index=0)

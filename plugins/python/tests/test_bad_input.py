@@ -26,7 +26,7 @@ GOOD = {"mpc": "X05", "shells": "starlink-gen1", "fov": "3.5deg"}
         (10.0, 0.0, 30.0, np.nan, r"rotation\[0\] is NaN deg"),
         ([1.0, 2.0], [1.0, 2.0, 3.0], 30.0, 0.0, r"shapes cannot be broadcast together: ra \(2,\), dec \(3,\)"),
         (np.ma.MaskedArray([1.0, 2.0], mask=[False, True]), 0.0, 30.0, 0.0, r"ra\[1\] is masked"),
-        (10.0, 0.0, 30.0 * u.deg, 0.0, "exposure: .*allowed: a number of s"),
+        (10.0, 0.0, 30.0 * u.deg, 0.0, "exposure has the unit 'deg', which cannot be converted to s; allowed: a number of s"),
     ],
 )
 def test_bad_numbers(model, ra, dec, exposure, rotation, message):

@@ -125,7 +125,7 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
         (dict(ends=ends, region=region), "ends and region; allowed, one of"),
         (dict(ends=ends), "missing start of the exposure"),
         (dict(ends=ends, start=START), "missing exposure time; specify exposure"),
-        (dict(ends=ends, times=[START]), "times has 1 values; allowed: 2"),
+        (dict(ends=ends, times=[START]), r"times have the shape \(1,\); allowed: two values"),
         (dict(ends=ends, times=[START, START]), "the second of times is 0 s after the first"),
         (dict(ends=ends, times=[START, START], **shutter), "times exclude start, exposure and whole_streak"),
         (dict(ends=(ends[0], ends[0]), **shutter), "both ends of the streak are at the same position"),

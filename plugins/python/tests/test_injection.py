@@ -114,7 +114,7 @@ def test_a_wcs_and_arguments_instead_of_a_header(injector):
     assert abs(done.added.sum() / expected.added.sum() - 1) < 1e-3
     text = header().tostring(sep="\n")
     np.testing.assert_array_equal(injector.inject(frame, header=text, seeing="1arcmin", seed=3).image, expected.image)
-    assert list(injector.inject(frame, header=text, seeing="1arcmin", table="dict").truth) == expected.truth.colnames
+    assert set(injector.inject(frame, header=text, seeing="1arcmin", table="dict").truth) == set(expected.truth.colnames)
 
 
 def test_the_flux_of_a_streak_matches_its_magnitude():

@@ -114,7 +114,8 @@ def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) 
         # All limits of the policy are applied, including those of loss and probability, which include near misses.
         assessment = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)
         lost = np.where(np.isfinite(assessment.lost_fraction), assessment.lost_fraction, np.nan_to_num(assessment.streak_length_deg))
-        blocked, n_streaks, brightest_mag = assessment.avoid, assessment.n_streaks, assessment.brightest_mag
+        blocked = np.asarray(assessment.avoid)
+        n_streaks, brightest_mag = np.asarray(assessment.n_streaks), np.asarray(assessment.brightest_mag)
     else:
         limits = np.array([limit_of(rules.limit_mag, band) for band in bands], dtype=float)
         passes = model.passes(

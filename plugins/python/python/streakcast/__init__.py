@@ -16,6 +16,9 @@ brightness models, without satellites.
 Times need a time scale: an `astropy.time.Time`, a string that ends in ``Z``, or numbers with ``scale="utc"`` (or
 ``"tai"``, ``"tt"``). A number without a scale raises `TypeError`: TAI that is read as UTC is wrong by 37 s, and
 satellites cross a field within seconds.
+
+A `Quantity` of astropy is accepted for every number with a unit. `streakcast.typing` names the types of arguments and
+results.
 """
 
 from ._results import Assessment, ClearWindows, Forecast, Identification, Overhead, Site

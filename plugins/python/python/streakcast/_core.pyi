@@ -1,23 +1,110 @@
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Optional
+from typing import Literal, Optional, TypedDict, Union
 
 import numpy as np
 import numpy.typing as npt
 
-_Reals = npt.NDArray[np.float64]
-_Times = tuple[_Reals, _Reals, npt.NDArray[np.int64]]
-_Columns = list[dict[str, Any]]
+from .typing import FloatArray, Pixels, Samples
+
+_Bools = npt.NDArray[np.bool_]
+_Integers = npt.NDArray[np.int64]
+_Times = tuple[FloatArray, FloatArray, _Integers]
+
+class _Described(TypedDict):
+    name: str
+    unit: str
+    description: str
+
+class RealColumn(_Described):
+    kind: Literal["real"]
+    values: FloatArray
+
+class IntegerColumn(_Described):
+    kind: Literal["integer"]
+    values: _Integers
+    missing: _Bools
+
+class BooleanColumn(_Described):
+    kind: Literal["boolean"]
+    values: _Bools
+    missing: _Bools
+
+class TimeColumn(_Described):
+    kind: Literal["time"]
+    jd1: FloatArray
+    jd2: FloatArray
+    utc_ns: _Integers
+
+class TextColumn(_Described):
+    kind: Literal["text"]
+    values: list[str]
+
+class ListColumn(_Described):
+    kind: Literal["list"]
+    values: list[Union[list[str], list[int], Samples]]
+
+Column = Union[RealColumn, IntegerColumn, BooleanColumn, TimeColumn, TextColumn, ListColumn]
+
+class Judged(TypedDict):
+    verdict: npt.NDArray[np.uint8]
+    n_streaks: _Integers
+    brightest_mag: FloatArray
+    lost_fraction: FloatArray
+    p_any: FloatArray
+    streak_length_deg: FloatArray
+    p_any_is_lower_limit: _Bools
+    p_crossing: FloatArray
+
+class Windows(TypedDict):
+    target: _Integers
+    first_start: _Times
+    last_start: _Times
+
+class OverheadRows(TypedDict):
+    moment: _Integers
+    norad_id: _Integers
+    direction: FloatArray
+    range_km: FloatArray
+    angular_rate_deg_s: FloatArray
+    lost_width_arcsec: FloatArray
+    magnitude: FloatArray
+    p_brighter: FloatArray
+
+class Forecasted(TypedDict):
+    passes: list[Column]
+    nights: list[Column]
+    warnings: list[str]
+
+class Identified(TypedDict):
+    candidates: list[Column]
+    streak: list[Column]
+    n_candidates: int
+    unknown_probability: float
+    warnings: list[str]
+
+class _Injection(TypedDict):
+    summary: str
+    truth: list[Column]
+    points: list[Column]
+    trails: list[Column]
+    bits: tuple[int, int]
+    warnings: list[str]
+
+class InjectionResult(_Injection, total=False):
+    image: Pixels
+    mask: Optional[npt.NDArray[np.int32]]
 
 __version__: str
 
 class StreakcastError(ValueError): ...
 class SetupError(StreakcastError): ...
 
-def times_from_text(texts: list[str], scale: Optional[str] = None) -> tuple[_Reals, _Reals]: ...
-def times_from_mjd(mjd: _Reals, scale: str) -> tuple[_Reals, _Reals]: ...
+def times_from_text(texts: list[str], scale: Optional[str] = None) -> tuple[FloatArray, FloatArray]: ...
+def times_from_mjd(mjd: FloatArray, scale: str) -> tuple[FloatArray, FloatArray]: ...
 def setup_files(setup: str, config: Optional[str] = None) -> list[Path]: ...
-def utc_mjd(jd1: _Reals, jd2: _Reals) -> list[float]: ...
-def draw(chart: str, labels: dict[str, Any], columns: dict[str, Any]) -> Picture: ...
+def utc_mjd(jd1: FloatArray, jd2: FloatArray) -> list[float]: ...
+def draw(chart: str, labels: Mapping[str, object], columns: Mapping[str, object]) -> Picture: ...
 
 class Picture:
     @property
@@ -30,10 +117,10 @@ def learn(
     setup: str,
     kind: str,
     norad_id: list[int],
-    jd1: _Reals,
-    jd2: _Reals,
-    residual_mag: _Reals,
-    sigma_mag: _Reals,
+    jd1: FloatArray,
+    jd2: FloatArray,
+    residual_mag: FloatArray,
+    sigma_mag: FloatArray,
 ) -> str: ...
 def model_names(setup: str) -> list[str]: ...
 def body_map(
@@ -43,7 +130,7 @@ def body_map(
     height_km: float,
     step_deg: Optional[float] = None,
     nside: Optional[int] = None,
-) -> tuple[_Columns, str]: ...
+) -> tuple[list[Column], str]: ...
 def sky_map(
     setup: str,
     model: str,
@@ -52,25 +139,24 @@ def sky_map(
     height_km: float,
     step_deg: Optional[float] = None,
     nside: Optional[int] = None,
-) -> tuple[_Columns, str]: ...
+) -> tuple[list[Column], str]: ...
 def standard_magnitudes(
     setup: str,
     model: str,
-    sun_latitude_deg: _Reals,
-    observer_longitude_deg: _Reals,
-    observer_latitude_deg: _Reals,
-    height_km: _Reals,
-) -> _Reals: ...
+    sun_latitude_deg: FloatArray,
+    observer_longitude_deg: FloatArray,
+    observer_latitude_deg: FloatArray,
+    height_km: FloatArray,
+) -> FloatArray: ...
 def sky_magnitudes(
     setup: str,
     model: str,
-    azimuth_deg: _Reals,
-    altitude_deg: _Reals,
+    azimuth_deg: FloatArray,
+    altitude_deg: FloatArray,
     sun_altitude_deg: float,
     sun_azimuth_deg: float,
     height_km: float,
-) -> tuple[_Reals, _Reals]: ...
-
+) -> tuple[FloatArray, FloatArray]: ...
 def utc_text(jd1: float, jd2: float) -> str: ...
 def inject(
     request: str,
@@ -78,17 +164,16 @@ def inject(
     config: Optional[str],
     sky_cache: Optional[SkyCache],
     output: str,
-    image: Optional[npt.NDArray[Any]] = None,
+    image: Optional[Pixels] = None,
     header: Optional[str] = None,
-) -> dict[str, Any]: ...
-
-def forecast(requests: list[str], setup: str, config: Optional[str], sky_cache: SkyCache) -> dict[str, Any]: ...
+) -> InjectionResult: ...
+def forecast(requests: list[str], setup: str, config: Optional[str], sky_cache: SkyCache) -> Forecasted: ...
 def ephemeris(
     request: str, setup: str, config: Optional[str], sky_cache: SkyCache
-) -> tuple[_Columns, list[str]]: ...
+) -> tuple[list[Column], list[str]]: ...
 def identify(
     request: str, setup: str, config: Optional[str], sky_cache: SkyCache, include_dark: bool, top: int
-) -> dict[str, Any]: ...
+) -> Identified: ...
 
 class SkyCache:
     def __new__(
@@ -112,20 +197,24 @@ class Engine:
     def field_area_deg2(self) -> Optional[float]: ...
     @property
     def blocking(self) -> str: ...
-    def judge(self, exposures: dict[str, _Reals], bands: list[str]) -> tuple[dict[str, Any], list[str]]: ...
-    def flags(self, exposures: dict[str, _Reals], bands: list[str]) -> tuple[_Columns, list[str]]: ...
+    def judge(self, exposures: Mapping[str, FloatArray], bands: Sequence[str]) -> tuple[Judged, list[str]]: ...
+    def flags(self, exposures: Mapping[str, FloatArray], bands: Sequence[str]) -> tuple[list[Column], list[str]]: ...
     def passes(
-        self, exposures: dict[str, _Reals], include_dark: bool, samples: int, limits_mag: Optional[list[float]] = None
-    ) -> tuple[_Columns, list[str]]: ...
+        self,
+        exposures: Mapping[str, FloatArray],
+        include_dark: bool,
+        samples: int,
+        limits_mag: Optional[list[float]] = None,
+    ) -> tuple[list[Column], list[str]]: ...
     def clear_windows(
         self,
-        exposures: dict[str, _Reals],
-        bands: list[str],
+        exposures: Mapping[str, FloatArray],
+        bands: Sequence[str],
         exposure_s: float,
         min_altitude_deg: float,
-        blocking: str | None = None,
+        blocking: Optional[str] = None,
         max_sun_altitude_deg: Optional[float] = None,
-    ) -> tuple[dict[str, Any], list[str]]: ...
+    ) -> tuple[Windows, list[str]]: ...
     def overhead(
         self,
         jd1: float,
@@ -135,4 +224,4 @@ class Engine:
         include_dark: bool,
         light: bool,
         limits_mag: list[float] = ...,
-    ) -> tuple[dict[str, Any], list[str]]: ...
+    ) -> tuple[OverheadRows, list[str]]: ...

@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from typing import Any, Union
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
-import numpy.typing as npt
 
 from ._results import VERDICTS, Assessment, ClearWindows
-from ._quantities import FloatArray, aligned, directions, number, scalar
+from ._quantities import aligned, directions, number, scalar
 from ._site_queries import SiteQueries
-from ._tables import TableLike, table_of, time_of, is_qtable
-from ._times import TimeLike, to_tai
+from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
+from ._times import to_tai
+from .typing import (
+    FloatArray,
+    FloatArrayLike,
+    FloatLike,
+    FloatOrArray,
+    Output,
+    Table,
+    TargetLike,
+    TextLike,
+    TimeLike,
+    WholeArray,
+)
+
+if TYPE_CHECKING:
+    from ._core import Column, IntegerColumn, TextColumn
 
 #: Accepted values of ``blocking``: choices of the satellites that block an exposure.
 BLOCKING = ("any", "avoid")
-#: Number or array.
-Numbers = Any
 
 
 class ExposureQueries(SiteQueries):
@@ -24,13 +37,13 @@ class ExposureQueries(SiteQueries):
 
     def assess(
         self,
-        target: Any,
+        target: TargetLike,
         start: TimeLike,
-        exposure: Numbers,
+        exposure: FloatArrayLike,
         *,
-        rotation: Numbers = 0.0,
-        band: Any = None,
-        scale: Union[str, None] = None,
+        rotation: FloatArrayLike = 0.0,
+        band: TextLike | None = None,
+        scale: str | None = None,
     ) -> Assessment:
         """Returns verdicts as arrays of numbers, which is the fastest method, for one visit or a million exposures.
 
@@ -75,20 +88,23 @@ class ExposureQueries(SiteQueries):
                 str(verdict[0]), count > 0, count, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0]),
                 float(p_crossing[0]),
             )
-        arrays = (verdict, streaks > 0, streaks, *numbers, is_lower_limit, p_crossing)
-        return Assessment(*(one.reshape(shape) for one in arrays))
+        brightest, lost, any_brighter, length = (one.reshape(shape) for one in numbers)
+        return Assessment(
+            verdict.reshape(shape), (streaks > 0).reshape(shape), streaks.reshape(shape), brightest, lost, any_brighter, length,
+            is_lower_limit.reshape(shape), p_crossing.reshape(shape),
+        )  # fmt: skip
 
     def flags(
         self,
-        target: Any,
+        target: TargetLike,
         start: TimeLike,
-        exposure: Numbers,
+        exposure: FloatArrayLike,
         *,
-        rotation: Numbers = 0.0,
-        band: Any = None,
-        scale: Union[str, None] = None,
-        output: str = "auto",
-    ) -> TableLike:
+        rotation: FloatArrayLike = 0.0,
+        band: TextLike | None = None,
+        scale: str | None = None,
+        output: Output = "auto",
+    ) -> Table:
         """Returns verdicts with reasons and the next clear start, as printed by ``streakcast flag``.
 
         Parameters
@@ -97,7 +113,8 @@ class ExposureQueries(SiteQueries):
             As for `assess`.
         output : {"auto", "qtable", "dict"}
             A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
-            if astropy is installed.
+            if astropy is installed. The main columns are the first and the last ones of a
+            `QTable`, which `print` shows if not all columns fit.
 
         Returns
         -------
@@ -110,17 +127,17 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         columns, warnings = engine.flags(exposures, bands)
         self._warn_once(sky_cache, warnings)
-        return table_of(_with_integer_ids(columns), output)
+        return table_of(_with_integer_ids(columns), output, main=FLAGS)
 
     def next_clear_start(
         self,
-        target: Any,
+        target: TargetLike,
         start: TimeLike,
-        exposure: Numbers,
+        exposure: FloatArrayLike,
         *,
-        rotation: Numbers = 0.0,
-        scale: Union[str, None] = None,
-    ) -> Numbers:
+        rotation: FloatArrayLike = 0.0,
+        scale: str | None = None,
+    ) -> FloatOrArray:
         """Returns the delay of each exposure until no satellite that the policy's ``blocking`` selects crosses its field.
 
         Parameters
@@ -139,22 +156,22 @@ class ExposureQueries(SiteQueries):
         columns, warnings = engine.flags(exposures, bands)
         self._warn_once(sky_cache, warnings)
         name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[engine.blocking]
-        (delay,) = (column["values"] for column in columns if column["name"] == name)
+        (delay,) = (column["values"] for column in columns if column["kind"] == "real" and column["name"] == name)
         return float(delay[0]) if shape == () else delay.reshape(shape)
 
     def passes(
         self,
-        target: Any,
+        target: TargetLike,
         start: TimeLike,
-        exposure: Numbers,
+        exposure: FloatArrayLike,
         *,
-        rotation: Numbers = 0.0,
+        rotation: FloatArrayLike = 0.0,
         include_dark: bool = False,
         samples: int = 0,
-        limit_mag: Any = None,
-        scale: Union[str, None] = None,
-        output: str = "auto",
-    ) -> TableLike:
+        limit_mag: FloatArrayLike | None = None,
+        scale: str | None = None,
+        output: Output = "auto",
+    ) -> Table:
         """Returns all satellites that cross the field during each exposure, as printed by ``streakcast passes``.
 
         Parameters
@@ -165,7 +182,7 @@ class ExposureQueries(SiteQueries):
             Whether crossings entirely in the Earth's shadow are included.
         samples : int
             Number of points along each track, in a column ``samples`` of dictionaries.
-        limit_mag : float or array, optional
+        limit_mag : float, array or `~astropy.units.Quantity`, optional
             Magnitude limit, one for all exposures or one for each (NaN for none). It adds the column ``p_brighter``,
             the probability that the satellite is brighter at its peak. Default: the model's ``limit_mag``, without
             limits by band.
@@ -179,26 +196,26 @@ class ExposureQueries(SiteQueries):
             width, surface brightness, probability, age of the element set, chords, and the lit parts of the chords.
         """
         exposures, _, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
-        limits = None if limit_mag is None else np.broadcast_to(np.asarray(limit_mag, dtype=float), shape).ravel().tolist()
+        limits = None if limit_mag is None else _limits(limit_mag, shape)
         sky_cache, engine = self._open()
         columns, warnings = engine.passes(exposures, include_dark, samples, limits)
         self._warn_once(sky_cache, warnings)
-        return table_of(_with_integer_ids(columns), output)
+        return table_of(_with_integer_ids(columns), output, main=PASSES)
 
     def clear_windows(
         self,
-        target: Any,
+        target: TargetLike,
         start: TimeLike,
         end: TimeLike,
-        exposure: Numbers,
+        exposure: FloatLike,
         *,
-        min_altitude: Numbers = 0.0,
-        rotation: Numbers = 0.0,
-        band: Any = None,
-        blocking: Union[str, None] = None,
-        max_sun_altitude: Union[Numbers, None] = None,
-        scale: Union[str, None] = None,
-        output: str = "auto",
+        min_altitude: FloatLike = 0.0,
+        rotation: FloatArrayLike = 0.0,
+        band: TextLike | None = None,
+        blocking: str | None = None,
+        max_sun_altitude: FloatLike | None = None,
+        scale: str | None = None,
+        output: Output = "auto",
     ) -> ClearWindows:
         """Returns the intervals in which an exposure of a target can start and is clear until it ends.
 
@@ -254,23 +271,23 @@ class ExposureQueries(SiteQueries):
 
     def check_pointings(
         self,
-        pointing_ras: Numbers,
-        pointing_decs: Numbers,
+        pointing_ras: FloatArrayLike,
+        pointing_decs: FloatArrayLike,
         mjds: TimeLike,
-        visit_time: Numbers,
+        visit_time: FloatArrayLike,
         *,
-        scale: Union[str, None] = None,
-    ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
+        scale: str | None = None,
+    ) -> tuple[FloatArray, WholeArray]:
         """Returns length and number of streaks per pointing, like the satellite constellations of rubin_sim.
 
         Parameters
         ----------
-        pointing_ras, pointing_decs : array, ``(n,)``
+        pointing_ras, pointing_decs : array or `~astropy.units.Quantity`, ``(n,)``
             Right ascension and declination of the pointings, ICRS, degrees.
         mjds : array, ``(n,)``
             Start of each visit, MJD, or times of any other kind. Numbers need a scale, here or as the model's
             ``mjd_scale``.
-        visit_time : float or array
+        visit_time : float, array or `~astropy.units.Quantity`
             Duration of a visit, seconds.
         scale : {"utc", "tai", "tt"}, optional
             Scale of ``mjds``.
@@ -287,7 +304,7 @@ class ExposureQueries(SiteQueries):
         return np.nan_to_num(np.atleast_1d(answer.streak_length_deg)), np.atleast_1d(answer.n_streaks)
 
     def _exposure_columns(
-        self, target: Any, start: TimeLike, exposure: Numbers, rotation: Numbers, band: Any, scale: Union[str, None]
+        self, target: TargetLike, start: TimeLike, exposure: FloatArrayLike, rotation: FloatArrayLike, band: TextLike | None, scale: str | None
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
         jd1, jd2 = to_tai(start, self._scale(scale), "start")
@@ -306,10 +323,22 @@ class ExposureQueries(SiteQueries):
         return exposures, bands, shape
 
 
-def _with_integer_ids(columns: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _limits(limit_mag: FloatArrayLike, shape: tuple[int, ...]) -> list[float]:
+    """Returns one magnitude limit for each exposure."""
+    limits = number(limit_mag, "mag", "limit_mag")
+    try:
+        return [float(limit) for limit in np.broadcast_to(limits, shape).ravel()]
+    except ValueError:
+        raise ValueError(f"limit_mag has the shape {limits.shape}; allowed: one number, or the shape {shape}") from None
+
+
+def _with_integer_ids(columns: "Sequence[Column]") -> "list[Column]":
     """Returns the columns with integer exposure ids: flat indices of the exposures."""
-    first = columns[0]
+    first = cast("TextColumn", columns[0])
     indices = np.array([int(text) for text in first["values"]], dtype=np.int64)
     description = "Flat index of the exposure, from 0."
     missing = np.zeros(len(indices), dtype=bool)
-    return [{**first, "kind": "integer", "values": indices, "missing": missing, "description": description}, *columns[1:]]
+    ids: IntegerColumn = {
+        "name": first["name"], "unit": "", "description": description, "kind": "integer", "values": indices, "missing": missing,
+    }  # fmt: skip
+    return [ids, *columns[1:]]

@@ -8,13 +8,13 @@ import threading
 import time as clock
 import weakref
 from collections import Counter
-from typing import Any, Union
+from collections.abc import Iterable
 
 from ._mailbox import Mailbox
 from .model import StreakModel
 
 #: Modification time (ns), size and inode of each file; `None` for a missing file.
-Signature = dict[str, Union[tuple[int, int, int], None]]
+Signature = dict[str, tuple[int, int, int] | None]
 
 _EARTH_KM = 6371.0
 
@@ -36,15 +36,15 @@ class HookState:
         name: str,
         watch_s: float,
         counts: "Counter[str]",
-        mailbox: Union[Mailbox, None] = None,
-        seen: Union[Signature, None] = None,
+        mailbox: Mailbox | None = None,
+        seen: Signature | None = None,
     ) -> None:
         self.model, self.name, self.watch_s = model, name, watch_s
         self.counts, self.mailbox = counts, mailbox
         self.lock = threading.Lock()
         self.logged_kinds: set[str] = set()
         self.remote_hooks: list[RemoteHook] = []
-        self.reading: Union[threading.Thread, None] = None
+        self.reading: threading.Thread | None = None
         self.next_check_s = clock.monotonic() + watch_s
         #: Delay before unreadable files are read again, and time of that attempt.
         self.retry_delay_s, self.retry_at_s = 0.0, math.inf
@@ -54,13 +54,13 @@ class HookState:
         if seen is None and not model.changed_files():
             self.seen = signature(model.files)
 
-    def loaded_signature(self) -> Union[Signature, None]:
+    def loaded_signature(self) -> Signature | None:
         """Returns the signature of the files of the model; `None` while files are read, and after an error."""
         reading = self.reading is not None and self.reading.is_alive()
         return None if reading or self.retry_at_s < math.inf else self.seen
 
 
-def signature(files: dict[str, Any]) -> Signature:
+def signature(files: Iterable[str]) -> Signature:
     """Returns the current signature of the files."""
     found: Signature = {}
     for path in files:

@@ -5,21 +5,36 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Union
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._quantities import aligned, is_of, number, scalar
+from ._quantities import aligned, is_of, is_quantity, number, scalar
 from ._setup import absolute, document
-from ._tables import TableLike, table_of
-from ._times import TimeLike, to_tai
-from .errors import StreakcastWarning
+from ._tables import TRUTH, table_of
+from ._times import to_tai
+from ._warnings import warn
+from .typing import (
+    FloatArrayLike,
+    FloatLike,
+    HeaderLike,
+    Json,
+    Options,
+    Output,
+    PathLike,
+    Pixels,
+    Table,
+    TimeLike,
+    WholeLike,
+)
 
 if TYPE_CHECKING:
+    from astropy.units import Quantity
+
     from .model import StreakModel
 
 
@@ -27,59 +42,59 @@ class Injected(NamedTuple):
     """Result of an injection."""
 
     #: File that was written; `None` for an array.
-    path: Union[Path, None]
+    path: Path | None
     #: Image with streaks, in the data type of the input; `None` for a file.
-    image: Any
+    image: Pixels | None
     #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file.
-    added: Any
+    added: npt.NDArray[np.float32 | np.float64] | None
     #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, whose masks are extensions.
-    mask: Any
+    mask: npt.NDArray[np.int32] | None
     #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` where light was added.
     mask_planes: dict[str, int]
     #: One row per streak and chip: ends in pixels and on the sky, magnitude, length, width, counts.
-    truth: TableLike
+    truth: Table
     #: Points along each streak.
-    points: TableLike
+    points: Table
     #: Streaks as rows for Rubin's ``source_injection``.
-    trails: TableLike
+    trails: Table
     #: Summary in one line.
     summary: str
 
 
 def inject(
-    frame: Any,
-    output: "Union[str, os.PathLike[str], None]" = None,
+    frame: PathLike | Pixels,
+    output: PathLike | None = None,
     *,
-    model: "Union[StreakModel, None]" = None,
-    header: Any = None,
-    start: Union[TimeLike, None] = None,
-    exposure: Any = None,
-    scale: Union[str, None] = None,
-    random_streaks: Union[int, None] = None,
-    streak_density: Union[float, None] = None,
-    magnitude: Any = None,
-    streak_rate_deg_s: Any = None,
-    telescope: Any = None,
-    band: Union[str, None] = None,
-    seeing: Any = None,
+    model: StreakModel | None = None,
+    header: HeaderLike | None = None,
+    start: TimeLike | None = None,
+    exposure: FloatLike | None = None,
+    scale: str | None = None,
+    random_streaks: int | None = None,
+    streak_density: FloatLike | None = None,
+    magnitude: FloatArrayLike | None = None,
+    streak_rate_deg_s: FloatArrayLike | None = None,
+    telescope: PathLike | Options | None = None,
+    band: str | None = None,
+    seeing: str | Quantity | None = None,
     psf: str = "moffat",
-    zero_point: Union[float, None] = None,
-    zero_point_1s: Union[float, None] = None,
-    gain: Union[float, None] = None,
-    detector: "Union[str, os.PathLike[str], None]" = None,
+    zero_point: FloatLike | None = None,
+    zero_point_1s: FloatLike | None = None,
+    gain: FloatLike | None = None,
+    detector: PathLike | None = None,
     noise: bool = True,
     seed: int = 0,
-    hdu: Any = None,
-    pixel_scale: Any = None,
-    track_rate: Any = None,
-    tumbling: Any = None,
-    glints: Any = (),
-    light_curve: "Union[str, os.PathLike[str], None]" = None,
+    hdu: WholeLike | None = None,
+    pixel_scale: str | Quantity | None = None,
+    track_rate: FloatArrayLike | Sequence[FloatLike] | None = None,
+    tumbling: FloatArrayLike | Sequence[FloatLike] | None = None,
+    glints: Sequence[FloatArrayLike | Sequence[FloatLike]] = (),
+    light_curve: PathLike | None = None,
     resolve_panels: bool = False,
     truth_points: int = 11,
     mask_bits: str = "lsst",
     pixels_only: bool = False,
-    table: str = "auto",
+    table: Output = "auto",
 ) -> Injected:
     """Adds streaks to a FITS file or an array; the result is identical to that of ``streakcast inject``.
 
@@ -103,11 +118,11 @@ def inject(
         Scale of a bare number in ``start``.
     random_streaks : int, optional
         Number of random streaks, instead of satellites.
-    streak_density : float, optional
+    streak_density : float or `~astropy.units.Quantity`, optional
         Mean number of random streaks per square degree, instead of satellites.
-    magnitude : float or pair, optional
+    magnitude : float, pair or `~astropy.units.Quantity`, optional
         Magnitude of the random objects if they did not move: one value, or the brightest and the faintest.
-    streak_rate_deg_s : float or pair, optional
+    streak_rate_deg_s : float, pair or `~astropy.units.Quantity`, optional
         Angular rate of random streaks, deg/s: one value, or the slowest and the fastest; default 0.2 to 0.8.
     telescope : str, path or dict, optional
         Preset name or TOML file, for seeing and defocus of near satellites; default: that of the model.
@@ -117,11 +132,11 @@ def inject(
         FWHM of the image of a star, with its unit; default: that of the telescope.
     psf : str
         ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
-    zero_point, zero_point_1s : float, optional
+    zero_point, zero_point_1s : float or `~astropy.units.Quantity`, optional
         Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second; default:
         from the header.
-    gain : float, optional
-        Electrons per count; default: from the header.
+    gain : float or `~astropy.units.Quantity`, optional
+        Electrons per count (``electron / adu`` or ``electron / ct``); default: from the header.
     detector : path, optional
         Detector description (TOML): saturation with bleeding, crosstalk, vignetting and more.
     noise : bool
@@ -132,12 +147,13 @@ def inject(
         HDUs of the file to use, from 0; default: all images.
     pixel_scale : str or `~astropy.units.Quantity`, optional
         Pixel scale, for random streaks in a frame without world coordinates.
-    track_rate : pair, optional
+    track_rate : pair or `~astropy.units.Quantity`, optional
         Non-sidereal tracking rate of the telescope: arcsec/s towards east and north.
     tumbling : sequence, optional
-        Period (s), amplitude (mag) and, optionally, phase (turns) of a tumbling body.
+        Period (s), amplitude (mag) and, optionally, phase (turns) of a tumbling body; numbers or `Quantity`.
     glints : sequence of triples
-        Flashes: magnitude, time in seconds after the closest approach to the frame's centre, full width in seconds.
+        Flashes: magnitude, time in seconds after the closest approach to the frame's centre, full width in seconds;
+        numbers or `Quantity`.
     light_curve : path, optional
         A CSV file of ``time_s`` and ``delta_mag``.
     resolve_panels : bool
@@ -169,12 +185,15 @@ def inject(
     StreakcastWarning
         Light was added without noise because the gain is unknown; chips were omitted; element sets are old.
     """
-    is_file = isinstance(frame, (str, os.PathLike))
-    options: dict[str, Any] = dict(
-        random_streaks=random_streaks, streak_density=streak_density, magnitude=_numbers(magnitude, "magnitude"),
-        streak_rate_deg_s=_numbers(streak_rate_deg_s, "streak_rate_deg_s"), psf=psf, zero_point=zero_point,
-        zero_point_1s=zero_point_1s, gain=gain, seed=int(seed), track_rate=_numbers(track_rate, "track_rate"),
-        tumbling=_numbers(tumbling, "tumbling"), glint=[_numbers(glint, "glints") for glint in glints],
+    options: dict[str, Json] = dict(
+        random_streaks=random_streaks, streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
+        magnitude=_numbers(magnitude, "mag", "magnitude"),
+        streak_rate_deg_s=_numbers(streak_rate_deg_s, "deg / s", "streak_rate_deg_s"), psf=psf,
+        zero_point=_scalar(zero_point, "mag", "zero_point"), zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
+        gain=_scalar(gain, "electron / adu", "gain"), seed=int(seed),
+        track_rate=_numbers(track_rate, "arcsec / s", "track_rate"),
+        tumbling=_mixed(tumbling, ("s", "mag", "cycle"), "tumbling"),
+        glint=[_mixed(glint, ("mag", "s", "s"), f"glints[{index}]") for index, glint in enumerate(glints)],
         resolve_panels=bool(resolve_panels), truth_points=int(truth_points), mask_bits=mask_bits,
         pixels_only=bool(pixels_only), no_noise=not noise, hdu=_integers(hdu),
         seeing=_angle(seeing, "seeing"), pixel_scale=_angle(pixel_scale, "pixel_scale"),
@@ -209,7 +228,7 @@ def inject(
 
     if not hasattr(_core, "inject"):
         raise NotImplementedError("inject is not in this build: it needs CFITSIO, which does not build on Windows")
-    if is_file:
+    if isinstance(frame, (str, os.PathLike)):
         if output is None:
             raise ValueError("missing output file; specify output=...")
         if header is not None:
@@ -222,7 +241,7 @@ def inject(
     else:
         if output is not None:
             raise ValueError("output is given for an array; allowed: with a file (the image with streaks is returned)")
-        image = np.asarray(frame)
+        image: Pixels = np.asarray(frame)
         if image.ndim != 2:
             raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
         image = aligned(image, image.dtype.newbyteorder("="))
@@ -230,11 +249,11 @@ def inject(
             json.dumps(_without_none(options)), json.dumps(setup), config, sky_cache, tempfile.gettempdir(), image, _header_text(header)
         )
     for message in dict.fromkeys(result["warnings"]):
-        warnings.warn(message, StreakcastWarning, stacklevel=2)
+        warn(message)
     injected_image = result.get("image")
     mask = result.get("mask")
-    if not is_file and mask is None and not pixels_only:
-        mask = np.zeros(image.shape, dtype=np.int32)
+    if injected_image is not None and mask is None and not pixels_only:
+        mask = np.zeros(injected_image.shape, dtype=np.int32)
     streak_bit, injected_bit = result["bits"]
     return Injected(
         path=Path(output) if output is not None else None,
@@ -242,56 +261,70 @@ def inject(
         added=None if injected_image is None else _difference(injected_image, image),
         mask=mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
-        truth=table_of(result["truth"], table),
+        truth=table_of(result["truth"], table, main=TRUTH),
         points=table_of(result["points"], table),
         trails=table_of(result["trails"], table),
         summary=result["summary"],
     )
 
 
-def _difference(after: npt.NDArray[Any], before: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def _difference(after: Pixels, before: Pixels) -> npt.NDArray[np.float32 | np.float64]:
     """Returns the difference of two images, which is exact also for unsigned integers."""
     wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
-    difference: npt.NDArray[Any] = np.subtract(after, before, dtype=wide)
+    difference: npt.NDArray[np.float32 | np.float64] = np.subtract(after, before, dtype=wide)
     return difference
 
 
-def _without_none(options: dict[str, Any]) -> dict[str, Any]:
+def _without_none(options: Mapping[str, Json]) -> dict[str, Json]:
     return {key: value for key, value in options.items() if value is not None}
 
 
-def _numbers(value: Any, what: str) -> list[float]:
+def _scalar(value: object, unit: str, what: str) -> float | None:
+    return None if value is None else scalar(value, unit, what)
+
+
+def _numbers(value: object, unit: str, what: str) -> list[Json]:
     """Returns one or several numbers as a list; empty for `None`."""
-    return [] if value is None else [float(one) for one in np.ravel(number(value, "", what))]
+    return [] if value is None else [float(one) for one in np.ravel(number(value, unit, what))]
 
 
-def _integers(value: Any) -> list[int]:
+def _mixed(values: FloatArrayLike | Sequence[FloatLike] | None, units: tuple[str, ...], what: str) -> list[Json]:
+    """Returns numbers of different units as a list; empty for `None`. Their count is checked by the library."""
+    if values is None:
+        return []
+    items = values if isinstance(values, (list, tuple)) else list(np.asanyarray(values).reshape(-1))
+    # Superfluous numbers are passed on without a unit.
+    units += ("",) * (len(items) - len(units))
+    return [scalar(one, unit, f"{what}[{index}]") for index, (one, unit) in enumerate(zip(items, units))]
+
+
+def _integers(value: WholeLike | None) -> list[Json]:
     return [] if value is None else [int(one) for one in np.ravel(value)]
 
 
-def _angle(value: Any, what: str) -> Union[str, None]:
+def _angle(value: object, what: str) -> str | None:
     """Returns an angle as a string with its unit."""
     if value is None or isinstance(value, str):
         return value
-    if is_of("astropy.units", "Quantity", value):
+    if is_quantity(value):
         return f"{scalar(value, 'arcsec', what)!r}arcsec"
     raise TypeError(f"{what} is {type(value).__name__}; allowed: a string with a unit (\"1.2arcsec\"), or a Quantity")
 
 
-def _moment(value: Any, scale: Union[str, None]) -> str:
+def _moment(value: TimeLike, scale: str | None) -> str:
     jd1, jd2 = to_tai(value, scale, "start")
     if np.shape(jd1) != ():
         raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one time")
     return _core.utc_text(float(jd1), float(jd2))
 
 
-def _header_text(header: Any) -> Union[str, None]:
+def _header_text(header: object) -> str | None:
     """Returns the header as text, one card per line."""
     if header is None or isinstance(header, str):
         return header
     if is_of("astropy.wcs", "WCS", header):
-        header = header.to_header(relax=True)
+        header = getattr(header, "to_header")(relax=True)
     if is_of("astropy.io.fits", "Header", header):
-        text: str = header.tostring(sep="\n", endcard=False, padding=False)
+        text: str = getattr(header, "tostring")(sep="\n", endcard=False, padding=False)
         return text
     raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, or a string of cards")

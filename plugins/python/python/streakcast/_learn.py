@@ -3,29 +3,29 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
-from typing import Any, Union
 
 import numpy as np
 
 from . import _core
+from ._quantities import number
 from ._setup import document
-from ._times import TimeLike, to_tai
+from ._times import to_tai
+from .typing import FloatArrayLike, Json, ModelLike, PathLike, TimeLike, WholeLike
 
 
 def learn(
-    norad_id: Any,
+    norad_id: WholeLike,
     time: TimeLike,
-    observed: Any,
-    predicted: Any,
+    observed: FloatArrayLike,
+    predicted: FloatArrayLike,
     *,
     kind: str,
-    sigma: Any = None,
-    model: Any = None,
-    scale: Union[str, None] = None,
-    output: Union[str, "os.PathLike[str]", None] = None,
-) -> dict[str, Any]:
+    sigma: FloatArrayLike | None = None,
+    model: ModelLike | None = None,
+    scale: str | None = None,
+    output: PathLike | None = None,
+) -> dict[str, Json]:
     """Learns the offsets of satellites of one kind from their brightness model.
 
     Parameters
@@ -34,12 +34,12 @@ def learn(
         NORAD catalogue number of each measurement.
     time : time, shape (n,)
         Times of the measurements.
-    observed, predicted : float or array, shape (n,)
+    observed, predicted : float, array or `~astropy.units.Quantity`, shape (n,)
         Measured magnitudes, and those of the model without a learned file (``magnitude`` and ``predicted_magnitude``
         of ``streakcast measure``). Rows in which one of them is NaN are omitted.
     kind : str
         Kind of the satellites, for example ``"oneweb"``.
-    sigma : float or array, optional
+    sigma : float, array or `~astropy.units.Quantity`, optional
         Errors (one sigma) of the measurements, mag.
     model : str, path or dict, optional
         Brightness model of the predictions, as for `StreakModel`; the default model of the kind if omitted.
@@ -62,8 +62,8 @@ def learn(
     ids = np.asarray(norad_id)
     if ids.dtype.kind not in "iu" or np.any(ids < 1):
         raise ValueError("norad_id is not a list of catalogue numbers; allowed: integers from 1")
-    errors = np.nan if sigma is None else sigma
-    numbers = [np.asarray(value, dtype=np.float64) for value in (observed, predicted, errors)]
+    given = (("observed", observed), ("predicted", predicted), ("sigma", np.nan if sigma is None else sigma))
+    numbers = [number(value, "mag", name) for name, value in given]
     try:
         rows = [np.ascontiguousarray(np.ravel(column)) for column in np.broadcast_arrays(ids, jd1, jd2, *numbers)]
     except ValueError:
@@ -71,8 +71,8 @@ def learn(
     complete = np.isfinite(rows[3]) & np.isfinite(rows[4])
     ids, jd1, jd2, measured, computed, errors = [column[complete] for column in rows]
     setup = json.dumps(document({"model": model}))
-    text = _core.learn(setup, kind, [int(number) for number in ids], jd1, jd2, measured - computed, errors)
+    text = _core.learn(setup, kind, [int(one) for one in ids], jd1, jd2, measured - computed, errors)
     if output is not None:
         Path(output).write_text(text, encoding="utf-8")
-    learned: dict[str, Any] = json.loads(text)
+    learned: dict[str, Json] = json.loads(text)
     return learned

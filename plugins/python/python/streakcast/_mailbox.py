@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Mapping
 from multiprocessing.context import get_spawning_popen
 from multiprocessing.sharedctypes import RawArray
-from typing import Any, Union
+from typing import Any
 
 #: Largest number of counters. Hosts use fewer.
 SLOTS = 48
@@ -91,5 +91,5 @@ def _restored(slots: Any, message: Any) -> Mailbox:
     return mailbox
 
 
-def _no_mailbox() -> Union[Mailbox, None]:
+def _no_mailbox() -> Mailbox | None:
     return None

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import sys
-from typing import Any, Union
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-FloatArray = npt.NDArray[np.float64]
+from .typing import FloatArray
+
+if TYPE_CHECKING:
+    from typing import TypeVar
+
+    Scalar = TypeVar("Scalar", bound=np.generic)
+
+#: Units with the same numbers as another one: AB magnitudes (in the magnitude system of the call), and counts.
+_SAME_NUMBERS = {"mag": ("mag(AB)",), "electron / adu": ("electron / ct", "electron / DN")}
 
 
 def is_of(module_name: str, class_name: str, value: object) -> bool:
@@ -17,31 +25,60 @@ def is_of(module_name: str, class_name: str, value: object) -> bool:
     return module is not None and isinstance(value, getattr(module, class_name))
 
 
-def aligned(array: npt.NDArray[Any], dtype: Union[npt.DTypeLike, None] = None) -> npt.NDArray[Any]:
+def is_quantity(value: object) -> bool:
+    """Returns True for a `Quantity`, and for a column with a unit of an astropy `Table`."""
+    if is_of("astropy.table", "Column", value):
+        return getattr(value, "unit", None) is not None
+    return is_of("astropy.units", "Quantity", value)
+
+
+def aligned(array: "npt.NDArray[Scalar]", dtype: np.dtype[Scalar] | None = None) -> "npt.NDArray[Scalar]":
     """Returns the array; copied only if it is not contiguous or not aligned (as after transfer by Dask)."""
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 
-def number(value: Any, unit: str, what: str) -> FloatArray:
-    """Returns a number or array in the given unit. A number without a unit is taken to be in this unit."""
-    if is_of("astropy.units", "Quantity", value):
-        try:
-            value = value.to_value(unit)
-        except Exception as error:
-            raise ValueError(f"{what}: {error}; allowed: a number of {unit} or a Quantity") from None
-    if isinstance(value, np.ma.MaskedArray) and np.any(value.mask):
-        index = int(np.flatnonzero(np.ravel(np.ma.getmaskarray(value)))[0])
-        raise ValueError(f"{what}[{index}] is masked; allowed: a number of {unit}")
+def number(value: object, unit: str, what: str) -> FloatArray:
+    """Returns a number or array in the given unit. A number without a unit is taken to be in this unit.
+
+    An empty unit accepts numbers without a unit and dimensionless quantities.
+    """
+    allowed = f"allowed: a number of {unit} or a Quantity" if unit else "allowed: a number without a unit"
+    # Masked arrays of NumPy, and masked quantities of astropy.
+    if isinstance(value, np.ma.MaskedArray) or hasattr(value, "unmasked"):
+        masked = np.flatnonzero(getattr(value, "mask"))
+        if masked.size:
+            raise ValueError(f"{what}[{masked[0]}] is masked; {allowed}")
+    if is_quantity(value):
+        return _converted(value, unit, what, allowed)
+    if isinstance(value, (list, tuple)) and any(is_quantity(item) for item in value):
+        items = [number(item, unit, f"{what}[{index}]") for index, item in enumerate(value)]
+        if len({item.shape for item in items}) > 1:
+            raise ValueError(f"{what} has items of different shapes; {allowed}")
+        return np.array(items)
     try:
         array = np.asarray(value)
         if array.dtype.kind not in "iuf":
             raise TypeError
         return array.astype(np.float64)
     except (TypeError, ValueError):
-        raise TypeError(f"{what} is {type(value).__name__}; allowed: a number of {unit} or a Quantity") from None
+        raise TypeError(f"{what} is {type(value).__name__}; {allowed}") from None
 
 
-def scalar(value: Any, unit: str, what: str) -> float:
+def _converted(value: object, unit: str, what: str, allowed: str) -> FloatArray:
+    from astropy.units import Unit, UnitsError
+
+    given = getattr(value, "unit")
+    numbers = np.asarray(getattr(value, "unmasked", value), dtype=np.float64)
+    if any(given == Unit(other) for other in _SAME_NUMBERS.get(unit, ())):
+        return numbers
+    try:
+        return np.asarray(given.to(Unit(unit), numbers), dtype=np.float64)
+    except UnitsError:
+        target = f", which cannot be converted to {unit}" if unit else ""
+        raise ValueError(f"{what} has the unit '{given}'{target}; {allowed}") from None
+
+
+def scalar(value: object, unit: str, what: str) -> float:
     """Returns one number in the given unit."""
     array = number(value, unit, what)
     if array.shape != ():
@@ -49,10 +86,10 @@ def scalar(value: Any, unit: str, what: str) -> float:
     return float(array)
 
 
-def directions(target: Any) -> tuple[FloatArray, FloatArray]:
+def directions(target: object) -> tuple[FloatArray, FloatArray]:
     """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair."""
     if is_of("astropy.coordinates", "SkyCoord", target):
-        icrs = target.icrs
+        icrs = getattr(target, "icrs")
         return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)
     if not isinstance(target, (tuple, list)) or len(target) != 2:
         raise TypeError(f"target is {type(target).__name__}; allowed: a SkyCoord, or a pair (ra, dec) of degrees or Quantity")

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from ._quantities import FloatArray
+from .typing import BoolOrArray, FloatArray, FloatOrArray, Table, TextOrArray, TimeResult, WholeArray, WholeOrArray
 
 #: Verdicts in the order of their codes.
 VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
@@ -31,33 +30,33 @@ class Assessment(NamedTuple):
 
     #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
     #: horizon).
-    verdict: Any
+    verdict: TextOrArray
     #: Whether a lit satellite crosses the field.
-    crosses: Any
+    crosses: BoolOrArray
     #: Number of lit satellites that cross the field.
-    n_streaks: Any
+    n_streaks: WholeOrArray
     #: Brightest magnitude of these satellites inside the field; NaN if there are none.
-    brightest_mag: Any
+    brightest_mag: FloatOrArray
     #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.
-    lost_fraction: Any
+    lost_fraction: FloatOrArray
     #: Probability that at least one lit satellite crosses and is brighter than a limit of the policy, given the errors
     #: of element sets and magnitudes; equal to ``p_crossing`` without a limit; NaN where invalid.
-    p_any: Any
+    p_any: FloatOrArray
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
-    streak_length_deg: Any
+    streak_length_deg: FloatOrArray
     #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
     #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
-    p_any_is_lower_limit: Any = False
+    p_any_is_lower_limit: BoolOrArray = False
     #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
-    p_crossing: Any = float("nan")
+    p_crossing: FloatOrArray = float("nan")
 
     @property
-    def avoid(self) -> Any:
+    def avoid(self) -> BoolOrArray:
         """Whether a limit of the policy is exceeded."""
         return self.verdict == "avoid"
 
     @property
-    def clear(self) -> Any:
+    def clear(self) -> BoolOrArray:
         """Whether no lit satellite crosses."""
         return self.verdict == "clear"
 
@@ -66,11 +65,11 @@ class ClearWindows(NamedTuple):
     """Intervals of clear exposure starts, ordered by target and time; each field has the shape ``(n_windows,)``."""
 
     #: Flat index of the target.
-    target: npt.NDArray[np.int64]
+    target: WholeArray
     #: First clear start: `astropy.time.Time` if astropy is installed, otherwise ``datetime64[ns]``, UTC.
-    first_start: Any
+    first_start: TimeResult
     #: Last clear start.
-    last_start: Any
+    last_start: TimeResult
     #: Time from the first to the last start, seconds.
     length_s: FloatArray
 
@@ -79,9 +78,9 @@ class Overhead(NamedTuple):
     """Satellites above a site: one row per satellite and time, sorted by both; shape ``(n_rows,)`` if not stated."""
 
     #: Index of the time, from 0.
-    moment: npt.NDArray[np.int64]
+    moment: WholeArray
     #: NORAD catalogue number.
-    norad_id: npt.NDArray[np.int64]
+    norad_id: WholeArray
     #: Direction as a unit vector, ICRS, astrometric topocentric, ``(n_rows, 3)``.
     direction: FloatArray
     #: Range, km. This and the next columns are computed for the middle row of each satellite, and repeated in its other
@@ -103,9 +102,9 @@ class Forecast(NamedTuple):
     #: One row per pass, sorted by the start of visibility: ``night`` (row of ``nights``), rise, culmination and set,
     #: shadow entry and exit, visible part (``begin``, ``highest``, ``end`` and why it begins and ends), peak magnitude
     #: with sigma, source, position and range, age of the element set, and ``samples`` if requested.
-    passes: Any
+    passes: Table
     #: One row per night: hours of darkness, lowest Sun altitude, number of omitted passes by reason, and ``why_empty``.
-    nights: Any
+    nights: Table
 
 
 class Identification(NamedTuple):
@@ -113,9 +112,9 @@ class Identification(NamedTuple):
 
     #: One row per candidate, in order of decreasing probability: along-track and cross-track offsets with sigmas,
     #: angle, length, chi square, probability, position, magnitude, age of the element set.
-    candidates: Any
+    candidates: Table
     #: Measured streak, one row.
-    streak: Any
+    streak: Table
     #: Number of candidates, including those that are not listed.
     n_candidates: int
     #: Probability that the streak is of a satellite that is missing in the element sets.

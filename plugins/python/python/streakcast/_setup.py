@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
 
 from ._core import SetupError
-from ._quantities import is_of, scalar
+from ._quantities import is_of, is_quantity, number
+from .typing import FieldOptions, FloatArray, Json, PathLike
 
 #: Keys that affect positions and brightness of satellites. The other keys affect field and policy.
 SKY_KEYS = frozenset(
@@ -16,17 +19,16 @@ SKY_KEYS = frozenset(
     }
 )  # fmt: skip
 #: Keys that an engine uses in addition to the satellites.
-ENGINE_KEYS = frozenset(
-    {
-        "fov", "field", "telescope", "band", "mag_system", "earthshine", "extinction", "sun_distance", "limit_mag",
-        "min_probability", "policy", "blocking", "max_delay", "time_scale",
-    }
-)  # fmt: skip
+ENGINE_KEYS = frozenset(FieldOptions.__annotations__) - {"mjd_scale"} | {"time_scale"}
+#: Units of keys that do not end with their unit.
+_KEY_UNITS = {"lat": "deg", "lon": "deg", "height": "m", "extinction": "mag"}
+#: Units at the ends of the names of other keys.
+_UNITS = ("arcmin", "arcsec", "deg", "km", "m", "mag", "s", "um")
 
 
-def document(arguments: dict[str, Any]) -> dict[str, Any]:
+def document(arguments: Mapping[str, object]) -> dict[str, Json]:
     """Returns the document of the given arguments: numbers, strings, lists and dictionaries, with absolute paths."""
-    given: dict[str, Any] = {}
+    given: dict[str, Json] = {}
     for key, value in arguments.items():
         if value is None:
             continue
@@ -39,49 +41,66 @@ def document(arguments: dict[str, Any]) -> dict[str, Any]:
     return given
 
 
-def absolute(path: Any) -> str:
+def absolute(path: PathLike) -> str:
     """Returns the absolute path, which is also valid in other processes."""
     return str(os.path.abspath(os.fspath(path)))
 
 
-def _plain(key: str, value: Any) -> Any:
-    """Returns the value in JSON types; NumPy scalars are converted."""
-    if isinstance(value, dict):
-        return {str(name): _plain(key, item) for name, item in value.items()}
+def _unit_of(key: str) -> str:
+    """Returns the unit of a key: that at the end of its name; empty if there is none."""
+    unit = key.rpartition("_")[2]
+    return _KEY_UNITS.get(key, unit if unit in _UNITS and unit != key else "")
+
+
+def _plain(key: str, value: object) -> Json:
+    """Returns the value in JSON types; NumPy scalars are converted, and quantities to the unit of their key."""
+    if isinstance(value, Mapping):
+        # In a table of limits by band, the unit is that of the table.
+        return {str(name): _plain(str(name) if _unit_of(str(name)) else key, item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(key, item) for item in value]
     if isinstance(value, (str, bool, int, float)):
         return value
     if isinstance(value, os.PathLike):
         return absolute(value)
-    item = getattr(value, "item", None)
-    if item is not None and getattr(value, "shape", None) == () and not is_of("astropy.units", "Quantity", value):
-        return item()
+    if is_quantity(value):
+        numbers: Json = _in_unit(key, value, _unit_of(key)).tolist()
+        return numbers
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.shape == ()):
+        item: Json = value.item()
+        return item
     raise SetupError(f"{key} is {type(value).__name__}; allowed: strings, numbers, and lists and dictionaries of these")
 
 
-def _paths(key: str, value: Any) -> list[str]:
+def _in_unit(key: str, value: object, unit: str) -> FloatArray:
+    """Returns one or several quantities as numbers in a unit."""
+    try:
+        return number(value, unit, key)
+    except ValueError as error:
+        raise SetupError(str(error)) from None
+
+
+def _paths(key: str, value: object) -> list[Json]:
     if isinstance(value, (str, os.PathLike)):
         return [absolute(value)]
-    try:
-        return [absolute(path) for path in value]
-    except TypeError:
-        raise SetupError(f"{key} is {type(value).__name__}; allowed: a path, or a list of paths") from None
+    if isinstance(value, Iterable):
+        return [_path(key, path) for path in value]
+    raise SetupError(f"{key} is {type(value).__name__}; allowed: a path, or a list of paths")
 
 
-def _path(key: str, value: Any) -> str:
+def _path(key: str, value: object) -> str:
     if not isinstance(value, (str, os.PathLike)):
         raise SetupError(f"{key} is {type(value).__name__}; allowed: a path")
     return absolute(value)
 
 
-def _path_or_table(key: str, value: Any) -> Any:
-    return _plain(key, value) if isinstance(value, dict) else _path(key, value)
+def _path_or_table(key: str, value: object) -> Json:
+    return _plain(key, value) if isinstance(value, Mapping) else _path(key, value)
 
 
-def _names(key: str, value: Any) -> Any:
+def _names(key: str, value: object) -> Json:
     """Returns names of presets unchanged, and paths of TOML files as absolute paths."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return _plain(key, value)
     if isinstance(value, (list, tuple)):
         return [_names(key, item) for item in value]
@@ -91,10 +110,10 @@ def _names(key: str, value: Any) -> Any:
     return absolute(text) if text.endswith(".toml") else text
 
 
-def _site(key: str, value: Any) -> Any:
+def _site(key: str, value: object) -> Json:
     if is_of("astropy.coordinates", "EarthLocation", value):
-        geodetic = value.to_geodetic("WGS84")
-        name = getattr(value.info, "name", None) or "site"
+        geodetic = getattr(value, "to_geodetic")("WGS84")
+        name = getattr(getattr(value, "info"), "name", None) or "site"
         return {
             "name": str(name),
             "latitude_deg": float(geodetic.lat.to_value("deg")),
@@ -104,20 +123,24 @@ def _site(key: str, value: Any) -> Any:
     return _plain(key, value)
 
 
-def _angle(key: str, value: Any) -> Any:
-    """Returns a `Quantity` as a string with its unit. Numbers without a unit are passed on, and rejected later."""
-    if is_of("astropy.units", "Quantity", value):
-        return f"{scalar(value, 'deg', key)!r}deg"
+def _fov(key: str, value: object) -> Json:
+    """Returns a diameter, or width and height, as a string with the unit. Numbers without a unit are rejected later."""
+    if is_quantity(value) or (isinstance(value, (list, tuple)) and any(is_quantity(side) for side in value)):
+        return "x".join(repr(side) for side in _in_unit(key, value, "deg").ravel().tolist()) + "deg"
     return _plain(key, value)
 
 
-def _seconds(key: str, value: Any) -> Any:
-    if is_of("astropy.units", "Quantity", value):
-        return f"{scalar(value, 's', key)!r}s"
-    return _plain(key, value)
+def _seconds(key: str, value: object) -> Json:
+    """Returns a duration as a string with its unit. Numbers without a unit are rejected later."""
+    if not is_quantity(value):
+        return _plain(key, value)
+    length_s = _in_unit(key, value, "s")
+    if length_s.shape != ():
+        raise SetupError(f"{key} has the shape {length_s.shape}; allowed: one number")
+    return f"{float(length_s)!r}s"
 
 
-def _models(key: str, value: Any) -> Any:
+def _models(key: str, value: object) -> Json:
     table = _plain(key, value)
     if not isinstance(table, dict):
         raise SetupError("models is not a dictionary; allowed: {'files': [...], 'generations': {...}, 'qs_mag': ...}")
@@ -127,13 +150,13 @@ def _models(key: str, value: Any) -> Any:
     return table
 
 
-def _model(key: str, value: Any) -> list[str]:
+def _model(key: str, value: object) -> Json:
     """Returns names or absolute paths of models, each after its generation of satellites, as for ``--model``."""
     if isinstance(value, (str, os.PathLike)):
         value = {None: value}
-    if not isinstance(value, dict):
+    if not isinstance(value, Mapping):
         raise SetupError(f"{key} is {type(value).__name__}; allowed: a name, a JSON file, or {{kind: name or file}}")
-    assigned = []
+    assigned: list[Json] = []
     for kind, model in value.items():
         text = os.fspath(model)
         text = absolute(text) if text.lower().endswith(".json") or os.sep in text else text
@@ -141,7 +164,7 @@ def _model(key: str, value: Any) -> list[str]:
     return assigned
 
 
-_CONVERTERS = {
+_CONVERTERS: dict[str, Callable[[str, object], Json]] = {
     "model": _model,
     "elements": _paths,
     "shells": _names,
@@ -153,7 +176,7 @@ _CONVERTERS = {
     "field": _path_or_table,
     "policy": _path_or_table,
     "site": _site,
-    "fov": _angle,
+    "fov": _fov,
     "max_delay": _seconds,
     "models": _models,
 }

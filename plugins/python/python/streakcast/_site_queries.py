@@ -5,20 +5,32 @@ from __future__ import annotations
 import json
 import operator
 from collections.abc import Iterable
-from typing import Any, Union
+from typing import SupportsIndex
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._results import Forecast, Identification, Overhead
 from ._quantities import number, scalar
 from ._state import ModelState
 from ._streak import streak_request
-from ._tables import TableLike, table_of
-from ._times import TimeLike, to_tai
-
-#: Number, with or without its unit.
-Numbers = Any
+from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
+from ._times import to_tai
+from .typing import (
+    EndsLike,
+    FloatArrayLike,
+    FloatLike,
+    Json,
+    NightLike,
+    Output,
+    PathLike,
+    Table,
+    TargetLike,
+    TextLike,
+    TimeLike,
+    WholeLike,
+)
 
 
 class SiteQueries(ModelState):
@@ -26,21 +38,21 @@ class SiteQueries(ModelState):
 
     def forecast(
         self,
-        night: Any = None,
+        night: NightLike | None = None,
         *,
-        start: Union[TimeLike, None] = None,
-        end: Union[TimeLike, None] = None,
-        max_mag: Union[float, None] = None,
-        min_altitude: Numbers = 10.0,
-        min_culmination: Numbers = 0.0,
-        max_sun_altitude: Union[Numbers, None] = -6.0,
-        generation: Any = None,
-        name: Any = None,
-        norad: Any = None,
+        start: TimeLike | None = None,
+        end: TimeLike | None = None,
+        max_mag: FloatLike | None = None,
+        min_altitude: FloatLike = 10.0,
+        min_culmination: FloatLike = 0.0,
+        max_sun_altitude: FloatLike | None = -6.0,
+        generation: TextLike | None = None,
+        name: TextLike | None = None,
+        norad: WholeLike | None = None,
         include_dark: bool = False,
         samples: int = 0,
-        scale: Union[str, None] = None,
-        output: str = "auto",
+        scale: str | None = None,
+        output: Output = "auto",
     ) -> Forecast:
         """Returns the visible passes of one or several nights, as printed by ``streakcast forecast``.
 
@@ -54,7 +66,7 @@ class SiteQueries(ModelState):
             the next noon. Several nights are computed one after the other.
         start, end : time
             Time range instead of a night, at most 31 days.
-        max_mag : float, optional
+        max_mag : float or `~astropy.units.Quantity`, optional
             Omits passes whose predicted peak is fainter, and passes without a magnitude. It adds the column
             ``p_brighter``, the probability of being brighter.
         min_altitude : float or `~astropy.units.Quantity`
@@ -91,7 +103,7 @@ class SiteQueries(ModelState):
         StreakcastWarning
             Number of passes of satellites with only a default brightness model; omitted satellites; old element sets.
         """
-        options: dict[str, Any] = dict(
+        options: dict[str, Json] = dict(
             max_mag=None if max_mag is None else scalar(max_mag, "mag", "max_mag"),
             min_altitude=scalar(min_altitude, "deg", "min_altitude"),
             min_culmination=scalar(min_culmination, "deg", "min_culmination"),
@@ -106,27 +118,27 @@ class SiteQueries(ModelState):
             raise ValueError("start and end require each other; specify both or neither")
         if (night is None) == (start is None):
             raise ValueError("night and start are both given or both missing; specify night, or start and end")
-        if start is None:
+        if night is not None:
             times = [{"night": date} for date in _dates(night)]
         else:
-            moments = [_core.utc_text(*self._moment(time, scale)) for time in (start, end)]
-            times = [dict(zip(("start", "end"), moments))]
+            given = [time for time in (start, end) if time is not None]
+            times = [dict(zip(("start", "end"), (_core.utc_text(*self._moment(time, scale)) for time in given)))]
         sky_cache, _ = self._open()
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
         self._warn_once(sky_cache, result["warnings"])
-        return Forecast(table_of(result["passes"], output), table_of(result["nights"], output))
+        return Forecast(table_of(result["passes"], output, main=FORECAST), table_of(result["nights"], output, main=NIGHTS))
 
     def visible_passes(
         self,
         start: TimeLike,
         end: TimeLike,
         *,
-        min_altitude: Numbers = 10.0,
+        min_altitude: FloatLike = 10.0,
         lit_only: bool = True,
-        scale: Union[str, None] = None,
-        output: str = "auto",
-    ) -> TableLike:
+        scale: str | None = None,
+        output: Output = "auto",
+    ) -> Table:
         """Returns the passes of `forecast` between two times, by day and by night; kept for compatibility.
 
         Parameters
@@ -150,13 +162,13 @@ class SiteQueries(ModelState):
     def overhead(
         self,
         start: TimeLike,
-        seconds: Numbers = 0.0,
+        seconds: FloatArrayLike = 0.0,
         *,
-        min_altitude: Numbers = 10.0,
+        min_altitude: FloatLike = 10.0,
         include_dark: bool = False,
         light: bool = True,
-        limit_mag: Any = (),
-        scale: Union[str, None] = None,
+        limit_mag: FloatArrayLike = (),
+        scale: str | None = None,
     ) -> Overhead:
         """Returns all satellites above the site at one or several times, for example for sky maps.
 
@@ -172,7 +184,7 @@ class SiteQueries(ModelState):
             Whether satellites in the Earth's shadow are included.
         light : bool
             Whether magnitudes are computed; for models made of panels this takes some microseconds per satellite.
-        limit_mag : float or array, ``(n_limits,)``
+        limit_mag : float, array or `~astropy.units.Quantity`, ``(n_limits,)``
             Magnitude limits for the probabilities ``p_brighter``; they require ``light``.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number (MJD) in ``start``.
@@ -197,7 +209,7 @@ class SiteQueries(ModelState):
         moments = np.atleast_1d(number(seconds, "s", "seconds"))
         lowest = scalar(min_altitude, "deg", "min_altitude")
         sky_cache, engine = self._open()
-        limits = np.atleast_1d(np.asarray(limit_mag, dtype=float)).ravel().tolist()
+        limits = [float(limit) for limit in np.ravel(number(limit_mag, "mag", "limit_mag"))]
         result, warnings = engine.overhead(
             jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light), limits
         )
@@ -208,13 +220,13 @@ class SiteQueries(ModelState):
         self,
         times: TimeLike,
         *,
-        norad: Any = None,
-        name: Any = None,
-        generation: Any = None,
-        min_altitude: Union[Numbers, None] = None,
-        scale: Union[str, None] = None,
-        output: str = "auto",
-    ) -> TableLike:
+        norad: WholeLike | None = None,
+        name: TextLike | None = None,
+        generation: TextLike | None = None,
+        min_altitude: FloatLike | None = None,
+        scale: str | None = None,
+        output: Output = "auto",
+    ) -> Table:
         """Returns the positions of satellites at given times, as printed by ``streakcast ephemeris``.
 
         The element set of each satellite that is closest to the middle of the times is used, as on the command line.
@@ -253,9 +265,9 @@ class SiteQueries(ModelState):
         Warns
         -----
         StreakcastWarning
-            Numbers without an element set; omitted satellites; old element sets.
+            FloatLike without an element set; omitted satellites; old element sets.
         """
-        request: dict[str, Any] = dict(
+        request: dict[str, Json] = dict(
             norad=_norad_ids(norad), name=_texts(name, "name"), generation=_texts(generation, "generation"),
         )  # fmt: skip
         if not any(request.values()):
@@ -263,38 +275,38 @@ class SiteQueries(ModelState):
         if min_altitude is not None:
             request["min_altitude"] = scalar(min_altitude, "deg", "min_altitude")
         jd1, jd2 = to_tai(times, self._scale(scale), "times")
-        request["times"] = [_core.utc_text(*parts) for parts in zip(np.ravel(jd1).tolist(), np.ravel(jd2).tolist())]
-        if not request["times"]:
+        if np.size(jd1) == 0:
             raise ValueError("times is empty; allowed: one time or several")
+        request["times"] = [_core.utc_text(*parts) for parts in zip(np.ravel(jd1).tolist(), np.ravel(jd2).tolist())]
         sky_cache, _ = self._open()
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         table, warnings = _core.ephemeris(json.dumps(request), setup, config, sky_cache)
         self._warn_once(sky_cache, warnings)
-        return table_of(table, output)
+        return table_of(table, output, main=EPHEMERIS)
 
     def identify(
         self,
-        ends: Any = None,
-        times: Any = None,
+        ends: EndsLike | None = None,
+        times: TimeLike | None = None,
         *,
-        place: Any = None,
-        position_angle: Union[Numbers, None] = None,
-        length: Union[Numbers, None] = None,
-        frame: Any = None,
-        pixels: Any = None,
+        place: TargetLike | None = None,
+        position_angle: FloatLike | None = None,
+        length: FloatLike | None = None,
+        frame: PathLike | None = None,
+        pixels: ArrayLike | None = None,
         origin: int = 1,
-        hdu: Union[int, None] = None,
-        region: Any = None,
-        start: Union[TimeLike, None] = None,
-        exposure: Union[Numbers, None] = None,
+        hdu: int | None = None,
+        region: PathLike | None = None,
+        start: TimeLike | None = None,
+        exposure: FloatLike | None = None,
         whole_streak: bool = False,
-        place_sigma: Union[Numbers, None] = None,
-        time_sigma: Union[Numbers, None] = None,
-        angle_sigma: Union[Numbers, None] = None,
+        place_sigma: FloatLike | None = None,
+        time_sigma: FloatLike | None = None,
+        angle_sigma: FloatLike | None = None,
         include_dark: bool = False,
         top: int = 10,
-        scale: Union[str, None] = None,
-        output: str = "auto",
+        scale: str | None = None,
+        output: Output = "auto",
     ) -> Identification:
         """Returns the candidate satellites for a measured streak, as printed by ``streakcast identify``.
 
@@ -372,14 +384,14 @@ class SiteQueries(ModelState):
         result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
         self._warn_once(sky_cache, result["warnings"])
         return Identification(
-            table_of(result["candidates"], output),
-            table_of(result["streak"], output),
+            table_of(result["candidates"], output, main=CANDIDATES),
+            table_of(result["streak"], output, main=STREAK),
             result["n_candidates"],
             result["unknown_probability"],
         )
 
 
-def _texts(value: Any, what: str) -> list[str]:
+def _texts(value: TextLike | None, what: str) -> list[Json]:
     """Returns one or several strings as a list; empty for `None`."""
     if value is None:
         return []
@@ -389,16 +401,18 @@ def _texts(value: Any, what: str) -> list[str]:
     return [str(item) for item in items]
 
 
-def _norad_ids(value: Any) -> list[int]:
+def _norad_ids(value: WholeLike | None) -> list[Json]:
     """Returns one or several catalogue numbers as a list; empty for `None`."""
-    numbers = [] if value is None else [_count(one, "norad", 1) for one in np.ravel(value).tolist()]
-    for one in numbers:
-        if one > 999_999_999:
-            raise ValueError(f"norad is {one}; allowed: NORAD catalogue numbers, 1 to 999999999")
+    numbers: list[Json] = []
+    for one in [] if value is None else np.ravel(value).tolist():
+        number = _count(one, "norad", 1)
+        if number > 999_999_999:
+            raise ValueError(f"norad is {number}; allowed: NORAD catalogue numbers, 1 to 999999999")
+        numbers.append(number)
     return numbers
 
 
-def _count(value: Any, what: str, least: int) -> int:
+def _count(value: SupportsIndex, what: str, least: int) -> int:
     try:
         count = operator.index(value)
     except TypeError:
@@ -408,10 +422,10 @@ def _count(value: Any, what: str, least: int) -> int:
     return count
 
 
-def _dates(night: Any) -> list[str]:
+def _dates(night: NightLike) -> list[str]:
     """Returns one or several dates as strings."""
-    is_one = isinstance(night, str) or not isinstance(night, Iterable)
-    dates = [str(date) for date in ([night] if is_one else night)]
+    nights = [night] if isinstance(night, str) or not isinstance(night, Iterable) else night
+    dates = [str(date) for date in nights]
     if not dates:
         raise ValueError("night is empty; allowed: one date or several")
     return dates

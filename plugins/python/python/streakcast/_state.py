@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import os
 import threading
-import warnings
 import weakref
-from collections.abc import Iterator
-from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, Callable, Union
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from . import _core
 from ._setup import ENGINE_KEYS, SKY_KEYS, document
-from ._times import TimeLike, to_tai
-from .errors import ChangedFileError, StreakcastWarning
+from ._times import to_tai
+from ._warnings import warn
+from .errors import ChangedFileError
+from .typing import FieldOptions, Json, TimeLike
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing_extensions import Self, Unpack
 
 # Satellites that are loaded in this process. They are common to models made from the same files, so that copies and
 # unpickled models need little time and memory.
-_sky_caches: "weakref.WeakValueDictionary[tuple[Any, ...], _core.SkyCache]" = weakref.WeakValueDictionary()
+_sky_caches: "weakref.WeakValueDictionary[tuple[object, ...], _core.SkyCache]" = weakref.WeakValueDictionary()
 _sky_caches_lock = threading.Lock()
-# Handler for the warnings of models, used instead of Python's warning filters. It applies to one thread or task, unlike
-# `warnings.catch_warnings`.
-_warning_handler: "ContextVar[Union[Callable[[str], None], None]]" = ContextVar("streakcast_warning_handler", default=None)
 
 
 def _after_fork() -> None:
@@ -42,31 +37,27 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_after_fork)
 
 
-@contextlib.contextmanager
-def handle_warnings(handler: Callable[[str], None]) -> Iterator[None]:
-    """Passes the warnings of models inside the context to a function. Other warnings are not affected."""
-    token = _warning_handler.set(handler)
-    try:
-        yield
-    finally:
-        _warning_handler.reset(token)
+class State(TypedDict):
+    """Content of a pickled model."""
 
-
-def _warn(message: str, stacklevel: int) -> None:
-    handler = _warning_handler.get()
-    if handler is not None:
-        handler(message)
-    else:
-        warnings.warn(message, StreakcastWarning, stacklevel=stacklevel + 1)
+    #: Document of the arguments, as returned by `document`.
+    setup: dict[str, Json]
+    #: Path of the configuration file.
+    config: str | None
+    #: Two-part Julian date, TAI.
+    epoch: tuple[float, float] | None
+    on_changed_file: str
+    #: SHA-256 of each file by path; `None` before the files are read.
+    files: dict[str, str | None] | None
 
 
 class ModelState:
     """Arguments and loaded satellites, common to copies. After unpickling, satellites are read on first use."""
 
-    def _begin(self, state: dict[str, Any]) -> None:
+    def _begin(self, state: State) -> None:
         self._state = state
         self._lock = threading.Lock()
-        self._opened: Union[tuple[_core.SkyCache, _core.Engine], None] = None
+        self._opened: tuple[_core.SkyCache, _core.Engine] | None = None
         self._issued_warnings: set[str] = set()
 
     def _open(self) -> tuple[_core.SkyCache, _core.Engine]:
@@ -89,7 +80,7 @@ class ModelState:
             message = f"changed since this model was pickled: {changed}; create a new model, or call reloaded()"
             if state["on_changed_file"] == "error":
                 raise ChangedFileError(message)
-            _warn(message, stacklevel=4)
+            warn(message)
         sky_text = json.dumps({key: value for key, value in state["setup"].items() if key in SKY_KEYS}, sort_keys=True)
         key = (sky_text, config, state["epoch"], tuple(hashes.items()))
         with _sky_caches_lock:
@@ -105,12 +96,12 @@ class ModelState:
         return sky_cache, engine
 
     @classmethod
-    def _of_state(cls, state: dict[str, Any]) -> "Self":
+    def _of_state(cls, state: State) -> "Self":
         model = cls.__new__(cls)
         model._begin(state)
         return model
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return (type(self)._of_state, (self._state,))
 
     def __copy__(self) -> "Self":
@@ -118,14 +109,14 @@ class ModelState:
         copy._opened = self._opened
         return copy
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "Self":
+    def __deepcopy__(self, memo: dict[int, object]) -> "Self":
         return self.__copy__()
 
     def __repr__(self) -> str:
         arguments = ", ".join(f"{key}={value!r}" for key, value in self._state["setup"].items())
         return f"StreakModel({arguments})"
 
-    def with_options(self, **changes: Any) -> "Self":
+    def with_options(self, **changes: Unpack[FieldOptions]) -> "Self":
         """Returns a model with another field, telescope, policy or band and the same satellites.
 
         Parameters
@@ -149,26 +140,26 @@ class ModelState:
         model = self._of_state({**self._state, "setup": setup, "files": None})
         config = self._state["config"]
         model._opened = (sky_cache, _core.Engine(sky_cache, json.dumps(setup), config))
-        hashes = self._state["files"]
+        hashes = self.files
         files = _files(json.dumps(setup), config)
         model._state["files"] = {path: hashes.get(path) or _sha256(path) for path in files}
         return model
 
     @property
-    def files(self) -> dict[str, Union[str, None]]:
+    def files(self) -> dict[str, str | None]:
         """Paths and SHA-256 of all files from which this model was made."""
         self._open()
-        return dict(self._state["files"])
+        return dict(self._state["files"] or {})
 
     @property
-    def mjd_scale(self) -> Union[str, None]:
+    def mjd_scale(self) -> str | None:
         """Time scale of numbers given as times."""
         return self._open()[1].time_scale
 
-    def _scale(self, scale: Union[str, None]) -> Union[str, None]:
+    def _scale(self, scale: str | None) -> str | None:
         return self.mjd_scale if scale is None else scale
 
-    def _moment(self, time: TimeLike, scale: Union[str, None]) -> tuple[float, float]:
+    def _moment(self, time: TimeLike, scale: str | None) -> tuple[float, float]:
         jd1, jd2 = to_tai(time, self._scale(scale))
         if np.shape(jd1) != ():
             raise ValueError(f"time has the shape {np.shape(jd1)}; allowed: one time")
@@ -181,8 +172,7 @@ class ModelState:
         -------
         list of str
         """
-        self._open()
-        return [path for path, digest in self._state["files"].items() if _sha256(path) != digest]
+        return [path for path, digest in self.files.items() if _sha256(path) != digest]
 
     def reloaded(self) -> "Self":
         """Returns a new model with the same arguments, made from the current files. This model is not changed.
@@ -208,22 +198,23 @@ class ModelState:
         str
         """
         self._open()
-        return json.dumps([self._state[part] for part in ("setup", "config", "epoch", "files")], sort_keys=True)
+        state = self._state
+        return json.dumps([state["setup"], state["config"], state["epoch"], state["files"]], sort_keys=True)
 
     def _warn_once(self, sky_cache: _core.SkyCache, warnings_of_call: list[str]) -> None:
         """Issues each warning once per model."""
         for message in [*sky_cache.news(), *warnings_of_call]:
             if message not in self._issued_warnings:
                 self._issued_warnings.add(message)
-                _warn(message, stacklevel=3)
+                warn(message)
 
 
-def _files(setup: str, config: Union[str, None]) -> list[str]:
+def _files(setup: str, config: str | None) -> list[str]:
     """Returns all files in a configuration document."""
     return sorted(os.fspath(path) for path in _core.setup_files(setup, config))
 
 
-def _sha256(path: str) -> Union[str, None]:
+def _sha256(path: str) -> str | None:
     """Returns the hash of a file; `None` if it cannot be read (the error is reported when the file is used)."""
     digest = hashlib.sha256()
     try:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _core
-from ._quantities import directions, is_of, scalar
+from ._quantities import directions, is_of, number, scalar
 from ._setup import absolute
-from ._times import is_time, to_tai
+from ._times import to_tai
+from .typing import EndsLike, FloatLike, FloatOrArray, Json, PathLike, TargetLike, TimeLike
 
 #: Ways to specify a streak.
 _FORMS = "ends; place with position_angle; pixels of a frame; or region"
@@ -18,24 +19,24 @@ _FORMS = "ends; place with position_angle; pixels of a frame; or region"
 
 def streak_request(
     *,
-    ends: Any,
-    times: Any,
-    place: Any,
-    position_angle: Any,
-    length: Any,
-    frame: Any,
-    pixels: Any,
+    ends: EndsLike | None,
+    times: TimeLike | None,
+    place: TargetLike | None,
+    position_angle: FloatLike | None,
+    length: FloatLike | None,
+    frame: PathLike | None,
+    pixels: ArrayLike | None,
     origin: int,
-    hdu: Any,
-    region: Any,
-    start: Any,
-    exposure: Any,
+    hdu: int | None,
+    region: PathLike | None,
+    start: TimeLike | None,
+    exposure: FloatLike | None,
     whole_streak: bool,
-    place_sigma: Any,
-    time_sigma: Any,
-    angle_sigma: Any,
-    scale: Union[str, None],
-) -> dict[str, Any]:
+    place_sigma: FloatLike | None,
+    time_sigma: FloatLike | None,
+    angle_sigma: FloatLike | None,
+    scale: str | None,
+) -> dict[str, Json]:
     """Returns the request document. Arguments are those of `StreakModel.identify`."""
     ways = dict(ends=ends, place=place, pixels=pixels, region=region)
     named = [name for name, value in ways.items() if value is not None]
@@ -47,7 +48,7 @@ def streak_request(
     ):  # fmt: skip
         if value is not None and named != [needed]:
             raise ValueError(f"{name} is accepted with {needed} only, not with {named[0]}")
-    request: dict[str, Any] = {"whole_streak": bool(whole_streak)}
+    request: dict[str, Json] = {"whole_streak": bool(whole_streak)}
     if ends is not None:
         request["end"] = [",".join(one) for one in zip(*_end_coordinates(ends))]
     elif place is not None:
@@ -62,11 +63,11 @@ def streak_request(
             raise ValueError("missing frame of the pixels; specify frame=...")
         if origin not in (0, 1):
             raise ValueError(f"origin is {origin!r}; allowed: 0, 1")
-        array = np.asarray(pixels, dtype=np.float64)
+        array = number(pixels, "pix", "pixels")
         if array.shape != (2, 2) or not np.isfinite(array).all():
             raise ValueError(f"pixels is {pixels!r}; allowed: two pairs of numbers, ((x, y), (x, y))")
         request["from_pix"], request["to_pix"] = (
-            ",".join(_plain(number, "pixels") for number in pixel) for pixel in array + (1 - origin)
+            ",".join(_plain(part, "pixels") for part in pixel) for pixel in array + (1 - origin)
         )
     else:
         request["region"] = _path(region, "region")
@@ -79,11 +80,9 @@ def streak_request(
     if times is not None:
         if start is not None or exposure is not None or whole_streak:
             raise ValueError("times exclude start, exposure and whole_streak; allowed: either times, or the others")
-        if not is_time(times) and len(times) != 2:
-            raise ValueError(f"times has {len(times)} values; allowed: 2, one for each end")
         jd1, jd2 = to_tai(times, scale, "times")
         if np.shape(jd1) != (2,):
-            raise ValueError(f"times have the shape {np.shape(jd1)}; allowed: two, one for each end")
+            raise ValueError(f"times have the shape {np.shape(jd1)}; allowed: two values, one for each end")
         request["times"] = [_core.utc_text(float(one), float(two)) for one, two in zip(jd1, jd2)]
     if start is not None:
         jd1, jd2 = to_tai(start, scale, "start")
@@ -98,46 +97,48 @@ def streak_request(
     return {key: value for key, value in request.items() if value is not None}
 
 
-def _end_coordinates(ends: Any) -> tuple[list[str], list[str]]:
+def _end_coordinates(ends: EndsLike) -> tuple[list[str], list[str]]:
     """Returns right ascensions and declinations of two ends."""
     if is_of("astropy.coordinates", "SkyCoord", ends):
         parts = directions(ends)
-    else:
-        if not isinstance(ends, (tuple, list)) and np.shape(ends) != (2, 2):
-            raise TypeError(f"ends is {type(ends).__name__}; allowed: a SkyCoord of two, or two pairs (ra, dec)")
-        both = [directions(one if is_of("astropy.coordinates", "SkyCoord", one) else tuple(one)) for one in ends]
+    elif isinstance(ends, (tuple, list)):
+        both = [directions(tuple(one) if isinstance(one, np.ndarray) else one) for one in ends]
         parts = (np.array([ra for ra, _ in both]), np.array([dec for _, dec in both]))
+    elif np.shape(ends) == (2, 2):
+        parts = tuple(number(ends, "deg", "ends").T)
+    else:
+        raise TypeError(f"ends is {type(ends).__name__}; allowed: a SkyCoord of two, or two pairs (ra, dec)")
     if parts[0].shape != (2,):
         raise ValueError(f"ends have the shape {parts[0].shape}; allowed: two positions")
     ra, dec = ([_plain(one, "ends") for one in part] for part in parts)
     return ra, dec
 
 
-def _finite(value: Any, unit: str, what: str) -> float:
-    number = scalar(value, unit, what)
-    if not np.isfinite(number):
-        raise ValueError(f"{what} is {number}; allowed: a number of {unit}")
-    return number
+def _finite(value: FloatLike, unit: str, what: str) -> float:
+    finite = scalar(value, unit, what)
+    if not np.isfinite(finite):
+        raise ValueError(f"{what} is {finite}; allowed: a number of {unit}")
+    return finite
 
 
-def _positive(value: Any, unit: str, what: str) -> Union[str, None]:
+def _positive(value: FloatLike | None, unit: str, what: str) -> str | None:
     """Returns a number above 0 as a string with its unit and all digits."""
     if value is None:
         return None
-    number = _finite(value, unit, what)
-    if number <= 0.0:
-        raise ValueError(f"{what} is {number} {unit}; allowed: above 0 {unit}")
-    return _plain(number, what) + unit
+    size = _finite(value, unit, what)
+    if size <= 0.0:
+        raise ValueError(f"{what} is {size} {unit}; allowed: above 0 {unit}")
+    return _plain(size, what) + unit
 
 
-def _plain(value: Any, what: str) -> str:
+def _plain(value: FloatOrArray, what: str) -> str:
     """Returns a number as a string with all digits and without exponent."""
     if np.shape(value) != () or not np.isfinite(value):
         raise ValueError(f"{what} is {value}; allowed: one number")
-    return np.format_float_positional(value, unique=True, trim="0")
+    return np.format_float_positional(float(value), unique=True, trim="0")
 
 
-def _path(value: Any, what: str) -> str:
+def _path(value: object, what: str) -> str:
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(f"{what} is {type(value).__name__}; allowed: a path")
     return absolute(value)

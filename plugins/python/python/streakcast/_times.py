@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import datetime
 import sys
-from typing import Any, NamedTuple, Union
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
-
-FloatArray = npt.NDArray[np.float64]
-#: An `astropy.time.Time`, an ISO 8601 string, an aware `datetime`, or, with a given scale, numbers (MJD) and
-#: `numpy.datetime64`.
-TimeLike = Any
+from .typing import FloatArray, TimeLike
 
 _ALLOWED = (
     "allowed: an astropy Time, a string that ends in Z, an aware datetime, or numbers (MJD) with "
@@ -37,15 +33,15 @@ def is_time(value: object) -> bool:
     return module is not None and isinstance(value, module.Time)
 
 
-def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tuple[FloatArray, FloatArray]:
+def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[FloatArray, FloatArray]:
     """Returns two-part Julian dates, TAI, in the shape of the value."""
     if isinstance(value, TwoPartTai):
         return value.jd1, value.jd2
     if is_time(value):
-        if np.any(getattr(value, "mask", False)):
-            index = int(np.flatnonzero(np.ravel(value.mask))[0])
-            raise ValueError(f"{what}[{index}] is masked; allowed: unmasked times")
-        tai = value.tai
+        masked = np.flatnonzero(getattr(value, "mask", False))
+        if masked.size:
+            raise ValueError(f"{what}[{masked[0]}] is masked; allowed: unmasked times")
+        tai = getattr(value, "tai")
         return np.asarray(tai.jd1, dtype=np.float64), np.asarray(tai.jd2, dtype=np.float64)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return _from_mjd(np.asarray(value, dtype=np.float64), scale, what)
@@ -76,14 +72,14 @@ def _text(value: object, what: str) -> str:
     raise TypeError(f"{what} contains {type(value).__name__}, not a time; {_ALLOWED}")
 
 
-def _from_mjd(array: FloatArray, scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+def _from_mjd(array: FloatArray, scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
     if scale is None:
         raise TypeError(f"{what} is a bare number without a time scale; {_ALLOWED}")
     jd1, jd2 = _core.times_from_mjd(array.ravel(), scale)
     return jd1.reshape(array.shape), jd2.reshape(array.shape)
 
 
-def _from_text(array: npt.NDArray[Any], scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+def _from_text(array: npt.NDArray[np.str_], scale: str | None, what: str) -> tuple[FloatArray, FloatArray]:
     texts = array.ravel().tolist()
     if scale is None:
         for index, text in enumerate(texts):

@@ -6,9 +6,10 @@ import hashlib
 import json
 import os
 import tempfile
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -17,21 +18,32 @@ from . import _core
 from ._quantities import number
 from ._times import TwoPartTai, to_tai
 from .model import StreakModel
+from .typing import Columns, PathLike
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from distributed import Client
+
+
+class VisitsLike(Protocol):
+    """Table of visits: a dictionary of arrays, a `QTable` or a data frame."""
+
+    def keys(self) -> Iterable[str]:
+        """Returns the names of the columns."""
+
+    def __getitem__(self, name: str, /) -> object: ...
+
 
 #: Required columns of a table of visits.
 COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
 
 
 def annotate(
-    visits: "Mapping[str, Any]",
+    visits: VisitsLike,
     model: StreakModel,
-    client: Any,
-    folder: "Union[str, os.PathLike[str]]",
+    client: Client,
+    folder: PathLike,
     *,
-    scale: Union[str, None] = None,
+    scale: str | None = None,
     retries: int = 3,
 ) -> list[Path]:
     """Computes the verdicts on the visits of a survey, and writes one Parquet file per night.
@@ -73,7 +85,7 @@ def annotate(
     if missing:
         raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
     jd1, jd2 = to_tai(_column(visits, "start"), model.mjd_scale if scale is None else scale, "start")
-    columns: dict[str, npt.NDArray[Any]] = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
+    columns: Columns = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
     for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
         if name in _names(visits):
             columns[name] = np.ravel(number(_column(visits, name), unit, name))
@@ -97,7 +109,7 @@ def annotate(
             tasks.append(
                 client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
             )
-    client.gather(tasks)
+    client.gather(tasks)  # type: ignore[no-untyped-call]
     # Deletes temporary files of lost workers. If that fails, the results are not affected.
     prefixes = tuple(_scratch_prefix(path) for path in files)
     for partial in [path for path in output.glob(".night-*") if path.name.startswith(prefixes)]:
@@ -106,7 +118,7 @@ def annotate(
     return files
 
 
-def read(files: "list[Path]") -> dict[str, npt.NDArray[Any]]:
+def read(files: Sequence[PathLike]) -> Columns:
     """Reads all nights into one table, in the order of the visits.
 
     Parameters
@@ -127,18 +139,17 @@ def read(files: "list[Path]") -> dict[str, npt.NDArray[Any]]:
     return {name: column[order] for name, column in columns.items()}
 
 
-def _names(visits: "Mapping[str, Any]") -> list[str]:
-    names = getattr(visits, "colnames", None) or getattr(visits, "columns", None)
-    return [str(name) for name in (visits.keys() if names is None else names)]
+def _names(visits: VisitsLike) -> list[str]:
+    return [str(name) for name in visits.keys()]
 
 
-def _column(visits: "Mapping[str, Any]", name: str) -> Any:
+def _column(visits: VisitsLike, name: str) -> object:
     column = visits[name]
     # Columns of a data frame are not NumPy arrays.
     return column.to_numpy() if hasattr(column, "to_numpy") else column
 
 
-def _digest(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel) -> str:
+def _digest(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel) -> str:
     """Returns a hash of all data that determine the result of a night."""
     digest = hashlib.sha256(json.dumps([_core.__version__, model.key()]).encode())
     for name, column in sorted({**part, "visit": rows}.items()):
@@ -162,7 +173,7 @@ def _scratch_prefix(path: Path) -> str:
     return f".{path.name}."
 
 
-def _one_night(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
+def _one_night(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
     """Writes the verdicts of one night, in a worker. Returns the number of visits."""
     import pyarrow
     import pyarrow.parquet

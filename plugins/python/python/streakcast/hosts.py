@@ -8,13 +8,15 @@ import threading
 import time as clock
 import weakref
 from collections import Counter
-from typing import Any, Callable, TypeVar, Union
+from typing import Callable, TypeVar
 
 from ._hook_state import HookState, RemoteHook, distance_km, signature
 from ._mailbox import Mailbox, Reported
-from ._state import handle_warnings
-from ._times import TimeLike, to_tai
+from ._quantities import is_of, scalar
+from ._times import to_tai
+from ._warnings import handle_warnings
 from .model import StreakModel
+from .typing import FloatLike, PlaceLike, TimeLike
 
 Answer = TypeVar("Answer")
 
@@ -51,7 +53,7 @@ class Hook:
         Model to use. It is created by the caller, so that invalid arguments are errors at construction.
     name : str
         Name of the host; the logger is ``streakcast.<name>``.
-    watch_s : float
+    watch_s : float or `~astropy.units.Quantity`
         Interval between checks of the files of the model, seconds. New files are read in the background, and the new
         model is then used. While files are missing, incomplete or invalid, the old model is used, and files are read
         again after ``watch_s``, with a delay that is doubled each time, up to half an hour.
@@ -64,12 +66,13 @@ class Hook:
         readable), and counters of the host.
     """
 
-    def __init__(self, model: StreakModel, name: str, *, watch_s: float = 60.0) -> None:
+    def __init__(self, model: StreakModel, name: str, *, watch_s: FloatLike = 60.0) -> None:
         if not isinstance(model, StreakModel):
             raise TypeError(f"model is a {type(model).__name__}; allowed: a streakcast.StreakModel")
-        if not (math.isfinite(watch_s) and watch_s > 0.0):
-            raise ValueError(f"watch_s is {watch_s}; allowed: seconds above 0")
-        self._state = HookState(model, name, watch_s, Counter())
+        interval_s = scalar(watch_s, "s", "watch_s")
+        if not (math.isfinite(interval_s) and interval_s > 0.0):
+            raise ValueError(f"watch_s is {interval_s}; allowed: seconds above 0")
+        self._state = HookState(model, name, interval_s, Counter())
 
     # Hosts copy their schedulers and use the copies. All copies in a process therefore use the same model, counters and
     # logged messages.
@@ -78,10 +81,10 @@ class Hook:
         copy._state = self._state
         return copy
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "Hook":
+    def __deepcopy__(self, memo: dict[int, object]) -> "Hook":
         return self.__copy__()
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         state = self._state
         return (_hook_of, (type(self), state.model, state.name, state.watch_s, dict(self.counts), state.mailbox))
 
@@ -128,7 +131,7 @@ class Hook:
             self.note("failed", f"satellites are ignored: {type(error).__name__}: {error}")
             return fallback
 
-    def note(self, counter: str, message: str, *, kind: Union[str, None] = None, level: int = logging.WARNING) -> None:
+    def note(self, counter: str, message: str, *, kind: str | None = None, level: int = logging.WARNING) -> None:
         """Counts an event, and logs each kind of message once.
 
         Parameters
@@ -152,7 +155,7 @@ class Hook:
                 self._state.mailbox.keep_message(message)
             self.logger.log(level, "%s (logged once; counted as '%s')", message, counter)
 
-    def check_site(self, location: Any) -> None:
+    def check_site(self, location: PlaceLike | Callable[[], PlaceLike | None]) -> None:
         """Compares the site of the host with that of the model. Counts ``site`` above 1 km, or if it cannot be read.
 
         Parameters
@@ -166,12 +169,15 @@ class Hook:
             if site is None:
                 return
             host_site = location() if callable(location) else location
-            if host_site is None and callable(location):
-                return
-            if hasattr(host_site, "geodetic"):
-                longitude, latitude, height = host_site.geodetic
-                host_site = (latitude.to_value("deg"), longitude.to_value("deg"), height.to_value("m"))
-            here = (float(host_site[0]), float(host_site[1]), float(host_site[2]))
+            if host_site is None:
+                if callable(location):
+                    return
+                raise TypeError("location is None")
+            if is_of("astropy.coordinates", "EarthLocation", host_site):
+                longitude, latitude, height = getattr(host_site, "geodetic")
+                host_site = (latitude, longitude, height)
+            latitude, longitude, height = host_site
+            here = (scalar(latitude, "deg", "latitude"), scalar(longitude, "deg", "longitude"), scalar(height, "m", "height"))
             apart_km = distance_km(here, site[1:])
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("site", f"the host's site cannot be read: {type(error).__name__}: {error}", kind="unseen")
@@ -184,7 +190,7 @@ class Hook:
             )
             self.note("site", message, kind="site")
 
-    def check_clock(self, now: Union[TimeLike, Callable[[], TimeLike]], scale: Union[str, None] = None) -> None:
+    def check_clock(self, now: TimeLike | Callable[[], TimeLike | None], scale: str | None = None) -> None:
         """Compares the time of the host with the clock. Counts ``clock`` above 1 s, or if it cannot be read.
 
         Simulated nights, with differences of ten minutes or more, are accepted.
@@ -213,11 +219,11 @@ class Hook:
             message = f"the host's time is {off_s:+.1f} s off this computer's clock{hint}; a satellite crosses a field within seconds"
             self.note("clock", message, kind="clock")
 
-    def settle(self, most_s: Union[float, None] = None) -> None:
+    def settle(self, most_s: FloatLike | None = None) -> None:
         """Waits until the files that are being read in the background have been read, at most ``most_s`` seconds."""
         reading = self._state.reading
         if reading is not None:
-            reading.join(most_s)
+            reading.join(None if most_s is None else scalar(most_s, "s", "most_s"))
 
     # Other processes -------------------------------------------------------------------------------------------------
 
@@ -331,7 +337,7 @@ class Hook:
 
 
 def _hook_of(
-    kind: type[Hook], model: StreakModel, name: str, watch_s: float, counts: dict[str, int], mailbox: Union[Mailbox, None] = None
+    kind: type[Hook], model: StreakModel, name: str, watch_s: float, counts: dict[str, int], mailbox: Mailbox | None = None
 ) -> Hook:
     hook = kind.__new__(kind)
     counter: "Counter[str]" = Counter(counts) if mailbox is None else Reported(counts, mailbox)

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Union
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import _core
 from ._quantities import aligned, number, scalar
 from ._setup import document
-from ._tables import TableLike, table_of
+from ._tables import table_of
+from .typing import FloatArrayLike, FloatLike, FloatOrArray, LightOptions, Options, Output, SkyLightOptions, Table
 
-#: Number or array.
-Numbers = Any
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
-def model_names(models: Any = None) -> list[str]:
+def model_names(models: Options | None = None) -> list[str]:
     """Returns the names of the brightness models.
 
     Parameters
@@ -33,12 +35,12 @@ def model_names(models: Any = None) -> list[str]:
 
 def standard_magnitudes(
     model: str,
-    sun_latitude: Numbers,
-    observer_longitude: Numbers,
-    observer_latitude: Numbers,
-    height: Numbers = 550.0,
-    **light: Any,
-) -> Numbers:
+    sun_latitude: FloatArrayLike,
+    observer_longitude: FloatArrayLike,
+    observer_latitude: FloatArrayLike,
+    height: FloatArrayLike = 550.0,
+    **light: Unpack[LightOptions],
+) -> FloatOrArray:
     """Returns magnitudes at 1000 km for directions in the body frame of a satellite, in full sunlight, Sun at 1 au.
 
     Parameters
@@ -72,14 +74,14 @@ def standard_magnitudes(
 
 def sky_magnitudes(
     model: str,
-    azimuth: Numbers,
-    altitude: Numbers,
+    azimuth: FloatArrayLike,
+    altitude: FloatArrayLike,
     *,
-    sun_altitude: Numbers,
-    sun_azimuth: Numbers = 0.0,
-    height: Numbers = 550.0,
-    **light: Any,
-) -> tuple[Numbers, Numbers]:
+    sun_altitude: FloatLike,
+    sun_azimuth: FloatLike = 0.0,
+    height: FloatLike = 550.0,
+    **light: Unpack[SkyLightOptions],
+) -> tuple[FloatOrArray, FloatOrArray]:
     """Returns apparent magnitudes of satellites at one height in directions above a site.
 
     Parameters
@@ -122,13 +124,13 @@ def sky_magnitudes(
 def body_map(
     model: str,
     *,
-    sun_latitude: Numbers,
-    height: Numbers = 550.0,
-    step: Union[Numbers, None] = None,
-    nside: Union[int, None] = None,
-    output: str = "auto",
-    **light: Any,
-) -> TableLike:
+    sun_latitude: FloatLike,
+    height: FloatLike = 550.0,
+    step: FloatLike | None = None,
+    nside: int | None = None,
+    output: Output = "auto",
+    **light: Unpack[LightOptions],
+) -> Table:
     """Returns magnitudes at 1000 km over the body frame of a satellite, as printed by ``streakcast map body``.
 
     Parameters
@@ -162,20 +164,20 @@ def body_map(
         None if step is None else scalar(step, "deg", "step"),
         nside,
     )
-    return table_of(columns, output, json.loads(facts))
+    return table_of(columns, output, meta=json.loads(facts))
 
 
 def sky_map(
     model: str,
     *,
-    sun_altitude: Numbers,
-    sun_azimuth: Numbers = 0.0,
-    height: Numbers = 550.0,
-    step: Union[Numbers, None] = None,
-    nside: Union[int, None] = None,
-    output: str = "auto",
-    **light: Any,
-) -> TableLike:
+    sun_altitude: FloatLike,
+    sun_azimuth: FloatLike = 0.0,
+    height: FloatLike = 550.0,
+    step: FloatLike | None = None,
+    nside: int | None = None,
+    output: Output = "auto",
+    **light: Unpack[SkyLightOptions],
+) -> Table:
     """Returns apparent magnitudes over the sky of a site, as printed by ``streakcast map sky``.
 
     Parameters
@@ -199,11 +201,9 @@ def sky_map(
         None if step is None else scalar(step, "deg", "step"),
         nside,
     )
-    return table_of(columns, output, json.loads(facts))
+    return table_of(columns, output, meta=json.loads(facts))
 
 
-def _setup(light: dict[str, Any]) -> str:
-    if "height_m" in light:
-        light = {**light, "height": light["height_m"]}
-        del light["height_m"]
-    return json.dumps(document(light))
+def _setup(light: Mapping[str, object]) -> str:
+    """Returns the configuration document; the height of the site is named ``height_m`` here."""
+    return json.dumps(document({"height" if name == "height_m" else name: value for name, value in light.items()}))

@@ -3,14 +3,34 @@
 from __future__ import annotations
 
 import json
-import os
-from typing import Any, Union
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Literal
 
 from ._results import Assessment, ClearWindows, Site
 from ._injection import Injected, inject
 from ._exposure_queries import ExposureQueries
 from ._setup import absolute, document
-from ._times import TimeLike, to_tai
+from ._state import State
+from ._times import to_tai
+from .typing import (
+    FloatLike,
+    HeaderLike,
+    InjectionOptions,
+    Json,
+    LimitLike,
+    ModelLike,
+    ModelOptions,
+    Options,
+    PathLike,
+    Pixels,
+    SiteLike,
+    TimeLike,
+)
+
+if TYPE_CHECKING:
+    from astropy.coordinates import EarthLocation
+    from astropy.units import Quantity
+    from typing_extensions import Unpack
 
 __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 
@@ -18,7 +38,8 @@ __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 class StreakModel(ExposureQueries):
     """Satellites over a site, with a field of view, brightness models and a policy.
 
-    Arguments have the names of the command line flags and of the keys in configuration files.
+    Arguments have the names of the command line flags and of the keys in configuration files. A
+    `~astropy.units.Quantity` is accepted for every number with a unit, also in dictionaries.
 
     Parameters
     ----------
@@ -33,7 +54,8 @@ class StreakModel(ExposureQueries):
     telescope : str, path or dict, optional
         Preset name (``"rubin"``) or TOML file: field of view, and parameters of the pixels lost to a streak.
     fov : str or `~astropy.units.Quantity`, optional
-        Diameter of a circular field, with its unit: ``"3.5deg"``. Overrides the field of the telescope.
+        Diameter of a circular field, with its unit: ``"3.5deg"``; or width and height of a rectangle, ``"1.5x1.0deg"``.
+        Overrides the field of the telescope.
     field : path or dict, optional
         Field of any shape, instead of ``fov``.
     model : str, path or dict, optional
@@ -41,7 +63,7 @@ class StreakModel(ExposureQueries):
         "oneweb-panels"}``. Overrides ``models``.
     models : dict, optional
         ``{"files": [...], "generations": {"oneweb": "my-model"}, "qs_mag": path}``.
-    limit_mag : float or dict, optional
+    limit_mag : float, `~astropy.units.Quantity` or dict, optional
         Magnitude limit. If a brighter satellite probably crosses an exposure, its verdict is ``avoid``. By band:
         ``{"g": 7, "default": 6}``.
     blocking : {"avoid", "any"}, optional
@@ -83,26 +105,26 @@ class StreakModel(ExposureQueries):
 
     def __init__(
         self,
-        site: Any = None,
+        site: SiteLike | None = None,
         *,
-        elements: Any = None,
-        shells: Any = None,
-        telescope: Any = None,
-        fov: Any = None,
-        field: Any = None,
-        model: Any = None,
-        models: Any = None,
-        limit_mag: Any = None,
-        policy: Any = None,
-        mjd_scale: Union[str, None] = None,
-        epoch: Union[TimeLike, None] = None,
-        config: Union[str, "os.PathLike[str]", None] = None,
-        on_changed_file: str = "error",
-        **more: Any,
+        elements: PathLike | Sequence[PathLike] | None = None,
+        shells: PathLike | Sequence[PathLike] | None = None,
+        telescope: PathLike | Options | None = None,
+        fov: str | Quantity | None = None,
+        field: PathLike | Options | None = None,
+        model: ModelLike | None = None,
+        models: Options | None = None,
+        limit_mag: LimitLike | None = None,
+        policy: PathLike | Options | None = None,
+        mjd_scale: str | None = None,
+        epoch: TimeLike | None = None,
+        config: PathLike | None = None,
+        on_changed_file: Literal["error", "warn"] = "error",
+        **more: Unpack[ModelOptions],
     ) -> None:
         if on_changed_file not in ("error", "warn"):
             raise ValueError(f"on_changed_file is '{on_changed_file}'; allowed: error, warn")
-        given = dict(
+        given: dict[str, object] = dict(
             site=site, elements=elements, shells=shells, telescope=telescope, fov=fov, field=field, model=model,
             models=models, limit_mag=limit_mag, policy=policy, mjd_scale=mjd_scale, **more,
         )  # fmt: skip
@@ -112,7 +134,7 @@ class StreakModel(ExposureQueries):
             if jd1.shape != ():
                 raise ValueError(f"epoch has the shape {jd1.shape}; allowed: one time")
             epoch_tai = (float(jd1), float(jd2))
-        state = {
+        state: State = {
             "setup": document(given),
             "config": None if config is None else absolute(config),
             "epoch": epoch_tai,
@@ -125,13 +147,13 @@ class StreakModel(ExposureQueries):
     # Properties ------------------------------------------------------------------------------------------------------
 
     @property
-    def site(self) -> Union[Site, None]:
+    def site(self) -> Site | None:
         """Site; `None` for a telescope in orbit."""
         site = self._open()[0].site
         return None if site is None else Site(*site)
 
     @property
-    def location(self) -> Any:
+    def location(self) -> EarthLocation | None:
         """Site as an `astropy.coordinates.EarthLocation`; `None` for a telescope in orbit."""
         from astropy.coordinates import EarthLocation
 
@@ -141,16 +163,16 @@ class StreakModel(ExposureQueries):
         return EarthLocation.from_geodetic(lon=site.longitude_deg, lat=site.latitude_deg, height=site.height_m)
 
     @property
-    def field_radius_deg(self) -> Union[float, None]:
+    def field_radius_deg(self) -> float | None:
         """Radius of a circle that contains the field of view, degrees; `None` without a field."""
         return self._open()[1].field_radius_deg
 
     @property
-    def field_area_deg2(self) -> Union[float, None]:
+    def field_area_deg2(self) -> float | None:
         """Area of the field of view, square degrees; `None` without a field."""
         return self._open()[1].field_area_deg2
 
-    def satellites(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
+    def satellites(self, time: TimeLike, *, scale: str | None = None) -> int:
         """Returns the number of satellites loaded for a night.
 
         Parameters
@@ -166,7 +188,7 @@ class StreakModel(ExposureQueries):
         """
         return self._open()[0].satellites(*self._moment(time, scale))
 
-    def night(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
+    def night(self, time: TimeLike, *, scale: str | None = None) -> int:
         """Returns the number of the night that contains a time. It increases by one at each mean noon of the site.
 
         Parameters
@@ -183,7 +205,7 @@ class StreakModel(ExposureQueries):
         """
         return self._open()[0].night(*self._moment(time, scale))
 
-    def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Any]:
+    def provenance(self, time: TimeLike, *, scale: str | None = None) -> dict[str, Json]:
         """Returns the provenance of a night: files with hashes and epochs, site, models, Earth orientation.
 
         Parameters
@@ -198,18 +220,18 @@ class StreakModel(ExposureQueries):
         dict
         """
         record = json.loads(self._open()[0].provenance(*self._moment(time, scale)))
-        provenance: dict[str, Any] = record.pop("provenance")
+        provenance: dict[str, Json] = record.pop("provenance")
         return {**provenance, **record}
 
     def inject(
         self,
-        frame: Any,
-        output: Union[str, "os.PathLike[str]", None] = None,
+        frame: PathLike | Pixels,
+        output: PathLike | None = None,
         *,
-        header: Any = None,
-        start: Union[TimeLike, None] = None,
-        exposure: Any = None,
-        **options: Any,
+        header: HeaderLike | None = None,
+        start: TimeLike | None = None,
+        exposure: FloatLike | None = None,
+        **options: Unpack[InjectionOptions],
     ) -> Injected:
         """Adds the streaks of the satellites to a frame.
 

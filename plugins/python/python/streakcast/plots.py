@@ -14,14 +14,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from typing import Any, Union
 
 import numpy as np
-import numpy.typing as npt
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._quantities import directions, number, scalar
-from ._times import TimeLike, is_time, to_tai
+from ._times import is_time, to_tai
+from .typing import FloatArray, FloatArrayLike, FloatLike, PathLike, Sample, Samples, TableLike, TargetLike, TimeLike
 
 __all__ = ["Picture", "field", "light_curve", "night", "sky_chart", "sky_rate", "sun_altitude"]
 
@@ -55,7 +55,7 @@ class Picture:
         """Returns the text of an SVG with embedded font."""
         return self._core.svg()
 
-    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+    def save(self, path: PathLike) -> None:
         """Writes a file atomically.
 
         Parameters
@@ -83,13 +83,13 @@ class Picture:
 
 
 def night(
-    flags: Any,
+    flags: TableLike,
     start: TimeLike,
-    exposure: Any,
+    exposure: FloatArrayLike,
     *,
-    limit_mag: Union[float, None] = None,
-    utc_offset: Union[float, None] = None,
-    scale: Union[str, None] = None,
+    limit_mag: FloatLike | None = None,
+    utc_offset: FloatLike | None = None,
+    scale: str | None = None,
     title: str = "",
 ) -> Picture:
     """Plots a night: number and brightness of the streaks in each exposure.
@@ -100,9 +100,9 @@ def night(
         Result of `StreakModel.flags`: ``n_streaks`` and ``brightest_mag`` are drawn.
     start, exposure, scale
         Arguments of that call.
-    limit_mag : float, optional
+    limit_mag : float or `~astropy.units.Quantity`, optional
         Magnitude of a limit line.
-    utc_offset : float, optional
+    utc_offset : float or `~astropy.units.Quantity`, optional
         Offset of the local time on the upper axis from UTC, hours.
     title : str
         Title of the plot.
@@ -126,7 +126,7 @@ def night(
     )  # fmt: skip
 
 
-def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title: str = "") -> Picture:
+def field(passes: TableLike, target: TargetLike, *, fov_deg: FloatLike | None = None, title: str = "") -> Picture:
     """Plots a field with the streaks that cross it: gnomonic, north up, east left.
 
     Parameters
@@ -135,7 +135,7 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
         Result of `StreakModel.passes` for one exposure.
     target : SkyCoord or (ra, dec)
         Centre of the field in that call, ICRS.
-    fov_deg : float, optional
+    fov_deg : float or `~astropy.units.Quantity`, optional
         Diameter of a circular field for its outline, degrees.
     title : str
         Title of the plot.
@@ -171,10 +171,10 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
 
 
 def light_curve(
-    samples: Sequence[dict[str, Any]],
+    samples: Samples,
     *,
-    limit_mag: Union[float, None] = None,
-    utc_offset: Union[float, None] = None,
+    limit_mag: FloatLike | None = None,
+    utc_offset: FloatLike | None = None,
     title: str = "",
 ) -> Picture:
     """Plots the magnitude along the track of one pass, with its error.
@@ -185,9 +185,9 @@ def light_curve(
         Cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)`` (all points are in the field) or of
         ``StreakModel.forecast(..., samples=100).passes`` (from rise to set), with ``utc``, ``magnitude`` and
         ``magnitude_sigma``.
-    limit_mag : float, optional
+    limit_mag : float or `~astropy.units.Quantity`, optional
         Magnitude of a limit line.
-    utc_offset : float, optional
+    utc_offset : float or `~astropy.units.Quantity`, optional
         Offset of the local time on the upper axis from UTC, hours.
     title : str
         Title of the plot.
@@ -211,7 +211,7 @@ def light_curve(
     )  # fmt: skip
 
 
-def sky_chart(passes: Any, *, title: str = "") -> Picture:
+def sky_chart(passes: TableLike, *, title: str = "") -> Picture:
     """Plots passes over the sky of a site, coloured by magnitude: zenith in the centre, north up, east left.
 
     Parameters
@@ -247,11 +247,11 @@ def sky_chart(passes: Any, *, title: str = "") -> Picture:
 
 
 def sky_rate(
-    cells: Any,
-    rate: Any,
+    cells: ArrayLike,
+    rate: ArrayLike,
     *,
     nside: int,
-    sun_azimuth_deg: float,
+    sun_azimuth_deg: FloatLike,
     title: str = "Streaks per exposure",
     subtitle: str = "",
 ) -> Picture:
@@ -265,7 +265,7 @@ def sky_rate(
         Expected number of streaks, 0 or more.
     nside : int
         HEALPix resolution, 1 to 1024.
-    sun_azimuth_deg : float
+    sun_azimuth_deg : float or `~astropy.units.Quantity`
         Azimuth of the Sun, degrees from north through east.
     title, subtitle : str
         Title and subtitle of the plot.
@@ -280,19 +280,18 @@ def sky_rate(
         There are no cells, a cell is invalid or repeated, or a rate is negative.
     """
     numbers = np.ravel(np.asarray(cells)).astype(np.uint64).tolist()
-    values = np.ravel(np.asarray(rate, dtype=np.float64)).tolist()
-    return _drawn(
-        "sky_rate", title, nside=nside, cells=numbers, rate=values, sun_azimuth_deg=sun_azimuth_deg, subtitle=subtitle
-    )
+    values = np.ravel(number(rate, "", "rate"))
+    azimuth = scalar(sun_azimuth_deg, "deg", "sun_azimuth_deg")
+    return _drawn("sky_rate", title, nside=nside, cells=numbers, rate=values, sun_azimuth_deg=azimuth, subtitle=subtitle)
 
 
 def sun_altitude(
-    sun_altitude_deg: Any,
-    n_trails: Any,
+    sun_altitude_deg: FloatArrayLike,
+    n_trails: ArrayLike,
     *,
-    n_bright: Any = None,
-    limit_mag: Union[float, None] = None,
-    bin_deg: float = 2.0,
+    n_bright: ArrayLike | None = None,
+    limit_mag: FloatLike | None = None,
+    bin_deg: FloatLike = 2.0,
     title: str = "Trails per exposure",
 ) -> Picture:
     """Plots trails per exposure against the altitude of the Sun.
@@ -305,7 +304,7 @@ def sun_altitude(
         Number of lit satellites that cross.
     n_bright : array, optional
         Number of those brighter than ``limit_mag``; requires ``limit_mag``.
-    bin_deg : float
+    bin_deg : float or `~astropy.units.Quantity`
         Width of the bins, 0.1 to 30 degrees.
     title : str
         Title of the plot.
@@ -328,7 +327,7 @@ def sun_altitude(
     bright = None if n_bright is None else np.ravel(np.asarray(n_bright, dtype=np.float64)).tolist()
     return _drawn(
         "sun_altitude", title, limit_mag=limit_mag,
-        sun_altitude_deg=altitudes, n_trails=trails, bin_deg=bin_deg, n_bright=bright,
+        sun_altitude_deg=altitudes, n_trails=trails, bin_deg=scalar(bin_deg, "deg", "bin_deg"), n_bright=bright,
     )  # fmt: skip
 
 
@@ -336,25 +335,27 @@ def _drawn(
     chart: str,
     title: str,
     *,
-    limit_mag: Union[float, None] = None,
-    utc_offset: Union[float, None] = None,
-    **columns: Any,
+    limit_mag: FloatLike | None = None,
+    utc_offset: FloatLike | None = None,
+    **columns: object,
 ) -> Picture:
     """Draws a plot by name from its labels and columns."""
-    local = None if utc_offset is None else (float(utc_offset), _clock_name(utc_offset))
-    labels = {"title": title, "limit_mag": limit_mag, "local": local}
+    hours = None if utc_offset is None else scalar(utc_offset, "h", "utc_offset")
+    local = None if hours is None else (hours, _clock_name(hours))
+    limit = None if limit_mag is None else scalar(limit_mag, "mag", "limit_mag")
+    labels = {"title": title, "limit_mag": limit, "local": local}
     plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in columns.items()}
     return Picture(_core.draw(chart, labels, plain))
 
 
-def _sample_times(samples: Sequence[dict[str, Any]]) -> npt.NDArray[np.float64]:
+def _sample_times(samples: Samples) -> FloatArray:
     """Returns the times along a pass, MJD (UTC)."""
     # An empty list is passed on; the error states what is missing.
     return _mjd(np.array([str(point["utc"]) for point in samples], dtype=str), None)
 
 
-def _of_samples(samples: Sequence[dict[str, Any]], name: str) -> list[float]:
-    return [np.nan if point[name] is None else float(point[name]) for point in samples]
+def _of_samples(samples: Samples, name: str) -> list[float]:
+    return [np.nan if (value := point[name]) is None else float(value) for point in samples]
 
 
 def _clock_name(utc_offset: float) -> str:
@@ -363,7 +364,7 @@ def _clock_name(utc_offset: float) -> str:
     return f"local time (UTC{sign}{minutes // 60}{rest})"
 
 
-def _numbers(table: Any, name: str) -> npt.NDArray[np.float64]:
+def _numbers(table: TableLike, name: str) -> FloatArray:
     """Returns a column as plain numbers, NaN where it is masked."""
     cells = table[name]
     cells = getattr(cells, "value", cells)
@@ -372,11 +373,11 @@ def _numbers(table: Any, name: str) -> npt.NDArray[np.float64]:
     return np.ravel(np.asarray(cells, dtype=np.float64))
 
 
-def _texts(table: Any, name: str) -> list[str]:
+def _texts(table: TableLike, name: str) -> list[str]:
     return ["" if cell is None or cell is np.ma.masked else str(cell) for cell in table[name]]
 
 
-def _mjd(times: Any, scale: Union[str, None]) -> npt.NDArray[np.float64]:
+def _mjd(times: TimeLike, scale: str | None) -> FloatArray:
     """Returns times as MJD (UTC)."""
     if not is_time(times):
         array = np.asarray(times)

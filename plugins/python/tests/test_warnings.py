@@ -1,0 +1,82 @@
+"""Warnings have one line, and point to the line of the caller."""
+
+import inspect
+import pickle
+import warnings
+
+import numpy as np
+import pytest
+
+import streakcast
+from conftest import START, TARGET
+from streakcast.hosts import Hook
+from test_quantities import frame_header
+
+END = "2026-08-14T23:39:05Z"
+FRAME = np.zeros((100, 100), "float32")
+
+
+def new_model():
+    return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", limit_mag=7)
+
+
+def inject_random_streaks():
+    return streakcast.inject(
+        FRAME, header=frame_header(), start=START, exposure=30.0, random_streaks=1, magnitude=5.0, zero_point=25.0, seeing="10arcmin",
+    )  # fmt: skip
+
+
+def caught(call):
+    """Returns the warnings of a call, in which each filter is off."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        call()
+    return [one for one in found if issubclass(one.category, streakcast.StreakcastWarning)]
+
+
+CALLS = {
+    "assess": lambda model: model.assess(TARGET, START, 30.0),
+    "flags": lambda model: model.flags(TARGET, START, 30.0),
+    "passes": lambda model: model.passes(TARGET, START, 30.0),
+    "next_clear_start": lambda model: model.next_clear_start(TARGET, START, 30.0),
+    "clear_windows": lambda model: model.clear_windows(TARGET, START, END, 30.0),
+    "check_pointings": lambda model: model.check_pointings([198.9], [7.7], [61266.978], 30.0, scale="utc"),
+    "forecast": lambda model: model.forecast(start=START, end=END),
+    "visible_passes": lambda model: model.visible_passes(START, END),
+    "overhead": lambda model: model.overhead(START),
+    "ephemeris": lambda model: model.ephemeris(START, norad=900003951),
+    "identify": lambda model: model.identify(place=TARGET, position_angle=45.0, start=START, exposure=30.0),
+    "StreakModel.inject": lambda model: model.inject(
+        FRAME, header=frame_header(), start=START, exposure=30.0, zero_point=25.0, seeing="10arcmin"
+    ),
+    "inject": lambda model: inject_random_streaks(),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_warnings_point_to_the_caller(name):
+    model, call = new_model(), CALLS[name]
+    found = caught(lambda: call(model))
+    assert found
+    where = inject_random_streaks if name == "inject" else call
+    lines, first = inspect.getsourcelines(where)
+    for one in found:
+        assert one.filename == __file__
+        assert first <= one.lineno < first + len(lines)
+        assert "\n" not in str(one.message)
+
+
+def test_a_warning_of_changed_files_points_to_the_caller(tmp_path):
+    path = tmp_path / "site.toml"
+    path.write_text('site = "Rubin Observatory"\n')
+    model = streakcast.StreakModel(config=path, shells="starlink-gen1", fov="3.5deg", on_changed_file="warn")
+    pickled = pickle.dumps(model)
+    path.write_text('site = "Rubin Observatory"\nmag_system = "AB"\n')
+    found = caught(lambda: pickle.loads(pickled).site)
+    assert [one.filename for one in found] == [__file__] and "changed since" in str(found[0].message)
+
+
+def test_a_handler_receives_the_warnings_of_an_injection():
+    hook = Hook(new_model(), "test")
+    assert caught(lambda: hook.evaluate(CALLS["StreakModel.inject"], None)) == []
+    assert hook.counts["warned"] >= 1 and hook.counts["failed"] == 0
