@@ -3,8 +3,7 @@
 //!
 //! `cargo test --test fitting -- --ignored write_error_distributions` fits the distributions of all models again,
 //! writes them into the files of `src/photometry/models` and (the default) into `src/photometry/error_distribution.rs`,
-//! and writes `docs/tables/brightness.md` and `docs/tables/brightness-models.md`. `docs/brightness.py` draws the
-//! figure.
+//! and writes the tables `TABLES` in `docs/tables`. `docs/brightness.py` draws the figure.
 //!
 //! Requires the data folder; skipped with a message without it.
 
@@ -21,6 +20,9 @@ use streakcast::photometry::{
     Band, BrightnessModel, Earthshine, ErrorDistribution, MagSystem, ModelKind, ModelLibrary, PANEL_OFFSET,
 };
 
+/// Tables in `docs/tables`: probabilities by tenth; distribution of each model; largest difference of probabilities of
+/// each model.
+const TABLES: [&str; 3] = ["brightness", "brightness-distributions", "brightness-models"];
 /// Number of folds, by track, night or degree of the Sun's altitude.
 const FOLDS: usize = 5;
 /// Magnitude limits at 1000 km for which probabilities are compared, in quarters of a magnitude: 3 to 10 mag.
@@ -167,7 +169,7 @@ fn unseen(data: &Path) -> Vec<Unseen> {
 struct Reliability([[f64; 3]; 10]);
 
 impl Reliability {
-    fn see(&mut self, stated: f64, is_brighter: bool, weight: f64) {
+    fn add(&mut self, stated: f64, is_brighter: bool, weight: f64) {
         let tenth = &mut self.0[((10.0 * stated) as usize).min(9)];
         for (sum, value) in tenth.iter_mut().zip([1.0, stated, f64::from(u8::from(is_brighter))]) {
             *sum += weight * value;
@@ -181,7 +183,7 @@ impl Reliability {
         for point in &one.points {
             for limit_mag in LIMITS.map(|quarter| 0.25 * f64::from(quarter)) {
                 let x = (limit_mag - point.predicted_mag) / one.sigma_mag;
-                seen.see(of_folds[point.fold].cumulative(x, 0.0), point.observed_mag < limit_mag, weight);
+                seen.add(of_folds[point.fold].cumulative(x, 0.0), point.observed_mag < limit_mag, weight);
             }
         }
         seen
@@ -246,8 +248,8 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Returns the tables of docs/explanation/models.md: by tenth, and by model.
-fn tables(rows: &[Row<'_>]) -> [String; 2] {
+/// Returns the contents of [`TABLES`].
+fn tables(rows: &[Row<'_>]) -> [String; 3] {
     let columns: [for<'a> fn(&'a Row<'_>) -> &'a Reliability; 3] =
         [|row| &row.own, |row| &row.others, |row| &row.normal];
     let of = columns.map(|column| pooled_reliability(rows, column).shares());
@@ -261,25 +263,32 @@ fn tables(rows: &[Row<'_>]) -> [String; 2] {
             cells.join(" | ")
         );
     }
-    let mut models = "| model | points | sigma, mag | core: shift, width | wing: share, shift, width | worst tenth | of the other models | normal |\n|---|---|---|---|---|---|---|---|\n".to_owned();
+    let mut distributions =
+        "| model | sigma, mag | core: shift, width | wing: share, shift, width |\n|---|---|---|---|\n".to_owned();
+    let mut models =
+        "| model | points | core and wing | of the other models | normal |\n|---|---|---|---|---|\n".to_owned();
     for Row { of, own, others, normal } in rows {
         let d = of.distribution();
-        models += &format!(
-            "| {} | {} | {:.3} | {:.2}, {:.2} | {:.0} %, {:.2}, {:.2} | {} | {} | {} |\n",
+        distributions += &format!(
+            "| {} | {:.3} | {:.2}, {:.2} | {:.0} %, {:.2}, {:.2} |\n",
             of.model,
-            of.points.len(),
             of.sigma_mag,
             d.core_shift,
             d.core_sigma,
             100.0 * d.wing_share,
             d.wing_shift,
             d.wing_sigma,
+        );
+        models += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            of.model,
+            of.points.len(),
             percent(own.worst()),
             percent(others.worst()),
             percent(normal.worst()),
         );
     }
-    [tenths, models]
+    [tenths, distributions, models]
 }
 
 fn print(rows: &[Row<'_>]) {
@@ -375,7 +384,7 @@ fn write_error_distributions() {
     edit(&path, "        Self { core_shift: ", None, &format!("        Self {{ {values} }}"));
     let rows = rows(&all);
     print(&rows);
-    for (name, table) in ["brightness", "brightness-models"].into_iter().zip(tables(&rows)) {
+    for (name, table) in TABLES.into_iter().zip(tables(&rows)) {
         std::fs::write(root.join(format!("docs/tables/{name}.md")), table).unwrap();
     }
 }

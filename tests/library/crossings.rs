@@ -84,8 +84,8 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
     let mut compared = 0;
     let authority = "python-sgp4 2.27 and ERFA by brute force";
     let mut separation =
-        Agreement::new("Least separation from the field's centre", authority, ANGLE_TOLERANCE_DEG, "deg");
-    let mut moments = Agreement::new("Entry and exit, of 2 ms and 0.2 arcsec", authority, 1.0, "of the tolerance");
+        Agreement::new("Smallest distance from the field's centre", authority, ANGLE_TOLERANCE_DEG, "deg");
+    let mut moments = Agreement::new("Times of entry and exit", authority, 1.0, "of 2 ms + 0.2 arcsec");
     for (golden, passes) in golden.iter().zip(&passes.by_exposure) {
         let ids: Vec<u32> = {
             let mut ids: Vec<u32> = passes.iter().map(|pass| pass.norad_id.0).collect();
@@ -103,7 +103,7 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
                 pass.norad_id,
                 pass.min_separation_rad.to_degrees()
             );
-            separation.see(pass.min_separation_rad.to_degrees() - separation_deg);
+            separation.add(pass.min_separation_rad.to_degrees() - separation_deg);
             for (chord, (enter_s, exit_s)) in pass.chords.iter().zip(chords) {
                 let tolerance_s = TIME_TOLERANCE_S + ANGLE_TOLERANCE_DEG / pass.angular_rate_rad_s.to_degrees();
                 assert!(
@@ -112,7 +112,7 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
                     golden.exposure.id,
                     pass.norad_id
                 );
-                moments.see((chord.enter_s - enter_s).abs().max((chord.exit_s - exit_s).abs()) / tolerance_s);
+                moments.add((chord.enter_s - enter_s).abs().max((chord.exit_s - exit_s).abs()) / tolerance_s);
             }
             compared += 1;
         }

@@ -71,16 +71,16 @@ fn valid_ephemeris_against_skyfield() {
         let lon_lat = |lon_deg: f64, lat_deg: f64| {
             Direction::<Gcrs>::from_lon_lat_rad(lon_deg.to_radians(), lat_deg.to_radians())
         };
-        direction.see(seen.direction.separation_rad(&lon_lat(row[2], row[3])).to_degrees() * 3600.0);
+        direction.add(seen.direction.separation_rad(&lon_lat(row[2], row[3])).to_degrees() * 3600.0);
         let ours = Direction::from_lon_lat_rad(seen.azimuth_rad.expect("a site"), seen.altitude_rad.expect("a site"));
-        horizon.see(ours.separation_rad(&lon_lat(row[7], row[6])).to_degrees() * 3600.0);
-        range.see((seen.range_km - row[8]).abs());
+        horizon.add(ours.separation_rad(&lon_lat(row[7], row[6])).to_degrees() * 3600.0);
+        range.add((seen.range_km - row[8]).abs());
         let rates = [point.ra_cos_dec_rate_rad_s.to_degrees() - row[4], point.dec_rate_rad_s.to_degrees() - row[5]];
         // Values of the golden file have nine decimals.
-        rate.see((rates[0].hypot(rates[1]) - 1e-9).max(0.0) / row[4].hypot(row[5]));
-        range_rate.see((point.range_rate_km_s - row[9]).abs());
-        sun.see((seen.geometry.phase_angle_rad().to_degrees() - row[10]).abs());
-        sun.see((point.elongation_rad.to_degrees() - row[11]).abs());
+        rate.add((rates[0].hypot(rates[1]) - 1e-9).max(0.0) / row[4].hypot(row[5]));
+        range_rate.add((point.range_rate_km_s - row[9]).abs());
+        sun.add((seen.geometry.phase_angle_rad().to_degrees() - row[10]).abs());
+        sun.add((point.elongation_rad.to_degrees() - row[11]).abs());
     }
 }
 

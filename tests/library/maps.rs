@@ -24,7 +24,7 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
     let text = std::fs::read_to_string(crate::common::golden_dir().join("map_goldens.csv")).unwrap();
     let (mut rows, mut magnitudes, mut dark) = (0, 0, 0);
     let mut ranges = Agreement::new("Ranges of sky maps", "numpy", RANGE_KM, "km");
-    let mut shadows = Agreement::new("Lit fractions of sky maps", "4,000 rays to the Sun's disk", LIT_FRACTION, "");
+    let mut shadows = Agreement::new("Sunlit fractions of sky maps", "4,000 rays to the Sun's disk", LIT_FRACTION, "");
     let mut light = Agreement::new("Magnitudes of sky maps", "numpy", MAGNITUDE, "mag");
     for line in text.lines().skip(3) {
         let cells: Vec<Option<f64>> = line.split(',').map(|cell| cell.parse().ok()).collect();
@@ -39,13 +39,13 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
             .unwrap()
             .with_shadow(ShadowModel::Geometric);
         let point = view.at(n(6).to_radians(), n(7).to_radians());
-        ranges.see(point.range_km - n(8));
+        ranges.add(point.range_km - n(8));
         let lit = point.lit_fraction;
-        shadows.see(lit - n(9));
+        shadows.add(lit - n(9));
         match (point.magnitude, cells[10]) {
             // In the penumbra, the magnitude is limited by the accuracy of the lit fraction.
             (Some(ours), Some(golden)) if lit == 1.0 => {
-                light.see(ours.0 - golden);
+                light.add(ours.0 - golden);
                 magnitudes += 1;
             }
             (Some(ours), Some(golden)) => {

@@ -91,8 +91,8 @@ fn valid_all_states_against_vallado() {
     let Some(cases) = cases() else { return };
     assert_eq!(cases.len(), 33);
     let mut states = 0;
-    let mut place = Agreement::new("SGP4, places", "Vallado's verification set", POSITION_KM, "km");
-    let mut speed = Agreement::new("SGP4, velocities", "Vallado's verification set", VELOCITY_KM_S, "km/s");
+    let mut place = Agreement::new("SGP4 positions", "Vallado's verification set", POSITION_KM, "km");
+    let mut speed = Agreement::new("SGP4 velocities", "Vallado's verification set", VELOCITY_KM_S, "km/s");
     for case in &cases {
         let id = case.elements.norad_id.0;
         // In the output of the reference program, the state of 33334 is that of 33333; SGP4 fails for 33334.
@@ -109,8 +109,8 @@ fn valid_all_states_against_vallado() {
                 continue;
             }
             assert!(km < POSITION_KM && km_s < VELOCITY_KM_S, "{id} at {minutes} min: {km:e} km, {km_s:e} km/s");
-            place.see(km);
-            speed.see(km_s);
+            place.add(km);
+            speed.add(km_s);
             states += 1;
         }
     }
