@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Requires cargo (or STREAKCAST_BIN),
-# Python 3.11 or newer, and a package index. The program itself writes the pages of verbs, columns and the HTTP API, and
-# draws all pictures.
-#   docs/build.sh --images    draws the pictures in docs/images/, which README.md and some pages show; requires chromium
+# Builds the documentation site, which needs cargo (or STREAKCAST_BIN), Python 3.11 or newer, and a package index. The
+# program itself writes the pages of verbs, columns and the HTTP API, and draws all pictures.
+#   docs/build.sh [FOLDER]    writes the site into FOLDER; default: target/site
+#   docs/build.sh --images    draws docs/images/, which README.md and some pages show; needs chromium
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -21,8 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let observer = Observer::new(Site::from_mpc("X05")?);
     let sky = Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
 
-    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here the ends are those
-    // of a predicted crossing.
+    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here the ends are
+    //    those of a predicted crossing.
     let exposure = Exposure {
         id: "1".to_owned(),
         start,

@@ -9,8 +9,8 @@
 //! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on unseen points, the tests
 //!   of Lu (2024)
 //! - `error_distribution`: core and wing of residuals
-//! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with the
-//!   same numbers computed from photometry
+//! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with
+//!   the same numbers computed from photometry
 //! - `posterior`: draws with walkers, and the files of their chains
 //! - `model_of_fit`, `report`: model file and report of a fit
 //! - `inference`: numerical methods without astronomy

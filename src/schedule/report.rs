@@ -88,7 +88,8 @@ impl FlagReport {
     }
 }
 
-/// Judges every row, and finds the next clear and the next acceptable starts. Rows that cannot be judged get the verdict `invalid`.
+/// Judges every row, and finds the next clear and the next acceptable starts. Rows that cannot be judged get the
+/// verdict `invalid`.
 ///
 /// The `margin_s` of the policy applies before and after an exposure. An exposure with a crossing only in its margins
 /// is `streaked`.
@@ -418,8 +419,8 @@ struct StartSearch {
 }
 
 impl StartSearch {
-    /// Sets the earliest possible start that is at least `from_s` after the scheduled opening, or adds a reason if there
-    /// is none.
+    /// Sets the earliest possible start that is at least `from_s` after the scheduled opening, or adds a reason if
+    /// there is none.
     fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
         // The guard includes the error of rounding to a millisecond.
         let guard_s = GUARD_S + TICK_S;

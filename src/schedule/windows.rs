@@ -65,10 +65,10 @@ pub struct WindowReport {
 
 /// Computes all clear windows of shutter opening times from `from` to `to`; none if `to` is before `from`.
 ///
-/// No satellite selected by the policy's `blocking` crosses an exposure that opens in a window. The margin of the policy
-/// applies before and after the exposure, so the shutter may also open late by up to the margin. With a `min_probability`, near misses
-/// count, and blocked intervals are extended by three sigmas for early and late satellites. A blocking pass blocks from
-/// its entry to its exit, also while the satellite is faint or in shadow.
+/// No satellite selected by the policy's `blocking` crosses an exposure that opens in a window. The margin of the
+/// policy applies before and after the exposure, so the shutter may also open late by up to the margin. With a
+/// `min_probability`, near misses count, and blocked intervals are extended by three sigmas for early and late
+/// satellites. A blocking pass blocks from its entry to its exit, also while the satellite is faint or in shadow.
 ///
 /// The altitudes of target and Sun are sampled once a minute (every 10 s for the limb): a target above its limit for
 /// less than that may have no window.
@@ -85,8 +85,8 @@ pub fn clear_windows(
     windows_of(targets, from, to, request, true)
 }
 
-/// Computes the same windows without blocking passes: [`TargetWindows::blocking_passes`] is empty. It is faster for many
-/// targets, because magnitudes and probabilities are computed only if the policy needs them.
+/// Computes the same windows without blocking passes: [`TargetWindows::blocking_passes`] is empty. It is faster for
+/// many targets, because magnitudes and probabilities are computed only if the policy needs them.
 ///
 /// # Errors
 /// Same as [`clear_windows`].

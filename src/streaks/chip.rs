@@ -123,8 +123,8 @@ impl Chip {
     }
 
     /// Returns the first and the last time at which the path is on illuminated pixels and the light is not dark, to a
-    /// microsecond. A light that fades between two nodes, as a satellite does at the edge of the umbra, is dark from the
-    /// first node without light.
+    /// microsecond. A light that fades between two nodes, as a satellite does at the edge of the umbra, is dark from
+    /// the first node without light.
     fn inside_s(&self, path: &StreakPath) -> Option<[f64; 2]> {
         const SAMPLES: usize = 8;
         let nodes = path.nodes();

@@ -24,8 +24,8 @@ fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     [angle - earth - disk, angle - earth + disk]
 }
 
-/// Tolerance of the light behind the atmosphere against traced rays, as a fraction of the Sun's light (0.001 mag in full
-/// light). It was chosen before the comparison.
+/// Tolerance of the light behind the atmosphere against traced rays, as a fraction of the Sun's light (0.001 mag in
+/// full light). It was chosen before the comparison.
 const LIGHT: f64 = 1e-3;
 
 /// Rays through the standard atmosphere, traced step by step; `tests/reference/make_atmosphere_goldens.py`.

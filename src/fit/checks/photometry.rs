@@ -95,8 +95,8 @@ pub struct ReferenceMeasurement {
 }
 
 impl ReferenceMeasurement {
-    /// Returns the magnitude of the model in this geometry and light, V (Vega) at a range of 1000 km. `None` if no lit surface is
-    /// visible, or if the model requires angles that are unknown.
+    /// Returns the magnitude of the model in this geometry and light, V (Vega) at a range of 1000 km. `None` if no lit
+    /// surface is visible, or if the model requires angles that are unknown.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };

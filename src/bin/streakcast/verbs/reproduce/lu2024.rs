@@ -220,8 +220,8 @@ fn source(typed: &Lu2024Arguments, config: &Config, base: &ModelFile, notices: &
     if typed.photometry.is_empty() { simulated(typed, base, notices) } else { measured(typed, config) }
 }
 
-/// Simulates a campaign of MMT-9 with the 550 km shell of Starlink: tracks of 11 to 109 s with ten points per second, as
-/// in public data.
+/// Simulates a campaign of MMT-9 with the 550 km shell of Starlink: tracks of 11 to 109 s with ten points per second,
+/// as in public data.
 fn simulated(typed: &Lu2024Arguments, base: &ModelFile, notices: &Notices) -> anyhow::Result<Source> {
     let nights = typed.nights.unwrap_or(48);
     if !(1..=SPAN_DAYS).contains(&nights) {
@@ -324,8 +324,8 @@ fn fitted_file(base: &ModelFile, found: &Lu2024, source: &Source, problem: &Prob
     Ok(model_file(base, &found.fit, problem.points(), rms_mag, &found.single_mag, &description)?)
 }
 
-/// Returns rows of a figure of the sky: the range of magnitudes over its panels, and the Sun's altitude at which the last
-/// lit satellite is in the sky. Empty for figure 6.
+/// Returns rows of a figure of the sky: the range of magnitudes over its panels, and the Sun's altitude at which the
+/// last lit satellite is in the sky. Empty for figure 6.
 fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec<Lu2024Row>> {
     let (Some(stated), Some(last_deg)) = (figure.stated_range_mag, figure.stated_last_sun_deg) else {
         return Ok(Vec::new());
