@@ -152,14 +152,14 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
     let exposures: Vec<Exposure> = above.iter().map(|(_, exposure)| (*exposure).clone()).collect();
     let options = pass_options(request);
-    let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
-    report.left_out.append(&mut answer.left_out);
+    let mut crossings = request.sky.field_passes(&exposures, request.field, &options)?;
+    report.left_out.append(&mut crossings.left_out);
 
     let probabilities = request.sky.crossing_probabilities(&exposures, request.field)?;
 
     let camera = Camera::of(request);
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
+    for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
         let band = rows[*row].band.as_deref();
         let expected = if rules.has_limit(band) {
             expected_of(&satellites, request, &|one| probability_brighter(one, &passes, band, &rules, request))
@@ -359,13 +359,13 @@ fn find_starts(
         })
         .collect();
     let options = PassOptions { without_light: blocking == Blocking::Any, ..pass_options(request) };
-    let answer = request.sky.field_passes(&long, request.field, &options)?;
-    report.left_out.extend(answer.left_out);
+    let crossings = request.sky.field_passes(&long, request.field, &options)?;
+    report.left_out.extend(crossings.left_out);
     let exposures: Vec<&Exposure> = searched.iter().map(|(_, exposure)| *exposure).collect();
     let earth = |start, end| request.sky.orientation_over(start, end);
     let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s);
     let mut searches = Vec::new();
-    for (((row, exposure), passes), last_start_s) in searched.iter().zip(&answer.by_exposure).zip(last_starts) {
+    for (((row, exposure), passes), last_start_s) in searched.iter().zip(&crossings.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
         let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, &rules);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
@@ -477,7 +477,7 @@ fn confirm(
                 Some((search, exposure))
             })
             .unzip();
-        let answer = request.sky.field_passes(&later, request.field, options)?;
+        let crossings = request.sky.field_passes(&later, request.field, options)?;
         let too_much_lost = match policy.max_lost_fraction {
             Some(most) => request
                 .sky
@@ -490,7 +490,7 @@ fn confirm(
             None => vec![false; later.len()],
         };
         searches = Vec::new();
-        for ((search, passes), too_much_lost) in open.into_iter().zip(&answer.by_exposure).zip(too_much_lost) {
+        for ((search, passes), too_much_lost) in open.into_iter().zip(&crossings.by_exposure).zip(too_much_lost) {
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };

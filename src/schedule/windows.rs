@@ -175,7 +175,7 @@ fn passes(
 ) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
+    let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
     let camera = Camera::of(&request.conditions);
     let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
@@ -188,20 +188,20 @@ fn passes(
             .collect();
         Blocked { intervals, blocking_passes }
     };
-    Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
+    Ok((targets.iter().zip(passes.by_exposure).map(of).collect(), passes.left_out))
 }
 
 /// Returns blocked intervals of each target if every lit crossing blocks.
 fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_crossings(exposures, field)?;
+    let crossings = sky.field_crossings(exposures, field)?;
     let of = |crossings: Vec<FieldCrossing>| {
         let chords = crossings.iter().flat_map(|one| &one.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
         Blocked { intervals: chords.map(interval).collect(), blocking_passes: Vec::new() }
     };
-    Ok((answer.by_exposure.into_iter().map(of).collect(), answer.left_out))
+    Ok((crossings.by_exposure.into_iter().map(of).collect(), crossings.left_out))
 }
 
 /// Rounds an interval inwards to milliseconds; `None` if it becomes empty.

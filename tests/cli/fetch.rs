@@ -490,11 +490,11 @@ fn a_request_without_a_response_starts_the_waiting_time() {
     let path = cache.folder().join(format!("{NAME}.fetch.json"));
     let mut record = cache.record();
     record["asked_utc"] = NOON.into();
-    record["answer"] = "asking".into();
+    record["answer"] = "no response yet".into();
     std::fs::write(&path, record.to_string()).unwrap();
     let server = Server::new(Vec::new());
     let (code, _, stderr) = cache.run(&server.url, "2024-08-14T12:30:00Z", &[]);
-    assert!(code == 0 && stderr.contains("(asking); the next one is allowed in 90 min"), "{stderr}");
+    assert!(code == 0 && stderr.contains("(no response yet); the next one is allowed in 90 min"), "{stderr}");
 }
 
 const EPHEMERIS: &str = "MEME_90001_INVENTED-1_2270000_Operational_1407628800_UNCLASSIFIED.txt";

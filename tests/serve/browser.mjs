@@ -122,7 +122,7 @@ function countPending() {
   window.isSettled = async () => {
     // Two frames, so that observers of the page's size and resolution are called in between.
     for (let frame = 0; frame < 2; frame += 1) await new Promise((resolve) => requestAnimationFrame(resolve));
-    return Boolean(document.querySelector("#answer")?.textContent) && count === 0 && timers.size === 0;
+    return Boolean(document.querySelector("#verdict")?.textContent) && count === 0 && timers.size === 0;
   };
 }
 
@@ -143,9 +143,9 @@ async function eventually(check) {
 
 const seen = (page) =>
   page.evaluate(() => ({
-    text: document.querySelector("#answer").textContent,
-    start: document.querySelector("#answer").dataset.startUtc,
-    next: document.querySelector("#answer").dataset.nextClearStartUtc,
+    text: document.querySelector("#verdict").textContent,
+    start: document.querySelector("#verdict").dataset.startUtc,
+    next: document.querySelector("#verdict").dataset.nextClearStartUtc,
     duration: Number(document.querySelector("#stretch").getAttribute("aria-valuenow")),
     norads: [...document.querySelectorAll("#crossings tr[data-norad]")].map((row) => Number(row.dataset.norad)),
     magnitudes: [...document.querySelectorAll("#crossings tr[data-norad]")].map((row) => row.children[2].textContent),
@@ -180,7 +180,7 @@ async function follow(page, x, y) {
       moved = null;
       // The result is drawn in the next frame; the task after that frame reports the time.
       requestAnimationFrame(() => setTimeout(() => window.drawn?.(performance.now() - from)));
-    }).observe(document.querySelector("#answer"), { childList: true, characterData: true, subtree: true });
+    }).observe(document.querySelector("#verdict"), { childList: true, characterData: true, subtree: true });
     window.wasBehind = false;
     new MutationObserver(() => (window.wasBehind = true)).observe(document.querySelector("#main"), { attributeFilter: ["data-behind"] });
     window.arm = () => {
@@ -197,7 +197,7 @@ async function follow(page, x, y) {
     await page.evaluate(() => window.arm());
     // The page requests whole seconds, so a smaller move has no effect.
     await page.mouse.move(x + 6 * (k <= MOVES / 2 ? k : MOVES + 5 - k), y);
-    taken.push(await within(page.evaluate(() => window.next), `move ${k} of ${MOVES} was not answered`));
+    taken.push(await within(page.evaluate(() => window.next), `move ${k} of ${MOVES} got no response`));
   }
   await page.evaluate(() => window.holdTimers?.(false));
   return taken.sort((a, b) => a - b);
@@ -221,7 +221,7 @@ async function withMinimalPage(urls, work) {
       const response = await fetch(urls[sent % urls.length], { cache: "no-store" });
       const body = await response.json();
       sent += 1;
-      document.querySelector("#answer").textContent = body.flags[0].verdict + " " + sent;
+      document.querySelector("#verdict").textContent = body.flags[0].verdict + " " + sent;
     });`;
   await page.route("**/main.js", (route) => route.fulfill({ contentType: "text/javascript", body }));
   await page.goto(url);
@@ -407,7 +407,7 @@ try {
     await settled(page);
     assert.ok((await page.textContent("#exposure-title")).endsWith("night-02"));
     assert.ok((await seen(page)).text.startsWith("clear"));
-    assert.equal(await page.getAttribute("#answer", "aria-live"), "polite");
+    assert.equal(await page.getAttribute("#verdict", "aria-live"), "polite");
     // All controls have accessible names.
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll("button, input, select, [role=slider]")]
@@ -468,7 +468,7 @@ try {
     await settled(page);
     assert.equal(await page.textContent("#problem"), "no positions");
     const refused = await seen(page);
-    assert.equal(refused.text, "unknown: no answer");
+    assert.equal(refused.text, "unknown: no result");
     assert.deepEqual([refused.norads, refused.start, refused.next], [[], undefined, undefined]);
     assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "No result for this exposure."]);
     assert.ok((await page.isHidden("#go")) && (await page.evaluate(() => document.activeElement.id)) === "after");

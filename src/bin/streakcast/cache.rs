@@ -32,7 +32,7 @@ pub struct FetchRecord {
     pub last_modified: Option<String>,
     /// Time of the last request.
     pub asked_utc: Option<String>,
-    /// Description of the response; `asking` until it arrives.
+    /// Description of the response; `no response yet` until it arrives.
     pub answer: Option<String>,
     /// Time from which the next request is allowed.
     pub not_before_utc: Option<String>,

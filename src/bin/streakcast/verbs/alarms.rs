@@ -11,7 +11,7 @@ use streakcast::passes::LearnedFile;
 use super::learn::{ResidualArguments, residuals};
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -83,7 +83,7 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
     found.provenance.state("passes_searched_for_periods", alarms.searched);
     let table = alarm_table(&alarms.alarms);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "alarms", table: &table }],
             main: &table,
             provenance: &found.provenance,

@@ -19,7 +19,7 @@ use streakcast::passes::SkyError;
 use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
+use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -141,7 +141,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     if let Some(curves) = &curves {
         let table = light_curve_table(rows());
         curves.write(
-            &Answer {
+            &VerbResult {
                 sections: vec![Section { name: "light_curves", table: &table }],
                 main: &table,
                 provenance: &prepared.provenance,
@@ -169,7 +169,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             let passes = pass_table(rows(), columns);
             let columns = if offset_s.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(
-                &Answer {
+                &VerbResult {
                     sections: vec![
                         Section { name: "night", table: &night_table(&found, why_empty.as_deref()) },
                         Section { name: "passes", table: &passes },

@@ -196,8 +196,8 @@ impl Session<'_> {
             }
             Ok(())
         };
-        stamp("asking")?;
-        let response = answer(source, self.options);
+        stamp("no response yet")?;
+        let response = download(source, self.options);
         let stored = response.and_then(|bytes| {
             let record = check(&bytes).map_err(Failure::Refused)?;
             Ok((bytes, record))
@@ -243,7 +243,7 @@ impl Session<'_> {
     }
 }
 
-fn answer(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failure> {
+fn download(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failure> {
     let url = &source.url;
     match send(source, options, &Validators::default(), None) {
         Response::Data { bytes, .. } => Ok(bytes),

@@ -28,7 +28,7 @@ use streakcast::plot::{
 use super::table_one;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output, check, write_bytes};
+use crate::output::{Output, VerbResult, check, write_bytes};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::verbs::fit::arguments::{PhotometryArguments, TableArguments};
 use crate::verbs::fit::{photometry, report as fit_report, run::this_month};
@@ -183,7 +183,7 @@ pub fn run(
     provenance.state("posterior_steps", steps as i64);
     provenance.state("seed", settings.seed as i64);
     let parameters = recovered_table(&found, source.truth.as_ref());
-    let answer = Answer {
+    let result = VerbResult {
         sections: vec![
             Section { name: "reproduced", table: &table },
             Section { name: "parameters", table: &parameters },
@@ -196,9 +196,9 @@ pub fn run(
         write_bytes(&folder.join(format!("{stem}.png")), bytes, notices)?;
     }
     write_bytes(&folder.join("model.json"), (file.to_json() + "\n").as_bytes(), notices)?;
-    Output::new(Some("csv"), Some(folder.join("table.csv")))?.write(&answer, notices)?;
+    Output::new(Some("csv"), Some(folder.join("table.csv")))?.write(&result, notices)?;
     write_bytes(&folder.join("report.md"), report(&results, &rows, &pictures).to_markdown().as_bytes(), notices)?;
-    output.write(&answer, notices)?;
+    output.write(&result, notices)?;
     Ok(Outcome::Done)
 }
 

@@ -18,7 +18,7 @@ pub struct Route {
     /// True if the path requires the access token of the server.
     pub needs_token: bool,
     /// Computes the JSON body of a response.
-    pub answer: fn(&ServerState, &Query) -> Result<String, Problem>,
+    pub handler: fn(&ServerState, &Query) -> Result<String, Problem>,
     /// Returns the JSON Schema of the body.
     pub schema: fn() -> Value,
 }
@@ -39,7 +39,7 @@ pub fn document(routes: &[Route]) -> Value {
         "info": {
             "title": "streakcast serve",
             "version": env!("CARGO_PKG_VERSION"),
-            "description": "Satellites crossing the exposures of one schedule. Read only: GET and HEAD. Angles in degrees (ICRS for right ascension and declination), times UTC, magnitudes in the band and system that provenance names. The same request has the same answer as long as the server runs.",
+            "description": "Satellites crossing the exposures of one schedule. Read only: GET and HEAD. Angles in degrees (ICRS for right ascension and declination), times UTC, magnitudes in the band and system that provenance names. The same request has the same response as long as the server runs.",
             "license": {"name": "MIT OR Apache-2.0", "identifier": "MIT OR Apache-2.0"},
         },
         "servers": [{"url": "/"}],
@@ -55,7 +55,7 @@ pub fn document(routes: &[Route]) -> Value {
 }
 
 fn operation(route: &Route) -> Value {
-    let ok = json!({"description": "The answer.", "content": {JSON: {"schema": (route.schema)()}}});
+    let ok = json!({"description": "The response.", "content": {JSON: {"schema": (route.schema)()}}});
     let mut responses = Map::from_iter([("200".to_owned(), ok)]);
     for (status, ..) in STATUSES {
         let is_possible = match status {
