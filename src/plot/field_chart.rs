@@ -227,8 +227,11 @@ mod tests {
     #[test]
     fn valid_the_plane_is_that_of_tan() {
         for [centre, position, plane] in TAN {
-            let ours = gnomonic(*centre, *position).unwrap();
-            assert!((0..2).all(|k| (ours[k] - plane[k]).abs() < 1e-9), "{centre:?} {position:?}: {ours:?} {plane:?}");
+            let projected = gnomonic(*centre, *position).unwrap();
+            assert!(
+                (0..2).all(|k| (projected[k] - plane[k]).abs() < 1e-9),
+                "{centre:?} {position:?}: {projected:?} {plane:?}"
+            );
             let [east, dec] = inverse_gnomonic(*centre, *plane);
             let turn = (centre[0] + east - position[0] + 180.0).rem_euclid(360.0) - 180.0;
             assert!(turn.abs() < 1e-7 && (dec - position[1]).abs() < 1e-9, "{plane:?}: {east} {dec}");

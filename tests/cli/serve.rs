@@ -287,14 +287,14 @@ fn the_dome_contains_the_crossings_of_the_field() {
         &["--sun-altitude-deg", &sun.0, "--sun-azimuth-deg", &sun.1],
     ]);
     let table = map["directions"].as_array().unwrap();
-    let ours: Vec<&Value> =
+    let served: Vec<&Value> =
         dome["map"]["magnitudes"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()).collect();
-    assert_eq!(table.len(), ours.len());
-    for (theirs, ours) in table.iter().zip(ours) {
-        match (theirs["magnitude"].as_f64(), ours.as_f64()) {
+    assert_eq!(table.len(), served.len());
+    for (printed, served) in table.iter().zip(served) {
+        match (printed["magnitude"].as_f64(), served.as_f64()) {
             // Map, response and position of the Sun in the request are rounded.
-            (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
-            (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
+            (Some(printed), Some(served)) => assert!((printed - served).abs() < 0.02, "{printed} {served}"),
+            (printed, served) => assert_eq!(printed.is_some(), served.is_some(), "{printed:?} {served:?}"),
         }
     }
     let edge = dome["shadow_edge_deg"].as_array().unwrap();

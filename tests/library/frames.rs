@@ -85,10 +85,10 @@ fn valid_rotations_against_astropy() {
         gmst.add((sofars::erst::gmst82(day, fraction) - row.number("gmst82_rad")).sin().abs());
         let orientation = Orientation::from_parameters(row.epoch, &row.parameters);
         let satellite = Position::<Teme>::from_vector(row.vector("teme_", "km"));
-        let ours: Position<Itrs> = orientation.itrs_to_teme.inverse() * satellite;
-        itrs.add((ours.vector() - row.vector("itrs_", "km")).norm());
-        let ours: Position<Gcrs> = orientation.teme_to_gcrs * satellite;
-        gcrs.add((ours.vector() - row.vector("gcrs_", "km")).norm());
+        let computed: Position<Itrs> = orientation.itrs_to_teme.inverse() * satellite;
+        itrs.add((computed.vector() - row.vector("itrs_", "km")).norm());
+        let computed: Position<Gcrs> = orientation.teme_to_gcrs * satellite;
+        gcrs.add((computed.vector() - row.vector("gcrs_", "km")).norm());
     }
 }
 
@@ -104,9 +104,9 @@ fn valid_observers_and_sun_against_astropy() {
         let state = observer(&row).state(&orientation);
         place.add((state.position.vector() - row.vector("site_", "km")).norm());
         speed.add((state.velocity.vector() - row.vector("site_v", "km_s")).norm());
-        let ours = SunState::at(row.epoch);
-        sun.add((ours.sun.vector() - row.vector("sun_", "km")).norm());
-        earth.add((ours.earth_velocity.vector() - row.vector("earth_v", "km_s")).norm());
+        let computed = SunState::at(row.epoch);
+        sun.add((computed.sun.vector() - row.vector("sun_", "km")).norm());
+        earth.add((computed.earth_velocity.vector() - row.vector("earth_v", "km_s")).norm());
     }
 }
 
@@ -119,10 +119,10 @@ fn valid_apparent_positions_of_stars_against_erfa() {
     for row in golden_rows() {
         let star = Direction::<Gcrs>::from_lon_lat_rad(row.number("star_ra_rad"), row.number("star_dec_rad"));
         let velocity = SunState::at(row.epoch).earth_velocity;
-        let ours = gcrs_to_of_date(row.epoch) * annual_aberration(&star, &velocity);
-        let theirs = Direction::from_lon_lat_rad(row.number("apparent_ra_rad"), row.number("apparent_dec_rad"));
-        place.add(ours.separation_rad(&theirs));
-        let back = without_annual_aberration(&(gcrs_to_of_date(row.epoch).inverse() * ours), &velocity);
+        let computed = gcrs_to_of_date(row.epoch) * annual_aberration(&star, &velocity);
+        let expected = Direction::from_lon_lat_rad(row.number("apparent_ra_rad"), row.number("apparent_dec_rad"));
+        place.add(computed.separation_rad(&expected));
+        let back = without_annual_aberration(&(gcrs_to_of_date(row.epoch).inverse() * computed), &velocity);
         assert!(back.separation_rad(&star) < 1e-14);
     }
 }
@@ -141,13 +141,13 @@ fn valid_frames_against_skyfield() {
         let state = observer(&row).state(&orientation);
         place.add((state.position.vector() - row.vector("skyfield_site_", "km")).norm());
         let (altitude, azimuth) = state.altitude_azimuth_rad(&(satellite - state.position)).expect("not at the site");
-        let theirs =
+        let expected =
             (row.number("skyfield_altitude_deg").to_radians(), row.number("skyfield_azimuth_deg").to_radians());
-        horizon.add((altitude - theirs.0).abs());
-        horizon.add(((azimuth - theirs.1).sin() * altitude.cos()).abs());
-        let ours = SunState::at(row.epoch);
-        sun.add((ours.sun.vector() - row.vector("de421_sun_", "km")).norm());
-        earth.add((ours.earth_velocity.vector() - row.vector("de421_earth_v", "km_s")).norm());
+        horizon.add((altitude - expected.0).abs());
+        horizon.add(((azimuth - expected.1).sin() * altitude.cos()).abs());
+        let computed = SunState::at(row.epoch);
+        sun.add((computed.sun.vector() - row.vector("de421_sun_", "km")).norm());
+        earth.add((computed.earth_velocity.vector() - row.vector("de421_earth_v", "km_s")).norm());
     }
 }
 
@@ -179,8 +179,8 @@ fn valid_embedded_table_against_astropy_and_interpolation() {
         let end = seconds_after(start, 50_000.0);
         let sampled = observer.position(&OrientationTable::new(start, end, &eop).at_s(33_480.0));
         interpolated.add((sampled.vector() - exact.vector()).norm());
-        let ours = SunTable::new(start, end).at_s(33_480.0).sun;
-        sun.add((ours.vector() - row.vector("sun_", "km")).norm() / AU_KM);
+        let computed = SunTable::new(start, end).at_s(33_480.0).sun;
+        sun.add((computed.vector() - row.vector("sun_", "km")).norm() / AU_KM);
     }
 }
 
@@ -197,10 +197,10 @@ fn valid_finals2000a_against_astropy() {
     let mut ut1 = Agreement::new("UT1 - UTC of finals2000A", "astropy 8.0.2", 1e-4, "s");
     let mut pole = Agreement::new("Pole of finals2000A", "astropy 8.0.2", 5e-4, "arcsec");
     for row in &rows {
-        let ours = table.at(row.epoch);
-        ut1.add((ours.ut1_minus_utc_s - row.parameters.ut1_minus_utc_s).abs());
-        pole.add((ours.xp_rad - row.parameters.xp_rad).abs() / ARCSEC_RAD);
-        pole.add((ours.yp_rad - row.parameters.yp_rad).abs() / ARCSEC_RAD);
+        let computed = table.at(row.epoch);
+        ut1.add((computed.ut1_minus_utc_s - row.parameters.ut1_minus_utc_s).abs());
+        pole.add((computed.xp_rad - row.parameters.xp_rad).abs() / ARCSEC_RAD);
+        pole.add((computed.yp_rad - row.parameters.yp_rad).abs() / ARCSEC_RAD);
     }
     // Every day of the bundled table.
     let embedded = EopTable::embedded();
@@ -208,9 +208,10 @@ fn valid_finals2000a_against_astropy() {
     let mut daily_pole = Agreement::new("Built-in pole, every day since 2000", "IERS finals2000A", 1.1e-3, "arcsec");
     for day in 51_544..=61_707 {
         let epoch = epoch_from_mjd(f64::from(day), TimeScale::UTC).expect("a day");
-        let (ours, theirs) = (embedded.at(epoch), table.at(epoch));
-        daily.add((ours.ut1_minus_utc_s - theirs.ut1_minus_utc_s).abs());
-        daily_pole.add((ours.xp_rad - theirs.xp_rad).abs().max((ours.yp_rad - theirs.yp_rad).abs()) / ARCSEC_RAD);
+        let (computed, expected) = (embedded.at(epoch), table.at(epoch));
+        daily.add((computed.ut1_minus_utc_s - expected.ut1_minus_utc_s).abs());
+        daily_pole
+            .add((computed.xp_rad - expected.xp_rad).abs().max((computed.yp_rad - expected.yp_rad).abs()) / ARCSEC_RAD);
         assert_eq!(
             matches!(embedded.status(epoch), EopStatus::Predicted),
             matches!(table.status(epoch), EopStatus::Predicted),
@@ -271,9 +272,9 @@ fn valid_iss_state_against_horizons() {
         let epoch = epoch_from_mjd(mjd, TimeScale::TDB).expect("a date");
         let orientation = Orientation::at(epoch, &EopTable::embedded());
         let state = propagator.state(epoch, &orientation.teme_to_gcrs).expect("a state");
-        let theirs = Position::<Gcrs>::new(row[0] * AU_KM, row[1] * AU_KM, row[2] * AU_KM);
-        place.add((state.position - theirs).norm_km());
-        let theirs = Velocity::<Gcrs>::new(row[3] * AU_KM / DAY_S, row[4] * AU_KM / DAY_S, row[5] * AU_KM / DAY_S);
-        speed.add((state.velocity - theirs).norm_km_s());
+        let expected = Position::<Gcrs>::new(row[0] * AU_KM, row[1] * AU_KM, row[2] * AU_KM);
+        place.add((state.position - expected).norm_km());
+        let expected = Velocity::<Gcrs>::new(row[3] * AU_KM / DAY_S, row[4] * AU_KM / DAY_S, row[5] * AU_KM / DAY_S);
+        speed.add((state.velocity - expected).norm_km_s());
     }
 }

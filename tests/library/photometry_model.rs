@@ -62,14 +62,14 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
         let terms = model.terms(&geometry);
         share.add(terms.blocked.shadow_or_hidden - n(15));
         share.add(terms.blocked.shadow - n(16));
-        let ours = [
+        let computed = [
             terms.sail_glossy_m2_sr,
             terms.sail_diffuse_m2_sr,
             terms.sail_back_m2_sr,
             terms.base_glossy_m2_sr,
             terms.base_diffuse_m2_sr,
         ];
-        for (i, value) in ours.into_iter().enumerate() {
+        for (i, value) in computed.into_iter().enumerate() {
             let golden = n(17 + i);
             // If almost all of the sail is blocked, the rest is a small difference, hence the absolute tolerance. The
             // relative one is for powers of up to 200.
@@ -78,8 +78,8 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
         let magnitude = StandardMagnitude::from_reflection(terms.b_total_m2_sr(), -26.76);
         match (magnitude, v[22]) {
             // Below 1e-6 m²/sr (18 mag, not relevant), rounding of a cosine near 0 affects the magnitude.
-            (Some(ours), Some(golden)) if golden < 18.0 => light.add(ours.0 - golden),
-            (ours, golden) => assert!(ours.is_none_or(|m| m.0 > 17.9) && golden.is_none_or(|m| m > 17.9)),
+            (Some(computed), Some(golden)) if golden < 18.0 => light.add(computed.0 - golden),
+            (computed, golden) => assert!(computed.is_none_or(|m| m.0 > 17.9) && golden.is_none_or(|m| m > 17.9)),
         }
         rows += 1;
         blocked_rows += usize::from(n(15) > n(16) + 1e-3);

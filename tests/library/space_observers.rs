@@ -56,12 +56,12 @@ fn valid_directions_from_orbit_against_skyfield() {
         };
         let (here, there) = (state(observer), state(satellite));
         let seen = aspect(&there.position, &there.velocity, &here.position, &sun.at_s(seconds).earth_velocity);
-        let theirs = Direction::<Gcrs>::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        let expected = Direction::<Gcrs>::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
         let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
-        directions.add(arcsec(seen.direction.separation_rad(&theirs)));
+        directions.add(arcsec(seen.direction.separation_rad(&expected)));
         ranges.add(seen.range_km - range_km);
         // The effect is large enough: geometric directions differ by up to 25" in both programs.
-        let plain = seen.geometric.direction().expect("apart").separation_rad(&theirs);
+        let plain = seen.geometric.direction().expect("apart").separation_rad(&expected);
         assert!((arcsec(plain) - off_arcsec).abs() < DIRECTION_ARCSEC, "{line}: {}", arcsec(plain));
         rows += 1;
     }

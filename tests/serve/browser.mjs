@@ -318,7 +318,7 @@ try {
       await settled(page);
       const urls = [];
       page.on("request", (request) => request.url().includes("/exposure?") && urls.push(request.url()));
-      const ours = await follow(page, ...place);
+      const full = await follow(page, ...place);
       assert.ok(await page.evaluate(() => window.wasBehind), "outdated parts are marked during a drag");
       // When the pointer rests, held or not, all other parts are updated, the sky with a separate request.
       await page.waitForFunction(() => !document.querySelector("#main").matches("[data-behind], [data-sky-behind]"));
@@ -334,7 +334,7 @@ try {
       const again = few.filter((url) => url.includes("around_s="));
       assert.ok(again.length < MOVES / 4, `${again.length} of ${few.length} moves requested the whole strip`);
       const least = await withMinimalPage(urls, (page) => follow(page, ...place));
-      console.log(`    ${name}, ${MOVES} moves: ${times(ours)} from the pointer's event to the redrawn result (target: 50 ms); minimal page: ${times(least)}`);
+      console.log(`    ${name}, ${MOVES} moves: ${times(full)} from the pointer's event to the redrawn result (target: 50 ms); minimal page: ${times(least)}`);
     }
   });
 
