@@ -24,7 +24,7 @@ BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "
 #: Comparisons with other programs: name -> (requirements in PEERS, benches to build first, command line).
 WITH_PEERS = {
     "compare-peers": ("requirements.txt", ["peers"], ["compare.py", "--elements", "{active}", "--schedule", "{schedule}", "--only", "astroz=0,sgp4=100", "--rounds",
-                                                      "{rounds}", "--ours", "cargo bench -q --bench peers -- {{elements}} {{schedule}} {{fov_deg}} {{limit}}"]),
+                                                      "{rounds}", "--streakcast", "cargo bench -q --bench peers -- {{elements}} {{schedule}} {{fov_deg}} {{limit}}"]),
     "photometry-peers": ("requirements-photometry.txt", ["magnitudes", "photometry"], ["photometry.py", "--rounds", "{rounds}"]),
     "fit-peers": ("requirements-fit.txt", ["fit"], ["fit.py", "--rounds", "{rounds}"]),
     "streaks-peers": ("requirements-streaks.txt", ["streaks"], ["streaks.py", "--rounds", "{rounds}"]),
