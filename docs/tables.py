@@ -79,7 +79,7 @@ def in_unit(value, unit):
 
 
 def largest_differences(path):
-    """(subject, quantity, authority) -> (number, largest difference, bound, unit) of the run with the largest difference."""
+    """(subject, quantity, authority) -> (number, largest difference, bound, unit); of several runs the largest."""
     largest = {}
     for line in Path(path).read_text().splitlines():
         subject, quantity, authority, number, measured, allowed, unit = line.split("\t")

@@ -53,7 +53,7 @@ pub struct MeasureOptions {
     pub most_corridor_pix: f64,
     /// Probability of a false detection in one corridor.
     pub false_alarm: f64,
-    /// Upper limits are this number of sigmas above the brightest place of the corridor.
+    /// Upper limits are this number of sigmas above the largest signal in the corridor.
     pub limit_sigmas: f64,
     /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
     pub fit_width: bool,

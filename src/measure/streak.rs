@@ -227,7 +227,7 @@ impl Measuring<'_> {
             }
             let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
             drawn = next;
-            // The first steps bring the template into place.
+            // The first steps align the template with the streak.
             if iteration == 1 || iteration == 3 {
                 mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
             }

@@ -32,7 +32,8 @@ struct Learned {
 }
 
 /// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the
-/// best score on held-out points where there are any (`tests/fitting/default_models.rs`). `None` if there is no default.
+/// best score on held-out points where there are any (`tests/fitting/default_models.rs`). `None` if there is no
+/// default.
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),

@@ -34,7 +34,7 @@ fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivati
 
 /// V2 Mini satellites, identified by name, with a published drag whose effect D t² = P ṅ/2 t² is 50 s after 7 days.
 #[test]
-fn verif_published_drag_changes_places_and_is_stated() {
+fn verif_published_drag_changes_positions_and_is_stated() {
     let folder = tempfile::tempdir().unwrap();
     let file = catalogue(&folder, "starlink-gen1", "STARLINK-31", 1.8e-4);
     let words =

@@ -62,7 +62,7 @@ fn verif_times_of_a_list_a_file_and_steps_are_the_same() {
 
 /// The position at the time of entry equals that of `passes`.
 #[test]
-fn verif_the_place_at_an_entry_is_that_of_the_pass() {
+fn verif_the_position_at_an_entry_is_that_of_the_pass() {
     let exposure =
         ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--fov", "3.5deg"];
     let passes = json(&[&["passes"], SKY, &exposure]);

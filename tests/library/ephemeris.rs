@@ -93,7 +93,7 @@ fn oneweb() -> (Sky, Epoch) {
 
 /// Points equal those of the snapshots above the site; rates equal differences of positions before and after.
 #[test]
-fn verif_places_are_those_of_snapshots_and_rates_their_differences() {
+fn verif_positions_are_those_of_snapshots_and_rates_their_differences() {
     let (sky, start) = oneweb();
     let photometry = PhotometryOptions::default();
     let options = SnapshotOptions { photometry: Some(photometry), ..SnapshotOptions::all_above(0.5) };

@@ -39,7 +39,7 @@ pub struct FetchRecord {
 }
 
 impl FetchRecord {
-    pub fn path_beside(file: &Path) -> PathBuf {
+    pub fn sidecar_path(file: &Path) -> PathBuf {
         let mut name = file.file_name().unwrap_or_default().to_os_string();
         name.push(SIDECAR);
         file.with_file_name(name)
@@ -47,7 +47,7 @@ impl FetchRecord {
 
     /// Reads the sidecar of a file; `None` if it is missing or unreadable, in which case the next download replaces it.
     pub fn read(file: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(Self::path_beside(file)).ok()?).ok()
+        serde_json::from_slice(&std::fs::read(Self::sidecar_path(file)).ok()?).ok()
     }
 }
 

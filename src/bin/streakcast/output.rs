@@ -121,7 +121,7 @@ impl Output {
     }
 
     /// Opens a file for an additional table in the format of its extension.
-    pub fn beside(path: PathBuf) -> anyhow::Result<Self> {
+    pub fn additional(path: PathBuf) -> anyhow::Result<Self> {
         check(&path)?;
         Ok(Self { format: Format::by_extension(&path)?, path: Some(path) })
     }

@@ -122,9 +122,10 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
 /// Measurements of one set.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct SetMeasurements {
-    /// In full sunlight by the 100 km rule of Lu (2024), and not flagged by the survey as in the penumbra.
+    /// Measurements in full sunlight: the line to the Sun passes at least 100 km above the ground (Lu 2024), and the
+    /// survey does not flag them as in the penumbra.
     sunlit: Vec<ReferenceMeasurement>,
-    /// Lit, with sunlight that passes lower than 100 km above the ground.
+    /// Measurements in sunlight that passes less than 100 km above the ground.
     grazing: Vec<ReferenceMeasurement>,
 }
 

@@ -347,8 +347,8 @@ mod tests {
                 for step in 0..16 {
                     let angle = limb - 0.009 + 0.016 * f64::from(step) / 16.0;
                     let satellite = (-sun.normalize() * angle.cos() + up * angle.sin()) * radius_km;
-                    let (place, sun_place) = (Position::from_vector(satellite), Position::from_vector(sun));
-                    let illumination = ShadowModel::Geometric.illumination(&place, &sun_place);
+                    let (position, sun_position) = (Position::from_vector(satellite), Position::from_vector(sun));
+                    let illumination = ShadowModel::Geometric.illumination(&position, &sun_position);
                     if let Illumination::Penumbra { lit_fraction } = illumination {
                         let rays = lit_by_rays(&satellite, &sun);
                         worst = worst.max((lit_fraction - rays).abs());

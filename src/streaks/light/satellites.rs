@@ -87,9 +87,9 @@ fn panels(
     let Viewpoint::Site(observer) = sky.viewpoint() else { return None };
     let end = seconds_after(exposure.start, exposure.duration_s);
     let turning = OrientationTable::new(exposure.start, end, eop);
-    let place = |time_s: f64| -> Position<Gcrs> {
+    let position = |time_s: f64| -> Position<Gcrs> {
         let orientation: Orientation = turning.at_s(time_s);
         observer.position(&orientation)
     };
-    ResolvedPanels::of_pass(pass, exposure, sky.model(pass.element_index), light.photometry.earthshine, place)
+    ResolvedPanels::of_pass(pass, exposure, sky.model(pass.element_index), light.photometry.earthshine, position)
 }

@@ -1,8 +1,8 @@
 //! Run of streakcast for `compare.py`: reads elements and a schedule, writes timings and crossings as JSON.
 //!
-//! Usage: `streakcast ELEMENTS SCHEDULE FOV_DEG LIMIT`. LIMIT is the number of exposures; 0 uses the whole schedule. The time
-//! is measured from the text of the elements to the last crossing. As for the peers, reading the schedule and the
-//! bundled models is excluded.
+//! Usage: `streakcast ELEMENTS SCHEDULE FOV_DEG LIMIT`. LIMIT is the number of exposures; 0 uses the whole schedule.
+//! The time is measured from the text of the elements to the last crossing. As for the peers, reading the schedule and
+//! the bundled models is excluded.
 
 use std::path::PathBuf;
 use std::time::Instant;

@@ -104,7 +104,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let range = "--night DATE, or --start TIME and --end TIME";
     Required::of(&config).input(has_range, "time range", range).satellites().site().check()?;
     let (output, document) = open(&typed, &config)?;
-    let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
+    let curves = typed.light_curves.clone().map(Output::additional).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
     let offset_s = typed.utc_offset.map(|hours| hours * 3600.0);
     let angles = angles(typed.angle_type.as_deref())?;

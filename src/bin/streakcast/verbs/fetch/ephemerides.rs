@@ -208,7 +208,7 @@ impl Session<'_> {
                     Some(before) => before.write(path)?,
                     // If the manifest itself was requested, both paths are the same, and the sidecar may already be
                     // removed.
-                    None if FetchRecord::path_beside(path).is_file() => FetchRecord::remove(path)?,
+                    None if FetchRecord::sidecar_path(path).is_file() => FetchRecord::remove(path)?,
                     None => {}
                 }
             }
