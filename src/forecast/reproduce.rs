@@ -12,7 +12,7 @@ use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
 use crate::photometry::PhotometryOptions;
 
-/// Largest difference at which a computed number is said to agree with the published one, percent.
+/// Largest difference at which a computed number agrees with the published one, percent.
 const AGREES_PERCENT: f64 = 20.0;
 
 /// Published number with the number computed here.

@@ -13,7 +13,7 @@ use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, Photometry
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
-    /// The same models with a source that says that the kind is assumed.
+    /// The same models, whose source states that the kind is assumed.
     assumed: BTreeMap<Generation, Arc<BrightnessModel>>,
     standard_magnitudes: StandardMagnitudes,
     /// Models of the bright objects, by name.
