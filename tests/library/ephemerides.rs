@@ -486,13 +486,13 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         let end_h = hours + exposure.duration_s / 3600.0;
         let is_covered = hours > 3.1 && end_h < 32.9;
         let exposures = [exposure];
-        let of = |sky: &Sky| sky.field_passes(&exposures, &field, &options).expect("an answer").by_exposure.remove(0);
+        let of = |sky: &Sky| sky.field_passes(&exposures, &field, &options).expect("passes").by_exposure.remove(0);
         let found = of(&mixed);
-        let brute = mixed.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer").remove(0);
+        let brute = mixed.field_passes_by_brute_force(&exposures, &field, &options).expect("passes").remove(0);
         same_passes(&found, &brute, &exposures[0].id);
         same_passes(&found, &of(if is_covered { &right } else { &wrong }), &exposures[0].id);
         *(if is_covered { &mut covered } else { &mut uncovered }) += found.len();
-        let odds = mixed.crossing_probabilities(&exposures, &field).expect("an answer").remove(0);
+        let odds = mixed.crossing_probabilities(&exposures, &field).expect("passes").remove(0);
         for pass in found.iter().filter(|pass| pass.lit && pass.mid.altitude_rad.is_some_and(|altitude| altitude > 0.3))
         {
             assert!(odds.iter().any(|one| one.element_index == pass.element_index), "{}: {pass:?}", exposures[0].id);

@@ -176,7 +176,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
                 rotation_rad: 0.0,
             };
             let options = PassOptions { include_dark: true, ..PassOptions::default() };
-            let passes = sky.field_passes(std::slice::from_ref(&exposure), &field, &options).expect("an answer");
+            let passes = sky.field_passes(std::slice::from_ref(&exposure), &field, &options).expect("passes");
             let found: Vec<usize> = passes.by_exposure[0].iter().map(|pass| pass.element_index).collect();
             for (element_index, propagator) in propagators.iter().enumerate() {
                 let radius_rad = 0.5 * f64::to_radians(diameter_deg);
@@ -246,7 +246,7 @@ fn verif_close_encounters_are_found_and_the_observer_is_excluded() {
     };
     let field = Field::circle(2f64.to_radians()).expect("a field");
     let options = PassOptions { include_dark: true, min_probability: Some(0.01), ..PassOptions::default() };
-    let passes = sky.field_passes(&[exposure], &field, &options).expect("an answer");
+    let passes = sky.field_passes(&[exposure], &field, &options).expect("passes");
     let pass = match &passes.by_exposure[0][..] {
         [pass] => pass,
         others => panic!("{others:?}"),
@@ -275,7 +275,7 @@ fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
         let exposure = Exposure { id: "1".into(), start, duration_s: 10.0, pointing, rotation_rad: 0.0 };
         let field = Field::circle(100f64.to_radians()).expect("a field");
         let options = PassOptions { include_dark: true, ..PassOptions::default() };
-        sky.field_passes(&[exposure], &field, &options).expect("an answer").by_exposure.swap_remove(0)
+        sky.field_passes(&[exposure], &field, &options).expect("passes").by_exposure.swap_remove(0)
     };
     // Downwards, only satellites between the telescope and the ground are visible; upwards, all up to geosynchronous
     // orbits.

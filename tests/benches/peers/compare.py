@@ -153,7 +153,7 @@ def main():
     found = {tool: {(str(e), int(n)) for e, n in mine[0]["crossings"]} for tool, mine in reports.items()}
     changing = [tool for tool, mine in reports.items() if any({(str(e), int(n)) for e, n in r["crossings"]} != found[tool] for r in mine)]
     if changing:
-        print(f"\nnot the same answer in every round: {', '.join(changing)}")
+        print(f"\nnot the same crossings in every round: {', '.join(changing)}")
     print("\ncrossings: " + ", ".join(f"{tool} {len(pairs)} in {tools[tool][0]}" for tool, pairs in found.items()))
     seen_by = {tool: {row["exposure_id"] for row in rows[:count]} for tool, (count, _) in tools.items()}
     wrong = {tool: 0 for tool in tools}
