@@ -78,7 +78,7 @@ pub enum Flag {
     Width,
     /// The gain is unknown: the error does not contain the photon noise of the streak.
     NoGain,
-    /// There is no space for fits beside the streak: the error is that of the pixels, without faint stars.
+    /// There is no free area for fits next to the streak, so that the error is that of the pixels, without faint stars.
     PixelNoise,
 }
 

@@ -223,8 +223,8 @@ impl BrightnessModel {
     }
 
     /// Returns the model with an offset and a sigma that were learned from measurements: apparent magnitudes are
-    /// `offset_mag` fainter, and single measurements scatter by `sigma_mag` with this distribution. The source ends with
-    /// `(learned)`.
+    /// `offset_mag` fainter, and single measurements scatter by `sigma_mag` with this distribution. The source ends
+    /// with `(learned)`.
     ///
     /// The learned sigma contains the errors of the parameters. Outside the fitted range it is larger by the same
     /// variance as before. Standard magnitudes are those of the model.
