@@ -21,7 +21,7 @@ pub struct AlarmsArguments {
     /// Learned file of earlier measurements, by streakcast learn
     #[arg(long, value_name = "FILE", help_heading = "Model")]
     pub learned: PathBuf,
-    /// Largest probability of an alarm, after the number of looks
+    /// Largest probability of an alarm, multiplied by the number of tests (column looks)
     #[arg(long, value_name = "P", default_value_t = 1e-4, help_heading = "Alarms")]
     pub probability: f64,
     /// Picture of the differences against time, .png or .svg
