@@ -122,7 +122,7 @@ function countPending() {
   window.isSettled = async () => {
     // Two frames, so that observers of the page's size and resolution are called in between.
     for (let frame = 0; frame < 2; frame += 1) await new Promise((resolve) => requestAnimationFrame(resolve));
-    return Boolean(document.querySelector("#verdict")?.textContent) && count === 0 && timers.size === 0;
+    return Boolean(document.querySelector("#answer")?.textContent) && count === 0 && timers.size === 0;
   };
 }
 
@@ -143,9 +143,9 @@ async function eventually(check) {
 
 const seen = (page) =>
   page.evaluate(() => ({
-    text: document.querySelector("#verdict").textContent,
-    start: document.querySelector("#verdict").dataset.startUtc,
-    next: document.querySelector("#verdict").dataset.nextClearStartUtc,
+    text: document.querySelector("#answer").textContent,
+    start: document.querySelector("#answer").dataset.startUtc,
+    next: document.querySelector("#answer").dataset.nextClearStartUtc,
     duration: Number(document.querySelector("#stretch").getAttribute("aria-valuenow")),
     norads: [...document.querySelectorAll("#crossings tr[data-norad]")].map((row) => Number(row.dataset.norad)),
     magnitudes: [...document.querySelectorAll("#crossings tr[data-norad]")].map((row) => row.children[2].textContent),
@@ -180,7 +180,7 @@ async function follow(page, x, y) {
       moved = null;
       // The result is drawn in the next frame; the task after that frame reports the time.
       requestAnimationFrame(() => setTimeout(() => window.drawn?.(performance.now() - from)));
-    }).observe(document.querySelector("#verdict"), { childList: true, characterData: true, subtree: true });
+    }).observe(document.querySelector("#answer"), { childList: true, characterData: true, subtree: true });
     window.wasBehind = false;
     new MutationObserver(() => (window.wasBehind = true)).observe(document.querySelector("#main"), { attributeFilter: ["data-behind"] });
     window.arm = () => {
@@ -197,7 +197,7 @@ async function follow(page, x, y) {
     await page.evaluate(() => window.arm());
     // The page requests whole seconds, so a smaller move has no effect.
     await page.mouse.move(x + 6 * (k <= MOVES / 2 ? k : MOVES + 5 - k), y);
-    taken.push(await within(page.evaluate(() => window.next), `move ${k} of ${MOVES} got no response`));
+    taken.push(await within(page.evaluate(() => window.next), `move ${k} of ${MOVES} was not answered`));
   }
   await page.evaluate(() => window.holdTimers?.(false));
   return taken.sort((a, b) => a - b);
@@ -221,7 +221,7 @@ async function withMinimalPage(urls, work) {
       const response = await fetch(urls[sent % urls.length], { cache: "no-store" });
       const body = await response.json();
       sent += 1;
-      document.querySelector("#verdict").textContent = body.flags[0].verdict + " " + sent;
+      document.querySelector("#answer").textContent = body.flags[0].verdict + " " + sent;
     });`;
   await page.route("**/main.js", (route) => route.fulfill({ contentType: "text/javascript", body }));
   await page.goto(url);
@@ -318,7 +318,7 @@ try {
       await settled(page);
       const urls = [];
       page.on("request", (request) => request.url().includes("/exposure?") && urls.push(request.url()));
-      const full = await follow(page, ...place);
+      const ours = await follow(page, ...place);
       assert.ok(await page.evaluate(() => window.wasBehind), "outdated parts are marked during a drag");
       // When the pointer rests, held or not, all other parts are updated, the sky with a separate request.
       await page.waitForFunction(() => !document.querySelector("#main").matches("[data-behind], [data-sky-behind]"));
@@ -334,7 +334,7 @@ try {
       const again = few.filter((url) => url.includes("around_s="));
       assert.ok(again.length < MOVES / 4, `${again.length} of ${few.length} moves requested the whole strip`);
       const least = await withMinimalPage(urls, (page) => follow(page, ...place));
-      console.log(`    ${name}, ${MOVES} moves: ${times(full)} from the pointer's event to the redrawn result (target: 50 ms); minimal page: ${times(least)}`);
+      console.log(`    ${name}, ${MOVES} moves: ${times(ours)} from the pointer's event to the redrawn result (target: 50 ms); minimal page: ${times(least)}`);
     }
   });
 
@@ -407,7 +407,7 @@ try {
     await settled(page);
     assert.ok((await page.textContent("#exposure-title")).endsWith("night-02"));
     assert.ok((await seen(page)).text.startsWith("clear"));
-    assert.equal(await page.getAttribute("#verdict", "aria-live"), "polite");
+    assert.equal(await page.getAttribute("#answer", "aria-live"), "polite");
     // All controls have accessible names.
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll("button, input, select, [role=slider]")]
@@ -468,7 +468,7 @@ try {
     await settled(page);
     assert.equal(await page.textContent("#problem"), "no positions");
     const refused = await seen(page);
-    assert.equal(refused.text, "unknown: no result");
+    assert.equal(refused.text, "unknown: no answer");
     assert.deepEqual([refused.norads, refused.start, refused.next], [[], undefined, undefined]);
     assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "No result for this exposure."]);
     assert.ok((await page.isHidden("#go")) && (await page.evaluate(() => document.activeElement.id)) === "after");

@@ -31,7 +31,7 @@ export async function request(path, parameters = {}) {
 }
 
 /** Sends one request at a time, and then only the latest waiting one, so that the page does not lag behind a drag. */
-export function latest(path, received, failed) {
+export function latest(path, answered, failed) {
   let busy = false;
   let waiting = null;
   async function next() {
@@ -40,7 +40,7 @@ export function latest(path, received, failed) {
       const parameters = waiting;
       waiting = null;
       try {
-        received(await request(path, parameters), parameters);
+        answered(await request(path, parameters), parameters);
       } catch (error) {
         if (!waiting) failed(error, parameters);
       }

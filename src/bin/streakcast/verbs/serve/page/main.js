@@ -14,7 +14,7 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** Pause of the pointer, ms, after which the whole page is updated. During a drag only verdict, strip and field are. */
+/** Pause of the pointer, ms, after which the whole page is updated. During a drag only answer, strip and field are. */
 const REST_MS = 150;
 
 /** State in the address. */
@@ -22,37 +22,37 @@ const state = { shift: 0, ...link.read() };
 /** Last responses of the server for the exposure; null if there is none. */
 let night = null;
 let rows = [];
-let result;
+let answer;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
-let sent = null;
-let sentDome = null;
+let question = null;
+let domeQuestion = null;
 /** Whether an exposure is being dragged; timer of its pause; whether the last request has its response. */
 let isMoving = false;
 let resting = 0;
-let isReceived = false;
+let isAnswered = false;
 /** Error messages by request. */
 const problems = new Map();
 
-const nightChart = new Night($("night"), (index) => choose(index));
+const nightChart = new Night($("night"), (place) => choose(place));
 const strip = new Strip($("strip"), moved);
 const fieldChart = new Field($("field"), (norad) => select(norad));
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
 
-const requestExposure = latest("/api/v1/exposure", received, (error, parameters) => {
+const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
   // The last response is not valid for this start.
-  if (parameters.index === state.index) nothing("unknown", "no result");
+  if (parameters.place === state.place) nothing("unknown", "no answer");
 });
 const requestSky = latest("/api/v1/dome", ({ document }, parameters) => {
-  if (parameters.index === state.index) showDome(document, parameters === sentDome);
+  if (parameters.place === state.place) showDome(document, parameters === domeQuestion);
 }, (error, parameters) => {
   failed(error, "dome");
-  if (parameters.index === state.index) showDome(null);
+  if (parameters.place === state.place) showDome(null);
 });
 
 /** Adds the index of the exposure to the parameters of a request, as a property that is not sent. */
-const withIndex = (parameters) => Object.defineProperty(parameters, "index", { value: state.index });
+const withPlace = (parameters) => Object.defineProperty(parameters, "place", { value: state.place });
 
 function failed(error, what) {
   if (error instanceof TokenRequired) {
@@ -98,13 +98,13 @@ async function load(which) {
   $("unlock").hidden = true;
   $("main").hidden = false;
   state.night = night.night;
-  rows = night.exposures.map((exposure, index) => ({ ...exposure, flag: night.flags[index], start: exposure.start_utc ? moment(exposure.start_utc) : null }));
+  rows = night.exposures.map((exposure, place) => ({ ...exposure, flag: night.flags[place], start: exposure.start_utc ? moment(exposure.start_utc) : null }));
   describe();
   nightChart.show(night, rows);
-  const index = rows.findIndex((row) => row.row === state.row);
+  const place = rows.findIndex((row) => row.row === state.row);
   const worst = rows.findIndex((row) => row.flag.verdict === "avoid");
   const first = rows.findIndex((row) => row.start != null);
-  if (index >= 0) choose(index, true);
+  if (place >= 0) choose(place, true);
   else choose(Math.max(worst, first, 0));
 }
 
@@ -141,24 +141,24 @@ function warn(warnings) {
 }
 
 /** Selects an exposure of the night; `isRestored` keeps its state from the address. */
-function choose(index, isRestored = false) {
-  const row = rows[index];
+function choose(place, isRestored = false) {
+  const row = rows[place];
   if (!row) return;
-  state.index = index;
+  state.place = place;
   state.row = row.row;
   if (!isRestored) {
     state.shift = 0;
     delete state.duration;
     delete state.satellite;
   }
-  $("before").disabled = index === 0;
-  $("after").disabled = index === rows.length - 1;
+  $("before").disabled = place === 0;
+  $("after").disabled = place === rows.length - 1;
   $("exposure-title").textContent = `Exposure ${row.id}`;
   if (row.start == null) {
     nothing("invalid", row.flag.reasons.join("; "));
     showDome(null);
     for (const what of ["exposure", "dome"]) problem(what, null);
-    nightChart.draw(index, null, limit());
+    nightChart.draw(place, null, limit());
     link.write(state);
     return;
   }
@@ -169,7 +169,7 @@ function choose(index, isRestored = false) {
 }
 
 function moved(shift, duration, isDone) {
-  if (rows[state.index]?.start == null) return;
+  if (rows[state.place]?.start == null) return;
   // A press without a move is not a drag yet.
   isMoving = !isDone && (shift !== state.shift || duration !== state.duration);
   state.shift = shift;
@@ -187,7 +187,7 @@ function moved(shift, duration, isDone) {
 function rested() {
   isMoving = false;
   // The night or the exposure may have changed meanwhile.
-  if (rows[state.index]?.start == null) return;
+  if (rows[state.place]?.start == null) return;
   requestDome();
   // This request has the parameters that were omitted during the drag.
   request();
@@ -197,15 +197,15 @@ const limit = () => state.limit ?? night?.limit_mag ?? null;
 
 /** Returns the shutter opening: the text of the schedule if it was not moved. */
 function opening() {
-  const row = rows[state.index];
+  const row = rows[state.place];
   return state.shift ? iso(row.start + state.shift * 1e3) : row.start_utc;
 }
 
 function request() {
-  const row = rows[state.index];
+  const row = rows[state.place];
   if (row?.start == null) return;
-  isReceived = false;
-  sent = withIndex({
+  isAnswered = false;
+  question = withPlace({
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -217,35 +217,35 @@ function request() {
     samples: isMoving ? null : SAMPLES,
     around_s: isMoving && strip.isKnown() ? null : strip.span(),
   });
-  requestExposure(sent);
+  requestExposure(question);
   if (!isMoving) showMove();
 }
 
 /** Shows the move in the night chart and in the address. */
 function showMove() {
-  nightChart.draw(state.index, rows[state.index].start + state.shift * 1e3, limit());
+  nightChart.draw(state.place, rows[state.place].start + state.shift * 1e3, limit());
   link.write(state);
 }
 
 function requestDome() {
-  if (rows[state.index]?.start == null) return;
-  sentDome = withIndex({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
-  requestSky(sentDome);
+  if (rows[state.place]?.start == null) return;
+  domeQuestion = withPlace({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+  requestSky(domeQuestion);
 }
 
-function received({ document, ms }, parameters) {
+function answered({ document, ms }, parameters) {
   // Another exposure was selected meanwhile; its own response follows.
-  if (parameters.index !== state.index) return;
+  if (parameters.place !== state.place) return;
   problem("exposure", null);
-  const row = rows[state.index];
-  result = document;
+  const row = rows[state.place];
+  answer = document;
   const flag = document.flags[0];
   // Times on the strip are relative to the scheduled opening.
   const shift = (moment(parameters.start_utc) - row.start) / 1e3;
   const around = document.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak, p_brighter: one.p_brighter }));
   const reach = parameters.around_s;
   const known = reach == null ? null : { from: shift - reach, to: shift + parameters.duration_s + reach };
-  strip.setCrossings(around, known, flag.delay_s ? flag.delay_s + shift : null);
+  strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null);
   const count = flag.n_streaks;
   const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
@@ -254,17 +254,17 @@ function received({ document, ms }, parameters) {
   const acceptable = flag.verdict === "avoid" && !isSame ? start("acceptable", flag.acceptable_delay_s, flag.next_acceptable_start_utc) : "";
   const next = flag.verdict === "clear" ? "" : `${acceptable}${start("clear", flag.delay_s, then)}`;
   const lacks = document.left_out_count ? `${document.left_out_count} of ${night.provenance.satellites} satellites left out: their crossings are unknown.` : "";
-  showVerdict(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
-  $("verdict").dataset.nextClearStartUtc = then ?? "";
-  $("verdict").dataset.startUtc = parameters.start_utc;
+  showAnswer(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
+  $("answer").dataset.nextClearStartUtc = then ?? "";
+  $("answer").dataset.startUtc = parameters.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
   $("go").dataset.delay = flag.delay_s ?? "";
-  $("timing").textContent = ms == null ? "" : `computed in ${ms.toFixed(1)} ms`;
+  $("timing").textContent = ms == null ? "" : `answered in ${ms.toFixed(1)} ms`;
   const [opens] = document.pointing;
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(document.passes)?.norad_id;
-  isReceived = parameters === sent;
+  isAnswered = parameters === question;
   drawField();
   // The response to a request during a drag is incomplete.
   if (!isMoving && parameters.samples) {
@@ -275,21 +275,21 @@ function received({ document, ms }, parameters) {
 
 /** Clears the page of an exposure without a result. */
 function nothing(verdict, words) {
-  result = null;
-  isReceived = true;
-  showVerdict(verdict, words);
-  delete $("verdict").dataset.nextClearStartUtc;
-  delete $("verdict").dataset.startUtc;
+  answer = null;
+  isAnswered = true;
+  showAnswer(verdict, words);
+  delete $("answer").dataset.nextClearStartUtc;
+  delete $("answer").dataset.startUtc;
   $("go").hidden = true;
   $("timing").textContent = $("pointing").textContent = "";
   strip.forget();
-  strip.setCrossings([], null, null);
-  drawResult();
+  strip.answer([], null, null);
+  drawAnswer();
 }
 
 const brightest = (passes) => passes.reduce((best, pass) => ((pass.magnitude_peak ?? 99) < (best?.magnitude_peak ?? 100) ? pass : best), null);
 
-function showVerdict(verdict, words, why = "", lacks = "") {
+function showAnswer(verdict, words, why = "", lacks = "") {
   const strong = document.createElement("strong");
   strong.className = verdict;
   strong.textContent = verdict;
@@ -299,43 +299,43 @@ function showVerdict(verdict, words, why = "", lacks = "") {
   const missing = document.createElement("span");
   missing.className = "lacks";
   missing.textContent = lacks;
-  $("verdict").replaceChildren(strong, document.createTextNode(`: ${words}`), small, missing);
+  $("answer").replaceChildren(strong, document.createTextNode(`: ${words}`), small, missing);
 }
 
 function select(norad) {
   state.satellite = norad;
-  drawResult();
+  drawAnswer();
   link.write(state);
 }
 
-function drawResult() {
-  if (result === undefined) return;
+function drawAnswer() {
+  if (answer === undefined) return;
   drawField();
   drawDetails();
 }
 
 function drawField() {
-  fieldChart.draw(night.field, result?.exposures[0] ?? rows[state.index], result?.passes ?? [], { selected: state.satellite, corridors: state.sigma === "1" });
+  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], answer?.passes ?? [], { selected: state.satellite, corridors: state.sigma === "1" });
 }
 
 function drawDetails() {
-  if (isReceived) $("main").removeAttribute("data-behind");
-  const passes = result?.passes ?? [];
+  if (isAnswered) $("main").removeAttribute("data-behind");
+  const passes = answer?.passes ?? [];
   const chosen = passes.find((pass) => pass.norad_id === state.satellite);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
-  crossings.rows($("crossings"), result?.passes, state.satellite, select);
+  crossings.rows($("crossings"), answer?.passes, state.satellite, select);
   drawDome();
 }
 
 /** Returns whether a warning differs from those of night and exposure, apart from numbers. */
 function isNew(warning) {
   const words = (text) => text.replace(/[\d.]+/g, "");
-  return ![...night.warnings, ...(result?.warnings ?? [])].some((known) => words(known) === words(warning));
+  return ![...night.warnings, ...(answer?.warnings ?? [])].some((known) => words(known) === words(warning));
 }
 
 function drawDome() {
-  domeChart.draw({ pointing: result?.pointing[0], selected: state.satellite, passes: result?.passes, limit: limit() });
+  domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: answer?.passes, limit: limit() });
   const dome = domeChart.dome;
   if (!dome) {
     $("dome-words").textContent = "";
@@ -350,9 +350,9 @@ function drawDome() {
 function drawAll() {
   if (!night) return;
   legend($("scale"), $("bands"));
-  nightChart.draw(state.index, rows[state.index]?.start + state.shift * 1e3, limit());
+  nightChart.draw(state.place, rows[state.place]?.start + state.shift * 1e3, limit());
   strip.draw();
-  drawResult();
+  drawAnswer();
 }
 
 $("limit").addEventListener("input", (event) => {
@@ -368,16 +368,16 @@ $("nights").addEventListener("change", async (event) => {
   for (const name of ["row", "duration", "satellite"]) delete state[name];
   await load(event.target.value);
 });
-$("before").addEventListener("click", () => choose(state.index - 1));
-$("after").addEventListener("click", () => choose(state.index + 1));
-$("reset").addEventListener("click", () => choose(state.index));
+$("before").addEventListener("click", () => choose(state.place - 1));
+$("after").addEventListener("click", () => choose(state.place + 1));
+$("reset").addEventListener("click", () => choose(state.place));
 $("go").addEventListener("click", () => {
   // In whole milliseconds, as in the response of the server, for a clear start.
   state.shift = Math.round((state.shift + Number($("go").dataset.delay)) * 1e3) / 1e3;
-  strip.show(rows[state.index].start, state.shift, state.duration);
+  strip.show(rows[state.place].start, state.shift, state.duration);
   request();
   requestDome();
-  $("verdict").focus({ preventScroll: true });
+  $("answer").focus({ preventScroll: true });
 });
 $("height").addEventListener("change", (event) => {
   const height = Number(event.target.value);
@@ -393,7 +393,7 @@ $("model").addEventListener("change", (event) => {
 });
 $("sigma").addEventListener("change", (event) => {
   state.sigma = event.target.checked ? "1" : undefined;
-  drawResult();
+  drawAnswer();
   link.write(state);
 });
 function showLight() {
@@ -411,7 +411,7 @@ $("link").addEventListener("click", async () => {
   toast("Link copied");
 });
 $("csv").addEventListener("click", async () => {
-  await copy(crossings.csv(result?.passes ?? []));
+  await copy(crossings.csv(answer?.passes ?? []));
   toast("Crossings copied");
 });
 $("unlock").addEventListener("submit", (event) => {

@@ -27,15 +27,15 @@ export class Night {
     this.backdrop = new Backdrop();
     const nearest = (event) => {
       const x = event.clientX - canvas.getBoundingClientRect().left;
-      return this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity }).index;
+      return this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity }).place;
     };
     canvas.addEventListener("click", (event) => {
-      const index = nearest(event);
-      if (index != null) choose(index);
+      const place = nearest(event);
+      if (place != null) choose(place);
     });
     canvas.addEventListener("pointermove", (event) => {
-      const index = nearest(event);
-      const row = this.rows?.[index];
+      const place = nearest(event);
+      const row = this.rows?.[place];
       const bright = row?.flag.brightest_mag;
       canvas.title = row ? `${row.id}: ${row.flag.verdict}${bright == null ? "" : `, ${bright.toFixed(1)} mag`}, ${hour(row.start)} UTC` : "";
     });
@@ -51,7 +51,7 @@ export class Night {
   show(night, rows) {
     this.night = night;
     this.rows = rows;
-    const sun = night.sun.map((at) => [moment(at.utc), at.sun_altitude_deg]);
+    const sun = night.sun.map((place) => [moment(place.utc), place.sun_altitude_deg]);
     const times = rows.filter((row) => row.start != null).flatMap((row) => [row.start, row.start + row.duration_s * 1e3]);
     const down = sun.filter(([, altitude]) => altitude < 2).map(([ms]) => ms);
     this.sun = sun;
@@ -96,7 +96,7 @@ export class Night {
   exposures(context, at, top, bottom, limit, colours) {
     this.bars = [];
     const full = bottom - top - 8;
-    this.rows.forEach((row, index) => {
+    this.rows.forEach((row, place) => {
       if (row.start == null) return;
       const flag = row.flag;
       const x = at(row.start);
@@ -111,7 +111,7 @@ export class Night {
         context.fillStyle = colours.text;
         context.fillRect(x, bottom - tall - 4, Math.max(2, wide), 2);
       }
-      this.bars.push({ x: x + wide / 2, index });
+      this.bars.push({ x: x + wide / 2, place });
     });
   }
 
@@ -136,12 +136,12 @@ export class Night {
 
   band(ms) {
     let before = this.sun[0];
-    for (const point of this.sun) {
-      if (point[0] > ms) {
-        const altitude = before[1] + ((point[1] - before[1]) * (ms - before[0])) / (point[0] - before[0] || 1);
+    for (const place of this.sun) {
+      if (place[0] > ms) {
+        const altitude = before[1] + ((place[1] - before[1]) * (ms - before[0])) / (place[0] - before[0] || 1);
         return BANDS.find(([least]) => altitude >= least)[1];
       }
-      before = point;
+      before = place;
     }
     return BANDS.find(([least]) => before[1] >= least)[1];
   }

@@ -63,7 +63,7 @@ export class Strip {
   }
 
   /** Shows the crossings of the interval `known`, seconds after the scheduled opening; without `known` the shown ones are kept. */
-  setCrossings(crossings, known, nextShift) {
+  answer(crossings, known, nextShift) {
     if (known) {
       this.crossings = crossings;
       this.known = known;
