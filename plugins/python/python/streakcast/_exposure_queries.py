@@ -121,7 +121,7 @@ class ExposureQueries(SiteQueries):
         rotation: Numbers = 0.0,
         scale: Union[str, None] = None,
     ) -> Numbers:
-        """Returns the delay of each exposure until no satellite of the policy's ``blocking`` crosses its field.
+        """Returns the delay of each exposure until no satellite that the policy's ``blocking`` selects crosses its field.
 
         Parameters
         ----------

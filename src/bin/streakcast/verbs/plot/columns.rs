@@ -177,8 +177,8 @@ impl Columns {
     }
 
     /// Returns the subtitle of a picture: observer, and the range of times (MJD, UTC; NaN is ignored).
-    pub fn site_and_time(&self, moments: impl IntoIterator<Item = f64>) -> String {
-        site_and_time(self.observer_name(), moments)
+    pub fn place_and_time(&self, moments: impl IntoIterator<Item = f64>) -> String {
+        place_and_time(self.observer_name(), moments)
     }
 
     /// Returns the limiting magnitude of the policy; `None` if it depends on the band or is missing.
@@ -244,7 +244,7 @@ pub fn site_name(site: &Site) -> String {
 }
 
 /// Joins the name of an observer and a range of times (MJD, UTC; NaN is ignored), either of which may be missing.
-pub fn site_and_time(observer: Option<String>, moments: impl IntoIterator<Item = f64>) -> String {
+pub fn place_and_time(observer: Option<String>, moments: impl IntoIterator<Item = f64>) -> String {
     let (first, last) = moments
         .into_iter()
         .filter(|mjd| mjd.is_finite())

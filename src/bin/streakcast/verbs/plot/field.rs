@@ -126,7 +126,7 @@ fn picture(
     let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|outline| outline.iter().map(degrees).collect()).collect();
     let [ra_deg, dec_deg] = degrees(&pointing.centre);
     let start = parse_moment(&pointing.start_utc, None).map_or(f64::NAN, mjd_utc);
-    let subtitle = columns.site_and_time([start, start + pointing.exposure_s / 86_400.0]);
+    let subtitle = columns.place_and_time([start, start + pointing.exposure_s / 86_400.0]);
     let drawn = field_chart(&FieldChart {
         title: title.unwrap_or(&format!("Streaks in the field, exposure of {} s", pointing.exposure_s)),
         caption: shells_caption(&names),

@@ -174,7 +174,7 @@ fn of_forecast(
     );
     let number = format!("NORAD {norad_id}");
     let satellite = if track.name == number { number } else { format!("{name} ({number})") };
-    let subtitle = columns.site_and_time(track.time_mjd.iter().copied());
+    let subtitle = columns.place_and_time(track.time_mjd.iter().copied());
     let drawn = light_curve(&LightCurve {
         title: title.unwrap_or(&format!("Light curve of {satellite}")),
         caption: caption.trim_end(),
@@ -228,7 +228,7 @@ fn picture(
         let last = in_field.last().map_or(*exit, |[_, exit]| *exit);
         caption += &format!("; in the field from {} to {} UTC, {seconds:.2} s", at(*enter), at(last));
     }
-    let subtitle = columns.site_and_time(time_mjd.iter().copied());
+    let subtitle = columns.place_and_time(time_mjd.iter().copied());
     let drawn = light_curve(&LightCurve {
         title: title.unwrap_or(&format!("Light curve of {}", satellite.trim_start())),
         caption: format!("{caption}. {}", shells_caption(&[&name])).trim_end(),

@@ -31,7 +31,7 @@ fn picture(
 ) -> anyhow::Result<Picture> {
     let tracks: Vec<SkyTrack> = found.into_iter().map(|curve| curve.track).collect();
     let local = Clock::local(clock);
-    let subtitle = columns.site_and_time(tracks.iter().flat_map(|track| track.time_mjd.iter().copied()));
+    let subtitle = columns.place_and_time(tracks.iter().flat_map(|track| track.time_mjd.iter().copied()));
     let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("Pass of {}", track.name));
     let default_title = one.unwrap_or_else(|| "Passes over the sky".to_owned());

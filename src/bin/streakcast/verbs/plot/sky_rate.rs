@@ -195,7 +195,7 @@ fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
             rates.bright,
             rates.number("exposure_s")
         )),
-        subtitle: &columns.site_and_time(range.into_iter().flatten()),
+        subtitle: &columns.place_and_time(range.into_iter().flatten()),
         caption: &format!(
             "Sun at altitude {sun}°, azimuth {}°. Means of {} exposures over {:.0} min in HEALPix cells, nside {}.{}",
             rates.angle("sun_azimuth_deg", Some(1)),

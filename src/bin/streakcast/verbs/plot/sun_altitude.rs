@@ -164,7 +164,7 @@ fn picture(
     let has_bright = limit.is_some() && bright.iter().all(|count| count.is_finite());
     let caption = format!("{caption}{}", columns.simulation_note());
     let starts = columns.moments("start_utc")?;
-    let subtitle = columns.site_and_time(kept.iter().map(|&k| starts[k]));
+    let subtitle = columns.place_and_time(kept.iter().map(|&k| starts[k]));
     let drawn = sun_altitude(&SunAltitude {
         title: title.unwrap_or("Trails per exposure"),
         caption: caption.trim_start(),
