@@ -41,7 +41,7 @@ pub struct FormScore {
     /// Statistics of the residuals of the points that were held out.
     pub held_out: ResidualStatistics,
     /// The points that were held out, fold by fold.
-    pub held_out: Vec<HeldOutPoint>,
+    pub held_out_points: Vec<HeldOutPoint>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
     /// Sigma that contains 68.3 % of the residuals of the points that were held out, mag.
@@ -112,7 +112,7 @@ pub fn compare_forms(
             aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, one.free.len()),
             sigma_68_mag: sigma_68_mag(&held_out_mag),
             within_one_sigma: within_sigma_of_other_folds(&held_out),
-            held_out,
+            held_out_points: held_out,
         })
     };
     forms.iter().zip(&fitted).zip(held_out).map(score).collect()

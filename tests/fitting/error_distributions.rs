@@ -125,7 +125,7 @@ fn fitted(model: &BrightnessModel, (loss, held): FitOf, measurements: &Measureme
     let settings = FitSettings { free: free.clone(), held, loss, ..FitSettings::default() };
     let points = points_of_measurements(measurements, &RawWeights::default());
     let own = CompetingForm { name: file.name.clone(), form, free };
-    compare_forms(&[own], &points, None, &settings, FOLDS).unwrap().remove(0).held_out
+    compare_forms(&[own], &points, None, &settings, FOLDS).unwrap().remove(0).held_out_points
 }
 
 fn published(model: &BrightnessModel, measurements: &Measurements) -> Vec<HeldOutPoint> {
