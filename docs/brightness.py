@@ -1,22 +1,25 @@
-"""Picture of stated against observed probabilities, from docs/tables/brightness.md: `brightness.py TABLE PICTURE.svg`; docs/build.sh calls it."""
+"""Chart of observed against stated probabilities: `brightness.py TABLE PICTURE.svg`.
+
+TABLE is docs/tables/brightness.md; docs/build.sh calls this script.
+"""
 
 import sys
 from pathlib import Path
 
 WIDTH, HEIGHT = 460, 440
 LEFT, TOP, SIDE = 70, 50, 330
-OURS, OTHERS, NORMAL = "#1f6fb4", "#4d9a5b", "#c8501e"
+CORE_AND_WING, OTHERS, NORMAL = "#1f6fb4", "#4d9a5b", "#c8501e"
 
 
 def read(path):
-    """Pairs of (stated, observed) share of each tenth: of core and wing, of the other models' distribution, of a normal one."""
+    """Pairs (stated, observed) of each tenth, for three distributions: core and wing, of the other models, normal."""
     rows = [line.strip("|").split("|")[1:] for line in Path(path).read_text().splitlines()[2:]]
     share = lambda cell: tuple(float(part.strip(" %")) / 100.0 for part in cell.split(","))
     return [[share(row[column]) for row in rows] for column in range(3)]
 
 
 def main(table, picture):
-    ours, others, normal = read(table)
+    core_and_wing, others, normal = read(table)
     x = lambda share: LEFT + SIDE * share
     y = lambda share: TOP + SIDE * (1.0 - share)
     parts = [
@@ -35,9 +38,9 @@ def main(table, picture):
         parts.append(f'<path d="M{x(stated):.1f} {y(observed) - 5:.1f} l5 9 h-10 z" fill="{NORMAL}"/>')
     for stated, observed in others:
         parts.append(f'<rect x="{x(stated) - 3.5:.1f}" y="{y(observed) - 3.5:.1f}" width="7" height="7" fill="none" stroke="{OTHERS}" stroke-width="1.5"/>')
-    for stated, observed in ours:
-        parts.append(f'<circle cx="{x(stated):.1f}" cy="{y(observed):.1f}" r="4" fill="{OURS}" stroke="white"/>')
-    parts.append(f'<circle cx="76" cy="22" r="4" fill="{OURS}"/><text x="86" y="26">core and wing</text>')
+    for stated, observed in core_and_wing:
+        parts.append(f'<circle cx="{x(stated):.1f}" cy="{y(observed):.1f}" r="4" fill="{CORE_AND_WING}" stroke="white"/>')
+    parts.append(f'<circle cx="76" cy="22" r="4" fill="{CORE_AND_WING}"/><text x="86" y="26">core and wing</text>')
     parts.append(f'<rect x="184.5" y="18.5" width="7" height="7" fill="none" stroke="{OTHERS}" stroke-width="1.5"/><text x="198" y="26">of the other models</text>')
     parts.append(f'<path d="M336 17 l5 9 h-10 z" fill="{NORMAL}"/><text x="348" y="26">normal</text>')
     middle = TOP + SIDE / 2

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer
-# and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the command line itself.
-#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
+# Builds the documentation site, which needs cargo (or STREAKCAST_BIN), Python 3.11 or newer, and a package index. The
+# program itself writes the pages of verbs, columns and the HTTP API, and draws all pictures.
+#   docs/build.sh [FOLDER]    writes the site into FOLDER; default: target/site
+#   docs/build.sh --images    draws docs/images/, which README.md and some pages show; needs chromium
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -17,7 +18,7 @@ export STREAKCAST_BIN STREAKCAST_ROOT=$PWD
 
 site=${1:-$target/site}
 
-# The environment is kept while the pins and Python stay the same.
+# The environment is created again if Python or the versions of the packages change.
 venv=$target/docs-venv
 made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat docs/requirements.txt; } | sha256sum)
 if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then

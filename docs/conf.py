@@ -1,4 +1,7 @@
-"""Configuration of the documentation site. `docs/build.sh` copies docs/ with the generated pages and pictures and builds it there."""
+"""Configuration of the documentation site.
+
+`docs/build.sh` copies docs/ with the generated pages and pictures, and builds the site in the copy.
+"""
 
 import os
 import re

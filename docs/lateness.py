@@ -1,4 +1,7 @@
-"""Picture of lateness against age by class, from docs/tables/lateness.md: `lateness.py TABLE PICTURE.svg`; docs/build.sh calls it."""
+"""Chart of lateness against age by class: `lateness.py TABLE PICTURE.svg`.
+
+TABLE is docs/tables/lateness.md; docs/build.sh calls this script.
+"""
 
 import math
 import re
@@ -10,7 +13,7 @@ WIDTH, HEIGHT = 760, 560
 PANELS = [(62, 54, 310, 190), (430, 54, 310, 190), (62, 306, 310, 190), (430, 306, 310, 190)]
 AGES_DAY = (1, 2, 3, 5, 7, 10, 14, 21)
 SECONDS = (0.3, 3000.0)
-OURS, PUBLISHED = "#1f6fb4", "#c8501e"
+STREAKCAST, PUBLISHED = "#1f6fb4", "#c8501e"
 
 
 def read(path):
@@ -38,10 +41,10 @@ def panel(name, rows, left, top, width, height):
         parts.append(f'<text x="{x(age):.1f}" y="{top + height + 18}" text-anchor="middle">{age}</text>')
     parts.append(f'<rect x="{left}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#444444"/>')
     line = " ".join(f"{x(age):.1f},{y(stated):.1f}" for age, _, _, stated in rows)
-    parts.append(f'<polyline points="{line}" fill="none" stroke="{OURS}" stroke-width="2"/>')
+    parts.append(f'<polyline points="{line}" fill="none" stroke="{STREAKCAST}" stroke-width="2"/>')
     for age, published, used, _ in rows:
         parts.append(f'<path d="M{x(age):.1f} {y(published) - 5:.1f} l5 9 h-10 z" fill="{PUBLISHED}"/>')
-        parts.append(f'<circle cx="{x(age):.1f}" cy="{y(used):.1f}" r="4" fill="{OURS}" stroke="white"/>')
+        parts.append(f'<circle cx="{x(age):.1f}" cy="{y(used):.1f}" r="4" fill="{STREAKCAST}" stroke="white"/>')
     return parts
 
 
@@ -50,8 +53,8 @@ def main(table, picture):
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" font-family="sans-serif" font-size="12" fill="#222222">',
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
         f'<path d="M70 13 l5 9 h-10 z" fill="{PUBLISHED}"/><text x="82" y="22">observed, published drag</text>',
-        f'<circle cx="270" cy="18" r="4" fill="{OURS}"/><text x="282" y="22">observed, without drag</text>',
-        f'<line x1="456" x2="484" y1="18" y2="18" stroke="{OURS}" stroke-width="2"/><text x="492" y="22">stated, without drag (median)</text>',
+        f'<circle cx="270" cy="18" r="4" fill="{STREAKCAST}"/><text x="282" y="22">observed, without drag</text>',
+        f'<line x1="456" x2="484" y1="18" y2="18" stroke="{STREAKCAST}" stroke-width="2"/><text x="492" y="22">stated, without drag (median)</text>',
     ]
     for (name, rows), place in zip(read(table).items(), PANELS, strict=True):
         parts += panel(name, rows, *place)

@@ -1,6 +1,7 @@
-"""What the benches and their peers print, as Markdown in docs/tables/speed.md; `docs/tables.sh speed [--only NAME,...]` calls it.
+"""Runs the benches, also with other programs, and writes their output into docs/tables/speed.md.
 
-Each section is one run: its command, the day, the machine, and what it printed. With `--only` the other sections stay as they were.
+`docs/tables.sh speed [--only NAME,...]` calls this script. Each section has the command, date, machine and output of one
+run. With `--only` the other sections are not changed.
 """
 
 import argparse
@@ -18,12 +19,12 @@ PEERS = Path("tests/benches/peers")
 DATA = Path(os.environ.get("STREAKCAST_DATA", ROOT.parent / "shared" / "data"))
 ACTIVE = DATA / "tle" / "active" / "active_2026-04-25.txt"
 
-#: The benches that need nothing but the crate, then those beside which other tools run.
+#: Benches of this crate alone.
 BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "reduce", "frame_files", "streaks"]
-#: Name of the run, its requirements beside the script, the benches to build first, and its command line.
+#: Comparisons with other programs: name -> (requirements in PEERS, benches to build first, command line).
 WITH_PEERS = {
     "compare-peers": ("requirements.txt", ["peers"], ["compare.py", "--elements", "{active}", "--schedule", "{schedule}", "--only", "astroz=0,sgp4=100", "--rounds",
-                                                      "{rounds}", "--ours", "cargo bench -q --bench peers -- {{elements}} {{schedule}} {{fov_deg}} {{limit}}"]),
+                                                      "{rounds}", "--streakcast", "cargo bench -q --bench peers -- {{elements}} {{schedule}} {{fov_deg}} {{limit}}"]),
     "photometry-peers": ("requirements-photometry.txt", ["magnitudes", "photometry"], ["photometry.py", "--rounds", "{rounds}"]),
     "fit-peers": ("requirements-fit.txt", ["fit"], ["fit.py", "--rounds", "{rounds}"]),
     "streaks-peers": ("requirements-streaks.txt", ["streaks"], ["streaks.py", "--rounds", "{rounds}"]),
@@ -32,12 +33,15 @@ NAMES = BENCHES + list(WITH_PEERS)
 
 
 def run(command):
-    """What a command prints; its errors as they come."""
+    """Returns the standard output of a command; its standard error is not captured."""
     return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def interpreter(requirements):
-    """Python with what a peer needs, in an environment that is kept beside the build while the file is the same; none where pip cannot."""
+    """Returns the Python of an environment with these requirements, or `None` if pip cannot install them.
+
+    The environment is in the target folder and is created again if the requirements change.
+    """
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     folder = target / "peers" / Path(requirements).stem
     required, done = (ROOT / PEERS / requirements).read_text(), folder / "installed.txt"
@@ -87,7 +91,7 @@ def machine():
 
 
 def section(name, command, text):
-    """A heading and the lines as they were printed: their form is the benches' own."""
+    """Returns a section of the file: heading, command, date, machine, and the output unchanged."""
     lines = "\n".join(line.rstrip() for line in text.strip().splitlines())
     today = f"{date.today():%-d %B %Y}"
     return f"## {name}\n\n`{command}`, {today}, {machine()}:\n\n```text\n{lines}\n```\n"
@@ -95,30 +99,30 @@ def section(name, command, text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", help=f"some of {','.join(NAMES)}; default: all")
-    parser.add_argument("--rounds", type=int, default=3, help="of the runs with peers")
+    parser.add_argument("--only", help=f"runs, separated by commas: {','.join(NAMES)}; default: all")
+    parser.add_argument("--rounds", type=int, default=3, help="rounds of the comparisons with other programs")
     options = parser.parse_args()
     selected = options.only.split(",") if options.only else NAMES
     unknown = [name for name in selected if name not in NAMES]
     if unknown:
-        parser.error(f"no run is called {', '.join(unknown)}; allowed: {', '.join(NAMES)}")
+        parser.error(f"unknown run {', '.join(unknown)}; allowed: {', '.join(NAMES)}")
     old = re.split(r"^(?=## )", TABLE.read_text(), flags=re.M) if TABLE.exists() else []
     sections = {part[3:].splitlines()[0]: part for part in old if part.startswith("## ")}
     left_out = []
     for name in selected:
         try:
-            answer = printed(name, options.rounds)
+            output = printed(name, options.rounds)
         except subprocess.CalledProcessError as error:
             print(f"*** LEFT OUT: {name}: {error} ***", file=sys.stderr)
-            answer = None
-        if answer is None:
+            output = None
+        if output is None:
             left_out.append(name)
             continue
-        # After each run: the next may fail, or the machine.
-        sections[name] = section(name, *answer)
-        beside = TABLE.with_suffix(".new")
-        beside.write_text("\n".join(sections[name].strip() + "\n" for name in NAMES if name in sections))
-        beside.replace(TABLE)
+        # The file is written after each run, because a later run may fail.
+        sections[name] = section(name, *output)
+        new = TABLE.with_suffix(".new")
+        new.write_text("\n".join(sections[name].strip() + "\n" for name in NAMES if name in sections))
+        new.replace(TABLE)
     if left_out:
         sys.exit(f"left out: {', '.join(left_out)}")
 

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Makes the tables of docs/explanation/accuracy.md and docs/explanation/speed.md anew.
-#   docs/tables.sh                       accuracy, from what the tests measure; the whole table needs the folder of STREAKCAST_DATA
-#   docs/tables.sh speed                 speed, from what the benches and the tools beside them print: an hour on a quiet machine
-#   docs/tables.sh speed --only streaks  of these the runs named alone, the rest as it was
+# Measures the tables of docs/explanation/accuracy.md and docs/explanation/speed.md again.
+#   docs/tables.sh                       accuracy: runs the tests that compare with authorities; needs STREAKCAST_DATA
+#   docs/tables.sh speed                 speed: runs all benches, also with other programs; takes an hour
+#   docs/tables.sh speed --only streaks  speed: runs only the named benches and keeps the other sections
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -35,11 +35,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         samples: 5,
         ..ForecastRequest::new(from, to)
     };
-    let answer = forecast(&sky, &request, &Selection::default())?;
-    println!("dark for {:.1} h; {} passes", answer.night.dark_s() / 3600.0, answer.found.passes.len());
+    let result = forecast(&sky, &request, &Selection::default())?;
+    println!("dark for {:.1} h; {} passes", result.night.dark_s() / 3600.0, result.found.passes.len());
 
     // 3. Each pass: first, highest and last visible point, and its brightness.
-    for pass in answer.found.passes.iter().take(5) {
+    for pass in result.found.passes.iter().take(5) {
         let row = PassRow { pass, elements: &sky.elements()[pass.element_index], limit_mag: None };
         let Some(seen) = &pass.visible else { continue };
         println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("    {} {}", format_utc(point.epoch, 0), magnitude.as_deref().unwrap_or("dark"));
         }
     }
-    if let Some(why) = answer.why_empty(&sky, &request) {
+    if let Some(why) = result.why_empty(&sky, &request) {
         println!("no passes: {why}");
     }
     Ok(())

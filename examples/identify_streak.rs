@@ -21,8 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let observer = Observer::new(Site::from_mpc("X05")?);
     let sky = Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
 
-    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here the ends are those
-    // of a predicted crossing.
+    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here the ends are
+    //    those of a predicted crossing.
     let exposure = Exposure {
         id: "1".to_owned(),
         start,
@@ -40,9 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 3. Candidates, most probable first, with along-track and cross-track offsets from the prediction.
     let found = identify_streak(&sky, &streak, &IdentifyOptions::default())?;
     for candidate in found.candidates.iter().take(3) {
-        let beside_arcsec = candidate.cross_track_rad.value.to_degrees() * 3600.0;
+        let across_arcsec = candidate.cross_track_rad.value.to_degrees() * 3600.0;
         println!(
-            "{} with probability {:.3}: {:+.2} s late, {beside_arcsec:+.1} arcsec beside, {:.0} km away",
+            "{} with probability {:.3}: {:+.2} s late, {across_arcsec:+.1} arcsec across the track, {:.0} km away",
             sky.elements()[candidate.element_index].name,
             candidate.probability,
             candidate.along_track_s.value,

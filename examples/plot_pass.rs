@@ -37,8 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         samples: 101,
         ..ForecastRequest::new(from, to)
     };
-    let answer = forecast(&sky, &request, &Selection::default())?;
-    let rows = answer.found.passes.iter().map(|pass| PassRow {
+    let result = forecast(&sky, &request, &Selection::default())?;
+    let rows = result.found.passes.iter().map(|pass| PassRow {
         pass,
         elements: &sky.elements()[pass.element_index],
         limit_mag: None,

@@ -181,10 +181,10 @@ pub enum ConfigError {
     /// Error in the site.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// Error in the telescope.
+    /// Error in the telescope description.
     #[error(transparent)]
     Images(#[from] ImagesError),
-    /// Error in the frame of a request.
+    /// Error in the FITS frame of a request.
     #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Frame(ImagesError),

@@ -305,8 +305,8 @@ mod tests {
         Config::from_toml(text, "t.toml").unwrap()
     }
 
-    fn message<T: std::fmt::Debug>(answer: Result<T, ConfigError>) -> String {
-        answer.unwrap_err().to_string()
+    fn message<T: std::fmt::Debug>(result: Result<T, ConfigError>) -> String {
+        result.unwrap_err().to_string()
     }
 
     #[test]

@@ -395,9 +395,9 @@ mod tests {
         assert!(warning.contains("(1200 with a wrong checksum; --accept-bad-checksums accepts these): "), "{warning}");
         let mut text = Vec::new();
         crate::output::write_json(&mut text, &[], &prepared.provenance).unwrap();
-        let answer: serde_json::Value = serde_json::from_slice(&text).unwrap();
-        assert_eq!(answer["rejected_count"], 1200);
-        let rejected = answer["rejected"].as_array().unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(document["rejected_count"], 1200);
+        let rejected = document["rejected"].as_array().unwrap();
         assert_eq!((rejected.len(), &rejected[1]["line"]), (LISTED, &json!(6)));
         assert!(rejected[1]["file"].as_str().unwrap().ends_with("a.tle"), "{}", rejected[1]);
         assert!(rejected[1]["reason"].as_str().unwrap().contains("checksum"), "{}", rejected[1]);
@@ -405,7 +405,7 @@ mod tests {
         let mut text = Vec::new();
         crate::output::write_json_lines(&mut text, &table, &prepared.provenance).unwrap();
         let first: serde_json::Value = serde_json::from_slice(&text).unwrap();
-        assert_eq!(first["rejected"], answer["rejected"]);
+        assert_eq!(first["rejected"], document["rejected"]);
     }
 
     #[test]

@@ -380,7 +380,7 @@ mod tests {
 
     #[test]
     fn errors_of_range_have_the_range() {
-        let message = |answer: Result<f64, ConfigError>| answer.unwrap_err().to_string();
+        let message = |result: Result<f64, ConfigError>| result.unwrap_err().to_string();
         assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure is -5 s; allowed: 0 to 86400 s");
         assert_eq!(parse_duration_s("exposure", "24h").unwrap(), LONGEST_EXPOSURE_S);
         let above = message(parse_duration_s("exposure", "1e300s"));

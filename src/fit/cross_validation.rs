@@ -41,7 +41,7 @@ pub struct FormScore {
     /// Statistics of the residuals of the points that were held out.
     pub held_out: ResidualStatistics,
     /// The points that were held out, fold by fold.
-    pub unseen: Vec<UnseenPoint>,
+    pub held_out_points: Vec<HeldOutPoint>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
     /// Sigma that contains 68.3 % of the residuals of the points that were held out, mag.
@@ -53,7 +53,7 @@ pub struct FormScore {
 
 /// Magnitude that was held out of the fit that predicts it.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct UnseenPoint {
+pub struct HeldOutPoint {
     /// Observed magnitude at 1000 km.
     pub observed_mag: f64,
     /// Predicted magnitude at 1000 km.
@@ -62,7 +62,7 @@ pub struct UnseenPoint {
     pub fold: usize,
 }
 
-impl UnseenPoint {
+impl HeldOutPoint {
     /// Returns observed less predicted magnitude.
     pub fn residual_mag(&self) -> f64 {
         self.observed_mag - self.predicted_mag
@@ -100,9 +100,9 @@ pub fn compare_forms(
     };
     let held_out = cross_validate(&fitted, &split)?;
     let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
-    let score = |((one, (form, settings)), unseen): ((&CompetingForm, &Fitted<'_>), Vec<UnseenPoint>)| {
+    let score = |((one, (form, settings)), held_out): ((&CompetingForm, &Fitted<'_>), Vec<HeldOutPoint>)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
-        let held_out_mag: Vec<f64> = unseen.iter().map(UnseenPoint::residual_mag).collect();
+        let held_out_mag: Vec<f64> = held_out.iter().map(HeldOutPoint::residual_mag).collect();
         let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
         Ok(FormScore {
             name: one.name.clone(),
@@ -111,8 +111,8 @@ pub fn compare_forms(
             held_out: ResidualStatistics::of(&held_out_mag).ok_or(FitError::NoneUnseen { folds })?,
             aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, one.free.len()),
             sigma_68_mag: sigma_68_mag(&held_out_mag),
-            within_one_sigma: within_sigma_of_other_folds(&unseen),
-            unseen,
+            within_one_sigma: within_sigma_of_other_folds(&held_out),
+            held_out_points: held_out,
         })
     };
     forms.iter().zip(&fitted).zip(held_out).map(score).collect()
@@ -157,7 +157,7 @@ enum Source<'a> {
 /// The fitted and the predicted points of one fold.
 struct Split {
     seen: Vec<FitPoint>,
-    unseen: Vec<FitPoint>,
+    held_out: Vec<FitPoint>,
 }
 
 impl<'a> Folds<'a> {
@@ -186,7 +186,7 @@ impl<'a> Folds<'a> {
                     let there = points.iter().zip(folds).filter(|(_, of)| (**of == fold) == held);
                     there.map(|(point, _)| *point).collect::<Vec<FitPoint>>()
                 };
-                Ok(Split { seen: side(false), unseen: side(true) })
+                Ok(Split { seen: side(false), held_out: side(true) })
             }
             Source::Tracks(tracks, options) => {
                 let share = |least: u32| least.div_ceil(self.count as u32);
@@ -197,7 +197,7 @@ impl<'a> Folds<'a> {
                 };
                 Ok(Split {
                     seen: points_of_pixels(&tracks.reduced(*options, |of| of != fold)?),
-                    unseen: points_of_pixels(&tracks.reduced(fewer, |of| of == fold)?),
+                    held_out: points_of_pixels(&tracks.reduced(fewer, |of| of == fold)?),
                 })
             }
         }
@@ -209,23 +209,23 @@ fn checked(count: usize, groups: usize) -> Result<usize, FitError> {
 }
 
 /// Fits each form without one fold at a time and predicts that fold, on the points that all forms explain.
-fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<Vec<UnseenPoint>>, FitError> {
+fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<Vec<HeldOutPoint>>, FitError> {
     // Points of each form in each fold.
-    let parts: Vec<Vec<Vec<UnseenPoint>>> = (0..folds.count)
+    let parts: Vec<Vec<Vec<HeldOutPoint>>> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {
             let split = folds.split(fold)?;
             let only_forms = || forms.iter().map(|(form, _)| *form);
-            let (seen, unseen) = (common(only_forms(), split.seen), common(only_forms(), split.unseen));
+            let (seen, held_out) = (common(only_forms(), split.seen), common(only_forms(), split.held_out));
             let predictions = |(form, settings): &(&dyn Form, FitSettings)| {
                 let fit = Problem::new(*form, &seen, settings)?.solve()?;
-                let predicted = predict(*form, &unseen, &fit.values());
-                let of = |(point, predicted_mag): (&FitPoint, f64)| UnseenPoint {
+                let predicted = predict(*form, &held_out, &fit.values());
+                let of = |(point, predicted_mag): (&FitPoint, f64)| HeldOutPoint {
                     observed_mag: point.magnitude,
                     predicted_mag,
                     fold,
                 };
-                Ok(unseen.iter().zip(predicted).map(of).collect())
+                Ok(held_out.iter().zip(predicted).map(of).collect())
             };
             forms.iter().map(predictions).collect()
         })
@@ -234,12 +234,12 @@ fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<V
 }
 
 /// Fraction of points within the sigma of the other folds.
-fn within_sigma_of_other_folds(unseen: &[UnseenPoint]) -> f64 {
-    let count = unseen.iter().map(|point| point.fold + 1).max().unwrap_or(0);
+fn within_sigma_of_other_folds(held_out: &[HeldOutPoint]) -> f64 {
+    let count = held_out.iter().map(|point| point.fold + 1).max().unwrap_or(0);
     let (mut inside, mut all) = (0.0, 0.0);
     for fold in 0..count {
         let side = |same: bool| {
-            let part = unseen.iter().filter(|point| (point.fold == fold) == same).map(UnseenPoint::residual_mag);
+            let part = held_out.iter().filter(|point| (point.fold == fold) == same).map(HeldOutPoint::residual_mag);
             part.filter(|r| r.is_finite()).collect::<Vec<f64>>()
         };
         let (own, others) = (side(true), side(false));
@@ -321,13 +321,13 @@ mod tests {
         let form = PhaseForm { degree: 5 };
         let settings = FitSettings::free(&["a0", "a1", "a2", "a3", "a4", "a5"]);
         let points = points_of_pixels(&reduce(&seen.points, options()).expect("pixels"));
-        let unseen = |folds: Result<Folds, FitError>| {
+        let held_out = |folds: Result<Folds, FitError>| {
             let held =
                 cross_validate(&[(&form, settings.clone())], &folds.expect("folds")).expect("predictions").remove(0);
-            rms(&held.iter().map(UnseenPoint::residual_mag).collect::<Vec<_>>())
+            rms(&held.iter().map(HeldOutPoint::residual_mag).collect::<Vec<_>>())
         };
         let (by_pixel, by_track) =
-            (unseen(Folds::of_points(&points, 6)), unseen(Folds::of_tracks(&seen, options(), 6)));
+            (held_out(Folds::of_points(&points, 6)), held_out(Folds::of_tracks(&seen, options(), 6)));
         // Neighbouring pixels reveal a track's offset; other tracks do not.
         assert!(by_pixel < 0.5 && by_track > 1.0, "{by_pixel} {by_track}");
     }
@@ -338,15 +338,15 @@ mod tests {
         let folds = Folds::of_tracks(&seen, ReduceOptions { least_count: 1, ..options() }, 3).expect("folds");
         let whole =
             points_of_pixels(&reduce(&seen.points, ReduceOptions { least_count: 1, ..options() }).expect("pixels"));
-        let mut unseen = 0;
+        let mut held_out = 0;
         for fold in 0..3 {
             let split = folds.split(fold).expect("two sides");
-            let [fitted, judged] = [split.seen.len(), split.unseen.len()];
+            let [fitted, judged] = [split.seen.len(), split.held_out.len()];
             assert!((40..56).contains(&fitted) && (20..28).contains(&judged), "{fitted} {judged}");
-            unseen += judged;
+            held_out += judged;
         }
         // Pixels that two tracks share are counted for both.
-        assert!((whole.len()..whole.len() + 6).contains(&unseen), "{unseen} {}", whole.len());
+        assert!((whole.len()..whole.len() + 6).contains(&held_out), "{held_out} {}", whole.len());
         for count in [0, 1, 7] {
             assert!(matches!(Folds::of_tracks(&seen, options(), count), Err(FitError::Folds { groups: 6, .. })));
         }
@@ -360,7 +360,7 @@ mod tests {
             reduce(&seen.points, options()).expect("pixels").pixels.iter().map(|p| p.count).max().expect("a pixel");
         let strict = ReduceOptions { least_count: most, ..options() };
         let folds = Folds::of_tracks(&seen, strict, 6).expect("folds");
-        let unseen: usize = (0..6).map(|fold| folds.split(fold).expect("two sides").unseen.len()).sum();
-        assert!(unseen > 10, "{unseen}");
+        let held_out: usize = (0..6).map(|fold| folds.split(fold).expect("two sides").held_out.len()).sum();
+        assert!(held_out > 10, "{held_out}");
     }
 }

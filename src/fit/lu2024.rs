@@ -1,8 +1,8 @@
 //! Numbers that Lu (2024, Universe 10, 215; arXiv 2403.05831) prints, and the same numbers computed from photometry.
 //!
 //! The paper prints no coefficients. [`Lu2024Truth`] is a satellite with the printed sizes and, in each layer of the
-//! Sun's latitude, the panel offset of table 2; its coefficients are those of a model file, with an assumed gloss of the
-//! solar array. Photometry that is simulated with it shows what the method of the paper recovers.
+//! Sun's latitude, the panel offset of table 2; its coefficients are those of a model file, with an assumed gloss of
+//! the solar array. Photometry that is simulated with it shows what the method of the paper recovers.
 
 use super::error::FitError;
 use super::jackknife::jackknife;

@@ -6,11 +6,11 @@
 //! - `objective`, `solve`, `linear_starts`: the cost of a law under a loss function, and its least squares from
 //!   several starts
 //! - `covariance`, `jackknife`: errors of the parameters, from groups of points or, for pixels, from sets of tracks
-//! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on unseen points, the tests
+//! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on held-out points, the tests
 //!   of Lu (2024)
 //! - `error_distribution`: core and wing of residuals
-//! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with the
-//!   same numbers computed from photometry
+//! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with
+//!   the same numbers computed from photometry
 //! - `posterior`: draws with walkers, and the files of their chains
 //! - `model_of_fit`, `report`: model file and report of a fit
 //! - `inference`: numerical methods without astronomy
@@ -44,7 +44,7 @@ mod two_panel_form;
 mod two_panel_kernel;
 
 pub use covariance::{CovarianceKind, FitUncertainty};
-pub use cross_validation::{CompetingForm, FormScore, UnseenPoint, baseline_forms, compare_forms, predict};
+pub use cross_validation::{CompetingForm, FormScore, HeldOutPoint, baseline_forms, compare_forms, predict};
 pub use error::FitError;
 pub use error_distribution::error_distribution;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};

@@ -39,7 +39,7 @@ pub struct ModelDescription {
 
 /// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
 /// covariance, the range of the points, and sigma and distribution of the residuals of single measurements
-/// (`singles_mag`, at best unseen ones).
+/// (`singles_mag`, at best held-out ones).
 ///
 /// # Errors
 /// [`PhotometryError`] if a number is outside the limits of model files.

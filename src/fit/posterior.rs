@@ -42,7 +42,7 @@ pub struct PosteriorSettings {
 }
 
 impl Default for PosteriorSettings {
-    /// Returns 5,000 steps, of which 200 are burn-in (Lu 2024, figure of the posterior), and 32 walkers.
+    /// Returns 32 walkers and 5,000 steps, of which 200 are burn-in, as in Lu (2024, figure of the posterior).
     fn default() -> Self {
         Self { steps: 5_000, burn_in: 200, walkers: 32, seed: 1 }
     }

@@ -180,7 +180,7 @@ struct Night<'o> {
     noon: Epoch,
     orientations: OrientationTable,
     suns: SunTable,
-    /// Dark times at the step of the search.
+    /// Times in the dark, one for each step of the search for tracks.
     dark: Vec<Moment>,
 }
 

@@ -12,7 +12,7 @@ use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
 use crate::photometry::PhotometryOptions;
 
-/// Largest difference at which a computed number is said to agree with the published one, percent.
+/// Largest difference at which a computed number agrees with the published one, percent.
 const AGREES_PERCENT: f64 = 20.0;
 
 /// Published number with the number computed here.
@@ -111,8 +111,8 @@ pub fn hu2022(
     is_first_visits: bool,
     assumed: &str,
 ) -> Result<Vec<Reproduced>, ForecastError> {
-    let answer = sky.field_passes(exposures, field, &PassOptions::default())?;
-    let streaked = answer.by_exposure.iter().filter(|passes| !passes.is_empty()).count() as f64;
+    let crossings = sky.field_passes(exposures, field, &PassOptions::default())?;
+    let streaked = crossings.by_exposure.iter().filter(|passes| !passes.is_empty()).count() as f64;
     let visits = exposures.len() as f64;
     let row_of = |which: &str, numbers: &[(&str, f64)], source, reason| Reproduced {
         quantity: format!("{which} streaked by {constellation} ({} satellites)", sky.elements().len()),

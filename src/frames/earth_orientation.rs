@@ -328,7 +328,7 @@ mod tests {
     }
 
     #[test]
-    fn a_table_of_one_row_answers_at_that_moment() {
+    fn a_table_of_one_row_is_valid_at_its_time() {
         let table = EopTable::from_finals2000a(SAMPLE.lines().next().unwrap_or("")).expect("a table");
         let only = table.at(utc("2016-12-31T00:00:00 UTC"));
         assert!((only.ut1_minus_utc_s + 0.408).abs() < 1e-12);

@@ -249,8 +249,8 @@ mod tests {
         let ((tt1, tt2), (ut1, ut2)) = (tt_jd(epoch), ut1_jd(epoch, parameters.ut1_minus_utc_s));
         let celestial_to_terrestrial =
             matrix(&sofars::pnp::c2t06a(tt1, tt2, ut1, ut2, parameters.xp_rad, parameters.yp_rad));
-        let ours = Orientation::at(epoch, &eop);
-        assert!(largest_difference(&celestial_to_terrestrial.transpose(), ours.itrs_to_gcrs.matrix()) < 1e-14);
+        let computed = Orientation::at(epoch, &eop);
+        assert!(largest_difference(&celestial_to_terrestrial.transpose(), computed.itrs_to_gcrs.matrix()) < 1e-14);
     }
 
     #[test]

@@ -317,9 +317,9 @@ mod tests {
     #[test]
     fn valid_positions_against_astropy() {
         for (name, latitude, longitude, height) in PUBLISHED {
-            let ours = Site::by_name(name).expect(name);
-            let theirs = Site::new_deg(name, latitude, longitude, height).expect(name);
-            let distance_m = (ours.itrs() - theirs.itrs()).norm_km() * 1e3;
+            let by_name = Site::by_name(name).expect(name);
+            let by_coordinates = Site::new_deg(name, latitude, longitude, height).expect(name);
+            let distance_m = (by_name.itrs() - by_coordinates.itrs()).norm_km() * 1e3;
             assert!(distance_m < CAMPUS_M, "{name}: {distance_m:.0} m");
         }
     }

@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_sun_in_the_zenith_has_no_azimuth_but_an_answer() {
+    fn verif_sun_in_the_zenith_has_no_azimuth_but_a_result() {
         let satellite = Position::new(7000.0, 0.0, 0.0);
         let sun = Position::new(AU_KM, 0.0, 0.0);
         let g = ViewingGeometry::new(&satellite, &Position::new(6378.0, 100.0, 0.0), &sun).unwrap();

@@ -243,14 +243,18 @@ mod tests {
             let square = |u: f64| {
                 (0..2).map(|one| (0.5 * (before[one] * (1.0 - u) + after[one] * (1.0 + u))).powi(2)).sum::<f64>()
             };
-            let answer = integrate_exposure(before, after, 1.0);
+            let integral = integrate_exposure(before, after, 1.0);
             let steps = 200_000;
             let step = 2.0 / f64::from(steps);
-            let least = square(answer.at);
+            let least = square(integral.at);
             let sum: f64 =
                 (0..steps).map(|one| (-0.5 * (square(-1.0 + step * (f64::from(one) + 0.5)) - least)).exp()).sum();
             let expected = (sum * step).ln() - 0.5 * least;
-            assert!((answer.log_integral - expected).abs() < 1e-6, "{before:?}: {} {expected}", answer.log_integral);
+            assert!(
+                (integral.log_integral - expected).abs() < 1e-6,
+                "{before:?}: {} {expected}",
+                integral.log_integral
+            );
             assert!((-100..=100).all(|u| square(f64::from(u) / 100.0) >= least - 1e-9));
         }
         // Far outside, the result is the integral of an exponential, accurate to second order.

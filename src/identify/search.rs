@@ -53,7 +53,7 @@ pub struct Identified {
     pub left_out: Vec<LeftOut>,
 }
 
-/// If the total probability of the candidates is smaller, no candidate is said to fit.
+/// Smallest total probability of the candidates at which the streak counts as identified.
 const LEAST_PROBABILITY: f64 = 0.01;
 
 impl Identified {

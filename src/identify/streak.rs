@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn invalid_streaks_are_rejected_with_a_reason() {
         let ends = |a, b, time, timing| MeasuredStreak::from_ends([a, b], time, timing, 1e-5, 0.5);
-        let message = |answer: Result<MeasuredStreak, IdentifyError>| answer.unwrap_err().to_string();
+        let message = |result: Result<MeasuredStreak, IdentifyError>| result.unwrap_err().to_string();
         assert!(message(ends(at(1.0, 2.0), at(1.0, 2.0), time(), Timing::Within)).contains("same position"));
         assert!(message(ends(at(1.0, 2.0), at(150.0, 2.0), time(), Timing::Within)).contains("at most 114 deg"));
         let instant = (time().0, 0.0);

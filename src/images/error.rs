@@ -89,13 +89,13 @@ impl ImagesError {
     }
 
     /// Prefixes the name of an invalid value with the file, the HDU or the settings that contain it.
-    pub(crate) fn at(self, place: impl Display) -> Self {
+    pub(crate) fn at(self, location: impl Display) -> Self {
         match self {
             Self::Invalid { what, given, allowed } => {
-                Self::Invalid { what: format!("{place}: {what}"), given, allowed }
+                Self::Invalid { what: format!("{location}: {what}"), given, allowed }
             }
             Self::NoCelestialAxes { ctype1, ctype2 } => Self::invalid(
-                format!("{place}: CTYPE1"),
+                format!("{location}: CTYPE1"),
                 format!("{ctype1:?} and CTYPE2 is {ctype2:?}"),
                 "one RA---xxx and one DEC--xxx",
             ),

@@ -80,11 +80,11 @@ pub struct Alarm {
     pub p_value: f64,
     /// Number of passes, satellites, or frequencies of all passes among which this one was found.
     pub looks: usize,
-    /// Probability that any of the looks has such a value: at most `p_value` times `looks`.
+    /// Probability that any of these has such a value: at most `p_value` times `looks`.
     pub p_after_looks: f64,
 }
 
-/// Alarms with the numbers of looks.
+/// Alarms with the numbers of passes, satellites and frequencies that were tested.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alarms {
     /// Alarms, by kind of alarm, satellite and time.
@@ -130,7 +130,7 @@ fn difference<'p>(pass: &'p Pass, of_kind: &LearnedMagnitude, own: Option<&Learn
     Difference { pass, mag: pass.median_mag() - offset_mag, offset_mag2, pass_mag2 }
 }
 
-/// Returns alarms whose probability after the number of looks is below `p_below`.
+/// Returns alarms whose probability, multiplied by the number of tests, is below `p_below`.
 ///
 /// The passes should be later than those of the learned file. Their residuals must be relative to its models.
 pub fn find_alarms(passes: &[Pass], learned: &LearnedFile, p_below: f64) -> Alarms {
@@ -302,7 +302,11 @@ const COLUMNS: [Column; 13] = [
     Column::real("period_s", "s", 3, "Period of the light; a rotation has one or more of them."),
     Column::real("expected_sigma", "", 5, "One sigma of the value that is expected, in its unit."),
     Column::new("looks", Kind::Integer, "Number of passes, satellites or frequencies that were tested."),
-    Column::new("p_after_looks", Kind::Text, "Probability that any of the looks has such a value."),
+    Column::new(
+        "p_after_looks",
+        Kind::Text,
+        "Probability that any of the tested passes, satellites or frequencies has such a value.",
+    ),
 ];
 
 /// Returns a table with one row for each alarm.

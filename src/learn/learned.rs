@@ -46,7 +46,7 @@ impl Extent {
 
 /// Learns the offsets of satellites and kinds from passes, and the errors along the track from delays with their kinds.
 ///
-/// The models must be without a learned file. `provenance` names the files and options.
+/// `models` must not apply a learned file. `provenance` names the files and options.
 ///
 /// # Errors
 /// [`LearnError::Nothing`] without passes.

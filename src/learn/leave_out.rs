@@ -34,7 +34,7 @@ pub struct LeaveOutRow {
 /// Residual of a measurement from the model and from the learned magnitude, mag, and the sigmas of both. The weight is
 /// 1 over the number of measurements of the pass.
 #[derive(Copy, Clone)]
-struct Unseen {
+struct HeldOut {
     residuals_mag: [f64; 2],
     sigmas_mag: [f64; 2],
     weight: f64,
@@ -45,8 +45,8 @@ const ONE_SIGMA_SHARE: f64 = 0.6827;
 
 /// Root mean square, half width that contains 68.27 %, and fraction within one sigma; `which` is 0 for the model, 1 for
 /// the learned magnitudes.
-fn statistics(unseen: &[Unseen], which: usize) -> [f64; 3] {
-    let mut sizes: Vec<(f64, f64)> = unseen.iter().map(|one| (one.residuals_mag[which].abs(), one.weight)).collect();
+fn statistics(held_out: &[HeldOut], which: usize) -> [f64; 3] {
+    let mut sizes: Vec<(f64, f64)> = held_out.iter().map(|one| (one.residuals_mag[which].abs(), one.weight)).collect();
     sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let all: f64 = sizes.iter().map(|(_, weight)| weight).sum();
     let rms = (sizes.iter().map(|(size, weight)| weight * size * size).sum::<f64>() / all).sqrt();
@@ -55,8 +55,8 @@ fn statistics(unseen: &[Unseen], which: usize) -> [f64; 3] {
         below += weight;
         below >= ONE_SIGMA_SHARE * all
     });
-    let is_within = |one: &&Unseen| one.residuals_mag[which].abs() <= one.sigmas_mag[which];
-    let within = unseen.iter().filter(is_within).map(|one| one.weight).sum::<f64>() / all;
+    let is_within = |one: &&HeldOut| one.residuals_mag[which].abs() <= one.sigmas_mag[which];
+    let within = held_out.iter().filter(is_within).map(|one| one.weight).sum::<f64>() / all;
     [rms, half_width.map_or(f64::NAN, |(size, _)| *size), within]
 }
 
@@ -69,7 +69,7 @@ pub fn leave_passes_out(passes: &[Pass], models: &ModelChoice, seen: &[usize]) -
     let mut kinds: Vec<Generation> = passes.iter().map(|pass| pass.kind()).collect();
     kinds.sort();
     kinds.dedup();
-    let mut found: Vec<(Generation, usize, Vec<Vec<Unseen>>)> = Vec::new();
+    let mut found: Vec<(Generation, usize, Vec<Vec<HeldOut>>)> = Vec::new();
     for kind in kinds {
         let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
         let Some(sigma_mag) = models.of_kind(kind).map(|model| model.sigma_mag()) else { continue };
@@ -84,21 +84,21 @@ pub fn leave_passes_out(passes: &[Pass], models: &ModelChoice, seen: &[usize]) -
                 let others = of_kind.iter().copied().filter(|pass| !is_own(pass));
                 let training: Vec<&Pass> = others.chain(own).collect();
                 let learned = fit_kind(&training, sigma_mag).predict(left_out.norad_id());
-                let unseen = left_out.points().iter().map(|point| Unseen {
+                let held_out = left_out.points().iter().map(|point| HeldOut {
                     residuals_mag: [point.residual_mag, point.residual_mag - learned.offset_mag],
                     sigmas_mag: [sigma_mag, learned.sigma_mag],
                     weight: 1.0 / left_out.points().len() as f64,
                 });
-                Some(unseen.collect())
+                Some(held_out.collect())
             };
             found.push((kind, seen, of_kind.par_iter().filter_map(predicted).collect()));
         }
     }
     let row = |kind: Option<Generation>, seen: usize| {
         let selected = found.iter().filter(|(of, n, _)| *n == seen && kind.is_none_or(|kind| kind == *of));
-        let passes: Vec<&Vec<Unseen>> = selected.flat_map(|(_, _, passes)| passes).collect();
-        let unseen: Vec<Unseen> = passes.iter().flat_map(|pass| pass.iter().copied()).collect();
-        let [model, learned] = [0, 1].map(|which| statistics(&unseen, which));
+        let passes: Vec<&Vec<HeldOut>> = selected.flat_map(|(_, _, passes)| passes).collect();
+        let held_out: Vec<HeldOut> = passes.iter().flat_map(|pass| pass.iter().copied()).collect();
+        let [model, learned] = [0, 1].map(|which| statistics(&held_out, which));
         (!passes.is_empty()).then(|| LeaveOutRow {
             kind,
             seen,

@@ -28,7 +28,7 @@ pub struct PaperFigure {
     pub panels: [FigurePanel; 3],
     /// Range of magnitudes that the caption states; `None` for figure 6, whose caption states none.
     pub stated_range_mag: Option<[f64; 2]>,
-    /// Altitude of the Sun to which the caption says that satellites are visible, degrees; `None` for figure 6.
+    /// Altitude of the Sun down to which satellites are visible according to the caption, degrees; `None` for figure 6.
     pub stated_last_sun_deg: Option<f64>,
 }
 

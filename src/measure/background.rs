@@ -16,8 +16,8 @@ pub const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
 
 /// Image relative to its sky background, in units of the noise, and clipped.
 ///
-/// Clipping reduces a star to some four sigmas per pixel, so that it contributes little to the sum along a track, while a
-/// bright streak remains far above the noise.
+/// Clipping reduces a star to some four sigmas per pixel, so that it contributes little to the sum along a track, while
+/// a bright streak remains far above the noise.
 #[derive(Clone, Debug)]
 pub struct Background {
     normalised: Plane,

@@ -3,8 +3,8 @@
 use super::corridor::Corridor;
 use crate::images::{LightArea, Patch, PixelPosition, Plane};
 
-/// Band of pixels around a straight line: for each pixel of the major axis, the pixels within a distance along the minor
-/// axis. Pixels are those of the frame, without interpolation.
+/// Band of pixels around a straight line: for each pixel of the major axis, the pixels within a distance along the
+/// minor axis. Pixels are those of the frame, without interpolation.
 #[derive(Clone, Debug)]
 pub struct Band {
     is_along_rows: bool,
@@ -20,8 +20,8 @@ pub struct Band {
 }
 
 impl Band {
-    /// Reads the band of `half` pixels on both sides of a line, which is given by its distance from the corridor's track
-    /// along the minor axis and the change of this distance per pixel.
+    /// Reads the band of `half` pixels on both sides of a line, which is given by its distance from the corridor's
+    /// track along the minor axis and the change of this distance per pixel.
     pub fn read(
         plane: &Plane,
         light_area: &LightArea,

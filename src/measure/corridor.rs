@@ -6,7 +6,8 @@ use crate::streaks::StreakPath;
 /// Number of points of the path between two of its nodes.
 const SAMPLES: usize = 8;
 
-/// Track across a frame, with one position for each column of the frame (or each row, for a track nearer to the columns).
+/// Track across a frame, with one position for each column of the frame (or each row, for a track nearer to the
+/// columns).
 ///
 /// The axis of the frame that is nearer to the track is the major axis, the other one the minor axis.
 #[derive(Clone, Debug)]

@@ -2,7 +2,8 @@
 
 use super::band::Band;
 
-/// Ranges of columns of a band in which the background is fitted separately, and the extent of the fit across the track.
+/// Ranges of columns of a band in which the background is fitted separately, and the extent of the fit across the
+/// track.
 #[derive(Clone, Debug)]
 pub struct Blocks {
     /// First column of each block, and the end of the last one.
@@ -48,9 +49,9 @@ impl BlockFit {
     }
 }
 
-/// Fits amplitude, constant and slope in each block. The template is shifted by `shift` pixels along the minor axis, and
-/// the fit extends to the half width of the blocks on both sides of the shifted line. Masked pixels and pixels without a
-/// value are omitted.
+/// Fits amplitude, constant and slope in each block. The template is shifted by `shift` pixels along the minor axis,
+/// and the fit extends to the half width of the blocks on both sides of the shifted line. Masked pixels and pixels
+/// without a value are omitted.
 pub fn fit_blocks(
     band: &Band,
     data: &[f32],

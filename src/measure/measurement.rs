@@ -53,7 +53,7 @@ pub struct MeasureOptions {
     pub most_corridor_pix: f64,
     /// Probability of a false detection in one corridor.
     pub false_alarm: f64,
-    /// Upper limits are this number of sigmas above the brightest place of the corridor.
+    /// Upper limits are this number of sigmas above the largest signal in the corridor.
     pub limit_sigmas: f64,
     /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
     pub fit_width: bool,
@@ -78,7 +78,7 @@ pub enum Flag {
     Width,
     /// The gain is unknown: the error does not contain the photon noise of the streak.
     NoGain,
-    /// There is no space for fits beside the streak: the error is that of the pixels, without faint stars.
+    /// There is no free area for fits next to the streak, so that the error is that of the pixels, without faint stars.
     PixelNoise,
 }
 

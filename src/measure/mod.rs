@@ -1,7 +1,7 @@
 //! Forced photometry of satellite streaks along predicted tracks.
 //!
-//! A [`PredictedStreak`] is the track of a satellite in pixels with its times and errors. [`measure_streak`] searches the
-//! corridor of these errors for the streak and measures flux, offset, lateness and width, or an upper limit.
+//! A [`PredictedStreak`] is the track of a satellite in pixels with its times and errors. [`measure_streak`] searches
+//! the corridor of these errors for the streak and measures flux, offset, lateness and width, or an upper limit.
 //!
 //! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
 //! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the

@@ -74,8 +74,8 @@ pub fn predictions(
     };
     let field = Field::circle(2.0 * (radius_rad + MARGIN_RAD))?;
     let query = PassOptions { samples: SAMPLES, photometry: *photometry, ..PassOptions::default() };
-    let mut answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &query)?;
-    let passes = answer.by_exposure.pop().unwrap_or_default();
+    let mut crossings = sky.field_passes(std::slice::from_ref(&exposure), &field, &query)?;
+    let passes = crossings.by_exposure.pop().unwrap_or_default();
     let interval = sky.exposure_interval(&exposure)?;
     let mut found = Vec::new();
     for pass in &passes {
@@ -93,7 +93,7 @@ pub fn predictions(
             }
         }
     }
-    Ok((found, answer.left_out))
+    Ok((found, crossings.left_out))
 }
 
 fn predicted_streak(

@@ -219,8 +219,8 @@ impl Sums {
         windows
     }
 
-    /// Returns the filtered light at each offset, in units of the noise of a clipped pixel; NaN where too few pixels are
-    /// in the frame.
+    /// Returns the filtered light at each offset, in units of the noise of a clipped pixel; NaN where too few pixels
+    /// are in the frame.
     fn significance(&self, slope: f64, [from, to]: [usize; 2], filter: &[f32]) -> Vec<f64> {
         let offsets = self.offsets;
         let (mut light, mut pixels) = (vec![0.0f32; offsets], vec![0.0f32; offsets]);

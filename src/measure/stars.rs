@@ -24,7 +24,8 @@ const MEDIAN_PIX: usize = 15;
 /// 3. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
 /// 4. All pixels within one FWHM of a marked pixel are marked.
 ///
-/// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked: the template is not yet in its place.
+/// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked, because the template is not yet aligned with
+/// the streak.
 pub fn mask_stars(
     band: &Band,
     mask: &[bool],

@@ -227,7 +227,7 @@ impl Measuring<'_> {
             }
             let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
             drawn = next;
-            // The first steps bring the template into place.
+            // The first steps align the template with the streak.
             if iteration == 1 || iteration == 3 {
                 mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
             }
@@ -589,8 +589,8 @@ fn controls(
     (variance > 0.0).then(|| student * variance.sqrt())
 }
 
-/// Returns true if the light is spread along the track: the median of the blocks is significant, too. A star lights only
-/// one or two blocks. Streaks of few blocks are not tested.
+/// Returns true if the light is spread along the track: the median of the blocks is significant, too. A star lights
+/// only one or two blocks. Streaks of few blocks are not tested.
 fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f64) -> bool {
     let mean_weight = amplitude.weight / fits.len() as f64;
     let blocks: Vec<f64> =
@@ -598,7 +598,8 @@ fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f6
     blocks.len() < LEAST_BLOCKS || median(blocks) > MEDIAN_SHARE * threshold * sigma
 }
 
-/// Error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A ∂m/∂v (1, u).
+/// Error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A ∂m/∂v (1,
+/// u).
 fn offset_sigma(band: &Band, mask: &[bool], template: &[f32], amplitude: &Amplitude) -> f64 {
     let middle = 0.5 * band.len() as f64;
     let [mut jj, mut ju, mut juu] = [0.0; 3];
@@ -615,8 +616,8 @@ fn offset_sigma(band: &Band, mask: &[bool], template: &[f32], amplitude: &Amplit
     variance.sqrt() / amplitude.value.abs()
 }
 
-/// Returns the fraction of the streak's length that has no pixels of the image at `margin` pixels beside its middle, and
-/// the fraction of its light that is masked or without a value.
+/// Returns the fraction of the streak's length that has no pixels of the image at `margin` pixels beside its middle,
+/// and the fraction of its light that is masked or without a value.
 fn shares(band: &Band, mask: &[bool], template: &[f32], light_area: &LightArea, margin: usize) -> (f64, f64) {
     let (mut lit, mut edge, mut light, mut hidden) = (0.0, 0.0, 0.0, 0.0);
     for (column, weights) in template.chunks_exact(band.height).enumerate() {

@@ -14,9 +14,10 @@ use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_betwee
 use crate::geometry::ShadowModel;
 use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
 
-/// Longest slice for an observer on the ground, seconds. From its middle to its ends the observer moves by 14 km.
+/// Longest slice of an exposure that is searched with one position of an observer on the ground, seconds. From the
+/// middle of the slice to its ends the observer moves by 14 km.
 const SLICE_S: f64 = 60.0;
-/// Longest slice for an observer in orbit, seconds. From its middle to its ends the observer moves by 40 km.
+/// The same for an observer in orbit, seconds. From its middle to its ends the observer moves by 40 km.
 const FLIGHT_SLICE_S: f64 = 10.0;
 /// Number of slices that are tested together before each is tested separately; this number was measured to be the
 /// fastest.

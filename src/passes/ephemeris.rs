@@ -87,18 +87,18 @@ impl Sky {
         let count = element_indices.len().saturating_mul(times.len());
         if count > MOST_POINTS {
             return Err(SkyError::invalid(
-                "number of places (satellites times times)",
+                "number of positions (satellites times times)",
                 count,
                 format!("at most {MOST_POINTS}"),
             ));
         }
         let at_time = |(time_index, epoch): (usize, &Epoch)| {
             let moment = self.moment(*epoch)?;
-            let place = |&index: &usize| match self.place(index, time_index, &moment, photometry) {
+            let point = |&index: &usize| match self.point(index, time_index, &moment, photometry) {
                 Ok(point) => Ok(point),
                 Err(reason) => Err(self.failed(index, reason)),
             };
-            Ok(element_indices.iter().map(place).collect())
+            Ok(element_indices.iter().map(point).collect())
         };
         let by_time: Vec<Vec<Result<Option<EphemerisPoint>, LeftOut>>> =
             times.par_iter().enumerate().map(at_time).collect::<Result<_, SkyError>>()?;
@@ -141,7 +141,7 @@ impl Sky {
 
     /// Returns the point of one satellite at one time; `None` for the observing telescope itself and if SGP4 cannot be
     /// initialised.
-    fn place(
+    fn point(
         &self,
         element_index: usize,
         time_index: usize,

@@ -13,7 +13,7 @@ use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, Photometry
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
-    /// The same models with a source that says that the kind is assumed.
+    /// The same models, whose source states that the kind is assumed.
     assumed: BTreeMap<Generation, Arc<BrightnessModel>>,
     standard_magnitudes: StandardMagnitudes,
     /// Models of the bright objects, by name.
@@ -32,7 +32,8 @@ struct Learned {
 }
 
 /// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the
-/// best score on unseen points where there are any (`tests/fitting/default_models.rs`). `None` if there is no default.
+/// best score on held-out points where there are any (`tests/fitting/default_models.rs`). `None` if there is no
+/// default.
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),

@@ -188,8 +188,8 @@ pub struct Pass {
     pub mid: TrackPoint,
     /// Point at the end of the last chord; for a near miss, the closest point.
     pub exit: TrackPoint,
-    /// Brightest point between `enter` and `exit`; `None` if the satellite is in the umbra or not visible in between, or
-    /// if the options omit brightness.
+    /// Brightest point between `enter` and `exit`; `None` if the satellite is in the umbra or not visible in between,
+    /// or if the options omit brightness.
     pub peak: Option<TrackPoint>,
     /// Smallest angle between the track and the centre of the field while the shutter is open, radians.
     pub min_separation_rad: f64,

@@ -181,38 +181,38 @@ impl Sky {
         };
         let all: Vec<(Vec<Outcome>, Option<LeftOut>)> =
             selected.par_iter().with_min_len(TOGETHER).map(of_one).collect();
-        let mut answer = VisiblePasses {
+        let mut visible = VisiblePasses {
             satellites: selected.len(),
             expected_brighter: request.max_magnitude.map(|_| 0.0),
             ..VisiblePasses::default()
         };
-        answer.left_out.extend(self.left_out().iter().filter(|one| is_selected(one.element_index)).cloned());
+        visible.left_out.extend(self.left_out().iter().filter(|one| is_selected(one.element_index)).cloned());
         for one in all.into_iter().flat_map(|(kept, failed)| {
-            answer.left_out.extend(failed);
+            visible.left_out.extend(failed);
             kept
         }) {
             match one {
                 Outcome::Pass(pass) => {
-                    if let (Some(sum), Some(limit)) = (answer.expected_brighter.as_mut(), request.max_magnitude) {
+                    if let (Some(sum), Some(limit)) = (visible.expected_brighter.as_mut(), request.max_magnitude) {
                         *sum += pass.probability_brighter_than(limit);
                     }
-                    answer.passes.push(*pass);
+                    visible.passes.push(*pass);
                 }
-                Outcome::InShadow => answer.not_shown.in_shadow += 1,
+                Outcome::InShadow => visible.not_shown.in_shadow += 1,
                 Outcome::TooFaint { by_prior, p_brighter } => {
-                    if let Some(sum) = answer.expected_brighter.as_mut() {
+                    if let Some(sum) = visible.expected_brighter.as_mut() {
                         *sum += p_brighter;
                     }
-                    answer.not_shown.too_faint += 1;
-                    answer.not_shown.too_faint_by_prior += usize::from(by_prior);
+                    visible.not_shown.too_faint += 1;
+                    visible.not_shown.too_faint_by_prior += usize::from(by_prior);
                 }
-                Outcome::TooLow => answer.not_shown.too_low += 1,
+                Outcome::TooLow => visible.not_shown.too_low += 1,
             }
         }
-        answer.left_out.sort_by_key(|one| one.element_index);
+        visible.left_out.sort_by_key(|one| one.element_index);
         let seen = |pass: &VisiblePass| pass.visible.as_ref().map_or(pass.culmination.epoch, |seen| seen.begin.epoch);
-        answer.passes.sort_by(|a, b| seen(a).cmp(&seen(b)).then(a.element_index.cmp(&b.element_index)));
-        Ok(answer)
+        visible.passes.sort_by(|a, b| seen(a).cmp(&seen(b)).then(a.element_index.cmp(&b.element_index)));
+        Ok(visible)
     }
 }
 

@@ -217,13 +217,14 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the model for satellites whose kind is assumed: its source says so.
+    /// Returns the model for satellites whose kind is assumed, as its source then states.
     pub fn with_assumed_kind(&self) -> Self {
         Self { source: self.source.of_assumed_kind(), ..self.clone() }
     }
 
     /// Returns the model with an offset and a sigma that were learned from measurements: apparent magnitudes are
-    /// `offset_mag` fainter, and single measurements scatter by `sigma_mag` with this distribution. Its source says so.
+    /// `offset_mag` fainter, and single measurements scatter by `sigma_mag` with this distribution. The source ends
+    /// with `(learned)`.
     ///
     /// The learned sigma contains the errors of the parameters. Outside the fitted range it is larger by the same
     /// variance as before. Standard magnitudes are those of the model.

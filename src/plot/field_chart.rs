@@ -57,9 +57,10 @@ pub struct FieldStreak {
 }
 
 /// Draws the outlines of the field on the tangent plane with lines of right ascension and declination, and every streak
-/// in the colour of its magnitude with an arrow at its exit, the brightest on top. A list gives entry, exit and magnitude
-/// of the streaks, the brightest first; listed streaks are numbered in the chart where a number covers no streak. If there
-/// are too many for the list, its last line gives the number of the others; the caption gives that of missing numbers.
+/// in the colour of its magnitude with an arrow at its exit, the brightest on top. A list gives entry, exit and
+/// magnitude of the streaks, the brightest first; listed streaks are numbered in the chart where a number covers no
+/// streak. If there are too many for the list, its last line gives the number of the others; the caption gives that of
+/// missing numbers.
 ///
 /// A field without streaks is drawn with a note. Its size is then that of its outlines, of which at least one is
 /// required.
@@ -188,8 +189,8 @@ fn compass(picture: &mut Picture) -> [f64; 4] {
     [x - 64.0, y - 64.0, x + 6.0, y + 6.0]
 }
 
-/// Draws a scale bar of a round length in the lower left corner. Its length is exact in the middle of the chart. Returns
-/// its sides.
+/// Draws a scale bar of a round length in the lower left corner. Its length is exact in the middle of the chart.
+/// Returns its sides.
 fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) -> [f64; 4] {
     let whole = (frame.x.from - frame.x.to).abs();
     let decade = 10_f64.powf((0.3 * whole).log10().floor());
@@ -226,8 +227,11 @@ mod tests {
     #[test]
     fn valid_the_plane_is_that_of_tan() {
         for [centre, position, plane] in TAN {
-            let ours = gnomonic(*centre, *position).unwrap();
-            assert!((0..2).all(|k| (ours[k] - plane[k]).abs() < 1e-9), "{centre:?} {position:?}: {ours:?} {plane:?}");
+            let projected = gnomonic(*centre, *position).unwrap();
+            assert!(
+                (0..2).all(|k| (projected[k] - plane[k]).abs() < 1e-9),
+                "{centre:?} {position:?}: {projected:?} {plane:?}"
+            );
             let [east, dec] = inverse_gnomonic(*centre, *plane);
             let turn = (centre[0] + east - position[0] + 180.0).rem_euclid(360.0) - 180.0;
             assert!(turn.abs() < 1e-7 && (dec - position[1]).abs() < 1e-9, "{plane:?}: {east} {dec}");

@@ -197,8 +197,8 @@ pub(super) fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f6
     (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
 }
 
-/// Returns the right ascension minus that of the centre, -180 to 180 degrees, and the declination, degrees, of a point of
-/// the tangent plane, degrees.
+/// Returns the right ascension minus that of the centre, -180 to 180 degrees, and the declination, degrees, of a point
+/// of the tangent plane, degrees.
 ///
 /// tan c = ρ = hypot(ξ, η); sin δ = cos c (sin δ₀ + η cos δ₀); tan Δα = ξ / (cos δ₀ − η sin δ₀)
 pub(super) fn inverse_gnomonic([_, dec0]: [f64; 2], plane: [f64; 2]) -> [f64; 2] {

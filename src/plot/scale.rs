@@ -76,8 +76,8 @@ impl Quantity {
 }
 
 impl ColourScale {
-    /// Creates a scale with round ends that contains 98 % of the values. Values that are not finite are ignored. A scale
-    /// of rates ends at the highest rate, or, if that is less, at five times the median of the rates above 0.
+    /// Creates a scale with round ends that contains 98 % of the values. Values that are not finite are ignored. A
+    /// scale of rates ends at the highest rate, or, if that is less, at five times the median of the rates above 0.
     pub fn of(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
         let mut all: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         all.sort_unstable_by(f64::total_cmp);

@@ -273,8 +273,8 @@ pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// Returns true if a pass blocks the start of an exposure: it counts, and for [`Blocking::Avoid`] the probability that it
-/// crosses and is brighter than a limit is at least that of the policy, unless no limit applies to the band.
+/// Returns true if a pass blocks the start of an exposure: it counts, and for [`Blocking::Avoid`] the probability that
+/// it crosses and is brighter than a limit is at least that of the policy, unless no limit applies to the band.
 pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, rules: &Rules<'_>) -> bool {
     let exceeds_limit = || {
         rules

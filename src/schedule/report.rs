@@ -88,7 +88,8 @@ impl FlagReport {
     }
 }
 
-/// Judges every row, and finds the next clear and the next acceptable starts. Rows that cannot be judged get the verdict `invalid`.
+/// Judges every row, and finds the next clear and the next acceptable starts. Rows that cannot be judged get the
+/// verdict `invalid`.
 ///
 /// The `margin_s` of the policy applies before and after an exposure. An exposure with a crossing only in its margins
 /// is `streaked`.
@@ -151,14 +152,14 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
     let exposures: Vec<Exposure> = above.iter().map(|(_, exposure)| (*exposure).clone()).collect();
     let options = pass_options(request);
-    let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
-    report.left_out.append(&mut answer.left_out);
+    let mut crossings = request.sky.field_passes(&exposures, request.field, &options)?;
+    report.left_out.append(&mut crossings.left_out);
 
     let probabilities = request.sky.crossing_probabilities(&exposures, request.field)?;
 
     let camera = Camera::of(request);
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
+    for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
         let band = rows[*row].band.as_deref();
         let expected = if rules.has_limit(band) {
             expected_of(&satellites, request, &|one| probability_brighter(one, &passes, band, &rules, request))
@@ -358,13 +359,13 @@ fn find_starts(
         })
         .collect();
     let options = PassOptions { without_light: blocking == Blocking::Any, ..pass_options(request) };
-    let answer = request.sky.field_passes(&long, request.field, &options)?;
-    report.left_out.extend(answer.left_out);
+    let crossings = request.sky.field_passes(&long, request.field, &options)?;
+    report.left_out.extend(crossings.left_out);
     let exposures: Vec<&Exposure> = searched.iter().map(|(_, exposure)| *exposure).collect();
     let earth = |start, end| request.sky.orientation_over(start, end);
     let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s);
     let mut searches = Vec::new();
-    for (((row, exposure), passes), last_start_s) in searched.iter().zip(&answer.by_exposure).zip(last_starts) {
+    for (((row, exposure), passes), last_start_s) in searched.iter().zip(&crossings.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
         let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, &rules);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
@@ -418,8 +419,8 @@ struct StartSearch {
 }
 
 impl StartSearch {
-    /// Sets the earliest possible start that is at least `from_s` after the scheduled opening, or adds a reason if there
-    /// is none.
+    /// Sets the earliest possible start that is at least `from_s` after the scheduled opening, or adds a reason if
+    /// there is none.
     fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
         // The guard includes the error of rounding to a millisecond.
         let guard_s = GUARD_S + TICK_S;
@@ -476,7 +477,7 @@ fn confirm(
                 Some((search, exposure))
             })
             .unzip();
-        let answer = request.sky.field_passes(&later, request.field, options)?;
+        let crossings = request.sky.field_passes(&later, request.field, options)?;
         let too_much_lost = match policy.max_lost_fraction {
             Some(most) => request
                 .sky
@@ -489,7 +490,7 @@ fn confirm(
             None => vec![false; later.len()],
         };
         searches = Vec::new();
-        for ((search, passes), too_much_lost) in open.into_iter().zip(&answer.by_exposure).zip(too_much_lost) {
+        for ((search, passes), too_much_lost) in open.into_iter().zip(&crossings.by_exposure).zip(too_much_lost) {
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };

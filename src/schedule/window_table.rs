@@ -322,9 +322,9 @@ mod tests {
         let never = TargetWindows::default();
         let all = [&found, &never].map(|found| FoundWindows { listed: &listed, found: Some(found) });
         let (text, left_out) = SchedulerFormat::Lco.text(&all, 90.0);
-        let answer: Json = serde_json::from_str(&text).unwrap();
-        assert_eq!((answer["requests"].as_array().unwrap().len(), left_out.len()), (1, 1));
-        let windows = answer["requests"][0]["windows"].as_array().unwrap();
+        let document: Json = serde_json::from_str(&text).unwrap();
+        assert_eq!((document["requests"].as_array().unwrap().len(), left_out.len()), (1, 1));
+        let windows = document["requests"][0]["windows"].as_array().unwrap();
         let seconds = |one: &Json| seconds_between(at(0.0), utc(one.as_str().unwrap()));
         let mut before_s = f64::NEG_INFINITY;
         for window in windows {

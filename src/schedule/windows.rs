@@ -65,10 +65,10 @@ pub struct WindowReport {
 
 /// Computes all clear windows of shutter opening times from `from` to `to`; none if `to` is before `from`.
 ///
-/// No satellite selected by the policy's `blocking` crosses an exposure that opens in a window. The margin of the policy
-/// applies before and after the exposure, so the shutter may also open late by up to the margin. With a `min_probability`, near misses
-/// count, and blocked intervals are extended by three sigmas for early and late satellites. A blocking pass blocks from
-/// its entry to its exit, also while the satellite is faint or in shadow.
+/// No satellite selected by the policy's `blocking` crosses an exposure that opens in a window. The margin of the
+/// policy applies before and after the exposure, so the shutter may also open late by up to the margin. With a
+/// `min_probability`, near misses count, and blocked intervals are extended by three sigmas for early and late
+/// satellites. A blocking pass blocks from its entry to its exit, also while the satellite is faint or in shadow.
 ///
 /// The altitudes of target and Sun are sampled once a minute (every 10 s for the limb): a target above its limit for
 /// less than that may have no window.
@@ -85,8 +85,8 @@ pub fn clear_windows(
     windows_of(targets, from, to, request, true)
 }
 
-/// Computes the same windows without blocking passes: [`TargetWindows::blocking_passes`] is empty. It is faster for many
-/// targets, because magnitudes and probabilities are computed only if the policy needs them.
+/// Computes the same windows without blocking passes: [`TargetWindows::blocking_passes`] is empty. It is faster for
+/// many targets, because magnitudes and probabilities are computed only if the policy needs them.
 ///
 /// # Errors
 /// Same as [`clear_windows`].
@@ -175,7 +175,7 @@ fn passes(
 ) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
+    let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
     let camera = Camera::of(&request.conditions);
     let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
@@ -188,20 +188,20 @@ fn passes(
             .collect();
         Blocked { intervals, blocking_passes }
     };
-    Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
+    Ok((targets.iter().zip(passes.by_exposure).map(of).collect(), passes.left_out))
 }
 
 /// Returns blocked intervals of each target if every lit crossing blocks.
 fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_crossings(exposures, field)?;
+    let crossings = sky.field_crossings(exposures, field)?;
     let of = |crossings: Vec<FieldCrossing>| {
         let chords = crossings.iter().flat_map(|one| &one.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
         Blocked { intervals: chords.map(interval).collect(), blocking_passes: Vec::new() }
     };
-    Ok((answer.by_exposure.into_iter().map(of).collect(), answer.left_out))
+    Ok((crossings.by_exposure.into_iter().map(of).collect(), crossings.left_out))
 }
 
 /// Rounds an interval inwards to milliseconds; `None` if it becomes empty.

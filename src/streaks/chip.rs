@@ -123,8 +123,8 @@ impl Chip {
     }
 
     /// Returns the first and the last time at which the path is on illuminated pixels and the light is not dark, to a
-    /// microsecond. A light that fades between two nodes, as a satellite does at the edge of the umbra, is dark from the
-    /// first node without light.
+    /// microsecond. A light that fades between two nodes, as a satellite does at the edge of the umbra, is dark from
+    /// the first node without light.
     fn inside_s(&self, path: &StreakPath) -> Option<[f64; 2]> {
         const SAMPLES: usize = 8;
         let nodes = path.nodes();
@@ -160,10 +160,11 @@ fn seen(track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>) -> SkyT
     SkyTrack { points: track.points.iter().map(in_frame).collect() }
 }
 
-/// Returns the parts of a track within `reach_rad` of a direction, each with one more point before and after it.
-fn near_spans(track: &SkyTrack, place: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
+/// Returns the parts of a track within `reach_rad` of a direction `target`, each with one more point before and after
+/// it.
+fn near_spans(track: &SkyTrack, target: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
     let points = &track.points;
-    let near = |index: usize| comes_near(&points[index], &points[index + 1], place, reach_rad);
+    let near = |index: usize| comes_near(&points[index], &points[index + 1], target, reach_rad);
     let mut spans = Vec::new();
     let mut first: Option<usize> = None;
     for index in 0..points.len().saturating_sub(1) {
@@ -187,18 +188,18 @@ fn span_of(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
 
 /// Returns true if the track between two adjacent points may come within `reach_rad` of a direction. The test allows
 /// for the curvature of the track.
-fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad: f64) -> bool {
-    let (start, end, place) = (from.direction.vector(), to.direction.vector(), place.vector());
+fn comes_near(from: &SkyPoint, to: &SkyPoint, target: &Direction<Gcrs>, reach_rad: f64) -> bool {
+    let (start, end, target) = (from.direction.vector(), to.direction.vector(), target.vector());
     let chord = end - start;
     let share = if chord.norm_squared() > 0.0 {
-        ((place - start).dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0)
+        ((target - start).dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0)
     } else {
         0.0
     };
     // Half of the squared chord exceeds both the curvature of any track on the sky between two points and the height of
     // the arc above its chord.
     let slack = 0.5 * chord.norm_squared();
-    ((start + chord * share) - place).norm() <= reach_rad + slack
+    ((start + chord * share) - target).norm() <= reach_rad + slack
 }
 
 /// Returns the track with added points, such that at least [`STEPS_ACROSS`] of them lie within a circle of this radius.

@@ -65,12 +65,12 @@ impl StreaksError {
     }
 
     /// Prefixes the name of an invalid value with the file, the HDU or the settings that contain it.
-    pub(super) fn at(self, place: impl Display) -> Self {
+    pub(super) fn at(self, location: impl Display) -> Self {
         match self {
             Self::Invalid { what, given, allowed } => {
-                Self::Invalid { what: format!("{place}: {what}"), given, allowed }
+                Self::Invalid { what: format!("{location}: {what}"), given, allowed }
             }
-            Self::Images(error) => Self::Images(error.at(place)),
+            Self::Images(error) => Self::Images(error.at(location)),
             other => other,
         }
     }

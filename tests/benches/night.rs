@@ -61,7 +61,7 @@ fn crossings_of(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
     let field = Field::circle(fov_deg.to_radians()).expect("a field");
     // Satellites in the shadow are included, because the peers list them too.
     let options = PassOptions { include_dark: true, ..PassOptions::default() };
-    sky.field_passes(exposures, &field, &options).expect("an answer")
+    sky.field_passes(exposures, &field, &options).expect("passes")
 }
 
 /// Returns the times for reading, preparation, and crossings, seconds.

@@ -34,24 +34,24 @@ fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivati
 
 /// V2 Mini satellites, identified by name, with a published drag whose effect D t² = P ṅ/2 t² is 50 s after 7 days.
 #[test]
-fn verif_published_drag_changes_places_and_is_stated() {
+fn verif_published_drag_changes_positions_and_is_stated() {
     let folder = tempfile::tempdir().unwrap();
     let file = catalogue(&folder, "starlink-gen1", "STARLINK-31", 1.8e-4);
     let words =
         ["ephemeris", "--norad", "60001", "--times", "2026-08-14T00:00:00Z", "--elements", &file, "--mpc", "X05"];
     let answer = |drag: &[&str]| json(&[&words, drag, &["--quiet"]]);
-    let (default, ours) = (answer(&[]), answer(&["--drag", "station-keeping"]));
+    let (default, station_keeping) = (answer(&[]), answer(&["--drag", "station-keeping"]));
     let published = answer(&["--drag", "published"]);
-    assert_eq!(default, ours);
-    let stated = [&ours, &published].map(|answer| answer["provenance"]["drag"].as_str().unwrap_or_default());
+    assert_eq!(default, station_keeping);
+    let stated = [&station_keeping, &published].map(|answer| answer["provenance"]["drag"].as_str().unwrap_or_default());
     assert_eq!(stated, ["station-keeping", "published"]);
     let number = |answer: &Value, name: &str| answer["ephemeris"][0][name].as_f64().unwrap();
-    let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| number(&published, name) - number(&ours, name));
-    let moved_deg = (ra * number(&ours, "dec_deg").to_radians().cos()).hypot(dec);
+    let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| number(&published, name) - number(&station_keeping, name));
+    let moved_deg = (ra * number(&station_keeping, "dec_deg").to_radians().cos()).hypot(dec);
     assert!(moved_deg > 0.5, "{moved_deg}");
     // Without drag the stated along-track error is smaller.
     let late_s = |answer: &Value| number(answer, "along_track_sigma_s");
-    assert!(late_s(&ours) < 0.5 * late_s(&published), "{} {}", late_s(&ours), late_s(&published));
+    assert!(late_s(&station_keeping) < 0.5 * late_s(&published), "{} {}", late_s(&station_keeping), late_s(&published));
 }
 
 fn share(text: &str) -> f64 {

@@ -62,7 +62,7 @@ fn verif_times_of_a_list_a_file_and_steps_are_the_same() {
 
 /// The position at the time of entry equals that of `passes`.
 #[test]
-fn verif_the_place_at_an_entry_is_that_of_the_pass() {
+fn verif_the_position_at_an_entry_is_that_of_the_pass() {
     let exposure =
         ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--fov", "3.5deg"];
     let passes = json(&[&["passes"], SKY, &exposure]);
@@ -70,12 +70,12 @@ fn verif_the_place_at_an_entry_is_that_of_the_pass() {
     let norad = pass["norad_id"].to_string();
     let at = pass["enter_utc"].as_str().unwrap();
     let answer = json(&[&["ephemeris", "--norad", &norad, "--times", at], SKY]);
-    let place = &answer["ephemeris"][0];
-    for (ours, theirs) in [("ra_deg", "enter_ra_deg"), ("dec_deg", "enter_dec_deg")] {
-        let [ours, theirs] = [&place[ours], &pass[theirs]].map(|value| value.as_f64().unwrap());
+    let row = &answer["ephemeris"][0];
+    for (column, of_entry) in [("ra_deg", "enter_ra_deg"), ("dec_deg", "enter_dec_deg")] {
+        let [position, entry] = [&row[column], &pass[of_entry]].map(|value| value.as_f64().unwrap());
         // Times are rounded to a microsecond, half of which is 5e-7 deg at 1 deg/s; degrees of passes have six
         // decimals.
-        assert!((ours - theirs).abs() < 2e-6, "{ours} {theirs}");
+        assert!((position - entry).abs() < 2e-6, "{position} {entry}");
     }
 }
 

@@ -79,7 +79,7 @@ fn send(stream: &mut TcpStream, bytes: &[u8]) {
     let _ = stream.write_all(bytes);
 }
 
-fn answer(stream: &mut TcpStream, status: &str, headers: &str, body: &[u8]) {
+fn respond(stream: &mut TcpStream, status: &str, headers: &str, body: &[u8]) {
     send(
         stream,
         format!("HTTP/1.1 {status}\r\nConnection: close\r\n{headers}Content-Length: {}\r\n\r\n", body.len()).as_bytes(),
@@ -88,7 +88,7 @@ fn answer(stream: &mut TcpStream, status: &str, headers: &str, body: &[u8]) {
 }
 
 fn ok(body: Vec<u8>, headers: &'static str) -> impl Fn(&mut TcpStream) + Send + 'static {
-    move |stream| answer(stream, "200 OK", headers, &body)
+    move |stream| respond(stream, "200 OK", headers, &body)
 }
 
 struct Cache(TempDir);
@@ -172,7 +172,7 @@ fn within_the_waiting_time_no_request_is_sent_and_the_cached_file_is_used() {
 #[test]
 fn later_requests_are_conditional_and_304_keeps_the_file() {
     let cache = Cache::filled();
-    let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
+    let server = Server::one(|stream| respond(stream, "304 Not Modified", "", b""));
     let (code, stdout, stderr) = cache.run(&server.url, NOON, &[]);
     assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
     let requests = server.requests()[0].to_ascii_lowercase();
@@ -205,7 +205,7 @@ fn a_newer_file_replaces_the_old_one() {
 #[test]
 fn no_failure_replaces_a_valid_file() {
     let status = |status: &'static str, headers: &'static str, body: &'static str| -> Reply {
-        Box::new(move |stream| answer(stream, status, headers, body.as_bytes()))
+        Box::new(move |stream| respond(stream, status, headers, body.as_bytes()))
     };
     let good = elements("sample.csv");
     let (half, long) = (good.clone(), good.clone());
@@ -326,7 +326,7 @@ fn failed_connections_start_no_waiting_time() {
         assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
         assert_eq!(cache.record(), before, "{url}");
         // A minute later the network is available.
-        let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
+        let server = Server::one(|stream| respond(stream, "304 Not Modified", "", b""));
         assert_eq!(cache.run(&server.url, "2024-08-14T12:01:00Z", &[]).0, 0, "{url}");
         assert_eq!(server.requests().len(), 1, "{url}");
     }
@@ -403,9 +403,9 @@ fn space_track_logs_in_and_out_and_the_account_is_not_stored() {
     #[cfg(unix)]
     std::fs::set_permissions(&account, std::os::unix::fs::PermissionsExt::from_mode(0o600)).unwrap();
     let server = Server::new(vec![
-        Box::new(|stream| answer(stream, "200 OK", "Set-Cookie: chocolatechip=123; path=/; HttpOnly\r\n", b"\"\"")),
+        Box::new(|stream| respond(stream, "200 OK", "Set-Cookie: chocolatechip=123; path=/; HttpOnly\r\n", b"\"\"")),
         Box::new(ok(elements("sample.csv"), "")),
-        Box::new(|stream| answer(stream, "200 OK", "", b"\"Successfully logged out\"")),
+        Box::new(|stream| respond(stream, "200 OK", "", b"\"Successfully logged out\"")),
     ]);
     let words = ["space-track", "--credentials", &account.display().to_string()];
     let (code, stdout, stderr) = cache.source(&words, &server.url, NOON, &[]);
@@ -430,7 +430,7 @@ fn space_track_logs_in_and_out_and_the_account_is_not_stored() {
     }
     // The status for a wrong password is also 200.
     let server =
-        Server::one(|stream| answer(stream, "200 OK", "Set-Cookie: chocolatechip=1\r\n", b"{\"Login\":\"Failed\"}"));
+        Server::one(|stream| respond(stream, "200 OK", "Set-Cookie: chocolatechip=1\r\n", b"{\"Login\":\"Failed\"}"));
     let (code, _, stderr) = cache.source(&words, &server.url, "2024-08-15T12:00:00Z", &[]);
     assert!(code == 2 && stderr.contains("the account was refused") && !stderr.contains("hunter"), "{stderr}");
     assert_eq!(server.requests().len(), 1);
@@ -490,11 +490,11 @@ fn a_request_without_a_response_starts_the_waiting_time() {
     let path = cache.folder().join(format!("{NAME}.fetch.json"));
     let mut record = cache.record();
     record["asked_utc"] = NOON.into();
-    record["answer"] = "asking".into();
+    record["answer"] = "no response yet".into();
     std::fs::write(&path, record.to_string()).unwrap();
     let server = Server::new(Vec::new());
     let (code, _, stderr) = cache.run(&server.url, "2024-08-14T12:30:00Z", &[]);
-    assert!(code == 0 && stderr.contains("(asking); the next one is allowed in 90 min"), "{stderr}");
+    assert!(code == 0 && stderr.contains("(no response yet); the next one is allowed in 90 min"), "{stderr}");
 }
 
 const EPHEMERIS: &str = "MEME_90001_INVENTED-1_2270000_Operational_1407628800_UNCLASSIFIED.txt";
@@ -583,7 +583,7 @@ fn a_truncated_ephemeris_is_not_stored() {
 #[test]
 fn a_refused_ephemeris_starts_the_waiting_time() {
     let cache = Cache::new();
-    let refuse = |stream: &mut TcpStream| answer(stream, "429 Too Many Requests", "", b"slow down");
+    let refuse = |stream: &mut TcpStream| respond(stream, "429 Too Many Requests", "", b"slow down");
     let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(refuse)]);
     let source = |norad: &'static str| ["starlink-ephemerides", "--norad", norad];
     let (code, stdout, stderr) = cache.source(&source("90001"), &server.url, "2024-08-14T00:30:00Z", &[]);
@@ -622,7 +622,7 @@ fn a_refused_manifest_starts_the_waiting_time() {
     let (code, _, stderr) = cache.source(&source, "http://127.0.0.1:1", "2024-08-14T00:20:00Z", &[]);
     assert!(code != 0 && stderr.contains("you may retry now"), "{stderr}");
     assert!(!cache.folder().join("starlink-ephemerides.manifest.txt.fetch.json").exists());
-    let server = Server::one(|stream| answer(stream, "503 Service Unavailable", "", b""));
+    let server = Server::one(|stream| respond(stream, "503 Service Unavailable", "", b""));
     let (code, _, stderr) = cache.source(&source, &server.url, "2024-08-14T00:30:00Z", &[]);
     assert!(code != 0 && stderr.contains("503 Service Unavailable"), "{stderr}");
     let idle = Server::new(Vec::new());

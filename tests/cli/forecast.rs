@@ -85,8 +85,8 @@ fn verif_filters_omit_only_the_specified_passes() {
     assert!(!expected.is_empty() && expected.len() < all.len());
     assert_eq!(high["passes"].as_array().unwrap(), &expected);
     let one = number(&all[0]["norad_id"]) as u32;
-    let ours = found(&["--norad", &one.to_string()]);
-    assert_eq!(ours["passes"].as_array().unwrap(), &keep(&|pass| pass["norad_id"] == one));
+    let single = found(&["--norad", &one.to_string()]);
+    assert_eq!(single["passes"].as_array().unwrap(), &keep(&|pass| pass["norad_id"] == one));
     assert_eq!(found(&["--generation", "starlink-v1.5"])["passes"].as_array().unwrap(), all);
     // With --include-dark the visible passes are unchanged.
     let dark = found(&["--include-dark"]);

@@ -175,7 +175,7 @@ fn pieces_of_streaks_on_a_mosaic_are_counted_apart() {
     let ids: std::collections::BTreeSet<String> = column(&rows, "name").into_iter().collect();
     let (streaks, pieces) = (ids.len(), rows.len() - 1);
     assert!(pieces > streaks, "{rows:?}");
-    assert!(stderr.contains(&format!(": {streaks} streaks of random lights in {pieces} pieces, ")), "{stderr}");
+    assert!(stderr.contains(&format!(": {streaks} random streaks in {pieces} pieces, ")), "{stderr}");
 }
 
 /// An interrupted run removes its temporary files. Those of a killed run are removed by the next run.

@@ -21,7 +21,7 @@ fn rows(text: &str) -> Vec<Vec<&str>> {
 }
 
 #[track_caller]
-fn answers(arguments: &[&[&str]]) -> String {
+fn output(arguments: &[&[&str]]) -> String {
     let (code, stdout, stderr) = run(arguments);
     assert_eq!(code, 0, "{stderr}");
     stdout
@@ -40,7 +40,7 @@ fn fails(arguments: &[&[&str]], parts: &[&str]) {
 
 #[test]
 fn verif_body_table() {
-    let text = answers(&[BODY, &["--format", "csv"]]);
+    let text = output(&[BODY, &["--format", "csv"]]);
     let rows = rows(&text);
     assert_eq!(rows[0], ["observer_longitude_deg", "observer_latitude_deg", "standard_magnitude"]);
     assert_eq!(rows.len(), 1 + 180 * 46);
@@ -52,16 +52,16 @@ fn verif_body_table() {
     }
     assert!(text.contains("# earthshine: \"computed\""));
     // Earthshine does not apply to the mean model, and is not stated.
-    let mean = answers(&[&["map", "body", "--model", "oneweb", "--sun-latitude-deg", "-14", "--format", "csv"]]);
+    let mean = output(&[&["map", "body", "--model", "oneweb", "--sun-latitude-deg", "-14", "--format", "csv"]]);
     assert!(mean.contains("# model: ") && !mean.contains("earthshine"), "{}", &mean[..400]);
-    let sunlight = answers(&[BODY, &["--no-earthshine", "--format", "csv"]]);
+    let sunlight = output(&[BODY, &["--no-earthshine", "--format", "csv"]]);
     assert!(sunlight.contains("# earthshine: \"off\"") && rows != self::rows(&sunlight));
     assert!(rows.iter().any(|row| row[2].is_empty()) && rows.iter().filter(|row| !row[2].is_empty()).count() > 8000);
 }
 
 #[test]
 fn verif_sky_table_of_a_site() {
-    let text = answers(&[SKY, &["--height-km", "550", "--format", "csv", "--step-deg", "5"]]);
+    let text = output(&[SKY, &["--height-km", "550", "--format", "csv", "--step-deg", "5"]]);
     let sphere = rows(&text);
     assert_eq!(sphere[0], ["azimuth_deg", "altitude_deg", "range_km", "magnitude"]);
     assert_eq!(sphere.len(), 1 + 72 * 19);
@@ -71,7 +71,7 @@ fn verif_sky_table_of_a_site() {
     let low = sphere.iter().find(|row| row[0] == "180.000000" && row[1] == "10.000000").unwrap();
     assert!(low[3].is_empty() && low[2].parse::<f64>().unwrap() > 1500.0);
     let place = ["--mpc", "X05", "--sun-azimuth-deg", "250", "--extinction", "0.15", "--band", "r"];
-    let text = answers(&[SKY, &place, &["--step-deg", "5", "--format", "csv"]]);
+    let text = output(&[SKY, &place, &["--step-deg", "5", "--format", "csv"]]);
     assert!(text.contains("# earth: \"WGS84 ellipsoid\"") && text.contains("# extinction_mag_per_airmass: 0.15"));
     assert!(text.contains("# band: \"r\"") && text.contains("# mag_system: \"AB\""), "{}", &text[..600]);
     assert_ne!(rows(&text)[100], sphere[100]);
@@ -79,13 +79,12 @@ fn verif_sky_table_of_a_site() {
 
 #[test]
 fn verif_cells_in_every_format() {
-    let text = answers(&[SKY, &["--nside", "4", "--format", "csv"]]);
+    let text = output(&[SKY, &["--nside", "4", "--format", "csv"]]);
     let rows = rows(&text);
     assert_eq!(rows[0][0], "healpix_cell");
     assert_eq!((rows.len(), rows[1][0], rows[104][0]), (105, "0", "103"));
-    assert!(answers(&[SKY, &["--nside", "4", "--format", "ecsv"]]).contains("{name: range_km, unit: km"));
-    let json: serde_json::Value =
-        serde_json::from_str(&answers(&[SKY, &["--nside", "4", "--format", "json"]])).unwrap();
+    assert!(output(&[SKY, &["--nside", "4", "--format", "ecsv"]]).contains("{name: range_km, unit: km"));
+    let json: serde_json::Value = serde_json::from_str(&output(&[SKY, &["--nside", "4", "--format", "json"]])).unwrap();
     assert_eq!(json["directions"].as_array().unwrap().len(), 104);
     assert_eq!(json["provenance"]["sun_altitude_deg"], -16.0);
 }
@@ -96,11 +95,11 @@ fn verif_several_output_files() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (table, picture) = (path("body.csv"), path("body.svg"));
     #[cfg(feature = "plot")]
-    assert_eq!(answers(&[BODY, &["-o", &table, "--picture", &picture]]), "");
+    assert_eq!(output(&[BODY, &["-o", &table, "--picture", &picture]]), "");
     #[cfg(feature = "plot")]
     assert!(fs::read_to_string(&picture).unwrap().starts_with("<svg"));
     #[cfg(not(feature = "plot"))]
-    assert_eq!((answers(&[BODY, &["-o", &table]]), picture.is_empty()), (String::new(), false));
+    assert_eq!((output(&[BODY, &["-o", &table]]), picture.is_empty()), (String::new(), false));
     assert_eq!(rows(&fs::read_to_string(&table).unwrap()).len(), 8281);
 }
 
@@ -109,7 +108,7 @@ fn verif_several_output_files() {
 fn verif_the_papers_twelve_maps() {
     let folder = tempdir().unwrap();
     let made = folder.path().join("figures");
-    assert_eq!(answers(&[&["map", "paper", "-o", &made.display().to_string()]]), "");
+    assert_eq!(output(&[&["map", "paper", "-o", &made.display().to_string()]]), "");
     for figure in 6..=9 {
         let bytes = fs::read(made.join(format!("figure-{figure}.png"))).unwrap();
         assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 50_000, "figure {figure}: {} bytes", bytes.len());
@@ -123,7 +122,7 @@ fn verif_the_papers_twelve_maps() {
 fn verif_the_papers_figures_in_another_band() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    let file = answers(&[&["model", "show", "oneweb"]]);
+    let file = output(&[&["model", "show", "oneweb"]]);
     let file = file.replace("\"oneweb\"", "\"mine\"").replace("\"provisional\": false", "\"provisional\": true");
     fs::write(path("mine.json"), file).unwrap();
     fs::write(path("mine.toml"), "extinction = 0.2\n[models]\nfiles = ['mine.json']\n").unwrap();
@@ -149,7 +148,7 @@ fn verif_fits_by_format_or_by_name() {
     let folder = tempdir().unwrap();
     for (name, more) in [("map[1].fits", &["--nside", "16"][..]), ("map.out", &["--format", "fits", "--nside", "16"])] {
         let path = folder.path().join(name);
-        assert_eq!(answers(&[SKY, more, &["-o", &path.display().to_string()]]), "");
+        assert_eq!(output(&[SKY, more, &["-o", &path.display().to_string()]]), "");
         let bytes = fs::read(&path).unwrap();
         assert!(bytes.starts_with(b"SIMPLE  =") && bytes.len() > 12 * 256 * 16, "{name}: {}", bytes.len());
     }
@@ -202,7 +201,7 @@ fn verif_invalid_arguments() {
 fn verif_a_provisional_model_and_a_hidden_sun_are_reported() {
     let (_, _, stderr) = run(&[BODY]);
     // Same as in the model file.
-    let file = answers(&[&["model", "show", "starlink-v1.5", "--format", "json"]]);
+    let file = output(&[&["model", "show", "starlink-v1.5", "--format", "json"]]);
     let file: serde_json::Value = serde_json::from_str(&file).unwrap();
     assert_eq!(stderr.contains("is provisional"), file["provenance"]["provisional"] == true, "{stderr}");
     let dark = ["map", "body", "--model", "visorsat", "--sun-latitude-deg", "-30"];
@@ -219,11 +218,11 @@ fn verif_file_name_extensions() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     #[cfg(all(feature = "fits", unix))]
     for name in ["a.FITS", "a.fit", "a.Fits"] {
-        assert_eq!(answers(&[SKY, &["--nside", "4", "-o", &path(name)]]), "");
+        assert_eq!(output(&[SKY, &["--nside", "4", "-o", &path(name)]]), "");
         assert!(fs::read(path(name)).unwrap().starts_with(b"SIMPLE  ="), "{name}");
         fs::remove_file(path(name)).unwrap();
     }
-    assert_eq!(answers(&[SKY, &["--nside", "4", "-o", &path("a.JSON")]]), "");
+    assert_eq!(output(&[SKY, &["--nside", "4", "-o", &path("a.JSON")]]), "");
     assert!(fs::read_to_string(path("a.JSON")).unwrap().starts_with('{'));
     fs::remove_file(path("a.JSON")).unwrap();
 
@@ -264,7 +263,7 @@ fn verif_two_outputs_need_two_files() {
     );
     fails(&[BODY, &["--step-deg", "1", "--picture", &path("a.png")]], &["--step-deg has no effect on a picture"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    let both = answers(&[BODY, &["--step-deg", "5", "--picture", &path("a.png"), "--format", "csv"]]);
+    let both = output(&[BODY, &["--step-deg", "5", "--picture", &path("a.png"), "--format", "csv"]]);
     assert_eq!(rows(&both).len(), 1 + 72 * 19);
     assert!(fs::read(path("a.png")).unwrap().starts_with(b"\x89PNG"));
 }
@@ -288,12 +287,12 @@ fn verif_a_configuration() {
         "{stderr}"
     );
     // Flags and file name extensions take precedence.
-    assert!(answers(&[SKY, &with, &["--format", "csv"]]).contains("healpix_cell,azimuth_deg"));
+    assert!(output(&[SKY, &with, &["--format", "csv"]]).contains("healpix_cell,azimuth_deg"));
     let table = path("sky.csv");
-    assert_eq!(answers(&[SKY, &with, &["-o", &table]]), "");
+    assert_eq!(output(&[SKY, &with, &["-o", &table]]), "");
     assert!(fs::read_to_string(&table).unwrap().contains("healpix_cell,azimuth_deg"));
     let other = path("sky.out");
-    assert_eq!(answers(&[SKY, &with, &["-o", &other]]), "");
+    assert_eq!(output(&[SKY, &with, &["-o", &other]]), "");
     assert!(fs::read_to_string(&other).unwrap().starts_with('{'));
 
     let air = config("air.toml", "extinction = 0.2\nshadow = 'atmosphere'\n");
@@ -306,14 +305,14 @@ fn verif_a_configuration() {
 
     let space = config("space.toml", "observer_norad = 20580\nobserver_elements = 'hst.tle'\n");
     fails(&[SKY, &["--config", &space]], &["observer of the configuration is in orbit", "--site, --mpc, or --lat"]);
-    answers(&[SKY, &["--config", &space, "--mpc", "X05", "--step-deg", "5"]]);
-    answers(&[BODY, &["--config", &space, "--step-deg", "5"]]);
+    output(&[SKY, &["--config", &space, "--mpc", "X05", "--step-deg", "5"]]);
+    output(&[BODY, &["--config", &space, "--step-deg", "5"]]);
 }
 
 #[test]
 fn verif_a_model_is_a_name_or_a_path() {
     let folder = tempdir().unwrap();
-    let file = answers(&[&["model", "show", "oneweb"]]).replace("\"oneweb\"", "\"mine\"");
+    let file = output(&[&["model", "show", "oneweb"]]).replace("\"oneweb\"", "\"mine\"");
     fs::write(folder.path().join("mine.v2"), &file).unwrap();
     fs::write(folder.path().join("oneweb"), "no model").unwrap();
     let here = |model: &str| {

@@ -28,8 +28,8 @@ fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }
 
-/// The bounds were chosen before the first run, except that of the gloss. The satellite is known, so that they are those
-/// of the method and of a sample of 240 tracks.
+/// The bounds were chosen before the first run, except that of the gloss. The satellite is known, so that they are
+/// those of the method and of a sample of 240 tracks.
 #[test]
 #[ignore = "some minutes without optimisation"]
 fn verif_lu2024_on_a_small_sample() {
@@ -53,14 +53,14 @@ fn verif_lu2024_on_a_small_sample() {
     assert_eq!((code, stderr.as_str()), (0, ""));
     let document: Value = serde_json::from_str(&stdout).expect("JSON");
     let rows = document["reproduced"].as_array().expect("rows");
-    let ours: HashMap<String, f64> = rows
+    let computed: HashMap<String, f64> = rows
         .iter()
         .filter_map(|row| {
             let name = format!("{}: {}", row["section"].as_str()?, row["quantity"].as_str()?);
             Some((name, row["ours"].as_f64()?))
         })
         .collect();
-    let value = |name: &str| *ours.get(name).unwrap_or_else(|| panic!("no row {name} in {ours:?}"));
+    let value = |name: &str| *computed.get(name).unwrap_or_else(|| panic!("no row {name} in {computed:?}"));
 
     for (name, count) in [
         ("Starlink V1.0 with VisorSats", 2.0),
@@ -79,10 +79,10 @@ fn verif_lu2024_on_a_small_sample() {
     };
     let offsets = of_table_2("panel offset");
     assert!(offsets.len() >= 5, "{offsets:?}");
-    let mean = offsets.iter().map(|(paper, ours)| ours - paper).sum::<f64>() / offsets.len() as f64;
+    let mean = offsets.iter().map(|(paper, computed)| computed - paper).sum::<f64>() / offsets.len() as f64;
     assert!(mean.abs() < OFFSET_DEG, "{mean} {offsets:?}");
     let rms = of_table_2("RMS");
-    assert!(rms.iter().all(|(_, ours)| RMS_MAG.contains(ours)), "{rms:?}");
+    assert!(rms.iter().all(|(_, computed)| RMS_MAG.contains(computed)), "{rms:?}");
 
     assert!(RMS_MAG.contains(&value("figure 5: RMS of the final model")));
     // The models are nested. In so small a sample Akaike's criterion does not detect the gloss of the simulated array.

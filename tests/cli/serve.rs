@@ -15,14 +15,14 @@ const FIRST: &str = "start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=198.9&d
 fn flags_of_the_command_line() -> &'static Value {
     static FLAGS: OnceLock<Value> = OnceLock::new();
     FLAGS.get_or_init(|| {
-        let mut answer = command(&[&["flag"], SHARED, RULES, &["--telescope", "rubin"]]);
-        for flag in answer["flags"].as_array_mut().unwrap() {
+        let mut response = command(&[&["flag"], SHARED, RULES, &["--telescope", "rubin"]]);
+        for flag in response["flags"].as_array_mut().unwrap() {
             let flag = flag.as_object_mut().unwrap();
             for name in ["start_utc", "duration_s", "ra_deg", "dec_deg", "band"] {
                 flag.remove(name).unwrap();
             }
         }
-        answer
+        response
     })
 }
 
@@ -62,10 +62,10 @@ fn every_exposure_equals_flag_and_passes() {
             text("start_utc"),
             text("band")
         );
-        let answer = server.json(&target);
+        let response = server.json(&target);
         let mut expected = flag.clone();
         expected["exposure_id"] = json!("1");
-        assert_eq!(answer["flags"][0], expected, "{target}");
+        assert_eq!(response["flags"][0], expected, "{target}");
         // Simulated satellites are generated for 0h UTC of the date of the first exposure of the schedule.
         if !text("start_utc").starts_with("2026-08-14") {
             continue;
@@ -77,7 +77,7 @@ fn every_exposure_equals_flag_and_passes() {
         assert!(code < 2, "{stderr}");
         let passes: Value = serde_json::from_str(&stdout).unwrap();
         for section in ["exposures", "passes", "left_out"] {
-            assert_eq!(answer[section], passes[section], "{target}: {section}");
+            assert_eq!(response[section], passes[section], "{target}: {section}");
         }
         crossings += passes["passes"].as_array().unwrap().len();
     }
@@ -99,9 +99,9 @@ fn other_starts_and_limits_equal_a_schedule_with_them() {
         let target = format!(
             "/api/v1/exposure?start_utc=2026-08-14T{start}Z&duration_s=45&ra_deg=198.9&dec_deg=7.7&limit_mag=6.62"
         );
-        let answer = server.json(&target);
+        let response = server.json(&target);
         for key in ["verdict", "n_streaks", "brightest_mag", "next_clear_start_utc", "delay_s", "reasons"] {
-            assert_eq!(answer["flags"][0][key], flag[key], "{target}: {key}");
+            assert_eq!(response["flags"][0][key], flag[key], "{target}: {key}");
         }
         verdicts.insert(flag["verdict"].as_str().unwrap().to_owned());
     }
@@ -116,16 +116,16 @@ fn other_starts_and_limits_equal_a_schedule_with_them() {
 #[test]
 fn crossings_before_and_after_equal_those_of_a_longer_exposure() {
     let server = shared();
-    let answer = server.json(&format!("/api/v1/exposure?{FIRST}&around_s=120"));
+    let response = server.json(&format!("/api/v1/exposure?{FIRST}&around_s=120"));
     let passes = command(&[
         &["passes"],
         SHARED,
         &["--start", "2026-08-14T23:27:05Z", "--exposure", "270s", "--ra", "198.9", "--dec", "7.7"],
     ]);
-    let (around, passes) = (answer["around"].as_array().unwrap(), passes["passes"].as_array().unwrap());
+    let (around, passes) = (response["around"].as_array().unwrap(), passes["passes"].as_array().unwrap());
     assert_eq!(around.len(), passes.len());
     assert!(
-        around.len() > answer["passes"].as_array().unwrap().len(),
+        around.len() > response["passes"].as_array().unwrap().len(),
         "the time around it is as empty as the exposure"
     );
     for (one, pass) in around.iter().zip(passes) {
@@ -177,42 +177,42 @@ fn warnings_of_the_command_line_are_in_the_responses() {
         ("2030-08-14T00:10:00Z", "(the farthest by 2190."),
         ("1990-08-14T00:10:00Z", "element sets are more than 14 days"),
     ] {
-        let answer = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", start)));
-        let warnings = answer["warnings"].as_array().unwrap();
+        let response = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", start)));
+        let warnings = response["warnings"].as_array().unwrap();
         let has = |words: &str| warnings.iter().any(|one| one.as_str().unwrap().contains(words));
         assert!(has(words) && has("rejected"), "{start}: {warnings:?}");
-        let left_out = answer["left_out"].as_array().unwrap().len();
+        let left_out = response["left_out"].as_array().unwrap().len();
         assert_eq!(
-            (answer["left_out_count"].as_u64(), has("cannot be propagated")),
+            (response["left_out_count"].as_u64(), has("cannot be propagated")),
             (Some(left_out as u64), left_out > 0),
             "{start}"
         );
     }
     // Responses for the sky and of the SatChecker paths have the same warnings. The time at which SGP4 fails for a
     // satellite depends on the request.
-    let words = |answer: &Value| -> Vec<String> {
-        let warnings = answer["warnings"].as_array().unwrap().iter();
+    let words = |response: &Value| -> Vec<String> {
+        let warnings = response["warnings"].as_array().unwrap().iter();
         warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
     };
     let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
     for target in at_the_first_exposure() {
-        let answer = server.json(&target);
-        assert_eq!(words(&answer), words(&exposure), "{target}");
-        assert_eq!((&answer["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
+        let response = server.json(&target);
+        assert_eq!(words(&response), words(&exposure), "{target}");
+        assert_eq!((&response["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
     }
     // Simulated satellites are generated for the day of the schedule; a request for another day has a warning.
-    let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
+    let response = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
     assert!(
-        answer["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
+        response["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
         "{}",
-        answer["warnings"]
+        response["warnings"]
     );
-    let answer = shared().json(&format!("/api/v1/exposure?{FIRST}"));
-    assert_eq!(answer["warnings"], shared().json("/api/v1/night")["warnings"]);
-    assert_eq!(answer["warnings"].as_array().unwrap().len(), 1);
+    let response = shared().json(&format!("/api/v1/exposure?{FIRST}"));
+    assert_eq!(response["warnings"], shared().json("/api/v1/night")["warnings"]);
+    assert_eq!(response["warnings"].as_array().unwrap().len(), 1);
     for target in at_the_first_exposure() {
         let same = shared().json(&target);
-        assert_eq!((&same["warnings"], &same["left_out_count"]), (&answer["warnings"], &json!(0)), "{target}");
+        assert_eq!((&same["warnings"], &same["left_out_count"]), (&response["warnings"], &json!(0)), "{target}");
     }
     let later = shared().json("/fov/satellites-above-horizon/?site=rubin&julian_date=2465000.5");
     assert!(
@@ -256,11 +256,11 @@ fn a_sky_that_cannot_be_computed_is_not_empty() {
 #[test]
 fn a_field_below_the_horizon_is_reported() {
     let server = shared();
-    let answer = server.json("/api/v1/exposure?start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=18.9&dec_deg=80");
-    assert_eq!(answer["flags"][0]["verdict"], "invalid");
-    assert!(answer["flags"][0]["reasons"][0].as_str().unwrap().contains("horizon"));
-    assert_eq!((&answer["passes"], &answer["around"]), (&json!([]), &json!([])));
-    assert!(answer["pointing"][0]["altitude_deg"].as_f64().unwrap() < 0.0);
+    let response = server.json("/api/v1/exposure?start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=18.9&dec_deg=80");
+    assert_eq!(response["flags"][0]["verdict"], "invalid");
+    assert!(response["flags"][0]["reasons"][0].as_str().unwrap().contains("horizon"));
+    assert_eq!((&response["passes"], &response["around"]), (&json!([]), &json!([])));
+    assert!(response["pointing"][0]["altitude_deg"].as_f64().unwrap() < 0.0);
 }
 
 #[test]
@@ -287,14 +287,14 @@ fn the_dome_contains_the_crossings_of_the_field() {
         &["--sun-altitude-deg", &sun.0, "--sun-azimuth-deg", &sun.1],
     ]);
     let table = map["directions"].as_array().unwrap();
-    let ours: Vec<&Value> =
+    let served: Vec<&Value> =
         dome["map"]["magnitudes"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()).collect();
-    assert_eq!(table.len(), ours.len());
-    for (theirs, ours) in table.iter().zip(ours) {
-        match (theirs["magnitude"].as_f64(), ours.as_f64()) {
+    assert_eq!(table.len(), served.len());
+    for (printed, served) in table.iter().zip(served) {
+        match (printed["magnitude"].as_f64(), served.as_f64()) {
             // Map, response and position of the Sun in the request are rounded.
-            (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
-            (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
+            (Some(printed), Some(served)) => assert!((printed - served).abs() < 0.02, "{printed} {served}"),
+            (printed, served) => assert_eq!(printed.is_some(), served.is_some(), "{printed:?} {served:?}"),
         }
     }
     let edge = dome["shadow_edge_deg"].as_array().unwrap();
@@ -363,8 +363,8 @@ fn satchecker_shapes_carry_magnitudes() {
     let elsewhere =
         "/fov/satellites-above-horizon/?latitude=40&longitude=120&elevation=0&julian_date=2461267.4785300926";
     let elsewhere = server.json(&format!("{elsewhere}&constellation=starlink&max_range=1500&illuminated_only=true"));
-    let names = |answer: &Value| -> BTreeSet<String> {
-        answer["data"].as_array().unwrap().iter().map(|one| one["norad_id"].to_string()).collect()
+    let names = |response: &Value| -> BTreeSet<String> {
+        response["data"].as_array().unwrap().iter().map(|one| one["norad_id"].to_string()).collect()
     };
     assert!(names(&elsewhere).is_disjoint(&names(&above)));
     assert!(elsewhere["data"].as_array().unwrap().iter().all(|one| one["range_km"].as_f64().unwrap() <= 1500.0));
@@ -406,9 +406,9 @@ fn openapi_describes_all_paths() {
             .iter()
             .filter(|parameter| parameter["required"] == true)
             .collect();
-        let answer = server.get(path);
-        assert_eq!(answer.status, if missing.is_empty() && !path.starts_with("/fov") { 200 } else { 400 }, "{path}");
-        assert!(operations["get"]["responses"][answer.status.to_string()].is_object(), "{path}");
+        let response = server.get(path);
+        assert_eq!(response.status, if missing.is_empty() && !path.starts_with("/fov") { 200 } else { 400 }, "{path}");
+        assert!(operations["get"]["responses"][response.status.to_string()].is_object(), "{path}");
         assert_eq!(server.send("POST", path, &[]).status, 405, "{path}");
     }
     let health = server.json("/health");
@@ -432,11 +432,11 @@ fn a_stop_completes_open_requests() {
         assert_eq!(server.get("/health").status, 200);
         server.signal(signal);
         stream.write_all(b"\r\n").unwrap();
-        let mut answer = Vec::new();
-        stream.read_to_end(&mut answer).unwrap();
-        let answer = parse(&answer);
-        assert_eq!(answer.status, 200, "{}", String::from_utf8_lossy(&answer.body));
-        assert_eq!(answer.json()["flags"][0]["verdict"], "avoid");
+        let mut response = Vec::new();
+        stream.read_to_end(&mut response).unwrap();
+        let response = parse(&response);
+        assert_eq!(response.status, 200, "{}", String::from_utf8_lossy(&response.body));
+        assert_eq!(response.json()["flags"][0]["verdict"], "avoid");
         assert_eq!(server.stop("-0"), 0);
     }
 }

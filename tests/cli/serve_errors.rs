@@ -24,22 +24,22 @@ fn errors_are_problem_documents_and_everything_carries_its_headers() {
         ("GET", "/health", vec![("Sec-Fetch-Site", "cross-site")], 403),
         ("GET", "/health", vec![("Content-Length", "3")], 413),
     ] {
-        let answer = server.send(method, target, &headers);
-        assert_eq!(answer.status, status, "{method} {target} {headers:?}");
-        assert_eq!(answer.header("content-type"), Some("application/problem+json"));
-        let document = answer.json();
+        let response = server.send(method, target, &headers);
+        assert_eq!(response.status, status, "{method} {target} {headers:?}");
+        assert_eq!(response.header("content-type"), Some("application/problem+json"));
+        let document = response.json();
         assert_eq!(document["status"], json!(status));
         assert!(!document["detail"].as_str().unwrap().is_empty() && document["title"].is_string());
-        assert_eq!(answer.header("allow"), (status == 405).then_some("GET, HEAD"));
+        assert_eq!(response.header("allow"), (status == 405).then_some("GET, HEAD"));
     }
     for target in ["/", "/main.js", "/health", "/nothing"] {
-        let answer = server.get(target);
-        assert!(answer.header("content-security-policy").unwrap().starts_with("default-src 'none';"), "{target}");
-        assert_eq!(answer.header("x-content-type-options"), Some("nosniff"));
-        assert!(answer.header("access-control-allow-origin").is_none());
+        let response = server.get(target);
+        assert!(response.header("content-security-policy").unwrap().starts_with("default-src 'none';"), "{target}");
+        assert_eq!(response.header("x-content-type-options"), Some("nosniff"));
+        assert!(response.header("access-control-allow-origin").is_none());
         let head = server.send("HEAD", target, &[]);
-        assert_eq!((head.status, head.body.len()), (answer.status, 0), "{target}");
-        assert_eq!(head.header("content-length"), answer.header("content-length"));
+        assert_eq!((head.status, head.body.len()), (response.status, 0), "{target}");
+        assert_eq!(head.header("content-length"), response.header("content-length"));
     }
 }
 
@@ -55,16 +55,16 @@ const HEADERS: [&str; 6] = [
 
 /// Checks that the response is a problem document with all headers, after which the connection is closed.
 #[track_caller]
-fn is_last_problem(answer: &Response, status: u16, words: &str) {
-    let text = String::from_utf8_lossy(&answer.body);
-    assert_eq!(answer.status, status, "{text}");
-    assert_eq!(answer.header("content-type"), Some("application/problem+json"), "{text}");
-    assert_eq!(answer.header("connection"), Some("close"), "{text}");
-    assert_eq!(answer.header("content-length"), Some(answer.body.len().to_string().as_str()), "{text}");
-    assert!(HEADERS.iter().all(|name| answer.header(name).is_some()), "{:?}", answer.headers);
-    let date = answer.header("date").unwrap();
+fn is_last_problem(response: &Response, status: u16, words: &str) {
+    let text = String::from_utf8_lossy(&response.body);
+    assert_eq!(response.status, status, "{text}");
+    assert_eq!(response.header("content-type"), Some("application/problem+json"), "{text}");
+    assert_eq!(response.header("connection"), Some("close"), "{text}");
+    assert_eq!(response.header("content-length"), Some(response.body.len().to_string().as_str()), "{text}");
+    assert!(HEADERS.iter().all(|name| response.header(name).is_some()), "{:?}", response.headers);
+    let date = response.header("date").unwrap();
     assert!(date.len() == 29 && date.ends_with(" GMT") && date.as_bytes()[7] == b' ', "{date}");
-    let document = answer.json();
+    let document = response.json();
     assert_eq!((&document["status"], &document["type"]), (&json!(status), &json!("about:blank")));
     assert!(document["title"].is_string() && document["detail"].as_str().unwrap().contains(words), "{document}");
 }
@@ -101,19 +101,19 @@ fn malformed_heads_get_problem_documents() {
     let mut both = request("GET", "", "");
     both.extend(request("HEAD", "", ""));
     both.extend(b"bad\x01\r\n\r\n");
-    let answer = server.raw(&both);
+    let response = server.raw(&both);
     let whole = server.get("/health").body;
-    assert!(answer.status == 200 && answer.body.starts_with(&whole), "{}", String::from_utf8_lossy(&answer.body));
-    let second = parse(&answer.body[whole.len()..]);
+    assert!(response.status == 200 && response.body.starts_with(&whole), "{}", String::from_utf8_lossy(&response.body));
+    let second = parse(&response.body[whole.len()..]);
     assert_eq!((second.status, second.header("content-type")), (200, Some("application/json")));
     is_last_problem(&parse(&second.body), 400, "invalid HTTP method");
     assert_eq!(server.get("/health").status, 200);
 }
 
 fn read(mut stream: TcpStream) -> Response {
-    let mut answer = Vec::new();
-    stream.read_to_end(&mut answer).unwrap();
-    parse(&answer)
+    let mut response = Vec::new();
+    stream.read_to_end(&mut response).unwrap();
+    parse(&response)
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn bodies_are_not_read_as_requests() {
 }
 
 #[test]
-fn unusual_requests_are_answered() {
+fn unusual_requests_get_responses() {
     let server = shared();
     for (head, status) in [
         ("GET /health HTTP/1.0\r\nHost: localhost\r\n", 200),
@@ -169,9 +169,9 @@ fn unusual_requests_are_answered() {
         ("OPTIONS * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", 404),
         ("CONNECT localhost:80 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", 404),
     ] {
-        let answer = server.raw(format!("{head}\r\n").as_bytes());
-        assert_eq!(answer.status, status, "{head}");
-        assert_eq!(answer.json()["status"], if status == 200 { json!("ok") } else { json!(status) }, "{head}");
+        let response = server.raw(format!("{head}\r\n").as_bytes());
+        assert_eq!(response.status, status, "{head}");
+        assert_eq!(response.json()["status"], if status == 200 { json!("ok") } else { json!(status) }, "{head}");
     }
 }
 

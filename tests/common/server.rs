@@ -97,9 +97,9 @@ impl Server {
         let mut stream = self.connect();
         // The server may close the connection before all bytes are sent.
         let _ = stream.write_all(bytes);
-        let mut answer = Vec::new();
-        let _ = stream.read_to_end(&mut answer);
-        parse(&answer)
+        let mut response = Vec::new();
+        let _ = stream.read_to_end(&mut response);
+        parse(&response)
     }
 
     /// Sends a signal, and waits until the process ends.

@@ -125,8 +125,10 @@ fn valid_default_models_have_the_best_score_on_unseen_points() {
             let model = library.get(candidate.model).unwrap();
             let score = score(&unseen_of_model(&model, candidate, &points, &folds));
             println!("{}: {} {score:.3?} on {} points", survey.kind, candidate.model, points.len());
-            let is_as_expected =
-                score.iter().zip(candidate.expected).all(|(ours, expected)| (ours - expected).abs() < SCORE_TOLERANCE);
+            let is_as_expected = score
+                .iter()
+                .zip(candidate.expected)
+                .all(|(value, expected)| (value - expected).abs() < SCORE_TOLERANCE);
             if !is_as_expected {
                 unexpected.push((candidate.model, score));
             }

@@ -3,8 +3,7 @@
 //!
 //! `cargo test --test fitting -- --ignored write_error_distributions` fits the distributions of all models again,
 //! writes them into the files of `src/photometry/models` and (the default) into `src/photometry/error_distribution.rs`,
-//! and writes `docs/tables/brightness.md` and `docs/tables/brightness-models.md`. `docs/brightness.py` draws the
-//! figure.
+//! and writes the tables `TABLES` in `docs/tables`. `docs/brightness.py` draws the figure.
 //!
 //! Requires the data folder; skipped with a message without it.
 
@@ -13,7 +12,7 @@ use std::path::Path;
 use streakcast::fit::checks::{DataSet, Photometry};
 use streakcast::fit::measurements::{Measurements, PhotometryOptions, Placement, RecordReader, Selection, measure};
 use streakcast::fit::{
-    CompetingForm, FitSettings, Form, Loss, PanelsForm, RawWeights, TwoPanelForm, UnseenPoint, compare_forms,
+    CompetingForm, FitSettings, Form, HeldOutPoint, Loss, PanelsForm, RawWeights, TwoPanelForm, compare_forms,
     error_distribution, points_of_measurements,
 };
 use streakcast::math::quantile::quantile;
@@ -21,6 +20,9 @@ use streakcast::photometry::{
     Band, BrightnessModel, Earthshine, ErrorDistribution, MagSystem, ModelKind, ModelLibrary, PANEL_OFFSET,
 };
 
+/// Tables in `docs/tables`: probabilities by tenth; distribution of each model; largest difference of probabilities of
+/// each model.
+const TABLES: [&str; 3] = ["brightness", "brightness-distributions", "brightness-models"];
 /// Number of folds, by track, night or degree of the Sun's altitude.
 const FOLDS: usize = 5;
 /// Magnitude limits at 1000 km for which probabilities are compared, in quarters of a magnitude: 3 to 10 mag.
@@ -62,14 +64,14 @@ const MODELS: [(&str, DataSet, Option<f64>, Option<FitOf>); 12] = [
 ];
 
 /// Held-out points of one model.
-struct Unseen {
+struct HeldOut {
     model: &'static str,
     is_prior: bool,
     sigma_mag: f64,
-    points: Vec<UnseenPoint>,
+    points: Vec<HeldOutPoint>,
 }
 
-impl Unseen {
+impl HeldOut {
     /// Returns residuals, in sigmas, of selected folds; the weights are such that all models have the same total
     /// weight.
     fn residuals(&self, is_selected: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
@@ -92,9 +94,9 @@ impl Unseen {
 }
 
 /// Returns the distribution of all models except priors, optionally without one of them.
-fn pooled(all: &[Unseen], without: Option<&str>) -> ErrorDistribution {
+fn pooled(all: &[HeldOut], without: Option<&str>) -> ErrorDistribution {
     let counted = all.iter().filter(|one| !one.is_prior && Some(one.model) != without);
-    let residuals: Vec<_> = counted.flat_map(Unseen::quantiles).collect();
+    let residuals: Vec<_> = counted.flat_map(HeldOut::quantiles).collect();
     error_distribution(&residuals).expect("many residuals")
 }
 
@@ -106,7 +108,7 @@ fn measurements(data: &Path, set: DataSet, height_km: Option<f64>) -> Measuremen
     measured
 }
 
-fn fitted(model: &BrightnessModel, (loss, held): FitOf, measurements: &Measurements) -> Vec<UnseenPoint> {
+fn fitted(model: &BrightnessModel, (loss, held): FitOf, measurements: &Measurements) -> Vec<HeldOutPoint> {
     let file = model.file().unwrap();
     let (band, system) = model.band();
     let (sun_magnitude, earthshine) = (band.sun_magnitude(system), Earthshine::Computed);
@@ -123,19 +125,19 @@ fn fitted(model: &BrightnessModel, (loss, held): FitOf, measurements: &Measureme
     let settings = FitSettings { free: free.clone(), held, loss, ..FitSettings::default() };
     let points = points_of_measurements(measurements, &RawWeights::default());
     let own = CompetingForm { name: file.name.clone(), form, free };
-    compare_forms(&[own], &points, None, &settings, FOLDS).unwrap().remove(0).unseen
+    compare_forms(&[own], &points, None, &settings, FOLDS).unwrap().remove(0).held_out_points
 }
 
-fn published(model: &BrightnessModel, measurements: &Measurements) -> Vec<UnseenPoint> {
+fn published(model: &BrightnessModel, measurements: &Measurements) -> Vec<HeldOutPoint> {
     let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
     let point = |one: &streakcast::fit::measurements::Measurement| {
         let predicted_mag = model.standard_magnitude_with(&one.geometry, Earthshine::Computed)?.0 + colour_mag;
-        Some(UnseenPoint { observed_mag: one.magnitude.0, predicted_mag, fold: one.group as usize % FOLDS })
+        Some(HeldOutPoint { observed_mag: one.magnitude.0, predicted_mag, fold: one.group as usize % FOLDS })
     };
     measurements.points.iter().filter_map(point).collect()
 }
 
-fn unseen(data: &Path) -> Vec<Unseen> {
+fn held_out(data: &Path) -> Vec<HeldOut> {
     let library = ModelLibrary::embedded();
     let photometry = Photometry::read(data).unwrap();
     let of = |(name, set, height_km, fit): (&'static str, DataSet, Option<f64>, Option<FitOf>)| {
@@ -146,7 +148,7 @@ fn unseen(data: &Path) -> Vec<Unseen> {
                 // The standard magnitudes are those of different objects.
                 let predicted_mag = file.mean_mag.unwrap();
                 let listed = photometry.get(set).unwrap().iter().enumerate();
-                let point = |(row, one): (usize, &streakcast::fit::checks::ReferenceMeasurement)| UnseenPoint {
+                let point = |(row, one): (usize, &streakcast::fit::checks::ReferenceMeasurement)| HeldOutPoint {
                     observed_mag: one.magnitude.0,
                     predicted_mag,
                     fold: row % FOLDS,
@@ -156,7 +158,7 @@ fn unseen(data: &Path) -> Vec<Unseen> {
             (_, Some(fit)) => fitted(&model, fit, &measurements(data, set, height_km)),
             (_, None) => published(&model, &measurements(data, set, height_km)),
         };
-        Unseen { model: name, is_prior: file.kind == ModelKind::Prior, sigma_mag: file.sigma_mag, points }
+        HeldOut { model: name, is_prior: file.kind == ModelKind::Prior, sigma_mag: file.sigma_mag, points }
     };
     MODELS.into_iter().map(of).collect()
 }
@@ -167,21 +169,21 @@ fn unseen(data: &Path) -> Vec<Unseen> {
 struct Reliability([[f64; 3]; 10]);
 
 impl Reliability {
-    fn see(&mut self, stated: f64, is_brighter: bool, weight: f64) {
+    fn add(&mut self, stated: f64, is_brighter: bool, weight: f64) {
         let tenth = &mut self.0[((10.0 * stated) as usize).min(9)];
         for (sum, value) in tenth.iter_mut().zip([1.0, stated, f64::from(u8::from(is_brighter))]) {
             *sum += weight * value;
         }
     }
 
-    fn of(one: &Unseen, distribution_of_fold: &dyn Fn(usize) -> ErrorDistribution) -> Self {
+    fn of(one: &HeldOut, distribution_of_fold: &dyn Fn(usize) -> ErrorDistribution) -> Self {
         let mut seen = Self::default();
         let weight = 1.0 / one.points.len() as f64;
         let of_folds: Vec<ErrorDistribution> = (0..FOLDS).map(distribution_of_fold).collect();
         for point in &one.points {
             for limit_mag in LIMITS.map(|quarter| 0.25 * f64::from(quarter)) {
                 let x = (limit_mag - point.predicted_mag) / one.sigma_mag;
-                seen.see(of_folds[point.fold].cumulative(x, 0.0), point.observed_mag < limit_mag, weight);
+                seen.add(of_folds[point.fold].cumulative(x, 0.0), point.observed_mag < limit_mag, weight);
             }
         }
         seen
@@ -217,13 +219,13 @@ impl Reliability {
 /// Reliability of one model with its own distribution from the other folds, with that of the other models, and with a
 /// normal distribution.
 struct Row<'a> {
-    of: &'a Unseen,
+    of: &'a HeldOut,
     own: Reliability,
     others: Reliability,
     normal: Reliability,
 }
 
-fn row<'a>(one: &'a Unseen, all: &[Unseen]) -> Row<'a> {
+fn row<'a>(one: &'a HeldOut, all: &[HeldOut]) -> Row<'a> {
     let others = pooled(all, Some(one.model));
     let own = |fold| error_distribution(&one.residuals(|other| other != fold)).expect("many residuals");
     Row {
@@ -234,7 +236,7 @@ fn row<'a>(one: &'a Unseen, all: &[Unseen]) -> Row<'a> {
     }
 }
 
-fn rows(all: &[Unseen]) -> Vec<Row<'_>> {
+fn rows(all: &[HeldOut]) -> Vec<Row<'_>> {
     all.iter().map(|one| row(one, all)).collect()
 }
 
@@ -246,8 +248,8 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Returns the tables of docs/explanation/models.md: by tenth, and by model.
-fn tables(rows: &[Row<'_>]) -> [String; 2] {
+/// Returns the contents of [`TABLES`].
+fn tables(rows: &[Row<'_>]) -> [String; 3] {
     let columns: [for<'a> fn(&'a Row<'_>) -> &'a Reliability; 3] =
         [|row| &row.own, |row| &row.others, |row| &row.normal];
     let of = columns.map(|column| pooled_reliability(rows, column).shares());
@@ -261,25 +263,32 @@ fn tables(rows: &[Row<'_>]) -> [String; 2] {
             cells.join(" | ")
         );
     }
-    let mut models = "| model | points | sigma, mag | core: shift, width | wing: share, shift, width | worst tenth | of the other models | normal |\n|---|---|---|---|---|---|---|---|\n".to_owned();
+    let mut distributions =
+        "| model | sigma, mag | core: shift, width | wing: share, shift, width |\n|---|---|---|---|\n".to_owned();
+    let mut models =
+        "| model | points | core and wing | of the other models | normal |\n|---|---|---|---|---|\n".to_owned();
     for Row { of, own, others, normal } in rows {
         let d = of.distribution();
-        models += &format!(
-            "| {} | {} | {:.3} | {:.2}, {:.2} | {:.0} %, {:.2}, {:.2} | {} | {} | {} |\n",
+        distributions += &format!(
+            "| {} | {:.3} | {:.2}, {:.2} | {:.0} %, {:.2}, {:.2} |\n",
             of.model,
-            of.points.len(),
             of.sigma_mag,
             d.core_shift,
             d.core_sigma,
             100.0 * d.wing_share,
             d.wing_shift,
             d.wing_sigma,
+        );
+        models += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            of.model,
+            of.points.len(),
             percent(own.worst()),
             percent(others.worst()),
             percent(normal.worst()),
         );
     }
-    [tenths, models]
+    [tenths, distributions, models]
 }
 
 fn print(rows: &[Row<'_>]) {
@@ -307,7 +316,7 @@ fn parameters(of: &ErrorDistribution) -> [(&'static str, f64); 5] {
 #[test]
 fn valid_stated_probabilities_to_be_brighter_hold_on_unseen_points() {
     let Some(data) = crate::common::data_dir() else { return };
-    let all = unseen(&data);
+    let all = held_out(&data);
     let rows = rows(&all);
     print(&rows);
     let [own, others, normal] = [
@@ -359,7 +368,7 @@ fn with_line(text: &str, beginning: &str, after: Option<&str>, line: &str) -> St
 fn write_error_distributions() {
     let data = crate::common::data_dir().expect("the data folder");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let all = unseen(&data);
+    let all = held_out(&data);
     let edit = |path: &Path, beginning: &str, after: Option<&str>, line: &str| {
         let text = std::fs::read_to_string(path).unwrap();
         std::fs::write(path, with_line(&text, beginning, after, line)).unwrap();
@@ -375,7 +384,7 @@ fn write_error_distributions() {
     edit(&path, "        Self { core_shift: ", None, &format!("        Self {{ {values} }}"));
     let rows = rows(&all);
     print(&rows);
-    for (name, table) in ["brightness", "brightness-models"].into_iter().zip(tables(&rows)) {
+    for (name, table) in TABLES.into_iter().zip(tables(&rows)) {
         std::fs::write(root.join(format!("docs/tables/{name}.md")), table).unwrap();
     }
 }

@@ -138,8 +138,8 @@ fn valid_least_squares_against_scipy() {
         let scipy = golden.numbers(key)[0];
         /// Relative tolerance of the cost. Both programs stop when it decreases by less than 1e-12.
         const COST: f64 = 1e-8;
-        Agreement::new("Least squares, plain and robust: the least cost", "SciPy 1.17", COST, "of it")
-            .see(fit.cost / scipy - 1.0);
+        Agreement::new("Smallest cost of least squares, plain and robust", "SciPy 1.17", COST, "of the cost")
+            .add(fit.cost / scipy - 1.0);
         if loss == Loss::Squares {
             let truth = golden.numbers("truth");
             for ((i, parameter), (scipy, truth)) in
@@ -231,8 +231,8 @@ fn valid_autocorrelation_times_against_emcee() {
     let tau = autocorrelation_times(&chain, 0)[0];
     /// Tolerance of correlation times; emcee computes the same sums by Fourier transforms.
     const ROUNDING: f64 = 1e-9;
-    let mut times = Agreement::new("Autocorrelation times", "emcee 3.1.6", ROUNDING, "of them");
-    times.see(tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0);
+    let mut times = Agreement::new("Autocorrelation time", "emcee 3.1.6", ROUNDING, "of the time");
+    times.add(tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0);
     assert!(tau.is_trusted && !autocorrelation_times(&chain, steps - 200)[0].is_trusted);
 }
 

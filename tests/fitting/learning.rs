@@ -259,23 +259,25 @@ fn valid_unseen_passes_with_fitted_models_have_a_narrower_core() {
 fn write_learning_table() {
     let data = crate::common::data_dir().expect("the data folder");
     let mut rows: Vec<(&str, &str, LeaveOutRow)> = Vec::new();
-    for (model, published) in [("published", true), ("fitted to the same passes", false)] {
+    for (model, published) in [("Published models", true), ("Models fitted to the same passes", false)] {
         let of = |row: LeaveOutRow| (model, row.kind.map_or("**all**", Generation::name), row);
         rows.extend(shared_rows(&data, published).into_iter().map(of));
     }
     let (simulated, _) = simulated(30, 11, 2);
     let simulated = leave_passes_out(&simulated, &ModelChoice::default(), &[0, 1, 3, 10]);
-    rows.extend(
-        simulated.into_iter().filter(|row| row.kind.is_none()).map(|row| ("without offsets", "simulated", row)),
-    );
-    let mut text =
-        "| model | kind | passes seen | passes predicted | RMS model | RMS learned | 68 % model | 68 % learned | \
-                    in one sigma, model | in one sigma, learned |\n|---|---|---|---|---|---|---|---|---|---|\n"
-            .to_owned();
+    rows.extend(simulated.into_iter().filter(|row| row.kind.is_none()).map(|row| ("Simulated passes", "**all**", row)));
+    let mut text = String::new();
+    let mut group = "";
     for (model, name, row) in rows {
+        if model != group {
+            let header = "| kind | passes seen | passes predicted | RMS, mag | 68 %, mag | within one sigma |\n|---|---|---|---|---|---|";
+            let blank = if group.is_empty() { "" } else { "\n" };
+            writeln!(text, "{blank}**{model}**: model, learned\n\n{header}").unwrap();
+            group = model;
+        }
         writeln!(
             text,
-            "| {model} | {name} | {} | {} | {:.2} | {:.2} | {:.2} | {:.2} | {:.0} % | {:.0} % |",
+            "| {name} | {} | {} | {:.2}, {:.2} | {:.2}, {:.2} | {:.0} %, {:.0} % |",
             row.seen,
             row.passes,
             row.model_rms_mag,

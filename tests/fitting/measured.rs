@@ -40,11 +40,11 @@ fn valid_modes_and_quartiles_against_scipy() {
         let number = |at: usize| row[at].parse::<f64>().unwrap();
         let sample: Vec<f64> = row[6].split(' ').map(|value| value.parse().unwrap()).collect();
         for (at, p) in [0.25, 0.5, 0.75].into_iter().enumerate() {
-            quartiles.see(quantile(&sample, p) - number(at));
+            quartiles.add(quantile(&sample, p) - number(at));
         }
-        quartiles.see(kernel_sigma(&sample) - number(3));
-        modes.see(kernel_mode(&sample) - number(4));
-        quartiles.see(half_sample_mode(&sample) - number(5));
+        quartiles.add(kernel_sigma(&sample) - number(3));
+        modes.add(kernel_mode(&sample) - number(4));
+        quartiles.add(half_sample_mode(&sample) - number(5));
         compared += 1;
     }
     assert_eq!(compared, 14);

@@ -71,9 +71,9 @@ fn valid_population_means_against_satellites_one_by_one() {
         let [mean, sd] = [1, 2].map(|column| record[column].parse::<f64>().unwrap());
         let rows = rows_of(&record[0], None);
         let row = one(&rows, ReferenceKind::Mean);
-        let (ours, our_sd) = (row.model_mean_mag.unwrap(), row.model_sd_mag.unwrap());
-        assert!((ours - mean).abs() < MEAN_TOLERANCE_MAG, "{}: {ours} against {mean}", &record[0]);
-        assert!((our_sd - sd).abs() < SD_TOLERANCE_MAG, "{}: {our_sd} against {sd}", &record[0]);
+        let (computed, computed_sd) = (row.model_mean_mag.unwrap(), row.model_sd_mag.unwrap());
+        assert!((computed - mean).abs() < MEAN_TOLERANCE_MAG, "{}: {computed} against {mean}", &record[0]);
+        assert!((computed_sd - sd).abs() < SD_TOLERANCE_MAG, "{}: {computed_sd} against {sd}", &record[0]);
         compared += 1;
     }
     assert_eq!(compared, 9);
@@ -188,9 +188,11 @@ fn valid_bundled_models_against_photometry() {
     for &(name, n, expected) in EXPECTED {
         let row = &found[name];
         assert!(row.n.abs_diff(n) <= PYTHON_ROWS, "{name}: {} of {n}", row.n);
-        let ours = [row.difference_mag, row.rms_mag, row.core_mag];
-        for ((ours, expected), tolerance) in ours.iter().zip(expected).zip([PYTHON_MAG, PYTHON_MAG, PYTHON_CORE_MAG]) {
-            assert!((ours.unwrap() - expected).abs() < tolerance, "{row:?}");
+        let computed = [row.difference_mag, row.rms_mag, row.core_mag];
+        for ((computed, expected), tolerance) in
+            computed.iter().zip(expected).zip([PYTHON_MAG, PYTHON_MAG, PYTHON_CORE_MAG])
+        {
+            assert!((computed.unwrap() - expected).abs() < tolerance, "{row:?}");
         }
         assert!(row.difference_mag.unwrap().abs() < OFFSET_TOLERANCE_MAG, "{row:?}");
         // Published sigmas are the scatter of single magnitudes. Because of wings, more than 68 % are within one sigma.

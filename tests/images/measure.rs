@@ -24,9 +24,9 @@ const FALSE_ALARMS: f64 = 0.02;
 const FOUND_AT_10: f64 = 0.95;
 const FOUND_AT_30: f64 = 0.99;
 
-/// Two bounds are not met (docs/explanation/measuring.md): the bias of the flux at a signal to noise of 10 is 2.9 %, and
-/// 62.2 % are within one sigma among 1,000 stars per megapixel. There, wider bounds, set after the first run, only show
-/// whether a change makes it worse.
+/// Two bounds are not met (docs/explanation/measuring.md): the bias of the flux at a signal to noise of 10 is 2.9 %,
+/// and 62.2 % are within one sigma among 1,000 stars per megapixel. There, wider bounds, set after the first run, only
+/// show whether a change makes it worse.
 const BIASED: &str = "signal to noise 10";
 const FLUX_BIAS_THERE: f64 = 0.035;
 const SHARE_TOO_SMALL: &str = "stars per megapixel 1000";

@@ -47,12 +47,12 @@ fn compare(agreement: &mut Agreement, name: &str, header: &Header, goldens: &[Go
             "{name}: {place:?} is {found:?}, {} pix off",
             found.distance(place)
         );
-        agreement.see(found.distance(place));
+        agreement.add(found.distance(place));
         let direction = wcs.to_sky(place).unwrap_or_else(|| panic!("{name}: {place:?} has no direction"));
         let miss_pix =
             direction.separation_rad(&golden.direction).to_degrees() * 3600.0 / wcs.pixel_scale_arcsec(place);
         assert!(miss_pix < TOLERANCE_PIX, "{name}: {place:?} is {miss_pix} pix off");
-        agreement.see(miss_pix);
+        agreement.add(miss_pix);
         let back = wcs.to_pixel(direction).unwrap_or_else(|| panic!("{name}: no way back from {place:?}"));
         assert!(back.distance(place) < ROUND_TRIP_PIX, "{name}: {place:?} comes back as {back:?}");
     }
@@ -66,8 +66,12 @@ fn invented(name: &str) -> Header {
 #[test]
 fn valid_invented_headers_against_astropy() {
     let mut count = 0;
-    let mut agreement =
-        Agreement::new("World coordinates, both ways, invented headers", "astropy 8.0.2", TOLERANCE_PIX, "pixel");
+    let mut agreement = Agreement::new(
+        "World coordinates, both directions, synthetic headers",
+        "astropy 8.0.2",
+        TOLERANCE_PIX,
+        "pixel",
+    );
     for ((name, _), rows) in goldens().iter().filter(|((name, _), _)| !name.contains('/')) {
         compare(&mut agreement, name, &invented(name), rows);
         count += 1;
@@ -81,7 +85,7 @@ fn valid_text_header_of_astrometry_net() {
     let name = "frames/trailblazer/cutout_A3671-C2018_F4-R-3.txt";
     let rows = &goldens()[&(name.to_owned(), 0)];
     let mut agreement =
-        Agreement::new("World coordinates, a header of astrometry.net", "astropy 8.0.2", TOLERANCE_PIX, "pixel");
+        Agreement::new("World coordinates, header of astrometry.net", "astropy 8.0.2", TOLERANCE_PIX, "pixel");
     compare(&mut agreement, name, &Header::from_text(&fs::read_to_string(data.join(name)).expect("the header")), rows);
 }
 
@@ -92,7 +96,7 @@ fn valid_real_headers_against_astropy() {
     let Some(data) = crate::common::data_dir() else { return };
     let mut count = 0;
     let mut agreement =
-        Agreement::new("World coordinates, both ways, real frames", "astropy 8.0.2", TOLERANCE_PIX, "pixel");
+        Agreement::new("World coordinates, both directions, real frames", "astropy 8.0.2", TOLERANCE_PIX, "pixel");
     for ((name, hdu), rows) in goldens().iter().filter(|((name, _), _)| name.contains('/') && !name.ends_with(".txt")) {
         let file = FrameFile::open(&data.join(name)).unwrap_or_else(|error| panic!("{error}"));
         compare(&mut agreement, &format!("{name}[{hdu}]"), file.header(*hdu).expect("the HDU"), rows);

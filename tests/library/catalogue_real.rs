@@ -324,7 +324,7 @@ fn valid_shells_against_a_published_list() {
         shells
     };
     for (name, code) in [("starlink-gen1", "SL1"), ("oneweb", "OW2r"), ("kuiper", "AK"), ("guowang", "GW")] {
-        let mut ours: Vec<_> = Constellation::by_name(name)
+        let mut simulated: Vec<_> = Constellation::by_name(name)
             .unwrap()
             .shells
             .iter()
@@ -333,12 +333,12 @@ fn valid_shells_against_a_published_list() {
                 (shell.altitude_km as i64, shell.inclination_deg, total)
             })
             .collect();
-        ours.sort_by(|a, b| a.partial_cmp(b).unwrap());
-        for (ours, theirs) in ours.iter().zip(listed(code)) {
-            assert_eq!((ours.0, ours.2), (theirs.0, theirs.2), "{name}");
+        simulated.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        for (simulated, expected) in simulated.iter().zip(listed(code)) {
+            assert_eq!((simulated.0, simulated.2), (expected.0, expected.2), "{name}");
             // The list rounds Kuiper's inclination of 51.9 deg to 52 deg.
-            assert!((ours.1 - theirs.1).abs() <= 0.11, "{name}: {} {}", ours.1, theirs.1);
+            assert!((simulated.1 - expected.1).abs() <= 0.11, "{name}: {} {}", simulated.1, expected.1);
         }
-        assert_eq!(ours.len(), listed(code).len());
+        assert_eq!(simulated.len(), listed(code).len());
     }
 }

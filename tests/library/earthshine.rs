@@ -106,12 +106,12 @@ fn verif_rule_against_a_far_finer_one() {
                     [(0.0, 0.0), (20.0, 0.0), (45.0, 110.0), (58.0, 180.0), (64.0, 40.0), (64.0, 170.0), (75.0, 150.0)]
                 {
                     let to_observer = below(nadir, longitude);
-                    let ours = earth.shine(&down(), &to_observer, exponent);
+                    let computed = earth.shine(&down(), &to_observer, exponent);
                     let exact = shine_of(&fine, &to_observer, exponent);
-                    let apart = magnitudes_apart(chassis(&ours, exponent), chassis(&exact, exponent));
+                    let apart = magnitudes_apart(chassis(&computed, exponent), chassis(&exact, exponent));
                     worst = worst.max(apart);
                     // For the Lambertian part alone, the error is far smaller.
-                    assert!((ours.irradiance / exact.irradiance - 1.0).abs() < 1e-4);
+                    assert!((computed.irradiance / exact.irradiance - 1.0).abs() < 1e-4);
                 }
             }
         }
@@ -136,11 +136,11 @@ fn valid_rule_against_healpix() {
         }
         for (nadir, longitude) in [(0.0, 0.0), (30.0, 180.0), (55.0, 160.0), (60.0, 60.0)] {
             let to_observer = below(nadir, longitude);
-            let ours = shine(sun, height_km, &to_observer, exponent);
+            let computed = shine(sun, height_km, &to_observer, exponent);
             for (error, earth) in errors.iter_mut().zip(&earths) {
                 let sum = shine_of(earth, &to_observer, exponent);
-                error[0] = error[0].max((sum.irradiance / ours.irradiance - 1.0).abs());
-                error[1] = error[1].max(magnitudes_apart(chassis(&sum, exponent), chassis(&ours, exponent)));
+                error[0] = error[0].max((sum.irradiance / computed.irradiance - 1.0).abs());
+                error[1] = error[1].max(magnitudes_apart(chassis(&sum, exponent), chassis(&computed, exponent)));
             }
         }
     }
@@ -149,8 +149,8 @@ fn valid_rule_against_healpix() {
     }
     // Pixels at the terminator and the limb count completely or not at all, which causes this error at nside 512.
     assert!(errors[4][0] < 5e-4, "{errors:?}");
-    Agreement::new("Earthshine of a chassis", "the Earth in cells of nside 512", EARTHSHINE_MAG, "mag")
-        .see(errors[4][1]);
+    Agreement::new("Earthshine of a chassis", "sum over HEALPix cells, nside 512", EARTHSHINE_MAG, "mag")
+        .add(errors[4][1]);
     assert!(errors[0][1] > 3.0 * errors[4][1], "the coarse Earth is coarser");
 }
 

@@ -78,11 +78,11 @@ fn valid_ephemerides_against_numerical_integration() {
         assert_eq!((source.format, source.records, source.first_epoch), (format, states, start), "{name}");
         assert_eq!((catalogue.ephemerides.len(), catalogue.element_sets.len()), (1, 1));
         let propagator = propagator(&catalogue.element_sets, &catalogue.ephemerides);
-        let mut distance = Agreement::new("interpolated ephemeris", "numerical integration", tolerance_km, "km");
+        let mut distance = Agreement::new("Interpolated ephemeris", "numerical integration", tolerance_km, "km");
         for row in &rows {
             let epoch = start + row[0] * Unit::Second;
             let truth = Position::<Gcrs>::new(row[1], row[2], row[3]);
-            distance.see((position(&propagator, epoch) - truth).norm_km());
+            distance.add((position(&propagator, epoch) - truth).norm_km());
             if format == ElementFormat::ModifiedItc {
                 let orientation = Orientation::at(epoch, &EopTable::embedded());
                 let speed_km_s =
@@ -251,7 +251,7 @@ fn verif_unequal_steps_against_sgp4() {
                 let epoch = start + (step[0] + share * (step[1] - step[0])) * Unit::Second;
                 let orientation = Orientation::at(epoch, &EopTable::embedded());
                 let Ok(state) = interpolated.state(epoch, &orientation.teme_to_gcrs) else { return false };
-                distance.see((state.position - position(&sgp4, epoch)).norm_km());
+                distance.add((state.position - position(&sgp4, epoch)).norm_km());
                 true
             });
             covered_s += if is_covered { step[1] - step[0] } else { 0.0 };
@@ -337,22 +337,22 @@ fn valid_interpolation_against_the_states_of_a_starlink() {
     let gp = Satellites::from_files([folder.join("gp_48430.txt")]).expect("element sets").element_sets;
     let (all, half) = (propagator(&gp, &full.ephemerides), propagator(&gp, &half));
     let mut distance = Agreement::new(
-        "ephemeris of a Starlink, every second state",
-        "the states left out",
+        "Ephemeris of a Starlink, every second state",
+        "the omitted states",
         LEFT_OUT_TOLERANCE_KM,
         "km",
     );
     for state in states.iter().skip(1).step_by(2) {
-        distance.see((position(&half, state.epoch) - position(&all, state.epoch)).norm_km());
+        distance.add((position(&half, state.epoch) - position(&all, state.epoch)).norm_km());
     }
     let mut of_the_day = Agreement::new(
-        "ephemeris of a Starlink, first 12 hours",
+        "Ephemeris of a Starlink, first 12 hours",
         "SGP4 with the element sets of the day",
         ELEMENTS_OF_THE_DAY_TOLERANCE_KM,
         "km",
     );
     let mut plane = Agreement::new(
-        "plane of the ephemeris of a Starlink, first 12 hours",
+        "Plane of the ephemeris of a Starlink, first 12 hours",
         "SGP4 with the element sets of the day",
         PLANE_OF_THE_DAY_TOLERANCE_KM,
         "km",
@@ -362,8 +362,8 @@ fn valid_interpolation_against_the_states_of_a_starlink() {
         let orientation = Orientation::at(state.epoch, &EopTable::embedded());
         let here = all.state(state.epoch, &orientation.teme_to_gcrs).expect("a state");
         let missed = position(&sgp4, state.epoch) - here.position;
-        of_the_day.see(missed.norm_km());
-        plane.see(missed.vector().dot(&here.position.vector().cross(here.velocity.vector()).normalize()));
+        of_the_day.add(missed.norm_km());
+        plane.add(missed.vector().dot(&here.position.vector().cross(here.velocity.vector()).normalize()));
     }
 }
 
@@ -486,13 +486,13 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         let end_h = hours + exposure.duration_s / 3600.0;
         let is_covered = hours > 3.1 && end_h < 32.9;
         let exposures = [exposure];
-        let of = |sky: &Sky| sky.field_passes(&exposures, &field, &options).expect("an answer").by_exposure.remove(0);
+        let of = |sky: &Sky| sky.field_passes(&exposures, &field, &options).expect("passes").by_exposure.remove(0);
         let found = of(&mixed);
-        let brute = mixed.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer").remove(0);
+        let brute = mixed.field_passes_by_brute_force(&exposures, &field, &options).expect("passes").remove(0);
         same_passes(&found, &brute, &exposures[0].id);
         same_passes(&found, &of(if is_covered { &right } else { &wrong }), &exposures[0].id);
         *(if is_covered { &mut covered } else { &mut uncovered }) += found.len();
-        let odds = mixed.crossing_probabilities(&exposures, &field).expect("an answer").remove(0);
+        let odds = mixed.crossing_probabilities(&exposures, &field).expect("passes").remove(0);
         for pass in found.iter().filter(|pass| pass.lit && pass.mid.altitude_rad.is_some_and(|altitude| altitude > 0.3))
         {
             assert!(odds.iter().any(|one| one.element_index == pass.element_index), "{}: {pass:?}", exposures[0].id);

@@ -71,8 +71,8 @@ fn valid_forecast_against_heavens_above() {
     let start = moment("2022-01-21", "12:00:00");
     let request =
         ForecastRequest { samples: 2001, ..ForecastRequest::new(start, seconds_after(start, 10.0 * 86_400.0)) };
-    let ours = forecast(&sky, &request, &Selection::default()).expect("a forecast");
-    let seen: Vec<_> = ours.found.passes.iter().filter_map(|pass| Some((pass, pass.visible.as_ref()?))).collect();
+    let computed = forecast(&sky, &request, &Selection::default()).expect("a forecast");
+    let seen: Vec<_> = computed.found.passes.iter().filter_map(|pass| Some((pass, pass.visible.as_ref()?))).collect();
     let text = std::fs::read_to_string(folder.join("heavens_above_passes.csv")).expect("the passes");
     let (mut compared, mut worst_s, mut worst_deg) = (0, 0.0_f64, 0.0_f64);
     for line in text.lines().skip(1) {
@@ -99,8 +99,8 @@ fn valid_forecast_against_heavens_above() {
             assert!(off_deg < HEAVENS_ABOVE_DEG, "{line}: column {cell} is {off_deg} deg off");
             // Near the zenith the azimuth changes by many degrees per second.
             if degrees(point.altitude_rad) < 80.0 {
-                let theirs = (0..360).filter(|azimuth| compass(f64::from(*azimuth).to_radians()) == cells[cell + 2]);
-                let near = theirs.clone().any(|azimuth| {
+                let azimuths = (0..360).filter(|azimuth| compass(f64::from(*azimuth).to_radians()) == cells[cell + 2]);
+                let near = azimuths.clone().any(|azimuth| {
                     let off_deg = (degrees(point.azimuth_rad) - f64::from(azimuth) + 540.0).rem_euclid(360.0) - 180.0;
                     off_deg.abs() < COMPASS_DEG - 11.25
                 });
@@ -110,7 +110,7 @@ fn valid_forecast_against_heavens_above() {
         }
         compared += 1;
     }
-    println!("{compared} passes, {} of ours: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
+    println!("{compared} passes, {} computed: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
     // Every visible pass found here satisfies the criteria of Heavens-Above.
     for (pass, visible) in seen {
@@ -131,11 +131,11 @@ fn valid_forecast_against_stk() {
         include_dark: true,
         ..ForecastRequest::new(start, seconds_after(start, 2.3 * 86_400.0))
     };
-    let ours = forecast(&sky, &request, &Selection::default()).expect("a forecast").found.passes;
+    let computed = forecast(&sky, &request, &Selection::default()).expect("a forecast").found.passes;
     let lines: Vec<Vec<&str>> =
         text.lines().filter(|line| line.starts_with("2014/")).map(|line| line.split_whitespace().collect()).collect();
-    assert_eq!((lines.len(), ours.len()), (10, 10));
-    for (words, pass) in lines.iter().zip(&ours) {
+    assert_eq!((lines.len(), computed.len()), (10, 10));
+    for (words, pass) in lines.iter().zip(&computed) {
         let point = |point: &Option<TrackPoint>| point.as_ref().expect("a rise and a set").epoch;
         for (word, epoch) in [(0, point(&pass.rise)), (2, pass.culmination.epoch), (4, point(&pass.set))] {
             let off_s = seconds_between(moment(words[word], words[word + 1]), epoch);
@@ -193,19 +193,21 @@ fn valid_passes_and_shadow_against_skyfield() {
     assert!(found.left_out.is_empty(), "{:?}", found.left_out);
     let mut worst: BTreeMap<&str, (usize, f64, f64)> = BTreeMap::new();
     for (id, events) in &golden {
-        let ours: Vec<_> = found.passes.iter().filter(|pass| pass.norad_id.0 == *id).collect();
-        let whole = ours.iter().filter(|pass| pass.rise.is_some() && pass.set.is_some()).count();
+        let computed: Vec<_> = found.passes.iter().filter(|pass| pass.norad_id.0 == *id).collect();
+        let whole = computed.iter().filter(|pass| pass.rise.is_some() && pass.set.is_some()).count();
         assert_eq!(whole, events.iter().filter(|event| event.name == "rise").count(), "passes of {id}");
         for event in events {
-            let points = ours.iter().filter(|pass| pass.rise.is_some() && pass.set.is_some()).filter_map(|pass| {
-                match event.name.as_str() {
+            let points =
+                computed.iter().filter(|pass| pass.rise.is_some() && pass.set.is_some()).filter_map(|pass| match event
+                    .name
+                    .as_str()
+                {
                     "rise" => pass.rise.as_ref(),
                     "set" => pass.set.as_ref(),
                     "culmination" => Some(&pass.culmination),
                     "fades" => pass.shadow_entry.as_ref(),
                     _ => pass.shadow_exit.as_ref(),
-                }
-            });
+                });
             let off = |point: &TrackPoint| seconds_between(start, point.epoch) - event.seconds;
             let nearest = points.min_by(|a, b| off(a).abs().total_cmp(&off(b).abs()));
             let nearest = nearest.unwrap_or_else(|| panic!("{id}: no {} at {} s", event.name, event.seconds));

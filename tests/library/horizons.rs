@@ -155,9 +155,9 @@ fn valid_directions_against_horizons() {
     let mut middle =
         Agreement::new("Astrometric directions of Starlinks, median", "JPL Horizons", MEDIAN_ARCSEC, "arcsec");
     for row in &setting.rows {
-        directions.see(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
+        directions.add(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
     }
-    middle.see(setting.separations_arcsec(|sight| sight.direction).0);
+    middle.add(setting.separations_arcsec(|sight| sight.direction).0);
     // The light-time effect of the Earth's motion is significant: without it all directions differ by 20".
     let (plain, _) = setting.separations_arcsec(|sight| sight.geometric.direction().expect("not at the site"));
     assert!((15.0..30.0).contains(&plain), "{plain}");
@@ -191,8 +191,8 @@ fn valid_ranges_and_rates_against_horizons() {
         })
         .collect();
     let rates = summary(steps.iter().map(|(row, before, after)| {
-        let ours = before.direction.separation_rad(&after.direction) / ARCSEC_RAD * 3600.0;
-        (ours / row.rate_arcsec_h[0].hypot(row.rate_arcsec_h[1]) - 1.0).abs()
+        let computed = before.direction.separation_rad(&after.direction) / ARCSEC_RAD * 3600.0;
+        (computed / row.rate_arcsec_h[0].hypot(row.rate_arcsec_h[1]) - 1.0).abs()
     }));
     let range_rates = summary(
         steps
@@ -200,9 +200,9 @@ fn valid_ranges_and_rates_against_horizons() {
             .map(|(row, before, after)| (after.light_path_km - before.light_path_km - row.range_rate_km_s).abs()),
     );
     println!("median and worst: range {ranges:?} km, rate {rates:?}, range rate {range_rates:?} km/s");
-    Agreement::new("Ranges, the worst", "JPL Horizons", RANGE_KM, "km").see(ranges.1);
+    Agreement::new("Ranges of Starlinks", "JPL Horizons", RANGE_KM, "km").add(ranges.1);
     assert!(rates.1 <= RATE_RELATIVE);
-    Agreement::new("Range rates, the worst", "JPL Horizons", RANGE_RATE_KM_S, "km/s").see(range_rates.1);
+    Agreement::new("Range rates of Starlinks", "JPL Horizons", RANGE_RATE_KM_S, "km/s").add(range_rates.1);
 }
 
 /// Azimuth and elevation of Horizons are apparent, without refraction: the astrometric direction with the aberration by
@@ -213,9 +213,9 @@ fn valid_apparent_horizon_against_horizons() {
     let (median, worst) = summary(setting.rows.iter().map(|row| {
         let sight = setting.seen(&row.name, row.epoch);
         let velocity = sight.earth_velocity + sight.observer.velocity;
-        let ours = sight.observer.horizon * annual_aberration(&sight.direction, &velocity);
-        let theirs = Direction::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
-        ours.separation_rad(&theirs).to_degrees()
+        let computed = sight.observer.horizon * annual_aberration(&sight.direction, &velocity);
+        let expected = Direction::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
+        computed.separation_rad(&expected).to_degrees()
     }));
     println!("apparent azimuth and elevation: median {median:.1e} deg, worst {worst:.1e} deg");
     assert!(worst <= HORIZON_DEG, "{worst}");
@@ -223,9 +223,9 @@ fn valid_apparent_horizon_against_horizons() {
     let (_, worst) = summary(setting.rows.iter().map(|row| {
         let sight = setting.seen(&row.name, row.epoch);
         let (altitude, azimuth) = sight.observer.altitude_azimuth_rad(&sight.geometric).expect("not at the site");
-        let theirs: Direction<Gcrs> =
+        let expected: Direction<Gcrs> =
             Direction::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
-        Direction::from_lon_lat_rad(azimuth, altitude).separation_rad(&theirs).to_degrees()
+        Direction::from_lon_lat_rad(azimuth, altitude).separation_rad(&expected).to_degrees()
     }));
     println!("geometric azimuth and altitude: worst {worst:.1e} deg");
     assert!(worst < 0.002, "{worst}");
@@ -262,23 +262,24 @@ fn valid_ephemeris_against_horizons() {
     for row in &setting.rows {
         let (points, _) = sky.ephemeris(&[by_name[row.name.as_str()]], &[row.epoch], None).expect("a place");
         let [place] = points.as_slice() else { panic!("{} places", points.len()) };
-        direction.see(place.point.direction.separation_rad(&row.direction) / ARCSEC_RAD);
+        direction.add(place.point.direction.separation_rad(&row.direction) / ARCSEC_RAD);
         let per_hour = 3600.0 / ARCSEC_RAD;
         let [ra, dec] = row.rate_arcsec_h;
-        let ours = place.ra_cos_dec_rate_rad_s.hypot(place.dec_rate_rad_s) * per_hour;
+        let computed = place.ra_cos_dec_rate_rad_s.hypot(place.dec_rate_rad_s) * per_hour;
         // Both components are of date in Horizons; near the pole, precession rotates them by degrees.
-        rate.see((ours / ra.hypot(dec) - 1.0).abs());
-        let theirs = Direction::<Gcrs>::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
+        rate.add((computed / ra.hypot(dec) - 1.0).abs());
+        let expected =
+            Direction::<Gcrs>::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
         let (altitude, azimuth) = (place.point.altitude_rad.expect("a site"), place.point.azimuth_rad.expect("a site"));
-        horizon.see(Direction::from_lon_lat_rad(azimuth, altitude).separation_rad(&theirs).to_degrees());
+        horizon.add(Direction::from_lon_lat_rad(azimuth, altitude).separation_rad(&expected).to_degrees());
         let [azimuth_rate, altitude_rate] = row.horizon_rate_arcsec_min;
         let per_minute = 60.0 / ARCSEC_RAD;
-        let ours = [place.azimuth_cos_altitude_rate_rad_s, place.altitude_rate_rad_s];
-        let [our_azimuth, our_altitude] = ours.map(|rate| rate.expect("a site") * per_minute);
-        turning.see((our_azimuth.hypot(our_altitude) / azimuth_rate.hypot(altitude_rate) - 1.0).abs());
-        range.see((place.point.range_km - row.range_km).abs());
-        range_rate.see((place.range_rate_km_s - row.range_rate_km_s).abs());
-        sun.see((place.point.geometry.phase_angle_rad().to_degrees() - row.phase_angle_deg).abs());
-        sun.see((place.elongation_rad.to_degrees() - row.elongation_deg).abs());
+        let computed = [place.azimuth_cos_altitude_rate_rad_s, place.altitude_rate_rad_s];
+        let [computed_azimuth, computed_altitude] = computed.map(|rate| rate.expect("a site") * per_minute);
+        turning.add((computed_azimuth.hypot(computed_altitude) / azimuth_rate.hypot(altitude_rate) - 1.0).abs());
+        range.add((place.point.range_km - row.range_km).abs());
+        range_rate.add((place.range_rate_km_s - row.range_rate_km_s).abs());
+        sun.add((place.point.geometry.phase_angle_rad().to_degrees() - row.phase_angle_deg).abs());
+        sun.add((place.elongation_rad.to_degrees() - row.elongation_deg).abs());
     }
 }

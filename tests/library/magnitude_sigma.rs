@@ -22,7 +22,7 @@ fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<VisiblePass> {
         samples: 0,
         photometry: PhotometryOptions::default(),
     };
-    sky.visible_passes(&request, &|_| true).expect("an answer").passes
+    sky.visible_passes(&request, &|_| true).expect("passes").passes
 }
 
 /// The same satellites with element sets of the same epoch that are treated as three months older. SGP4 gives other

@@ -24,7 +24,7 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
     let text = std::fs::read_to_string(crate::common::golden_dir().join("map_goldens.csv")).unwrap();
     let (mut rows, mut magnitudes, mut dark) = (0, 0, 0);
     let mut ranges = Agreement::new("Ranges of sky maps", "numpy", RANGE_KM, "km");
-    let mut shadows = Agreement::new("Lit fractions of sky maps", "4,000 rays to the Sun's disk", LIT_FRACTION, "");
+    let mut shadows = Agreement::new("Sunlit fractions of sky maps", "4,000 rays to the Sun's disk", LIT_FRACTION, "");
     let mut light = Agreement::new("Magnitudes of sky maps", "numpy", MAGNITUDE, "mag");
     for line in text.lines().skip(3) {
         let cells: Vec<Option<f64>> = line.split(',').map(|cell| cell.parse().ok()).collect();
@@ -39,21 +39,21 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
             .unwrap()
             .with_shadow(ShadowModel::Geometric);
         let point = view.at(n(6).to_radians(), n(7).to_radians());
-        ranges.see(point.range_km - n(8));
+        ranges.add(point.range_km - n(8));
         let lit = point.lit_fraction;
-        shadows.see(lit - n(9));
+        shadows.add(lit - n(9));
         match (point.magnitude, cells[10]) {
             // In the penumbra, the magnitude is limited by the accuracy of the lit fraction.
-            (Some(ours), Some(golden)) if lit == 1.0 => {
-                light.see(ours.0 - golden);
+            (Some(computed), Some(golden)) if lit == 1.0 => {
+                light.add(computed.0 - golden);
                 magnitudes += 1;
             }
-            (Some(ours), Some(golden)) => {
+            (Some(computed), Some(golden)) => {
                 let tolerance = 1.1 * LIT_FRACTION / lit + 0.01;
-                assert!((ours.0 - golden).abs() < tolerance, "row {rows}: {ours}, {line}");
+                assert!((computed.0 - golden).abs() < tolerance, "row {rows}: {computed}, {line}");
             }
             (None, None) => dark += 1,
-            (ours, golden) => panic!("row {rows}: {ours:?} against {golden:?}, {line}"),
+            (computed, golden) => panic!("row {rows}: {computed:?} against {golden:?}, {line}"),
         }
         rows += 1;
     }
@@ -205,7 +205,7 @@ fn verif_the_shadow_shortcut_is_exact() {
             for step in 0..=1800 {
                 // Along the meridian of the Sun, from the horizon below it through the zenith to the opposite horizon.
                 let turn = f64::from(step) * 0.1_f64.to_radians();
-                let ours = view.at(0.0, turn).lit_fraction;
+                let computed = view.at(0.0, turn).lit_fraction;
                 let radius_km = 6378.137 + height_km;
                 let (sin, cos) = turn.sin_cos();
                 let range_km =
@@ -213,10 +213,13 @@ fn verif_the_shadow_shortcut_is_exact() {
                 let satellite = Position::<Gcrs>::new(range_km * cos, 6378.137 + range_km * sin, 0.0);
                 let sun = f64::to_radians(sun_deg);
                 let full = shadow.illumination(&satellite, &Position::new(AU_KM * sun.cos(), AU_KM * sun.sin(), 0.0));
-                assert!((ours - full.lit_fraction()).abs() < 1e-3, "{height_km} {sun_deg} {step}: {ours} {full:?}");
-                seen[if ours == 1.0 {
+                assert!(
+                    (computed - full.lit_fraction()).abs() < 1e-3,
+                    "{height_km} {sun_deg} {step}: {computed} {full:?}"
+                );
+                seen[if computed == 1.0 {
                     0
-                } else if ours == 0.0 {
+                } else if computed == 0.0 {
                     2
                 } else {
                     1

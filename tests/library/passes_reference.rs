@@ -67,26 +67,31 @@ fn valid_passes_against_stk() {
     let path = data.join("reference").join("heavens_above").join("stk_bugsat_passes.txt");
     let text = std::fs::read_to_string(&path).expect("the passes");
     let site = Site::new_deg("STK", -31.2884, -64.203_286_8, 492.96).expect("a site");
-    let ours = passes(elements(&path, 40014), site, moment("2014/10/23", "00:00:00"), 2.3, 0.0);
+    let computed = passes(elements(&path, 40014), site, moment("2014/10/23", "00:00:00"), 2.3, 0.0);
     let mut compared = 0;
-    let mut border = Agreement::new("Rise and set", "STK, 10 passes", STK_S, "s");
-    let mut summit = Agreement::new("Culmination", "STK, 10 passes", STK_S, "s");
-    let mut height = Agreement::new("Altitude at culmination", "STK, 10 passes", STK_ALTITUDE_DEG, "deg");
+    let mut border = Agreement::new("Rise and set, 10 passes", "STK", STK_S, "s");
+    let mut summit = Agreement::new("Time of culmination, 10 passes", "STK", STK_S, "s");
+    let mut height = Agreement::new("Altitude at culmination, 10 passes", "STK", STK_ALTITUDE_DEG, "deg");
     for line in text.lines().filter(|line| line.starts_with("2014/")) {
         let words: Vec<&str> = line.split_whitespace().collect();
         let (rise, top, set) = (moment(words[0], words[1]), moment(words[2], words[3]), moment(words[4], words[5]));
         let altitude_deg: f64 = words[7].parse().expect("degrees");
-        let pass = ours.iter().find(|pass| seconds_between(top, pass.culmination.epoch).abs() < 60.0).expect(line);
+        let pass = computed.iter().find(|pass| seconds_between(top, pass.culmination.epoch).abs() < 60.0).expect(line);
         let (our_rise, our_set) = (pass.rise.as_ref().expect("a rise"), pass.set.as_ref().expect("a set"));
-        border.see(seconds_between(rise, our_rise.epoch));
-        border.see(seconds_between(set, our_set.epoch));
-        summit.see(seconds_between(top, pass.culmination.epoch));
-        height.see(pass.culmination.altitude_rad.expect("an altitude").to_degrees() - altitude_deg);
+        border.add(seconds_between(rise, our_rise.epoch));
+        border.add(seconds_between(set, our_set.epoch));
+        summit.add(seconds_between(top, pass.culmination.epoch));
+        height.add(pass.culmination.altitude_rad.expect("an altitude").to_degrees() - altitude_deg);
         compared += 1;
     }
     assert_eq!(compared, 10);
     // STK lists all passes above the horizon in its time range.
-    assert_eq!(ours.len(), compared, "{:?}", ours.iter().map(|pass| pass.culmination.epoch).collect::<Vec<_>>());
+    assert_eq!(
+        computed.len(),
+        compared,
+        "{:?}",
+        computed.iter().map(|pass| pass.culmination.epoch).collect::<Vec<_>>()
+    );
 }
 
 #[test]
@@ -96,7 +101,7 @@ fn valid_passes_and_shadow_against_heavens_above() {
     let set = elements(&folder.join("heavens_above.tle"), 25544);
     let site = Site::new_deg("Zurich", 47.3744, 8.541, 0.0).expect("a site");
     let start = moment("2022-01-21", "00:00:00");
-    let ours = passes(set.clone(), site, start, 10.0, 10.0);
+    let computed = passes(set.clone(), site, start, 10.0, 10.0);
     let eop = EopTable::embedded();
     let end = seconds_after(start, 10.0 * 86_400.0);
     let (orientation, sun) = (OrientationTable::new(start, end, &eop), SunTable::new(start, end));
@@ -111,7 +116,7 @@ fn valid_passes_and_shadow_against_heavens_above() {
     let (mut compared, mut shadows) = (0, Vec::new());
     let heavens_above = "Heavens-Above (printed to 1 s and 1 deg)";
     let mut border = Agreement::new("Rise over 10 deg", heavens_above, HEAVENS_ABOVE_BORDER_S, "s");
-    let mut summit = Agreement::new("Culmination", heavens_above, HEAVENS_ABOVE_TOP_S, "s");
+    let mut summit = Agreement::new("Time of culmination", heavens_above, HEAVENS_ABOVE_TOP_S, "s");
     let mut height = Agreement::new("Altitude at culmination", heavens_above, HEAVENS_ABOVE_ALTITUDE_DEG, "deg");
     let text = std::fs::read_to_string(folder.join("heavens_above_passes.csv")).expect("the passes");
     for line in text.lines().skip(1) {
@@ -119,12 +124,12 @@ fn valid_passes_and_shadow_against_heavens_above() {
         // Local time is UTC + 1 h.
         let at = |cell: usize| moment(cells[8], cells[cell]) - 1.0 * Unit::Hour;
         let degrees = |cell: usize| cells[cell].parse::<f64>().expect("degrees");
-        let pass = ours
+        let pass = computed
             .iter()
             .find(|pass| pass.rise.as_ref().is_some_and(|rise| seconds_between(at(10), rise.epoch).abs() < 60.0));
         let pass = pass.unwrap_or_else(|| panic!("no pass for {line}"));
         let rise = pass.rise.as_ref().expect("found by it");
-        border.see(seconds_between(at(10), rise.epoch));
+        border.add(seconds_between(at(10), rise.epoch));
         assert_eq!(degrees(11), 10.0);
 
         let (top_s, top_deg) = (
@@ -134,8 +139,8 @@ fn valid_passes_and_shadow_against_heavens_above() {
         let ends_in_shadow = degrees(17) > 10.0;
         // If the satellite enters the shadow before culmination, Heavens-Above gives the entry as highest point.
         if at(13) < at(16) {
-            summit.see(top_s);
-            height.see(top_deg - degrees(14));
+            summit.add(top_s);
+            height.add(top_deg - degrees(14));
         }
         assert!(ends_in_shadow, "{line}");
         // In steps of 0.01 s, starting a minute before the time of Heavens-Above.
@@ -145,7 +150,7 @@ fn valid_passes_and_shadow_against_heavens_above() {
         shadows.push(f64::from(step.expect("a shadow")) * 0.01 - 60.0);
         compared += 1;
     }
-    println!("{compared} passes; shadow entries, ours less theirs: {shadows:.2?} s");
+    println!("{compared} passes; shadow entries, computed less expected: {shadows:.2?} s");
     assert_eq!(compared, 15);
     for off_s in shadows {
         assert!(off_s.abs() < HEAVENS_ABOVE_SHADOW_S, "{off_s}");

@@ -43,8 +43,8 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
     let text = std::fs::read_to_string(crate::common::golden_dir().join("photometry_goldens.csv")).unwrap();
     let mut rows = 0;
     let mut blocked_rows = 0;
-    let mut share = Agreement::new("Blocked share of the solar array", "shapely's polygon unions", GOLDEN_SHARE, "");
-    let mut light = Agreement::new("Magnitudes of five terms", "numpy", GOLDEN_MAG, "mag");
+    let mut share = Agreement::new("Blocked fraction of the solar array", "shapely's polygon unions", GOLDEN_SHARE, "");
+    let mut light = Agreement::new("Magnitudes of the two-panel model", "numpy", GOLDEN_MAG, "mag");
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
         let v: Vec<Option<f64>> = line.split(',').map(|cell| cell.parse().ok()).collect();
         let n = |i: usize| v[i].unwrap();
@@ -60,16 +60,16 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
         let model = SatelliteModel::new(&shape, &coefficients).unwrap();
         let geometry = ViewingGeometry::from_angles(n(12), n(13), n(14), 1000.0, 550.0).unwrap();
         let terms = model.terms(&geometry);
-        share.see(terms.blocked.shadow_or_hidden - n(15));
-        share.see(terms.blocked.shadow - n(16));
-        let ours = [
+        share.add(terms.blocked.shadow_or_hidden - n(15));
+        share.add(terms.blocked.shadow - n(16));
+        let computed = [
             terms.sail_glossy_m2_sr,
             terms.sail_diffuse_m2_sr,
             terms.sail_back_m2_sr,
             terms.base_glossy_m2_sr,
             terms.base_diffuse_m2_sr,
         ];
-        for (i, value) in ours.into_iter().enumerate() {
+        for (i, value) in computed.into_iter().enumerate() {
             let golden = n(17 + i);
             // If almost all of the sail is blocked, the rest is a small difference, hence the absolute tolerance. The
             // relative one is for powers of up to 200.
@@ -78,8 +78,8 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
         let magnitude = StandardMagnitude::from_reflection(terms.b_total_m2_sr(), -26.76);
         match (magnitude, v[22]) {
             // Below 1e-6 m²/sr (18 mag, not relevant), rounding of a cosine near 0 affects the magnitude.
-            (Some(ours), Some(golden)) if golden < 18.0 => light.see(ours.0 - golden),
-            (ours, golden) => assert!(ours.is_none_or(|m| m.0 > 17.9) && golden.is_none_or(|m| m > 17.9)),
+            (Some(computed), Some(golden)) if golden < 18.0 => light.add(computed.0 - golden),
+            (computed, golden) => assert!(computed.is_none_or(|m| m.0 > 17.9) && golden.is_none_or(|m| m > 17.9)),
         }
         rows += 1;
         blocked_rows += usize::from(n(15) > n(16) + 1e-3);

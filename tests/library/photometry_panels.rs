@@ -410,13 +410,13 @@ fn valid_facets_against_mitsuba() {
     };
     let rows = include_str!("../data/facets_golden.csv").lines().skip(2);
     let mut compared = 0;
-    let mut light = Agreement::new("Rough mirrors of facets", "Mitsuba 3", MASKING_FIT, "of the light");
+    let mut light = Agreement::new("Reflection by rough facets", "Mitsuba 3", MASKING_FIT, "of the light");
     for row in rows {
         let numbers: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
         let [slope, zenith_in, zenith_out, azimuth, per_sr] = numbers[..] else { panic!("{row}") };
         let incidence = Incidence::new(&Vector3::z(), &unit(zenith_in, 0.0), &unit(zenith_out, azimuth));
-        let ours = Facets { weight: 1.0, slope }.value_per_sr(&incidence);
-        light.see(ours / per_sr - 1.0);
+        let computed = Facets { weight: 1.0, slope }.value_per_sr(&incidence);
+        light.add(computed / per_sr - 1.0);
         compared += 1;
     }
     assert!(compared > 250, "{compared}");

@@ -91,8 +91,8 @@ fn valid_all_states_against_vallado() {
     let Some(cases) = cases() else { return };
     assert_eq!(cases.len(), 33);
     let mut states = 0;
-    let mut place = Agreement::new("SGP4, places", "Vallado's verification set", POSITION_KM, "km");
-    let mut speed = Agreement::new("SGP4, velocities", "Vallado's verification set", VELOCITY_KM_S, "km/s");
+    let mut place = Agreement::new("SGP4 positions", "Vallado's verification set", POSITION_KM, "km");
+    let mut speed = Agreement::new("SGP4 velocities", "Vallado's verification set", VELOCITY_KM_S, "km/s");
     for case in &cases {
         let id = case.elements.norad_id.0;
         // In the output of the reference program, the state of 33334 is that of 33333; SGP4 fails for 33334.
@@ -101,16 +101,16 @@ fn valid_all_states_against_vallado() {
         }
         let propagator = Propagator::new(&case.elements).unwrap_or_else(|error| panic!("{error}"));
         for (minutes, position, velocity) in &case.states {
-            let (ours, our_velocity) =
+            let (computed, computed_velocity) =
                 propagator.teme_state_at_minutes(*minutes).unwrap_or_else(|e| panic!("{id} at {minutes} min: {e}"));
-            let (km, km_s) = (distance(&ours, position), distance(&our_velocity, velocity));
+            let (km, km_s) = (distance(&computed, position), distance(&computed_velocity, velocity));
             if (id, *minutes > TWO_MODES.1) == (TWO_MODES.0, true) {
                 assert!(km < TWO_MODES_KM, "{id} at {minutes} min: {km} km");
                 continue;
             }
             assert!(km < POSITION_KM && km_s < VELOCITY_KM_S, "{id} at {minutes} min: {km:e} km, {km_s:e} km/s");
-            place.see(km);
-            speed.see(km_s);
+            place.add(km);
+            speed.add(km_s);
             states += 1;
         }
     }
@@ -124,16 +124,17 @@ fn valid_all_states_against_the_afspc_mode() {
     for AfspcState { id, minutes, state } in &expected {
         // Object 20413 occurs twice, with the same elements.
         let case = cases.iter().find(|case| case.elements.norad_id.0 == *id).unwrap_or_else(|| panic!("no case {id}"));
-        let ours = Propagator::new(&case.elements).and_then(|propagator| propagator.teme_state_at_minutes(*minutes));
-        match (state, ours) {
-            (Some([position, velocity]), Ok((ours, our_velocity))) => {
-                let (km, km_s) = (distance(&ours, position), distance(&our_velocity, velocity));
+        let computed =
+            Propagator::new(&case.elements).and_then(|propagator| propagator.teme_state_at_minutes(*minutes));
+        match (state, computed) {
+            (Some([position, velocity]), Ok((computed, computed_velocity))) => {
+                let (km, km_s) = (distance(&computed, position), distance(&computed_velocity, velocity));
                 assert!(km < POSITION_KM && km_s < VELOCITY_KM_S, "{id} at {minutes} min: {km:e} km, {km_s:e} km/s");
                 states += 1;
                 branch += i32::from(*id == TWO_MODES.0 && *minutes > TWO_MODES.1);
             }
             (None, Err(_)) => failures += 1,
-            (state, ours) => panic!("{id} at {minutes} min: expected {state:?}, got {ours:?}"),
+            (state, computed) => panic!("{id} at {minutes} min: expected {state:?}, got {computed:?}"),
         }
     }
     println!("{states} states, {failures} failures");

@@ -24,8 +24,8 @@ fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     [angle - earth - disk, angle - earth + disk]
 }
 
-/// Tolerance of the light behind the atmosphere against traced rays, as a fraction of the Sun's light (0.001 mag in full
-/// light). It was chosen before the comparison.
+/// Tolerance of the light behind the atmosphere against traced rays, as a fraction of the Sun's light (0.001 mag in
+/// full light). It was chosen before the comparison.
 const LIGHT: f64 = 1e-3;
 
 /// Rays through the standard atmosphere, traced step by step; `tests/reference/make_atmosphere_goldens.py`.
@@ -34,7 +34,7 @@ fn valid_light_behind_the_atmosphere_against_traced_rays() {
     let text =
         std::fs::read_to_string(crate::common::golden_dir().join("atmosphere_golden.csv")).expect("the golden numbers");
     let sun = Position::<Gcrs>::new(streakcast::constants::AU_KM, 0.0, 0.0);
-    let mut light = Agreement::new("Light behind the atmosphere", "traced rays", LIGHT, "");
+    let mut light = Agreement::new("Sunlight through the atmosphere", "traced rays", LIGHT, "");
     let mut compared = 0;
     for line in text.lines().skip(2) {
         let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
@@ -43,7 +43,7 @@ fn valid_light_behind_the_atmosphere_against_traced_rays() {
         let satellite = Position::<Gcrs>::new(-radius_km * cos, radius_km * sin, 0.0);
         match ShadowModel::Atmosphere.illumination(&satellite, &sun) {
             Illumination::Penumbra { lit_fraction } => {
-                light.see(lit_fraction - expected);
+                light.add(lit_fraction - expected);
                 compared += 1;
             }
             Illumination::Umbra => assert!(expected < 0.01 + LIGHT, "{line}"),
@@ -61,8 +61,9 @@ fn valid_shadow_moments_against_skyfield() {
     let eop = EopTable::embedded();
     let (mut satellites, mut rows) = (BTreeSet::new(), 0);
     let mut kinds_apart_s = 0.0_f64;
-    let mut of_ellipsoid = Agreement::new("Shadow entry and exit, ellipsoid", "Skyfield 1.55", MOMENT_S, "s");
-    let mut of_cone = Agreement::new("Shadow entry and exit, cone", "Skyfield 1.55", MOMENT_S, "s");
+    let mut of_ellipsoid =
+        Agreement::new("Entry into and exit from the shadow, ellipsoid", "Skyfield 1.55", MOMENT_S, "s");
+    let mut of_cone = Agreement::new("Entry into and exit from the shadow, cone", "Skyfield 1.55", MOMENT_S, "s");
     let text =
         std::fs::read_to_string(crate::common::golden_dir().join("shadow_golden.csv")).expect("the golden numbers");
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
@@ -100,8 +101,8 @@ fn valid_shadow_moments_against_skyfield() {
             }
             0.5 * (low + high)
         };
-        of_ellipsoid.see(moment(by_ellipsoid_s, &is_in) - by_ellipsoid_s);
-        of_cone.see(moment(by_cone_s, &is_in_cone) - by_cone_s);
+        of_ellipsoid.add(moment(by_ellipsoid_s, &is_in) - by_ellipsoid_s);
+        of_cone.add(moment(by_cone_s, &is_in_cone) - by_cone_s);
         kinds_apart_s = kinds_apart_s.max((by_cone_s - by_ellipsoid_s).abs());
         satellites.insert(id.0);
         rows += 1;

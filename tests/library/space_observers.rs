@@ -56,12 +56,12 @@ fn valid_directions_from_orbit_against_skyfield() {
         };
         let (here, there) = (state(observer), state(satellite));
         let seen = aspect(&there.position, &there.velocity, &here.position, &sun.at_s(seconds).earth_velocity);
-        let theirs = Direction::<Gcrs>::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        let expected = Direction::<Gcrs>::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
         let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
-        directions.see(arcsec(seen.direction.separation_rad(&theirs)));
-        ranges.see(seen.range_km - range_km);
+        directions.add(arcsec(seen.direction.separation_rad(&expected)));
+        ranges.add(seen.range_km - range_km);
         // The effect is large enough: geometric directions differ by up to 25" in both programs.
-        let plain = seen.geometric.direction().expect("apart").separation_rad(&theirs);
+        let plain = seen.geometric.direction().expect("apart").separation_rad(&expected);
         assert!((arcsec(plain) - off_arcsec).abs() < DIRECTION_ARCSEC, "{line}: {}", arcsec(plain));
         rows += 1;
     }
@@ -176,7 +176,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
                 rotation_rad: 0.0,
             };
             let options = PassOptions { include_dark: true, ..PassOptions::default() };
-            let passes = sky.field_passes(std::slice::from_ref(&exposure), &field, &options).expect("an answer");
+            let passes = sky.field_passes(std::slice::from_ref(&exposure), &field, &options).expect("passes");
             let found: Vec<usize> = passes.by_exposure[0].iter().map(|pass| pass.element_index).collect();
             for (element_index, propagator) in propagators.iter().enumerate() {
                 let radius_rad = 0.5 * f64::to_radians(diameter_deg);
@@ -246,7 +246,7 @@ fn verif_close_encounters_are_found_and_the_observer_is_excluded() {
     };
     let field = Field::circle(2f64.to_radians()).expect("a field");
     let options = PassOptions { include_dark: true, min_probability: Some(0.01), ..PassOptions::default() };
-    let passes = sky.field_passes(&[exposure], &field, &options).expect("an answer");
+    let passes = sky.field_passes(&[exposure], &field, &options).expect("passes");
     let pass = match &passes.by_exposure[0][..] {
         [pass] => pass,
         others => panic!("{others:?}"),
@@ -275,7 +275,7 @@ fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
         let exposure = Exposure { id: "1".into(), start, duration_s: 10.0, pointing, rotation_rad: 0.0 };
         let field = Field::circle(100f64.to_radians()).expect("a field");
         let options = PassOptions { include_dark: true, ..PassOptions::default() };
-        sky.field_passes(&[exposure], &field, &options).expect("an answer").by_exposure.swap_remove(0)
+        sky.field_passes(&[exposure], &field, &options).expect("passes").by_exposure.swap_remove(0)
     };
     // Downwards, only satellites between the telescope and the ground are visible; upwards, all up to geosynchronous
     // orbits.

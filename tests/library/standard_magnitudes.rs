@@ -107,9 +107,9 @@ fn valid_iss_without_a_file_against_heavens_above() {
         let near = |epoch: Epoch| (epoch - begin).abs() < 60.0 * Unit::Second;
         let (pass, _) = pass.into_iter().find(|(_, visible)| near(visible.begin.epoch)).unwrap();
         let magnitudes = pass.samples.iter().filter_map(|sample| Some(sample.brightness.as_ref()?.magnitude.0));
-        let (ours, printed) = (magnitudes.fold(f64::INFINITY, f64::min), cells[9].parse::<f64>().unwrap());
-        println!("{line}: {ours:.2}");
-        assert!((ours - printed).abs() < 0.2, "{line}: {ours}");
+        let (computed, printed) = (magnitudes.fold(f64::INFINITY, f64::min), cells[9].parse::<f64>().unwrap());
+        println!("{line}: {computed:.2}");
+        assert!((computed - printed).abs() < 0.2, "{line}: {computed}");
         compared += 1;
     }
     assert_eq!(compared, 15);

@@ -201,7 +201,7 @@ mod verbs {
         let rows = answer["reproduced"].as_array().unwrap();
         assert_eq!(rows.len(), 6);
         for row in rows {
-            println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
+            println!("{}: {} published, {} computed", row["quantity"], row["published"], row["ours"]);
             // A year is compared with thirteen nights in its October (docs/explanation/counts.md). For the same nights,
             // the difference from the visits of the paper is below 20 %.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");

@@ -2,7 +2,7 @@
 
 An element set is propagated to the epoch of a later element set of the same satellite. Its lateness is the time along
 the track by which the satellite is behind the prediction (negative: ahead of it). "published" uses the element set as
-it is, "ours" B* = 0 and the mean motion n - 2 tau (ndot/2). The fit uses even catalogue numbers and elements of 2, 9,
+it is, "used" B* = 0 and the mean motion n - 2 tau (ndot/2). The fit uses even catalogue numbers and elements of 2, 9,
 16 and 23 June 2026; the errors in the report are those of odd numbers and elements of 5, 12, 19 and 26 June.
 
 The lateness of a class at age t (days) is a mixture of three Gaussians about 0:
@@ -215,21 +215,21 @@ def main():
     rows = []
     for index, name in enumerate(CLASSES):
         c, h = pick(fitted, fitted["class"] == index), pick(held, held["class"] == index)
-        ours = lambda c: c["plain"] - LAG2_DAY[name] * c["drag"] * c["age"]
-        shape, scale = fit(c, ours(c))
+        used = lambda c: c["plain"] - LAG2_DAY[name] * c["drag"] * c["age"]
+        shape, scale = fit(c, used(c))
         scale *= WIDENING[name]
         cross = cross_growth(c)
         names = ("r", "m0", "m1", "v", "s_0", "k", "c")
         narrowest, centred = best_lags2(c)
         print(f"\n{name}: twice lag {narrowest:.2f} (narrowest), {centred:.2f} (centred), {LAG2_DAY[name]} (used) d; " + ", ".join(f"{n} {x:.3g}" for n, x in zip(names, (*shape, *scale))) + f"; cross {cross[0]:.3g} t^{cross[1]:.3g}")
-        print("  held out: age, pairs | published: median, 68 % | B* = 0: 68 % | ours: median, 68 %, 95 %, stated 68 %, inside one sigma | across: plane, radius, stated, inside")
+        print("  held out: age, pairs | published: median, 68 % | B* = 0: 68 % | used: median, 68 %, 95 %, stated 68 %, inside one sigma | across: plane, radius, stated, inside")
         sigma = half_width(mixture(h, shape, core_of(h, scale)))
         across = np.sqrt(0.3**2 + (cross[0] * h["age"] ** cross[1]) ** 2)
         for age in AGES_DAY:
             a = h["nominal"] == age
             if a.sum() < 30:
                 continue
-            y = ours(h)[a]
+            y = used(h)[a]
             both_axes = np.concatenate([h["plane"][a], h["radius"][a]]) / np.tile(across[a], 2)
             print(f"  {age:3d} d {a.sum():6d} | {np.median(h['published'][a]):8.2f} {q(h['published'][a]):8.2f} | {q(h['plain'][a]):8.2f} | {np.median(y):7.2f} {q(y):7.2f} {q(y, 0.9545):8.1f}"
                   f" {np.median(sigma[a]):7.2f} {100 * np.mean(np.abs(y) <= sigma[a]):4.0f} % | {q(h['plane'][a]):5.2f} {q(h['radius'][a]):5.2f} {np.median(across[a]):5.2f} {100 * np.mean(np.abs(both_axes) <= 1):4.0f} %")  # fmt: skip

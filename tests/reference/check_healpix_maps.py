@@ -34,8 +34,8 @@ def main(streakcast):
             maps = np.atleast_2d(healpy.read_map(path, field=None, dtype=np.float64))
             assert maps.shape == (len(table.colnames), 12 * NSIDE**2)
             longitude, latitude = healpy.pix2ang(NSIDE, rows["healpix_cell"].data, lonlat=True)
-            for ours, theirs in zip(coordinates, (longitude, latitude)):
-                assert np.abs(rows[ours].data - theirs).max() < HALF_A_DEGREE_DIGIT, ours
+            for name, expected in zip(coordinates, (longitude, latitude)):
+                assert np.abs(rows[name].data - expected).max() < HALF_A_DEGREE_DIGIT, name
             outside = np.setdiff1d(np.arange(12 * NSIDE**2), rows["healpix_cell"].data)
             for name in names:
                 column = maps[table.colnames.index(name)]

@@ -55,13 +55,13 @@ def main(ephemeris):
 
     tles = starlink_tles_v1()[::EVERY]
     os.chdir(Path(ephemeris).resolve().parent)
-    theirs = Constellation(tles)
-    site = theirs.observatory_site
+    constellation = Constellation(tles)
+    site = constellation.observatory_site
     place = (site.latitude.degrees, site.longitude.degrees, site.elevation.m)
     location = EarthLocation.from_geodetic(lat=place[0], lon=place[1], height=place[2])
     starts, (ra, dec) = visits(location)
     utc = Time(starts, format="mjd", scale="utc")
-    lengths, counts = theirs.check_pointings(ra, dec, utc.ut1.mjd, np.full(VISITS, 30.0))
+    lengths, counts = constellation.check_pointings(ra, dec, utc.ut1.mjd, np.full(VISITS, 30.0))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "shell.tle"
         file.write_text("\n".join(map(within_a_turn, tles)) + "\n")

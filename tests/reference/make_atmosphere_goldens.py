@@ -1,4 +1,4 @@
-"""Makes tests/data/atmosphere_golden.csv: fraction of the Sun's light at satellites behind the atmosphere, by traced rays.
+"""Makes tests/data/atmosphere_golden.csv: fraction of sunlight at satellites behind the atmosphere, by traced rays.
 
 Usage:
     python tests/reference/make_atmosphere_goldens.py tests/data/atmosphere_golden.csv

@@ -79,8 +79,8 @@ def test_valid_three_times_are_a_block_with_its_exposures(model, contacts, obser
             results.append(bool(result[0]))
             continuous_results.append(bool(continuous(observer, target, start + [0.0, block_s / 2, block_s] * u.s)[0]))
             truth.append(bool(is_clear([target_contacts], 60.0 * (minute + np.arange(5)), exposure_s).all()))
-    assert not any(ours and not theirs for ours, theirs in zip(results, truth))
-    assert sum(ours != theirs for ours, theirs in zip(results, truth)) <= 2
+    assert not any(result and not expected for result, expected in zip(results, truth))
+    assert sum(result != expected for result, expected in zip(results, truth)) <= 2
     # Satellites that cross only during a readout do not block.
     assert sum(continuous_results) < sum(results) < len(results)
 

@@ -51,7 +51,7 @@ class Host:
         self._observer: Any = None
         self._next_check_s = 0.0
 
-    def see(self, data: DataProvider) -> None:
+    def check_host(self, data: DataProvider) -> None:
         """Checks site and present time of pyobs. Planned times, which are later, are not checked."""
 
         def location_if_changed() -> Any:
@@ -155,7 +155,7 @@ class Settings(BaseModel):
         host = self.host_or_none()
         if host is None:
             return CLEAR
-        host.see(data)
+        host.check_host(data)
         hook = host.hook
         target = task.target
         if target is None:
@@ -183,7 +183,7 @@ class Settings(BaseModel):
         host, all_clear = self.host_or_none(), np.full(len(coordinates), CLEAR)
         if host is None:
             return all_clear
-        host.see(data)
+        host.check_host(data)
         hook, rules = host.hook, self.rules()
 
         def ratings(model: StreakModel) -> npt.NDArray[np.float64]:

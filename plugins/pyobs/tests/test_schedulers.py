@@ -105,7 +105,9 @@ def test_valid_a_merit_prefers_clear_tasks(observer, tasks, hours, settings, sky
 
 
 def test_the_event_loop_does_not_stall(observer, tasks, hours, settings, monkeypatch):
-    """The event loop runs during each computation: the patched `evaluate` waits for it, and fails in the loop's thread."""
+    """The event loop runs during each computation: the patched `evaluate` waits for it, and fails in the loop's
+    thread.
+    """
     turns, is_running, original = [], threading.Event(), Hook.evaluate
 
     async def heartbeat():

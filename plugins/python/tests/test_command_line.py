@@ -15,24 +15,24 @@ ARGUMENTS = ["--shells", "starlink-gen1", "--mpc", "X05", "--telescope", "rubin"
 TEXT_COLUMNS = {"name", "international_designator", "illumination", "band", "mag_system", "mag_source", "verdict"}
 
 
-def same(ours, theirs):
+def same(result, printed):
     """Returns True if two values agree to half of the last digit printed by the command line program."""
-    if theirs is None:
-        return ours is None or (isinstance(ours, float) and math.isnan(ours)) or ours is np.ma.masked
-    if isinstance(theirs, Decimal):
-        return abs(float(ours) - float(theirs)) <= 0.5 * 10.0 ** theirs.as_tuple().exponent * (1 + 1e-9)
-    return ours == theirs
+    if printed is None:
+        return result is None or (isinstance(result, float) and math.isnan(result)) or result is np.ma.masked
+    if isinstance(printed, Decimal):
+        return abs(float(result) - float(printed)) <= 0.5 * 10.0 ** printed.as_tuple().exponent * (1 + 1e-9)
+    return result == printed
 
 
 def test_verif_passes(model, command_line):
     answer = command_line(
         "passes", *ARGUMENTS, "--start", START, "--exposure", "30s", "--ra", str(TARGET[0]), f"--dec={TARGET[1]}", "--limit-mag", "7"
     )
-    ours = model.passes(TARGET, START, 30.0)
-    theirs = answer["passes"]
-    assert len(theirs) > 0
-    assert len(ours) == len(theirs)
-    for row, expected in zip(ours, theirs):
+    result = model.passes(TARGET, START, 30.0)
+    printed = answer["passes"]
+    assert len(printed) > 0
+    assert len(result) == len(printed)
+    for row, expected in zip(result, printed):
         for name, value in expected.items():
             if name in ("exposure_id", "chords", "lit_chords"):
                 continue
@@ -58,12 +58,12 @@ def test_verif_flags(model, command_line):
     starts, bands = [row["start_utc"] for row in cells], [row["band"] for row in cells]
     ra, dec, exposure = (np.array([float(row[name]) for row in cells]) for name in ("ra_deg", "dec_deg", "duration_s"))
     day = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", fov="3.5deg", limit_mag=7, epoch=starts[0])
-    ours = day.flags((ra, dec), starts, exposure, band=bands)
-    theirs = answer["flags"] if "flags" in answer else answer["exposures"]
-    assert len(ours) == len(theirs) == len(cells)
+    result = day.flags((ra, dec), starts, exposure, band=bands)
+    printed = answer["flags"] if "flags" in answer else answer["exposures"]
+    assert len(result) == len(printed) == len(cells)
     fast = day.assess((ra, dec), starts, exposure, band=bands)
-    assert {row["verdict"] for row in theirs} >= {"clear", "avoid"}
-    for index, (row, expected) in enumerate(zip(ours, theirs)):
+    assert {row["verdict"] for row in printed} >= {"clear", "avoid"}
+    for index, (row, expected) in enumerate(zip(result, printed)):
         assert row["verdict"] == expected["verdict"] == fast.verdict[index]
         assert row["n_streaks"] == expected["n_streaks"] == fast.n_streaks[index]
         assert list(row["reasons"]) == list(expected["reasons"])
@@ -87,21 +87,21 @@ def test_verif_flags(model, command_line):
 def test_verif_maps(command_line):
     answer = command_line("map", "sky", "--model", "v2mini", "--sun-altitude-deg=-20", "--height-km", "550", "--mpc", "X05", "--step-deg", "5")
     rows = answer["directions"]
-    ours = streakcast.sky_map("v2mini", sun_altitude=-20, height=550, mpc="X05", step=5)
-    assert len(ours) == len(rows) > 1000
-    for row, expected in zip(ours, rows):
+    result = streakcast.sky_map("v2mini", sun_altitude=-20, height=550, mpc="X05", step=5)
+    assert len(result) == len(rows) > 1000
+    for row, expected in zip(result, rows):
         for name, value in expected.items():
             assert same(row[name].value, value), name
     answer = command_line("map", "body", "--model", "v2mini", "--sun-latitude-deg=-15", "--height-km", "550", "--step-deg", "5")
     rows = answer["directions"]
-    ours = streakcast.body_map("v2mini", sun_latitude=-15, height=550, step=5)
-    assert len(ours) == len(rows)
-    for row, expected in zip(ours, rows):
+    result = streakcast.body_map("v2mini", sun_latitude=-15, height=550, step=5)
+    assert len(result) == len(rows)
+    for row, expected in zip(result, rows):
         for name, value in expected.items():
             assert same(row[name].value, value), name
     # Single directions give the values of the grid.
-    magnitude = streakcast.standard_magnitudes("v2mini", -15, ours["observer_longitude_deg"], ours["observer_latitude_deg"])
-    np.testing.assert_allclose(magnitude, ours["standard_magnitude"].value, atol=1e-9)
+    magnitude = streakcast.standard_magnitudes("v2mini", -15, result["observer_longitude_deg"], result["observer_latitude_deg"])
+    np.testing.assert_allclose(magnitude, result["standard_magnitude"].value, atol=1e-9)
 
 
 def test_verif_real_catalogue(data, command_line):
@@ -111,9 +111,9 @@ def test_verif_real_catalogue(data, command_line):
     start, ra, dec = "2026-04-25T23:10:00Z", 90.0, -20.0
     answer = command_line("passes", *arguments, "--start", start, "--exposure", "300s", "--ra", str(ra), f"--dec={dec}")
     model = streakcast.StreakModel(mpc="X05", elements=elements, telescope="rubin")
-    ours = model.passes((ra, dec), start, 300.0)
-    assert len(ours) == len(answer["passes"]) > 0
-    for row, expected in zip(ours, answer["passes"]):
+    result = model.passes((ra, dec), start, 300.0)
+    assert len(result) == len(answer["passes"]) > 0
+    for row, expected in zip(result, answer["passes"]):
         assert row["norad_id"] == expected["norad_id"]
         assert same(row["magnitude_peak"].value, expected["magnitude_peak"])
         assert row["mid_utc"].isot + "Z" == expected["mid_utc"]

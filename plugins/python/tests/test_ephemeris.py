@@ -18,20 +18,20 @@ def test_verif_places_equal_the_command_line(model, command_line):
     arguments = ["ephemeris", "--shells", "starlink-gen1", "--mpc", "X05", "--start", START, "--end", end, "--step", "20s", "--name", *NAMES]
     answer = command_line(*arguments)["ephemeris"]
     times = Time(START[:-1], scale="utc") + np.arange(4) * 20 * u.s
-    ours = model.ephemeris(times, name=NAMES)
-    assert isinstance(ours, QTable) and len(ours) == len(answer) > 40
-    for row, expected in zip(ours, answer):
+    result = model.ephemeris(times, name=NAMES)
+    assert isinstance(result, QTable) and len(result) == len(answer) > 40
+    for row, expected in zip(result, answer):
         for name, value in expected.items():
             assert_equal(row[name], value, name)
-    assert ours["ra_deg"].unit == u.deg and ours["range_rate_km_s"].unit == u.km / u.s
+    assert result["ra_deg"].unit == u.deg and result["range_rate_km_s"].unit == u.km / u.s
     # The result does not depend on the shape of the times, and arrays do not require astropy.
     arrays = model.ephemeris(times.reshape(2, 2), name=NAMES, output="dict")
-    assert np.array_equal(arrays["ra_deg"], ours["ra_deg"].value)
-    assert arrays["along_track_sigma_s"].shape == (len(ours),)
+    assert np.array_equal(arrays["ra_deg"], result["ra_deg"].value)
+    assert arrays["along_track_sigma_s"].shape == (len(result),)
     up = model.ephemeris(times, name=NAMES, min_altitude=10 * u.deg)
-    assert len(up) == np.sum(ours["altitude_deg"] >= 10 * u.deg)
-    one = int(ours["norad_id"][0])
-    assert np.array_equal(model.ephemeris(times, norad=one)["dec_deg"], ours["dec_deg"][:4])
+    assert len(up) == np.sum(result["altitude_deg"] >= 10 * u.deg)
+    one = int(result["norad_id"][0])
+    assert np.array_equal(model.ephemeris(times, norad=one)["dec_deg"], result["dec_deg"][:4])
 
 
 def test_errors_name_what_is_allowed(model):

@@ -43,31 +43,31 @@ def is_nan(cell):
     return isinstance(value, (float, np.floating)) and np.isnan(value)
 
 
-def assert_equal(ours, theirs, name):
+def assert_equal(result, printed, name):
     """Compares a cell with a value of the JSON output, to all printed digits."""
-    if theirs is None:
-        assert is_missing(ours), (name, ours)
-    elif isinstance(theirs, Decimal):
-        assert Decimal(text_of(ours, -theirs.as_tuple().exponent)) == theirs, (name, ours, theirs)
-    elif isinstance(theirs, str) and theirs.endswith("Z") and name.endswith("utc"):
-        assert same_moment(ours, theirs), (name, ours, theirs)
-    elif isinstance(theirs, bool):
-        assert bool(ours) is theirs, name
+    if printed is None:
+        assert is_missing(result), (name, result)
+    elif isinstance(printed, Decimal):
+        assert Decimal(text_of(result, -printed.as_tuple().exponent)) == printed, (name, result, printed)
+    elif isinstance(printed, str) and printed.endswith("Z") and name.endswith("utc"):
+        assert same_moment(result, printed), (name, result, printed)
+    elif isinstance(printed, bool):
+        assert bool(result) is printed, name
     else:
-        assert ours == theirs, (name, ours, theirs)
+        assert result == printed, (name, result, printed)
 
 
-def same_moment(ours, theirs):
+def same_moment(result, printed):
     """Returns True if times agree to half of the last printed digit, plus 1 ns for the conversion by two doubles."""
-    if isinstance(ours, str):
-        return ours == theirs
-    digits = len(theirs.split(".")[1]) - 1 if "." in theirs else 0
-    return abs((ours - Time(theirs[:-1], scale="utc")).to_value("s")) <= 0.5 * 10.0**-digits + 1e-9
+    if isinstance(result, str):
+        return result == printed
+    digits = len(printed.split(".")[1]) - 1 if "." in printed else 0
+    return abs((result - Time(printed[:-1], scale="utc")).to_value("s")) <= 0.5 * 10.0**-digits + 1e-9
 
 
-def assert_same_passes(ours, theirs):
-    assert len(ours) == len(theirs) > 0
-    for row, expected in zip(ours, theirs):
+def assert_same_passes(result, printed):
+    assert len(result) == len(printed) > 0
+    for row, expected in zip(result, printed):
         for name, value in expected.items():
             if name != "samples":
                 assert_equal(row[name], value, name)
@@ -81,21 +81,21 @@ def assert_same_passes(ours, theirs):
 def test_verif_a_night_equals_the_command_line(sky, command_line):
     arguments = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", NIGHT, "--name", *PLANES]
     answer = command_line(*arguments, "--max-mag", "6", "--samples", "5")
-    ours = sky.forecast(NIGHT, name=PLANES, max_mag=6, samples=5)
-    assert_same_passes(ours.passes, answer["passes"])
-    assert (ours.passes["night"] == 0).all() and len(ours.nights) == 1
+    result = sky.forecast(NIGHT, name=PLANES, max_mag=6, samples=5)
+    assert_same_passes(result.passes, answer["passes"])
+    assert (result.passes["night"] == 0).all() and len(result.nights) == 1
     for name, value in answer["night"][0].items():
-        assert_equal(ours.nights[0][name], value, name)
+        assert_equal(result.nights[0][name], value, name)
     assert answer["night"][0]["passes_too_faint"] > 0
     # All options together.
     answer = command_line(
         *arguments, "--sun-altitude-deg=-12", "--min-altitude", "20", "--min-culmination", "40", "--generation", "starlink-v1.5", "--include-dark"
     )
-    ours = sky.forecast(
+    result = sky.forecast(
         datetime.date(2026, 8, 14), name=PLANES, max_sun_altitude=-12 * u.deg, min_altitude=20 * u.deg, min_culmination=40,
         generation="starlink-v1.5", include_dark=True,
     )  # fmt: skip
-    assert_same_passes(ours.passes, answer["passes"])
+    assert_same_passes(result.passes, answer["passes"])
 
 
 def test_verif_a_time_span_equals_the_command_line(sky, command_line):
@@ -117,13 +117,13 @@ def test_verif_a_real_night_equals_the_command_line(data, tmp_path):
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    theirs = list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+    printed = list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
     model = streakcast.StreakModel(mpc="X05", elements=elements)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        ours = model.forecast("2026-04-25", name=names).passes
-    assert len(ours) == len(theirs) > 50
-    for row, expected in zip(ours, theirs):
+        result = model.forecast("2026-04-25", name=names).passes
+    assert len(result) == len(printed) > 50
+    for row, expected in zip(result, printed):
         for name, value in expected.items():
             if name in ("norad_id", "name", "mag_source", "position_source"):
                 assert str(row[name]) == value
@@ -135,7 +135,7 @@ def test_verif_a_real_night_equals_the_command_line(data, tmp_path):
     mine = [str(one.message) for one in caught if issubclass(one.category, streakcast.StreakcastWarning)]
     (prior,) = [line for line in mine if "prior" in line]
     assert f"warning: {prior}".replace("qs_mag", "--qs-mag") in done.stderr.splitlines()
-    assert f"{sum(source == 'prior' for source in ours['mag_source'])} passes shown" in prior
+    assert f"{sum(source == 'prior' for source in result['mag_source'])} passes shown" in prior
 
 
 def test_several_nights_and_forms(sky):

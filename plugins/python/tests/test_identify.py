@@ -21,16 +21,16 @@ def crossing(sky):
     return sky.passes(TARGET, START, 30.0, output="dict")
 
 
-def assert_same(ours, answer):
-    assert len(ours.candidates) == len(answer["candidates"]) > 0
-    for table, section in ((ours.candidates, "candidates"), (ours.streak, "streak")):
+def assert_same(result, answer):
+    assert len(result.candidates) == len(answer["candidates"]) > 0
+    for table, section in ((result.candidates, "candidates"), (result.streak, "streak")):
         for row, expected in zip(table, answer[section]):
             for name, value in expected.items():
                 assert_equal(row[name], value, name)
     options = answer["provenance"]["options"]
-    assert ours.n_candidates == options["candidates"]
+    assert result.n_candidates == options["candidates"]
     # The command line program prints six decimals.
-    assert round(ours.unknown_probability, 6) == pytest.approx(float(options["unknown_probability"]), abs=1e-12)
+    assert round(result.unknown_probability, 6) == pytest.approx(float(options["unknown_probability"]), abs=1e-12)
 
 
 def test_valid_and_verif_regions_of_the_plaskett_telescope(data, command_line):
@@ -44,15 +44,15 @@ def test_valid_and_verif_regions_of_the_plaskett_telescope(data, command_line):
     for box in boxes:
         name, rest = rows[int(box.stem.split("-")[1])]
         start = Time(f"2021-07-16T{rest.split()[1]}", scale="utc") - 15 * u.s
-        ours = model.identify(region=box, start=start, exposure=30 * u.s)
-        first = ours.candidates[0]
+        result = model.identify(region=box, start=start, exposure=30 * u.s)
+        first = result.candidates[0]
         assert first["name"] == name and first["probability"] > 0.99
         assert abs(first["along_track_offset_s"]) < 1 * u.s
         start.precision = 9
         answer = command_line(
             "identify", "--region", str(box), "--start", f"{start.isot}Z", "--exposure", "30s", "--elements", str(elements), "--mpc", "658"
         )
-        assert_same(ours, answer)
+        assert_same(result, answer)
 
 
 def test_verif_every_form_of_a_streak(sky, crossing, command_line):
@@ -79,10 +79,10 @@ def test_verif_every_form_of_a_streak(sky, crossing, command_line):
              "--include-dark", "--top", "2"],
         ),
     ]  # fmt: skip
-    for ours, theirs in ways:
-        found = sky.identify(**ours)
-        assert found.candidates["norad_id"][0] == column["norad_id"], ours
-        assert_same(found, command_line(*arguments, *theirs))
+    for keywords, flags in ways:
+        found = sky.identify(**keywords)
+        assert found.candidates["norad_id"][0] == column["norad_id"], keywords
+        assert_same(found, command_line(*arguments, *flags))
     sky_coord = sky.identify(SkyCoord(ends, unit="deg").galactic, Time(times, scale="utc"))
     assert sky_coord.candidates["norad_id"][0] == column["norad_id"]
     plain = sky.identify(ends, times, scale="utc", output="dict")

@@ -68,15 +68,15 @@ def test_verif_arrays_and_files_equal_the_command_line_to_the_last_bit(injector,
     frame = pixels(dtype)
     source, target = command(frame, "--mpc", "X05", "--shells", "starlink-gen1", "--telescope", "rubin", "--seeing", "1arcmin", "--seed", "7")
     done = injector.inject(frame, header=header(), seeing="1arcmin", seed=7)
-    with fits.open(target) as theirs:
-        expected = theirs[0].data
+    with fits.open(target) as written:
+        expected = written[0].data
         assert done.image.dtype == np.dtype(dtype) and done.image.shape == frame.shape
         np.testing.assert_array_equal(done.image, expected)
-        np.testing.assert_array_equal(done.mask, theirs["MASK"].data)
-        assert done.mask_planes == {"STREAK": theirs["MASK"].header["MP_STREAK"], "INJECTED": theirs["MASK"].header["MP_INJECTED"]}
-        assert len(done.truth) == len(theirs["STREAKS"].data) > 0
-        assert len(done.points) == len(theirs["STREAK_POINTS"].data)
-        np.testing.assert_array_equal(done.truth["norad_id"], theirs["STREAKS"].data["norad_id"])
+        np.testing.assert_array_equal(done.mask, written["MASK"].data)
+        assert done.mask_planes == {"STREAK": written["MASK"].header["MP_STREAK"], "INJECTED": written["MASK"].header["MP_INJECTED"]}
+        assert len(done.truth) == len(written["STREAKS"].data) > 0
+        assert len(done.points) == len(written["STREAK_POINTS"].data)
+        np.testing.assert_array_equal(done.truth["norad_id"], written["STREAKS"].data["norad_id"])
     # In single precision, the added light has seven digits.
     np.testing.assert_allclose(done.added, done.image.astype("f8") - frame, rtol=1e-6)
     assert (frame == pixels(dtype)).all(), "the array was changed"
@@ -84,7 +84,7 @@ def test_verif_arrays_and_files_equal_the_command_line_to_the_last_bit(injector,
     injected = ((done.mask >> done.mask_planes["INJECTED"]) & 1).astype(bool)
     assert done.added[injected].sum(dtype=float) > 0.8 * done.added.sum(dtype=float) > 1000
 
-    path = tmp_path / "ours.fits"
+    path = tmp_path / "array.fits"
     written = injector.inject(source, path, seeing="1arcmin", seed=7)
     assert written.path == path and written.image is None
     assert path.read_bytes() == target.read_bytes()

@@ -57,10 +57,10 @@ def test_astropy_site_and_field(model):
     built = streakcast.StreakModel(
         site=model.location, shells="starlink-gen1", telescope="rubin", fov=210 * u.arcmin, limit_mag=7, epoch=Time(START)
     )
-    ours, theirs = built.assess(TARGET, START, 30.0), model.assess(TARGET, START, 30.0)
-    assert ours.n_streaks == theirs.n_streaks
+    of_built, of_model = built.assess(TARGET, START, 30.0), model.assess(TARGET, START, 30.0)
+    assert of_built.n_streaks == of_model.n_streaks
     # The latitude has all digits after the conversion to JSON and back.
-    assert ours.streak_length_deg == pytest.approx(theirs.streak_length_deg, abs=1e-9)
+    assert of_built.streak_length_deg == pytest.approx(of_model.streak_length_deg, abs=1e-9)
 
 
 def test_qtable_out(model):

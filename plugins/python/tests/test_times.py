@@ -79,8 +79,8 @@ def test_the_scale_of_the_model(model):
     # A string with a time zone uses it.
     assert tai.assess(TARGET, START, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
     # The scale of a call overrides that of the model.
-    ours, theirs = tai.assess(TARGET, mjd, 30.0, scale="utc"), model.assess(TARGET, mjd, 30.0, scale="utc")
-    assert (ours.n_streaks, ours.p_any) == (theirs.n_streaks, theirs.p_any)
+    of_tai, of_model = tai.assess(TARGET, mjd, 30.0, scale="utc"), model.assess(TARGET, mjd, 30.0, scale="utc")
+    assert (of_tai.n_streaks, of_tai.p_any) == (of_model.n_streaks, of_model.p_any)
 
 
 @pytest.mark.parametrize("scale", ["ut1", "local", "", "UTC+1"])

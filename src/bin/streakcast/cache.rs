@@ -32,14 +32,14 @@ pub struct FetchRecord {
     pub last_modified: Option<String>,
     /// Time of the last request.
     pub asked_utc: Option<String>,
-    /// Description of the response; `asking` until it arrives.
+    /// Description of the response; `no response yet` until it arrives.
     pub answer: Option<String>,
     /// Time from which the next request is allowed.
     pub not_before_utc: Option<String>,
 }
 
 impl FetchRecord {
-    pub fn path_beside(file: &Path) -> PathBuf {
+    pub fn sidecar_path(file: &Path) -> PathBuf {
         let mut name = file.file_name().unwrap_or_default().to_os_string();
         name.push(SIDECAR);
         file.with_file_name(name)
@@ -47,7 +47,7 @@ impl FetchRecord {
 
     /// Reads the sidecar of a file; `None` if it is missing or unreadable, in which case the next download replaces it.
     pub fn read(file: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(Self::path_beside(file)).ok()?).ok()
+        serde_json::from_slice(&std::fs::read(Self::sidecar_path(file)).ok()?).ok()
     }
 }
 

@@ -83,7 +83,7 @@ fn extension(path: &Path) -> String {
 }
 
 /// Result of a verb: main table, further tables for JSON, and style on a terminal.
-pub struct Answer<'a> {
+pub struct VerbResult<'a> {
     /// Arrays of the JSON document in order; they include the main table.
     pub sections: Vec<Section<'a>>,
     /// Main table; formats other than JSON contain only this table.
@@ -121,7 +121,7 @@ impl Output {
     }
 
     /// Opens a file for an additional table in the format of its extension.
-    pub fn beside(path: PathBuf) -> anyhow::Result<Self> {
+    pub fn additional(path: PathBuf) -> anyhow::Result<Self> {
         check(&path)?;
         Ok(Self { format: Format::by_extension(&path)?, path: Some(path) })
     }
@@ -132,20 +132,20 @@ impl Output {
     }
 
     /// Writes a result: a file atomically, with a notice, and standard output directly.
-    pub fn write(&self, answer: &Answer<'_>, notices: &Notices) -> anyhow::Result<()> {
+    pub fn write(&self, result: &VerbResult<'_>, notices: &Notices) -> anyhow::Result<()> {
         let styled = self.is_styled();
         let write_data = |out: &mut dyn Write| match self.format {
-            Format::Table => out.write_all(render(answer.main, &answer.style, styled, self.width()).as_bytes()),
-            Format::Csv => write_csv(out, answer.main, answer.provenance),
-            Format::Ecsv => write_ecsv(out, answer.main, answer.provenance),
-            Format::Json => write_json(out, &answer.sections, answer.provenance),
-            Format::JsonLines => write_json_lines(out, answer.main, answer.provenance),
-            Format::VoTable => write_votable(out, answer.main, answer.provenance),
+            Format::Table => out.write_all(render(result.main, &result.style, styled, self.width()).as_bytes()),
+            Format::Csv => write_csv(out, result.main, result.provenance),
+            Format::Ecsv => write_ecsv(out, result.main, result.provenance),
+            Format::Json => write_json(out, &result.sections, result.provenance),
+            Format::JsonLines => write_json_lines(out, result.main, result.provenance),
+            Format::VoTable => write_votable(out, result.main, result.provenance),
             #[cfg(feature = "parquet")]
             Format::Parquet => {
                 // The Parquet writer writes to a file or a buffer, not to a stream.
                 let mut bytes = Vec::new();
-                streakcast::output::write_parquet(&mut bytes, answer.main, answer.provenance)?;
+                streakcast::output::write_parquet(&mut bytes, result.main, result.provenance)?;
                 out.write_all(&bytes)
             }
         };

@@ -193,10 +193,10 @@ pub(super) fn camera(config: &Config) -> Vec<Finding> {
     {
         found.push(Finding::new(Severity::Error, "field", error.to_string(), "see examples/field.json"));
     }
-    for (subject, answer) in
+    for (subject, result) in
         [("photometry", config.photometry().map(drop)), ("models", config.model_choice().map(drop))]
     {
-        if let Err(error) = answer {
+        if let Err(error) = result {
             found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/reference/model-files.md"));
         }
     }

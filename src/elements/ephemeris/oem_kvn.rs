@@ -82,7 +82,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
                 Part::Data(segment)
             }
             (part, "META_START" | "META_STOP" | "COVARIANCE_START" | "COVARIANCE_STOP", _) => {
-                return Err(Problem::new(line, "line", format!("{text} {}", part.place()), part.allowed()));
+                return Err(Problem::new(line, "line", format!("{text} {}", part.location()), part.allowed()));
             }
             (Part::Header, _, Some((keyword, value))) => {
                 if keyword == "CREATION_DATE" {
@@ -117,7 +117,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
                 Part::Covariances(segment, Some(covariance))
             }
             (part, ..) => {
-                let given = format!("{:?} {}", excerpt(text.as_bytes()), part.place());
+                let given = format!("{:?} {}", excerpt(text.as_bytes()), part.location());
                 return Err(Problem::new(line, "line", given, part.allowed()));
             }
         };
@@ -127,7 +127,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
         Part::Data(segment) => segment,
         part => {
             let allowed = format!("{} (the file may be truncated)", part.allowed());
-            return Err(Problem::new(last, "end of the file", part.place(), allowed));
+            return Err(Problem::new(last, "end of the file", part.location(), allowed));
         }
     };
     let is_line_cut = !text.ends_with(['\n', '\r']);
@@ -137,7 +137,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
 
 impl Part {
     /// Returns the name of this part of the message, for error messages.
-    fn place(&self) -> &'static str {
+    fn location(&self) -> &'static str {
         match self {
             Part::Header => "before the metadata",
             Part::Metadata(_) => "inside the metadata",

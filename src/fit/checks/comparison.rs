@@ -118,8 +118,8 @@ pub struct Comparison {
 ///   the survey scatters as much about its own curve, and a model that depends on more angles than the phase angle
 ///   differs from it;
 /// * with measurements if the mean difference is no more than [`OFFSET_TOLERANCE_MAG`], the core no more than 1.15
-///   times and the RMS no more than 2 times the sigma in the model's file. Measurements in grazing sunlight are compared
-///   separately with the same tolerances.
+///   times and the RMS no more than 2 times the sigma in the model's file. Measurements in grazing sunlight are
+///   compared separately with the same tolerances.
 ///
 /// The result has at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {

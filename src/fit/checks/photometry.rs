@@ -95,8 +95,8 @@ pub struct ReferenceMeasurement {
 }
 
 impl ReferenceMeasurement {
-    /// Returns the magnitude of the model in this geometry and light, V (Vega) at a range of 1000 km. `None` if no lit surface is
-    /// visible, or if the model requires angles that are unknown.
+    /// Returns the magnitude of the model in this geometry and light, V (Vega) at a range of 1000 km. `None` if no lit
+    /// surface is visible, or if the model requires angles that are unknown.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
@@ -122,9 +122,10 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
 /// Measurements of one set.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct SetMeasurements {
-    /// In full sunlight by the 100 km rule of Lu (2024), and not flagged by the survey as in the penumbra.
+    /// Measurements in full sunlight: the line to the Sun passes at least 100 km above the ground (Lu 2024), and the
+    /// survey does not flag them as in the penumbra.
     sunlit: Vec<ReferenceMeasurement>,
-    /// Lit, with sunlight that passes lower than 100 km above the ground.
+    /// Measurements in sunlight that passes less than 100 km above the ground.
     grazing: Vec<ReferenceMeasurement>,
 }
 

@@ -163,7 +163,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
-        if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|place| place[i] == starts[0][i])) {
+        if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|position| position[i] == starts[0][i])) {
             return Err(FitError::FlatWalkers { parameter });
         }
         let log_probabilities = posterior.of_many(&starts);
@@ -215,7 +215,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
                 }
             }
         }
-        self.positions.iter().for_each(|place| self.chain.positions.extend_from_slice(place));
+        self.positions.iter().for_each(|position| self.chain.positions.extend_from_slice(position));
         self.chain.log_probabilities.extend_from_slice(&self.log_probabilities);
     }
 

@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_no_number_is_a_failure_not_an_answer() {
+    fn verif_nan_is_a_failure() {
         let model = |_: &[f64], _: f64| (f64::NAN, vec![0.0]);
         let problem = Curve { t: vec![0.0], y: vec![0.0], model };
         assert_eq!(minimise(&problem, &[0.5], &[0.0], &[1.0], &LeastSquares::default()).stop, Stop::Failed);

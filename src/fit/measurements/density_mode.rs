@@ -45,8 +45,8 @@ impl DensityMode {
 
 /// Returns the half-sample mode of a sorted sample; NaN for an empty one.
 ///
-/// If several halves are equally narrow (which happens because magnitudes are rounded), the middle one is used, or the
-/// earlier of the two middle ones.
+/// If several intervals with half of the values are equally narrow, which happens because magnitudes are rounded, the
+/// middle one is used, or the first of the two middle ones.
 pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     let mut sample = sorted;
     loop {

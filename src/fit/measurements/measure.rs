@@ -29,10 +29,11 @@ pub struct Measurement {
     pub norad_id: Option<NoradId>,
     /// Time, if known.
     pub epoch: Option<Epoch>,
-    /// Lowest height above the ground of the line from satellite to Sun, km; `None` if the satellite is the lowest point.
+    /// Lowest height above the ground of the line from satellite to Sun, km; `None` if the satellite is the lowest
+    /// point.
     pub grazing_height_km: Option<f64>,
-    /// Fraction of the Sun's light that reaches the satellite past the Earth's atmosphere. The magnitude is not corrected
-    /// for it.
+    /// Fraction of the Sun's light that reaches the satellite past the Earth's atmosphere. The magnitude is not
+    /// corrected for it.
     pub lit_fraction: f64,
 }
 

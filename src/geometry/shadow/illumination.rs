@@ -17,10 +17,10 @@
 //! the light where the line to the Sun's centre passes 56 km above the ground, 90 % at 41 km, 50 % at 27 km, 10 % at 12
 //! km and 1 % at -9 km. Below 1 % a satellite counts as dark, above 99 % as sunlit.
 //!
-//! [`ShadowModel::Geometric`] has no atmosphere. A satellite at 550 km crosses its penumbra, from 13 km to -13 km, at up
-//! to 3 km/s, in 8 s or more. With the atmosphere half of the light is lost 9 s earlier at this speed. Both models
-//! neglect the tilt of the Earth's axis against z of GCRS (0.15° in 2026, which moves boundaries by up to 60 m or
-//! 0.02 s).
+//! [`ShadowModel::Geometric`] has no atmosphere. A satellite at 550 km crosses its penumbra, from 13 km to -13 km, at
+//! up to 3 km/s, in 8 s or more. With the atmosphere half of the light is lost 9 s earlier at this speed. Both models
+//! neglect the tilt of the Earth's axis against z of GCRS (0.15° in 2026, which moves boundaries by up to 60 m or 0.02
+//! s).
 //!
 //! Heavens-Above gives the time of the first geometric dimming as the time of shadow entry: for 15 passes these times
 //! agree with the geometric model within 0.8 s, rounding included.
@@ -82,8 +82,8 @@ pub enum ShadowModel {
     Geometric,
     /// The Earth and its atmosphere: rays near the limb are bent, spread, scattered and absorbed.
     ///
-    /// The model is valid for satellites from 100 km up to the Moon's distance; the geometric shadow is returned for all
-    /// others.
+    /// The model is valid for satellites from 100 km up to the Moon's distance; the geometric shadow is returned for
+    /// all others.
     #[default]
     Atmosphere,
 }
@@ -167,8 +167,8 @@ pub fn illumination(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumin
     ShadowModel::default().illumination(satellite, sun)
 }
 
-/// Fraction of the Sun's light below which a satellite behind the atmosphere is in the umbra, and missing fraction below
-/// which it is sunlit.
+/// Fraction of the Sun's light below which a satellite behind the atmosphere is in the umbra, and missing fraction
+/// below which it is sunlit.
 ///
 /// For a satellite at 550 km 1 % remains 3 km above the edge of the geometric umbra. Less light is uncertain, because
 /// clouds block the lowest rays.
@@ -347,9 +347,9 @@ mod tests {
                 for step in 0..16 {
                     let angle = limb - 0.009 + 0.016 * f64::from(step) / 16.0;
                     let satellite = (-sun.normalize() * angle.cos() + up * angle.sin()) * radius_km;
-                    let (place, sun_place) = (Position::from_vector(satellite), Position::from_vector(sun));
-                    let ours = ShadowModel::Geometric.illumination(&place, &sun_place);
-                    if let Illumination::Penumbra { lit_fraction } = ours {
+                    let (position, sun_position) = (Position::from_vector(satellite), Position::from_vector(sun));
+                    let illumination = ShadowModel::Geometric.illumination(&position, &sun_position);
+                    if let Illumination::Penumbra { lit_fraction } = illumination {
                         let rays = lit_by_rays(&satellite, &sun);
                         worst = worst.max((lit_fraction - rays).abs());
                         checked += 1;

@@ -10,7 +10,7 @@ use super::moment::Keywords;
 const CARTESIAN: [&str; 3] = ["OBSGEO-X", "OBSGEO-Y", "OBSGEO-Z"];
 /// Geodetic latitude and longitude, degrees, east positive, and height above the ellipsoid, m.
 const GEODETIC: [&str; 3] = ["OBSGEO-B", "OBSGEO-L", "OBSGEO-H"];
-/// Keywords with names of places, in order of precedence.
+/// Keywords with names of sites, in order of precedence.
 const NAMES: [&str; 4] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"];
 
 /// Description of the keywords, for errors.

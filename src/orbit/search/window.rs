@@ -386,7 +386,7 @@ mod tests {
                 }
             }
         }
-        assert!(checked > 20_000, "only {checked} places were checked; worst {worst:?}");
+        assert!(checked > 20_000, "only {checked} positions were checked; worst {worst:?}");
     }
 
     fn lowest(phase: &Phase) -> f64 {

@@ -58,8 +58,8 @@ pub struct CrossingProbability {
     /// Probability that the satellite is in the field at any time of the exposure, (0, 1].
     pub probability: f64,
     /// Expected length of the satellite's streak within the field, radians. It is the average over all errors of the
-    /// position; errors with which the satellite misses the field count with length 0. If the satellite is lit on a part
-    /// of its predicted path, the length is reduced in proportion.
+    /// position; errors with which the satellite misses the field count with length 0. If the satellite is lit on a
+    /// part of its predicted path, the length is reduced in proportion.
     pub streak_length_rad: f64,
     /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,

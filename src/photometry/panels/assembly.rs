@@ -341,12 +341,12 @@ mod tests {
                         (vec![lambert.clone()], DIFFUSE_EXPONENT),
                         (vec![lambert.clone(), facets.clone()], facets.equivalent_exponent()),
                     ] {
-                        let ours = level_reflection_per_sr(&earth, &down, &front, &to_observer).expect("level");
+                        let computed = level_reflection_per_sr(&earth, &down, &front, &to_observer).expect("level");
                         let sources = earth.sources(exponent);
                         let of = |law: &Law| reflected_per_sr(&sources, &down, law, &to_observer);
                         let expected: f64 = front.iter().map(of).sum();
-                        let error = (ours - expected).abs();
-                        assert!(error <= TOLERANCE * expected, "{front:?} {sun_deg}: {ours:e} {expected:e}");
+                        let error = (computed - expected).abs();
+                        assert!(error <= TOLERANCE * expected, "{front:?} {sun_deg}: {computed:e} {expected:e}");
                         compared += 1;
                     }
                 }

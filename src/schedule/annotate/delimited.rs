@@ -276,7 +276,7 @@ mod tests {
 
     #[test]
     fn a_file_that_grew_is_an_error() {
-        let answer = run("id,n\n1,2\n", &["clear", "clear"], false);
-        assert!(matches!(answer, Err(ScheduleError::Changed { rows: 1, flags: 2, .. })));
+        let result = run("id,n\n1,2\n", &["clear", "clear"], false);
+        assert!(matches!(result, Err(ScheduleError::Changed { rows: 1, flags: 2, .. })));
     }
 }

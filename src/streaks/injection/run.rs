@@ -263,13 +263,13 @@ fn drawn_sources<'a>(streaks: &[DrawnStreak<'a>]) -> Vec<&'a Source> {
 
 fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected) -> String {
     let brightest = streaks.iter().filter_map(|streak| streak.peak_magnitude).min_by(f64::total_cmp);
-    let of = match sources {
-        [] => return "no streak: no visible satellite crosses the frame; the output is a copy".to_owned(),
-        [Source { name: SourceName::Random(_), .. }, ..] => "random lights".to_owned(),
-        [one] => format!("{}", one.name),
-        _ => format!("{} satellites", sources.len()),
-    };
     let number = counted(sources.len(), "streak", "streaks");
+    let number = match sources {
+        [] => return "no streak: no visible satellite crosses the frame; the output is a copy".to_owned(),
+        [Source { name: SourceName::Random(_), .. }, ..] => counted(sources.len(), "random streak", "random streaks"),
+        [one] => format!("{number} of {}", one.name),
+        _ => format!("{number} of {} satellites", sources.len()),
+    };
     // A streak on several detectors, or of separate panels, has several rows in the truth table.
     let pieces = match streaks.len() {
         pieces if pieces > sources.len() => format!(" in {pieces} pieces"),
@@ -280,7 +280,7 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
         0 => String::new(),
         clipped => format!(", {clipped} of them limited to the range of their type"),
     };
-    format!("{number} of {of}{pieces}{brightest}; {} pixels changed{clipped}", injected.changed.pixels)
+    format!("{number}{pieces}{brightest}; {} pixels changed{clipped}", injected.changed.pixels)
 }
 
 fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {

@@ -65,10 +65,10 @@ impl RandomStreaks {
 
     /// Returns the tracks of the random streaks of one frame.
     ///
-    /// `place` is called once for each streak. It converts three random numbers in [0, 1) and a random time, in seconds
-    /// after the shutter opened, to a direction in the frame. The light passes this direction at that time, moving in a
-    /// random direction. Its track extends `radius_rad` to either side, or from the opening to the closing of the
-    /// shutter if that is shorter.
+    /// `to_sky` is called once for each streak. It converts three random numbers in [0, 1) and a random time, in
+    /// seconds after the shutter opened, to a direction in the frame. The light passes this direction at that time,
+    /// moving in a random direction. Its track extends `radius_rad` to either side, or from the opening to the closing
+    /// of the shutter if that is shorter.
     ///
     /// The streaks depend only on the seed, not on the other random numbers of the frame.
     pub fn tracks(
@@ -76,7 +76,7 @@ impl RandomStreaks {
         seed: u64,
         exposure_s: f64,
         radius_rad: f64,
-        place: impl Fn([f64; 3], f64) -> Option<Direction<Gcrs>>,
+        to_sky: impl Fn([f64; 3], f64) -> Option<Direction<Gcrs>>,
     ) -> Vec<SkyTrack> {
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ OWN_STREAM);
         let number = match self.number {
@@ -91,7 +91,7 @@ impl RandomStreaks {
             let drawn = [draw(), draw(), draw()];
             let [moment, turn, speed, light] = [draw(), draw(), draw(), draw()];
             let passing_s = moment * exposure_s;
-            let centre = place(drawn, passing_s);
+            let centre = to_sky(drawn, passing_s);
             let [slow, fast] = self.rate_rad_s;
             let rate_rad_s = slow * (fast / slow).powf(speed);
             let [bright, faint] = self.magnitude;
@@ -146,7 +146,7 @@ mod tests {
         RandomStreaks { number, magnitude: [4.0, 8.0], rate_rad_s: [0.2f64.to_radians(), 1.0f64.to_radians()] }
     }
 
-    fn place(drawn: [f64; 3], _: f64) -> Option<Direction<Gcrs>> {
+    fn to_sky(drawn: [f64; 3], _: f64) -> Option<Direction<Gcrs>> {
         Some(Direction::from_lon_lat_rad(1.0 + 0.01 * drawn[1], 0.5 + 0.01 * drawn[2]))
     }
 
@@ -154,10 +154,10 @@ mod tests {
     fn verif_streaks_are_in_their_ranges_and_depend_on_the_seed() {
         let request = streaks(StreakNumber::Exactly(200));
         request.check().unwrap();
-        let tracks = request.tracks(7, 30.0, 0.02, place);
+        let tracks = request.tracks(7, 30.0, 0.02, to_sky);
         assert_eq!(tracks.len(), 200);
-        assert_eq!(tracks, request.tracks(7, 30.0, 0.02, place));
-        assert_ne!(tracks, request.tracks(8, 30.0, 0.02, place));
+        assert_eq!(tracks, request.tracks(7, 30.0, 0.02, to_sky));
+        assert_ne!(tracks, request.tracks(8, 30.0, 0.02, to_sky));
         let mut faint = 0;
         for track in &tracks {
             let [first, last] = [track.points[0], track.points[POINTS - 1]];
@@ -179,12 +179,12 @@ mod tests {
     #[test]
     fn verif_mean_numbers_give_poisson_numbers() {
         let request = streaks(StreakNumber::OnAverage(3.0));
-        let counts: Vec<f64> = (0..2000).map(|seed| request.tracks(seed, 30.0, 0.02, place).len() as f64).collect();
+        let counts: Vec<f64> = (0..2000).map(|seed| request.tracks(seed, 30.0, 0.02, to_sky).len() as f64).collect();
         let mean = counts.iter().sum::<f64>() / 2000.0;
         let variance = counts.iter().map(|count| (count - mean).powi(2)).sum::<f64>() / 1999.0;
         // √(3 / 2000) = 0.04 and 3 √(2 / 2000 (1 + 1 / 6)) = 0.1: five sigma each.
         assert!((mean - 3.0).abs() < 0.2 && (variance - 3.0).abs() < 0.5, "{mean} {variance}");
-        assert!(streaks(StreakNumber::OnAverage(0.0)).tracks(1, 30.0, 0.02, place).is_empty());
+        assert!(streaks(StreakNumber::OnAverage(0.0)).tracks(1, 30.0, 0.02, to_sky).is_empty());
     }
 
     #[test]

@@ -56,10 +56,10 @@ pub fn satellites(
     let reach_rad = light.tracking.reach_rad(exposure.duration_s);
     let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
     let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };
-    let mut answer = sky.field_passes(std::slice::from_ref(exposure), &field, &options)?;
-    let passes = answer.by_exposure.pop().unwrap_or_default();
+    let mut crossings = sky.field_passes(std::slice::from_ref(exposure), &field, &options)?;
+    let passes = crossings.by_exposure.pop().unwrap_or_default();
     let sources = passes.iter().map(|pass| source(sky, eop, exposure, pass, light)).collect();
-    Ok(SatelliteExposure { sources, left_out: answer.left_out })
+    Ok(SatelliteExposure { sources, left_out: crossings.left_out })
 }
 
 fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &Pass, light: &SatelliteLight<'_>) -> Source {
@@ -87,9 +87,9 @@ fn panels(
     let Viewpoint::Site(observer) = sky.viewpoint() else { return None };
     let end = seconds_after(exposure.start, exposure.duration_s);
     let turning = OrientationTable::new(exposure.start, end, eop);
-    let place = |time_s: f64| -> Position<Gcrs> {
+    let position = |time_s: f64| -> Position<Gcrs> {
         let orientation: Orientation = turning.at_s(time_s);
         observer.position(&orientation)
     };
-    ResolvedPanels::of_pass(pass, exposure, sky.model(pass.element_index), light.photometry.earthshine, place)
+    ResolvedPanels::of_pass(pass, exposure, sky.model(pass.element_index), light.photometry.earthshine, position)
 }

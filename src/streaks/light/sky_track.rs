@@ -85,11 +85,11 @@ impl SkyTrack {
         Direction::from_vector(sum.normalize())
     }
 
-    /// Returns the time at which the light is nearest to the direction `place`, seconds after the shutter opened;
-    /// `None` for a track without points. `seen` converts a point of the track to the frame of `place`, which may move
+    /// Returns the time at which the light is nearest to the direction `target`, seconds after the shutter opened;
+    /// `None` for a track without points. `seen` converts a point of the track to the frame of `target`, which may move
     /// with the telescope.
-    pub fn closest_s(&self, place: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
-        let away = |index: usize| seen(&self.points[index]).separation_rad(place);
+    pub fn closest_s(&self, target: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
+        let away = |index: usize| seen(&self.points[index]).separation_rad(target);
         let nearest = (0..self.points.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
         if nearest == 0 || nearest + 1 == self.points.len() {
             return Some(self.points[nearest].time_s);

@@ -7,9 +7,9 @@ start-up and imports. Medians are printed.
 
     python tests/reference/make_bench_exposures.py schedule.csv
     python tests/benches/peers/compare.py --elements tle/active/active_2026-04-25.txt --schedule schedule.csv \
-        --ours "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
+        --streakcast "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
 
-`--ours` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
+`--streakcast` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
 "left_out": [norad_id, ...]} or the output of `streakcast passes --format json`; in the latter case its time is that of
 the whole process. `--only astroz=1000,sgp4=100` selects programs with numbers of exposures; times are then per
 exposure, and results are compared for these exposures.
@@ -91,7 +91,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--elements", required=True)
     parser.add_argument("--schedule", required=True)
-    parser.add_argument("--ours", help="command, with {elements} {schedule} {fov_deg} {limit}")
+    parser.add_argument("--streakcast", help="command, with {elements} {schedule} {fov_deg} {limit}")
     parser.add_argument("--satidentifier", help="a clone of github.com/exoplanet5/SatIdentifier")
     parser.add_argument("--only", default="astroz=0,sgp4=100,satidentifier=100", help="peers and their number of exposures, 0 for all")
     parser.add_argument("--rounds", type=int, default=3)
@@ -103,9 +103,9 @@ def main():
     frames, rows = Frames(), read_schedule(options.schedule, options.limit)
     folder = tempfile.TemporaryDirectory()
     tools = {}
-    if options.ours:
+    if options.streakcast:
         values = {"elements": options.elements, "schedule": options.schedule, "fov_deg": options.fov_deg, "limit": len(rows)}
-        tools["ours"] = (len(rows), [word.format(**values) for word in shlex.split(options.ours)])
+        tools["streakcast"] = (len(rows), [word.format(**values) for word in shlex.split(options.streakcast)])
     for word in options.only.split(",") if options.only else []:
         peer, _, count = word.partition("=")
         count = min(int(count or 0) or len(rows), len(rows))
@@ -137,13 +137,13 @@ def main():
         return once_s + (timings["total_s"] - once_s) * len(rows) / report["exposures"]
 
     print(f"\n{len(rows)} exposures, {options.rounds} rounds: medians, and the median of the ratios of each round")
-    print(f"| {'tool':42s} | total, s | of it reading, s | per exposure, ms | peak, MB | times ours |\n|{'-' * 44}|---|---|---|---|---|")
+    print(f"| {'tool':42s} | total, s | of it reading, s | per exposure, ms | peak, MB | ratio |\n|{'-' * 44}|---|---|---|---|---|")
     for tool, (count, _) in tools.items():
         mine = reports[tool]
         total_s = statistics.median(map(whole_s, mine))
         read_s = statistics.median(r["timings"].get("read_s", float("nan")) for r in mine)
         each_ms = statistics.median((r["timings"].get("crossings_s", r["timings"]["total_s"]) + r["timings"].get("frames_s", 0.0)) / r["exposures"] * 1e3 for r in mine)
-        ratio = statistics.median(whole_s(r) / whole_s(o) for r, o in zip(mine, reports["ours"])) if "ours" in tools else float("nan")
+        ratio = statistics.median(whole_s(r) / whole_s(o) for r, o in zip(mine, reports["streakcast"])) if "streakcast" in tools else float("nan")
         scaled = "" if count == len(rows) else f" (from {count})"
         print(f"| {mine[0]['name'] + scaled:42s} | {total_s:.3f} | {read_s:.3f} | {each_ms:.4f} | {statistics.median(r['peak_mb'] for r in mine):.0f} | {ratio:.1f} |")
 
@@ -153,7 +153,7 @@ def main():
     found = {tool: {(str(e), int(n)) for e, n in mine[0]["crossings"]} for tool, mine in reports.items()}
     changing = [tool for tool, mine in reports.items() if any({(str(e), int(n)) for e, n in r["crossings"]} != found[tool] for r in mine)]
     if changing:
-        print(f"\nnot the same answer in every round: {', '.join(changing)}")
+        print(f"\nnot the same crossings in every round: {', '.join(changing)}")
     print("\ncrossings: " + ", ".join(f"{tool} {len(pairs)} in {tools[tool][0]}" for tool, pairs in found.items()))
     seen_by = {tool: {row["exposure_id"] for row in rows[:count]} for tool, (count, _) in tools.items()}
     wrong = {tool: 0 for tool in tools}
@@ -185,7 +185,7 @@ def main():
               f"{', '.join(f'{value:+.1f}' for value in edge)} arcsec from the edge{records}: {verdict}")  # fmt: skip
     print("real differences against the truth: " + ", ".join(f"{tool} {count}" for tool, count in wrong.items()))
     folder.cleanup()
-    sys.exit(1 if wrong.get("ours") else 0)
+    sys.exit(1 if wrong.get("streakcast") else 0)
 
 
 if __name__ == "__main__":

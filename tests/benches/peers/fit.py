@@ -28,7 +28,7 @@ from model_magnitudes import magnitude  # noqa: E402
 START = [0.05, 0.01, 0.01, 0.2, 0.1, 4.0, 12.0]
 
 
-def ours(path, threads):
+def streakcast(path, threads):
     out = subprocess.run(["cargo", "bench", "-q", "--bench", "fit", "--", path, "--steps", "200", "--threads", str(threads)], cwd=ROOT, check=True,
                          capture_output=True, text=True).stdout
     found = {}
@@ -58,7 +58,7 @@ def main():
 
         rows = []
         for _ in range(options.rounds):
-            mine = ours(path, options.threads)
+            mine = streakcast(path, options.threads)
             began = time.perf_counter()
             found = peer.solve(g, m, s, "linear", START)
             scipy_ms = (time.perf_counter() - began) * 1e3
@@ -69,7 +69,7 @@ def main():
             sampler.run_mcmc(None, 60)
             emcee_ms = (time.perf_counter() - began) * 1e3 / 60
             rows.append((*mine["off"], mine["earth"][2], scipy_ms, found.cost, emcee_ms))
-            print("ours: descent %.3f ms (cost %.8f), step %.3f ms, with earthshine %.3f ms; scipy %.1f ms (cost %.8f, %d evaluations); "
+            print("streakcast: descent %.3f ms (cost %.8f), step %.3f ms, with earthshine %.3f ms; scipy %.1f ms (cost %.8f, %d evaluations); "
                   "emcee %.2f ms a step" % (*rows[-1][:6], found.nfev, emcee_ms))
         column = lambda k: statistics.median(row[k] for row in rows)
         print("median ratios: least squares %.1f x SciPy, posterior %.1f x emcee; earthshine costs %.2f x; costs differ by %.1e"

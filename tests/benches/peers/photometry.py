@@ -31,7 +31,7 @@ SHAPE = (8.1, 2.8, 1.3, 2.8)
 COEFFICIENTS = (0.05, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
 
 
-def ours_ns():
+def streakcast_ns():
     text = subprocess.run(["cargo", "bench", "-q", "--bench", "magnitudes"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     return float(re.search(r"both lobes: ([0-9.]+) ns a direction at once", text)[1])
 
@@ -71,7 +71,7 @@ def lumos_ns(earthshine, n):
     return statistics.median(times) * 1e9
 
 
-def ours_map_ns():
+def streakcast_map_ns():
     command = ["cargo", "bench", "-q", "--bench", "maps", "--", "all_sky_nside_64", "--sample-count", "30"]
     text = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     # Columns: fastest, slowest, median. In the first row the Sun is at 0, with sunlight only.
@@ -114,16 +114,16 @@ def main():
     subprocess.run(["cargo", "bench", "-q", "--bench", "magnitudes", "--no-run"], cwd=ROOT, check=True)
     rows, maps = [], []
     for _ in range(rounds):
-        rows.append((ours_ns(), numpy_ns(), lumos_ns(False, 2000), lumos_ns(True, 50)))
-        maps.append((ours_map_ns(), numpy_map_ns()))
+        rows.append((streakcast_ns(), numpy_ns(), lumos_ns(False, 2000), lumos_ns(True, 50)))
+        maps.append((streakcast_map_ns(), numpy_map_ns()))
     names = ("streakcast, columns", f"numpy {np.__version__}", "lumos-sat, Sun only", "lumos-sat, earthshine 150")
-    print(f"{'':28} {'ns a direction':>16} {'times ours':>12}")
+    print(f"{'':28} {'ns a direction':>16} {'ratio':>12}")
     for place, name in enumerate(names):
         ratio = statistics.median(row[place] / row[0] for row in rows)
         print(f"{name:28} {statistics.median(row[place] for row in rows):16,.1f} {ratio:12,.1f}")
-    ours, theirs = (statistics.median(row[place] for row in maps) / 1e6 for place in (0, 1))
+    streakcast_ms, numpy_ms = (statistics.median(row[place] for row in maps) / 1e6 for place in (0, 1))
     ratio = statistics.median(row[1] / row[0] for row in maps)
-    print(f"all sky at nside 64: {ours:.2f} ms on all cores, numpy on one {theirs:.1f} ms, times ours {ratio:.1f}")
+    print(f"all sky at nside 64: {streakcast_ms:.2f} ms on all cores, numpy on one {numpy_ms:.1f} ms, ratio {ratio:.1f}")
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ CENTRE = (2047.8, 2047.4)
 LENGTHS = [500, 1000, 2000, 4000]
 
 
-def ours(pixels):
+def streakcast(pixels):
     out = subprocess.run(["cargo", "bench", "-q", "--bench", "streaks", "--", "--rounds", "9", "--pixels", pixels], cwd=ROOT, check=True,
                          capture_output=True, text=True).stdout
     return {(name, int(length)): float(ms) for name, length, ms in re.findall(r"^([\w.]+) (\d+): ([\d.]+) ms", out, re.M)}
@@ -105,7 +105,7 @@ def main():
     frame = np.zeros((SIZE, SIZE), np.float32)
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(rounds):
-            mine = ours(f"{folder}/pixels")
+            mine = streakcast(f"{folder}/pixels")
             for length in LENGTHS:
                 for name, psf in profiles.items():
                     image = galsim.ImageF(frame, xmin=0, ymin=0)
@@ -115,10 +115,10 @@ def main():
                 in_satsim.append((mine["gaussian", LENGTHS[-1]], *of_satsim()))
         for (name, length), times in sorted(found.items()):
             own, peer = (statistics.median(column) for column in zip(*times))
-            print("%-10s %4d px: ours %7.3f ms, %s %8.1f ms, ratio %7.0f" % (name, length, own, "numpy " if name == "numpy" else "galsim", peer, peer / own))
+            print("%-10s %4d px: streakcast %7.3f ms, %s %8.1f ms, ratio %7.0f" % (name, length, own, "numpy " if name == "numpy" else "galsim", peer, peer / own))
         if in_satsim:
             own, points, convolution = (statistics.median(column) for column in zip(*in_satsim))
-            print("satsim     %4d px: ours %7.3f ms, satsim %8.1f ms for the points, ratio %7.0f; and %.0f ms for the frame (SatSim %s, TensorFlow %s)" % (
+            print("satsim     %4d px: streakcast %7.3f ms, satsim %8.1f ms for the points, ratio %7.0f; and %.0f ms for the frame (SatSim %s, TensorFlow %s)" % (
                 LENGTHS[-1], own, points, points / own, convolution, version("satsim"), version("tensorflow")))
         else:
             print("satsim is not installed and takes no part")

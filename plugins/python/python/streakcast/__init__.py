@@ -2,8 +2,8 @@
 
 >>> import streakcast
 >>> model = streakcast.StreakModel(site="Rubin Observatory", shells="starlink-gen1", telescope="rubin", limit_mag=7)
->>> answer = model.assess((198.9, 7.7), "2026-08-14T23:29:05Z", 30.0)
->>> answer.crosses
+>>> result = model.assess((198.9, 7.7), "2026-08-14T23:29:05Z", 30.0)
+>>> result.crosses
 True
 
 `StreakModel` contains satellites, site, field of view, brightness models and policy, and computes crossings for arrays

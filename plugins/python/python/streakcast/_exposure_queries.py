@@ -300,8 +300,8 @@ class ExposureQueries(SiteQueries):
         n_streaks : array, ``(n,)``
             Number of lit streaks.
         """
-        answer = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
-        return np.nan_to_num(np.atleast_1d(answer.streak_length_deg)), np.atleast_1d(answer.n_streaks)
+        result = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
+        return np.nan_to_num(np.atleast_1d(result.streak_length_deg)), np.atleast_1d(result.n_streaks)
 
     def _exposure_columns(
         self, target: TargetLike, start: TimeLike, exposure: FloatArrayLike, rotation: FloatArrayLike, band: TextLike | None, scale: str | None

@@ -11,7 +11,7 @@ use streakcast::passes::LearnedFile;
 use super::learn::{ResidualArguments, residuals};
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -21,7 +21,7 @@ pub struct AlarmsArguments {
     /// Learned file of earlier measurements, by streakcast learn
     #[arg(long, value_name = "FILE", help_heading = "Model")]
     pub learned: PathBuf,
-    /// Largest probability of an alarm, after the number of looks
+    /// Largest probability of an alarm, multiplied by the number of tests (column looks)
     #[arg(long, value_name = "P", default_value_t = 1e-4, help_heading = "Alarms")]
     pub probability: f64,
     /// Picture of the differences against time, .png or .svg
@@ -83,7 +83,7 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
     found.provenance.state("passes_searched_for_periods", alarms.searched);
     let table = alarm_table(&alarms.alarms);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "alarms", table: &table }],
             main: &table,
             provenance: &found.provenance,

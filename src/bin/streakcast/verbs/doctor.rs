@@ -18,7 +18,7 @@ use streakcast::schedule::AgeEffect;
 use super::judged::{begin, judge};
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Style, printable};
 
 #[derive(Args)]
@@ -84,7 +84,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
         );
         let state = health.elements.clone().unwrap_or_default();
         output.write(
-            &Answer {
+            &VerbResult {
                 sections: vec![
                     Section { name: "findings", table: &findings },
                     Section { name: "element_ages", table: &age_table(&state) },

@@ -10,7 +10,7 @@ use streakcast::output::{Section, format_utc};
 use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::Answer;
+use crate::output::VerbResult;
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -69,7 +69,7 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
     let table = ephemeris_table(rows);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![
                 Section { name: "ephemeris", table: &table },
                 Section { name: "left_out", table: &left_out_table(&found.left_out) },

@@ -13,7 +13,7 @@ use streakcast::schedule::{FlagReport, Verdict, VerdictKind, flag_table_with_exp
 use super::judged::judge;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::Answer;
+use crate::output::VerbResult;
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -88,7 +88,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let flags = flag_table_with_exposures(&judged.report.flags, &judged.schedule.exposures);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "flags", table: &flags }, Section { name: "left_out", table: &left_out }],
             main: &flags,
             provenance: &judged.provenance,

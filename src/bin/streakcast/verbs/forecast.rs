@@ -20,7 +20,7 @@ use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::local_time::{LocalTime, local_time};
-use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
+use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -105,7 +105,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let range = "--night DATE, or --start TIME and --end TIME";
     Required::of(&config).input(has_range, "time range", range).satellites().site().check()?;
     let (output, document) = open(&typed, &config)?;
-    let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
+    let curves = typed.light_curves.clone().map(Output::additional).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
     let angles = angles(typed.angle_type.as_deref())?;
     reject_unused(&typed, document)?;
@@ -141,7 +141,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     if let Some(curves) = &curves {
         let table = light_curve_table(rows());
         curves.write(
-            &Answer {
+            &VerbResult {
                 sections: vec![Section { name: "light_curves", table: &table }],
                 main: &table,
                 provenance: &prepared.provenance,
@@ -171,7 +171,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             let passes = pass_table(rows(), columns);
             let columns = if zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(
-                &Answer {
+                &VerbResult {
                     sections: vec![
                         Section { name: "night", table: &night_table(&found, why_empty.as_deref()) },
                         Section { name: "passes", table: &passes },

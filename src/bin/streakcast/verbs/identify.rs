@@ -15,7 +15,7 @@ use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::Answer;
+use crate::output::VerbResult;
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -100,7 +100,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     });
     let candidates = candidate_table(rows);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![
                 Section { name: "streak", table: &streak_table(streak) },
                 Section { name: "candidates", table: &candidates },

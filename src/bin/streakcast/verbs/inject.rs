@@ -13,7 +13,7 @@ use streakcast::streaks::{InjectedFrame, Injections};
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Format, Output, check_whole};
+use crate::output::{Format, Output, VerbResult, check_whole};
 #[cfg(feature = "plot")]
 use crate::output::{check, write_bytes};
 use crate::required::Required;
@@ -98,7 +98,7 @@ impl Outputs {
             let mut table = first.clone();
             frames.for_each(|other| table.rows.extend(other.rows.iter().cloned()));
             output.write(
-                &Answer {
+                &VerbResult {
                     sections: vec![Section { name, table: &table }],
                     main: &table,
                     provenance: &done.provenance,

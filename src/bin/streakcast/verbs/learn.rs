@@ -18,7 +18,7 @@ use super::fit::{PhotometryArguments, config_of, history_of_flags, measured, sta
 use super::judged::begin;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output, check, write_bytes};
+use crate::output::{Output, VerbResult, check, write_bytes};
 use crate::screen::{Shown, Style, rounded, shown};
 
 /// Photometry, with the kinds and models of its satellites.
@@ -184,7 +184,7 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
         ("leave_pass_out", leave_out_table(&rows), LEAVE_OUT_ON_SCREEN)
     };
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name, table: &table }],
             main: &table,
             provenance: &found.provenance,

@@ -8,7 +8,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -58,7 +58,7 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             .collect(),
     };
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "sites", table: &table }],
             main: &table,
             provenance: &Provenance::new(),
@@ -99,7 +99,7 @@ pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
             .collect(),
     };
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "shells", table: &table }],
             main: &table,
             provenance: &Provenance::new(),

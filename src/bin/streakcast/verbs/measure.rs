@@ -12,7 +12,7 @@ use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, FORMATS, Output};
+use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -97,7 +97,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let none = Provenance::default();
     let left_out = left_out_table(&done.left_out);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![
                 Section { name: "measurements", table: &table },
                 Section { name: "left_out", table: &left_out },

@@ -11,7 +11,7 @@ use streakcast::photometry::{ModelFile, ModelLibrary};
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -144,7 +144,7 @@ fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {
 
 fn write(output: &Output, table: &Table) -> anyhow::Result<Outcome> {
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "models", table }],
             main: table,
             provenance: &Provenance::new(),

@@ -8,7 +8,7 @@ use streakcast::photometry::{BrightnessModel, ModelLibrary};
 use super::model::ModelCheckArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 const CHECK_ON_SCREEN: &[Shown] = &[
@@ -57,7 +57,7 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     }
     let table = comparison_table(&rows);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "comparisons", table: &table }],
             main: &table,
             provenance: &provenance,

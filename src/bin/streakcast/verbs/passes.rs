@@ -14,7 +14,7 @@ use streakcast::schedule::{StreakColumns, StreakRow, exposure_table, streak_tabl
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::Answer;
+use crate::output::VerbResult;
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -71,7 +71,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let output = typed.output.open(&config)?;
     let prediction = predict(&config)?;
     let passes = prediction.table(output.is_json());
-    let left_out = left_out_table(&prediction.answer.left_out);
+    let left_out = left_out_table(&prediction.crossings.left_out);
     let exposures = exposure_table([&prediction.exposure]);
     let found = prediction.found();
     let brightest = |pass: &Pass| {
@@ -81,7 +81,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         .filter(|&row| brightest(&found[row]).is_some())
         .min_by(|&a, &b| brightest(&found[a]).partial_cmp(&brightest(&found[b])).unwrap_or(std::cmp::Ordering::Equal));
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![
                 Section { name: "exposures", table: &exposures },
                 Section { name: "passes", table: &passes },
@@ -106,7 +106,7 @@ pub struct Prediction {
     pub limit_mag: Option<f64>,
     /// Sky with provenance and warnings.
     pub prepared: PreparedSky,
-    pub answer: Passes,
+    pub crossings: Passes,
     pub notices: Notices,
 }
 
@@ -127,18 +127,18 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     prepared.check_altitude("pointing", &exposure)?;
     notices.warn(&prepared.warnings);
 
-    let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
-    notices.warn_left_out(&prepared, &answer.left_out, exposure.start)?;
+    let crossings = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
+    notices.warn_left_out(&prepared, &crossings.left_out, exposure.start)?;
     state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
     let band = options.photometry.band.name();
     let limit_mag = plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(Some(band)));
-    Ok(Prediction { exposure, telescope: plan.telescope, options, limit_mag, prepared, answer, notices })
+    Ok(Prediction { exposure, telescope: plan.telescope, options, limit_mag, prepared, crossings, notices })
 }
 
 impl Prediction {
     /// Returns the passes.
     pub fn found(&self) -> &[Pass] {
-        self.answer.by_exposure.first().map_or(&[], Vec::as_slice)
+        self.crossings.by_exposure.first().map_or(&[], Vec::as_slice)
     }
 
     /// Returns the passes as a table; with nested tables if `is_nested`.

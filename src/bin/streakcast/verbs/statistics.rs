@@ -12,7 +12,7 @@ use streakcast::output::{Section, format_utc};
 use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -168,7 +168,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             counts.iter().map(move |count| (*latitude_rad, request, count))
         }));
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![
                 Section { name: "statistics", table: &table },
                 Section { name: "left_out", table: &left_out_table(&left_out) },

@@ -18,7 +18,7 @@ use streakcast::schedule::{
 use super::judged::{begin, given_field};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::{Answer, FORMATS, Output};
+use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -142,7 +142,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     } else {
         let windows = window_table(&found);
         output.write(
-            &Answer {
+            &VerbResult {
                 sections: vec![
                     Section { name: "windows", table: &windows },
                     Section { name: "targets", table: &window_target_table(&found) },
@@ -162,10 +162,10 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
 
 /// Pairs every row of the target list with its windows.
 fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundWindows<'a>> {
-    let mut answers = report.by_target.iter();
+    let mut results = report.by_target.iter();
     listed
         .iter()
-        .map(|listed| FoundWindows { listed, found: listed.target.as_ref().ok().and_then(|_| answers.next()) })
+        .map(|listed| FoundWindows { listed, found: listed.target.as_ref().ok().and_then(|_| results.next()) })
         .collect()
 }
 

@@ -196,8 +196,8 @@ impl Session<'_> {
             }
             Ok(())
         };
-        stamp("asking")?;
-        let response = answer(source, self.options);
+        stamp("no response yet")?;
+        let response = download(source, self.options);
         let stored = response.and_then(|bytes| {
             let record = check(&bytes).map_err(Failure::Refused)?;
             Ok((bytes, record))
@@ -208,7 +208,7 @@ impl Session<'_> {
                     Some(before) => before.write(path)?,
                     // If the manifest itself was requested, both paths are the same, and the sidecar may already be
                     // removed.
-                    None if FetchRecord::path_beside(path).is_file() => FetchRecord::remove(path)?,
+                    None if FetchRecord::sidecar_path(path).is_file() => FetchRecord::remove(path)?,
                     None => {}
                 }
             }
@@ -243,7 +243,7 @@ impl Session<'_> {
     }
 }
 
-fn answer(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failure> {
+fn download(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failure> {
     let url = &source.url;
     match send(source, options, &Validators::default(), None) {
         Response::Data { bytes, .. } => Ok(bytes),

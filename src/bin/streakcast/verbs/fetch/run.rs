@@ -55,7 +55,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     record.source = source.name.to_owned();
     record.url = source.url.clone();
     record.policy = source.policy.to_owned();
-    record.stamp(now, source.wait_s, "asking");
+    record.stamp(now, source.wait_s, "no response yet");
     record.write(&file)?;
 
     let refused = match send(&source, &options, &validators, credentials.as_ref()) {

@@ -61,7 +61,7 @@ pub fn first_words(bytes: &[u8]) -> String {
 
 impl FetchRecord {
     pub fn write(&self, file: &Path) -> anyhow::Result<()> {
-        let path = Self::path_beside(file);
+        let path = Self::sidecar_path(file);
         let text = serde_json::to_string_pretty(self)? + "\n";
         write_atomically(&path, |out| out.write_all(text.as_bytes()))
             .map_err(|error| anyhow!("cannot write {}: {error}", path.display()))
@@ -69,7 +69,7 @@ impl FetchRecord {
 
     /// Removes the sidecar of a file.
     pub fn remove(file: &Path) -> anyhow::Result<()> {
-        let path = Self::path_beside(file);
+        let path = Self::sidecar_path(file);
         std::fs::remove_file(&path).map_err(|error| anyhow!("cannot remove {}: {error}", path.display()))
     }
 

@@ -11,7 +11,7 @@ use super::arguments::FitCompareArguments;
 use super::form::{FittedForm, form};
 use super::points::{provenance, read, weights};
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 const STANDINGS_ON_SCREEN: &[Shown] = &[
@@ -102,7 +102,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
             .map(|()| Outcome::Done);
     }
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![
                 Section { name: "panel_offsets", table: &offsets },
                 Section { name: "rivals", table: &rivals },

@@ -13,7 +13,7 @@ use super::arguments::{FitIdentifyArguments, FitReduceArguments};
 use super::photometry;
 use super::points::{provenance, read};
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::verbs::judged::begin;
 
@@ -57,7 +57,7 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
         super::report::pixels_picture(path, input.reduction.as_ref(), typed.layer, &input.notices)?;
     }
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name, table: &table }, Section { name: "dropped", table: &dropped }],
             main: &table,
             provenance: &provenance,
@@ -123,7 +123,7 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
     provenance.state("max_phase_rms_deg", typed.max_phase_rms_deg);
     provenance.state("least_lead", typed.least_lead);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "tracks", table: &table }],
             main: &table,
             provenance: &provenance,

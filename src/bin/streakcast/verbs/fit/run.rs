@@ -6,8 +6,8 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use streakcast::fit::inference::check_walkers;
 use streakcast::fit::{
-    CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, ModelDescription, Problem, RawWeights,
-    ResidualStatistics, UnseenPoint, baseline_forms, compare_forms, faults, jackknife, model_file,
+    CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, HeldOutPoint, ModelDescription, Problem,
+    RawWeights, ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file,
     points_of_measurements, predict, rms,
 };
 use streakcast::photometry::ModelFile;
@@ -149,7 +149,7 @@ fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
     let own = results.standings.first().filter(|_| typed.reduction.raw_points);
     let (singles_mag, origin) = match own {
         Some(own) => (
-            own.unseen.iter().map(UnseenPoint::residual_mag).collect(),
+            own.held_out_points.iter().map(HeldOutPoint::residual_mag).collect(),
             format!("holds 68.3 % of single measurements of held-out tracks or nights ({} folds)", typed.form.folds),
         ),
         None => (results.single_mag.to_vec(), "holds 68.3 % of the single measurements, in sample".to_owned()),

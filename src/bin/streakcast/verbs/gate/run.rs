@@ -55,11 +55,11 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     let began = request.clock.now();
     let before = status_file::read(request.status_file.as_deref());
     let mut status = Map::new();
-    let answer = answer(&request, before.satellites, &mut status, &notices);
+    let result = verdict(&request, before.satellites, &mut status, &notices);
 
     let mut counters = before.counters;
     counters.runs += 1;
-    let (verdict, outcome) = match &answer {
+    let (verdict, outcome) = match &result {
         Ok(GateVerdict::Clear { waited_s, .. }) => {
             let counter = if *waited_s > 0.0 { &mut counters.waited } else { &mut counters.clear };
             *counter += 1;
@@ -80,7 +80,7 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
             ("fault", if request.strict { Err(anyhow!("{fault}")) } else { Ok(Outcome::Done) })
         }
     };
-    let line = line(&answer, &request);
+    let line = line(&result, &request);
     let code = match &outcome {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::No) => 1,
@@ -114,13 +114,13 @@ fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
 }
 
 /// Returns the log line of a run.
-fn line(answer: &Result<GateVerdict, Fault>, request: &Request) -> String {
+fn line(result: &Result<GateVerdict, Fault>, request: &Request) -> String {
     let policy = &request.plan.policy;
     let others = match policy.blocking == Blocking::Avoid && policy.has_magnitude_limit() {
         true => "; satellites that exceed no limit may cross",
         false => "",
     };
-    match answer {
+    match result {
         Ok(GateVerdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
             format!("gate: clear after {waited_s:.1} s, starts until {}{others}", format_utc(*until, 0))
         }
@@ -138,7 +138,7 @@ fn line(answer: &Result<GateVerdict, Fault>, request: &Request) -> String {
     }
 }
 
-fn answer(
+fn verdict(
     request: &Request,
     satellites_before: Option<usize>,
     status: &mut Map<String, Value>,

@@ -14,7 +14,7 @@ use crate::failure::Outcome;
 use crate::notices::Notices;
 #[cfg(all(feature = "fits", unix))]
 use crate::output::write_bytes;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded};
 
 use super::arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb};
@@ -175,7 +175,7 @@ fn write_table(
     notices: &Notices,
 ) -> anyhow::Result<()> {
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "directions", table }],
             main: table,
             provenance,

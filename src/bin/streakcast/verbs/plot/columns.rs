@@ -164,8 +164,8 @@ impl Columns {
         Site::new_deg(name, number("latitude_deg")?, number("longitude_deg")?, number("height_m")?).ok()
     }
 
-    /// Returns the name of the site or of the telescope in orbit, or the coordinates of a site without a name; `None` if
-    /// the provenance has no observer.
+    /// Returns the name of the site or of the telescope in orbit, or the coordinates of a site without a name; `None`
+    /// if the provenance has no observer.
     pub fn observer_name(&self) -> Option<String> {
         let name = |what: &str| self.stated(what)?.get("name")?.as_str().map(str::to_owned);
         let site = self.site();

@@ -141,8 +141,8 @@ fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<
     let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..prediction.exposure.clone() };
     let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..prediction.options };
     let wide = Field::circle(2.0 * radius_rad)?;
-    let answer = prediction.prepared.sky.field_passes(&[exposure], &wide, &options)?;
-    let tracks = answer.by_exposure.into_iter().flatten();
+    let crossings = prediction.prepared.sky.field_passes(&[exposure], &wide, &options)?;
+    let tracks = crossings.by_exposure.into_iter().flatten();
     let found = tracks.filter(|found| found.element_index == pass.element_index && found.samples.len() > 1);
     let holds = |found: &Pass| {
         found.samples[0].epoch <= pass.mid.epoch && pass.mid.epoch <= found.samples[found.samples.len() - 1].epoch

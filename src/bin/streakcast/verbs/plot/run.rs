@@ -7,7 +7,7 @@ use super::residuals::Chart;
 use super::target::{Target, data_path, only};
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Style, shown};
 use crate::verbs::map::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
 
@@ -79,7 +79,7 @@ pub fn list() -> anyhow::Result<Outcome> {
         rows: PLOTS.iter().map(|row| row.iter().map(|text| (*text).into()).collect()).collect(),
     };
     Output::new(None, None)?.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "plots", table: &table }],
             main: &table,
             provenance: &Provenance::new(),

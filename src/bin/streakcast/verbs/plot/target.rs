@@ -11,7 +11,7 @@ use streakcast::plot::{FileOptions, Picture, PictureFormat};
 
 use super::arguments::PictureArguments;
 use crate::notices::Notices;
-use crate::output::{Answer, Output, check, write_bytes};
+use crate::output::{Output, VerbResult, check, write_bytes};
 use crate::required::Required;
 use crate::screen::Style;
 
@@ -84,7 +84,7 @@ impl Target {
         let drawn = drawn.collect::<anyhow::Result<Vec<_>>>()?;
         if let Some(data) = &self.data {
             data.write(
-                &Answer {
+                &VerbResult {
                     sections: vec![Section { name, table }],
                     main: table,
                     provenance,

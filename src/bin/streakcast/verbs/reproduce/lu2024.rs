@@ -28,7 +28,7 @@ use streakcast::plot::{
 use super::table_one;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output, check, write_bytes};
+use crate::output::{Output, VerbResult, check, write_bytes};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::verbs::fit::arguments::{PhotometryArguments, TableArguments};
 use crate::verbs::fit::{photometry, report as fit_report, run::this_month};
@@ -183,7 +183,7 @@ pub fn run(
     provenance.state("posterior_steps", steps as i64);
     provenance.state("seed", settings.seed as i64);
     let parameters = recovered_table(&found, source.truth.as_ref());
-    let answer = Answer {
+    let result = VerbResult {
         sections: vec![
             Section { name: "reproduced", table: &table },
             Section { name: "parameters", table: &parameters },
@@ -196,9 +196,9 @@ pub fn run(
         write_bytes(&folder.join(format!("{stem}.png")), bytes, notices)?;
     }
     write_bytes(&folder.join("model.json"), (file.to_json() + "\n").as_bytes(), notices)?;
-    Output::new(Some("csv"), Some(folder.join("table.csv")))?.write(&answer, notices)?;
+    Output::new(Some("csv"), Some(folder.join("table.csv")))?.write(&result, notices)?;
     write_bytes(&folder.join("report.md"), report(&results, &rows, &pictures).to_markdown().as_bytes(), notices)?;
-    output.write(&answer, notices)?;
+    output.write(&result, notices)?;
     Ok(Outcome::Done)
 }
 
@@ -220,8 +220,8 @@ fn source(typed: &Lu2024Arguments, config: &Config, base: &ModelFile, notices: &
     if typed.photometry.is_empty() { simulated(typed, base, notices) } else { measured(typed, config) }
 }
 
-/// Simulates a campaign of MMT-9 with the 550 km shell of Starlink: tracks of 11 to 109 s with ten points per second, as
-/// in public data.
+/// Simulates a campaign of MMT-9 with the 550 km shell of Starlink: tracks of 11 to 109 s with ten points per second,
+/// as in public data.
 fn simulated(typed: &Lu2024Arguments, base: &ModelFile, notices: &Notices) -> anyhow::Result<Source> {
     let nights = typed.nights.unwrap_or(48);
     if !(1..=SPAN_DAYS).contains(&nights) {
@@ -324,8 +324,8 @@ fn fitted_file(base: &ModelFile, found: &Lu2024, source: &Source, problem: &Prob
     Ok(model_file(base, &found.fit, problem.points(), rms_mag, &found.single_mag, &description)?)
 }
 
-/// Returns rows of a figure of the sky: the range of magnitudes over its panels, and the Sun's altitude at which the last
-/// lit satellite is in the sky. Empty for figure 6.
+/// Returns rows of a figure of the sky: the range of magnitudes over its panels, and the Sun's altitude at which the
+/// last lit satellite is in the sky. Empty for figure 6.
 fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec<Lu2024Row>> {
     let (Some(stated), Some(last_deg)) = (figure.stated_range_mag, figure.stated_last_sun_deg) else {
         return Ok(Vec::new());

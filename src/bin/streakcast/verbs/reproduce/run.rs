@@ -26,7 +26,7 @@ use super::lu2024::{self, Lu2024Arguments};
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::verbs::judged::begin;
 
@@ -150,7 +150,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
     };
     let table = reproduced_table(&rows);
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "reproduced", table: &table }],
             main: &table,
             provenance: &provenance,

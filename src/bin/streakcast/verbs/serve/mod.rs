@@ -1,12 +1,12 @@
 //! `serve`: serves a web page and an HTTP API for one schedule and one set of satellites, which are read at the start.
 //!
 //! `run` reads the inputs into `state` and opens the port; `server` accepts connections; `filter` checks requests, and
-//! `router` maps their paths to handlers; `query` parses parameters; `answers/` computes responses on the threads of
+//! `router` maps their paths to handlers; `query` parses parameters; `handlers/` computes responses on the threads of
 //! `workers`; `problem` defines error responses; `openapi` describes the API; `page` embeds the files of the page.
 
-mod answers;
 mod arguments;
 mod filter;
+mod handlers;
 mod openapi;
 mod page;
 mod problem;

@@ -18,7 +18,7 @@ pub struct Route {
     /// True if the path requires the access token of the server.
     pub needs_token: bool,
     /// Computes the JSON body of a response.
-    pub answer: fn(&ServerState, &Query) -> Result<String, Problem>,
+    pub handler: fn(&ServerState, &Query) -> Result<String, Problem>,
     /// Returns the JSON Schema of the body.
     pub schema: fn() -> Value,
 }
@@ -55,7 +55,7 @@ pub fn document(routes: &[Route]) -> Value {
 }
 
 fn operation(route: &Route) -> Value {
-    let ok = json!({"description": "The answer.", "content": {JSON: {"schema": (route.schema)()}}});
+    let ok = json!({"description": "The response.", "content": {JSON: {"schema": (route.schema)()}}});
     let mut responses = Map::from_iter([("200".to_owned(), ok)]);
     for (status, ..) in STATUSES {
         let is_possible = match status {

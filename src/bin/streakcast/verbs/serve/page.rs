@@ -37,7 +37,7 @@ mod tests {
             let text = std::str::from_utf8(bytes).unwrap();
             let foreign =
                 text.match_indices("://").map(|(at, _)| &text[at.saturating_sub(6)..(at + 20).min(text.len())]);
-            let foreign: Vec<&str> = foreign.filter(|place| !place.contains("www.w3.org")).collect();
+            let foreign: Vec<&str> = foreign.filter(|address| !address.contains("www.w3.org")).collect();
             assert!(foreign.is_empty(), "{path}: {foreign:?}");
             assert!(!text.contains("style=\"") && !text.contains("onclick=") && !text.contains("eval("), "{path}");
         }

@@ -101,7 +101,7 @@ pub const STATUSES: &[(u16, &str, &str)] = &[
     (
         503,
         "Service Unavailable",
-        "The server is busy, or the answer took too long; Retry-After gives the time to wait.",
+        "The server is busy, or the computation took too long; Retry-After gives the time to wait.",
     ),
 ];
 

@@ -12,9 +12,9 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Extension, Router};
 
-use super::answers::{dome, exposure, health, night, satchecker};
 use super::filter::Token;
 use super::filter::{RequestFilter, has_body};
+use super::handlers::{dome, exposure, health, night, satchecker};
 use super::openapi::{JSON, Route};
 use super::problem::Problem;
 use super::query::Query;
@@ -44,7 +44,7 @@ pub static ROUTES: &[Route] = &[
         summary: "One night of the schedule: exposures, verdicts, the Sun, the field, the site.",
         parameters: night::PARAMETERS,
         needs_token: true,
-        answer: night::answer,
+        handler: night::handle,
         schema: night::schema,
     },
     Route {
@@ -53,7 +53,7 @@ pub static ROUTES: &[Route] = &[
         summary: "Any exposure: its verdict, its crossings, the next clear start; as `flag` and `passes` of the command line.",
         parameters: exposure::PARAMETERS,
         needs_token: true,
-        answer: exposure::answer,
+        handler: exposure::handle,
         schema: exposure::schema,
     },
     Route {
@@ -62,7 +62,7 @@ pub static ROUTES: &[Route] = &[
         summary: "The sky over the site: sunlit satellites, a model's magnitudes at one height, the edge of the Earth's shadow, the Sun.",
         parameters: dome::PARAMETERS,
         needs_token: true,
-        answer: dome::answer,
+        handler: dome::handle,
         schema: dome::schema,
     },
     Route {
@@ -71,7 +71,7 @@ pub static ROUTES: &[Route] = &[
         summary: "Satellites in a circular field during a time interval, in the format of SatChecker, with magnitudes.",
         parameters: satchecker::PASSES,
         needs_token: true,
-        answer: satchecker::passes,
+        handler: satchecker::passes,
         schema: satchecker::passes_schema,
     },
     Route {
@@ -80,7 +80,7 @@ pub static ROUTES: &[Route] = &[
         summary: "Satellites above the horizon at one time, in the format of SatChecker, with magnitudes.",
         parameters: satchecker::ABOVE,
         needs_token: true,
-        answer: satchecker::above,
+        handler: satchecker::above,
         schema: satchecker::above_schema,
     },
     Route {
@@ -89,7 +89,7 @@ pub static ROUTES: &[Route] = &[
         summary: "Status of the server, its version, and the sizes of its inputs.",
         parameters: &[],
         needs_token: false,
-        answer: health::answer,
+        handler: health::handle,
         schema: health::schema,
     },
     Route {
@@ -98,7 +98,7 @@ pub static ROUTES: &[Route] = &[
         summary: "This document.",
         parameters: &[],
         needs_token: false,
-        answer: |_, _| Ok(format!("{}\n", openapi::document(ROUTES))),
+        handler: |_, _| Ok(format!("{}\n", openapi::document(ROUTES))),
         schema: openapi::schema,
     },
 ];
@@ -124,7 +124,7 @@ pub fn router(app: App) -> Router {
     }
     for route in ROUTES {
         for path in [route.path].into_iter().chain(route.alias) {
-            let handler = move |app, uri, headers| answer(route, app, uri, headers);
+            let handler = move |app, uri, headers| respond(route, app, uri, headers);
             router = router.route(path, get(handler));
         }
     }
@@ -136,7 +136,7 @@ pub fn router(app: App) -> Router {
         .with_state(app)
 }
 
-async fn answer(route: &'static Route, State(app): State<Arc<App>>, uri: Uri, headers: HeaderMap) -> Response {
+async fn respond(route: &'static Route, State(app): State<Arc<App>>, uri: Uri, headers: HeaderMap) -> Response {
     let computed = async {
         if route.needs_token {
             check_token(app.token.as_ref(), &headers)?;
@@ -144,7 +144,7 @@ async fn answer(route: &'static Route, State(app): State<Arc<App>>, uri: Uri, he
         let query = Query::read(uri.query().unwrap_or_default(), route.parameters)?;
         let target = uri.path_and_query().map_or(route.path, |target| target.as_str());
         let state = Arc::clone(&app.state);
-        app.workers.answer(target, move || (route.answer)(&state, &query)).await
+        app.workers.response(target, move || (route.handler)(&state, &query)).await
     };
     match computed.await {
         Ok(body) => ([(CONTENT_TYPE, JSON)], body).into_response(),

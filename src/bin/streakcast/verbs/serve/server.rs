@@ -239,13 +239,13 @@ mod tests {
     fn bare_errors_are_those_of_hyper() {
         let bare = b"HTTP/1.1 431 Request Header Fields Too Large\r\ncontent-length: 0\r\nconnection: close\r\n\r\n";
         assert!(is_bare_error(bare) && is_bare_error(b"HTTP/1.0 400 Bad Request\r\n\r\n"));
-        let ours = b"HTTP/1.1 404 Not Found\r\ncontent-type: application/problem+json\r\ncontent-length: 90\r\n\r\n";
-        assert!(!is_bare_error(ours));
+        let problem = b"HTTP/1.1 404 Not Found\r\ncontent-type: application/problem+json\r\ncontent-length: 90\r\n\r\n";
+        assert!(!is_bare_error(problem));
         // Remaining bytes of such a response after a partial write.
         for from in 1..bare.len() {
             assert!(!is_bare_error(&bare[from..]) && !is_bare_error(&bare[..from]), "{from}");
         }
-        assert!((1..ours.len()).all(|from| !is_bare_error(&ours[from..])));
+        assert!((1..problem.len()).all(|from| !is_bare_error(&problem[from..])));
         for other in
             [&b""[..], b"HTTP/1.1 100 Continue\r\n\r\n", b"HTTP/1.1 200 OK\r\n\r\n", b"{\"detail\":\"HTTP/1.1 400\"}"]
         {

@@ -15,7 +15,7 @@ use super::problem::Problem;
 /// Largest number of requests that wait while all workers are busy.
 const MAX_WAITING: usize = 256;
 /// Time limit for waiting and computing together.
-const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
+const RESPONSE_TIMEOUT: Duration = Duration::from_secs(30);
 /// Largest size of the cache, bytes.
 const CACHE_BYTES: u64 = 16 << 20;
 /// Expected number of cached responses.
@@ -53,7 +53,7 @@ impl WorkerPool {
     ///
     /// # Errors
     /// The error of `work`; status 503 if the queue is full or the time limit has passed; 500 if `work` panics.
-    pub async fn answer<W>(&self, target: &str, work: W) -> Result<Bytes, Problem>
+    pub async fn response<W>(&self, target: &str, work: W) -> Result<Bytes, Problem>
     where
         W: FnOnce() -> Result<String, Problem> + Send + 'static,
     {
@@ -61,7 +61,7 @@ impl WorkerPool {
             return Ok(body.clone());
         }
         let _place = self.queue.try_acquire().map_err(|_| busy())?;
-        let computed = timeout(ANSWER_TIMEOUT, async {
+        let computed = timeout(RESPONSE_TIMEOUT, async {
             let worker = Arc::clone(&self.workers).acquire_owned().await;
             spawn_blocking(move || {
                 // The permit is held until the computation ends, also if the request times out.
@@ -71,7 +71,7 @@ impl WorkerPool {
             .await
         });
         let body: Bytes = match computed.await {
-            Ok(Ok(answer)) => answer?.into(),
+            Ok(Ok(body)) => body?.into(),
             Ok(Err(_)) => {
                 return Err(Problem::new(500, "the response cannot be computed because of an error in the program"));
             }
@@ -108,38 +108,38 @@ mod tests {
         run(async {
             let pool = WorkerPool::new(1);
             let (release, blocked) = mpsc::channel::<()>();
-            let first = pool.answer("/first", move || {
+            let first = pool.response("/first", move || {
                 let _ = blocked.recv();
                 Ok("first".to_owned())
             });
             let targets: Vec<String> = (0..MAX_WAITING).map(|number| format!("/{number}")).collect();
-            let others = targets.iter().map(|target| pool.answer(target, || Ok("other".to_owned())));
-            type Answer<'a> = Pin<Box<dyn Future<Output = Result<Bytes, Problem>> + 'a>>;
-            let mut waiting: Vec<Answer> = vec![Box::pin(first)];
-            waiting.extend(others.map(|other| Box::pin(other) as Answer));
+            let others = targets.iter().map(|target| pool.response(target, || Ok("other".to_owned())));
+            type ResponseFuture<'a> = Pin<Box<dyn Future<Output = Result<Bytes, Problem>> + 'a>>;
+            let mut waiting: Vec<ResponseFuture> = vec![Box::pin(first)];
+            waiting.extend(others.map(|other| Box::pin(other) as ResponseFuture));
             for one in &mut waiting {
                 assert!(poll_fn(|context| Poll::Ready(one.as_mut().poll(context))).await.is_pending());
             }
-            let refused = pool.answer("/one-more", || Ok(String::new())).await.unwrap_err();
+            let refused = pool.response("/one-more", || Ok(String::new())).await.unwrap_err();
             assert_eq!(refused.status, 503);
             assert_eq!(refused.response("/one-more").headers()["retry-after"], "1");
             release.send(()).unwrap();
             for one in waiting {
                 assert!(one.await.is_ok());
             }
-            assert_eq!(pool.answer("/one-more", || Ok("now".to_owned())).await.unwrap(), "now");
+            assert_eq!(pool.response("/one-more", || Ok("now".to_owned())).await.unwrap(), "now");
         });
     }
 
     #[test]
-    fn answers_are_computed_once_and_panics_are_errors() {
+    fn responses_are_computed_once_and_panics_are_errors() {
         run(async {
             let pool = WorkerPool::new(1);
-            assert_eq!(pool.answer("/a", || Ok("a".to_owned())).await.unwrap(), "a");
-            assert_eq!(pool.answer("/a", || panic!("computed again")).await.unwrap(), "a");
-            let failed = pool.answer("/b", || panic!("this panic is part of the test")).await.unwrap_err();
+            assert_eq!(pool.response("/a", || Ok("a".to_owned())).await.unwrap(), "a");
+            assert_eq!(pool.response("/a", || panic!("computed again")).await.unwrap(), "a");
+            let failed = pool.response("/b", || panic!("this panic is part of the test")).await.unwrap_err();
             assert_eq!(failed.status, 500);
-            assert_eq!(pool.answer("/b", || Ok("b".to_owned())).await.unwrap(), "b");
+            assert_eq!(pool.response("/b", || Ok("b".to_owned())).await.unwrap(), "b");
         });
     }
 }

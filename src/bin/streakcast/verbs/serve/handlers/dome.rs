@@ -37,7 +37,7 @@ const EDGE_POINTS: usize = 180;
 /// Number of points along a track.
 const TRACK_POINTS: usize = 5;
 
-pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
     let duration_s = query.number("duration_s").unwrap_or_default();
     let height_km = query.number("height_km").unwrap_or(DEFAULT_HEIGHT_KM);

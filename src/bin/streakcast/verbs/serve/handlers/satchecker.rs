@@ -62,7 +62,7 @@ pub const PASSES: &[Parameter] = &[
     CONSTELLATION,
     optional("data_source", Kind::Word(&["any"]), "Source of the elements: those of the server."),
     optional("include_orbital_data", TRUTH, "Whether the element sets are returned as two lines; default false."),
-    optional("async", Kind::Word(&["false", "False"]), "Answers are returned at once, never as tasks."),
+    optional("async", Kind::Word(&["false", "False"]), "Results are returned directly, never as tasks."),
 ];
 
 pub const ABOVE: &[Parameter] = &[
@@ -92,11 +92,11 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let field = Field::circle(2.0 * radius_rad).map_err(|error| Problem::new(400, error.to_string()))?;
     let passes_of = |samples: usize| {
         let options = pass_options(state, query, samples);
-        let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
-        let answer = answer.map_err(|error| of_sky(&error))?;
-        let found = answer.by_exposure.into_iter().flatten();
+        let crossings = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
+        let crossings = crossings.map_err(|error| of_sky(&error))?;
+        let found = crossings.by_exposure.into_iter().flatten();
         let selected = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
-        Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((selected.collect(), answer.left_out))
+        Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((selected.collect(), crossings.left_out))
     };
     // The passes are first computed without points, to check the number of points.
     let (found, left_out) = passes_of(0)?;

@@ -25,7 +25,7 @@ const SUN_EVERY_S: f64 = 300.0;
 /// Number of points of the outline of a circle.
 const OUTLINE_POINTS: usize = 120;
 
-pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let known = || state.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
     let night = match query.date("night") {
         Some(noon) => mjd_utc(noon).floor() as i64,

@@ -47,7 +47,7 @@ pub const PARAMETERS: &[Parameter] = &[
 /// Identifier of the exposure in the response, as in `passes`.
 const ID: &str = "1";
 
-pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let number = |name: &str| query.number(name).unwrap_or_default();
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
     let rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
@@ -71,12 +71,12 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
     let samples = query.count("samples").unwrap_or_default();
     let passes_of = |exposure: &Exposure, samples: usize| {
-        let answer = state.sky().field_passes(
+        let crossings = state.sky().field_passes(
             std::slice::from_ref(exposure),
             &state.plan.field,
             &state.pass_options(samples),
         )?;
-        Ok(answer.by_exposure.into_iter().next().unwrap_or_default())
+        Ok(crossings.by_exposure.into_iter().next().unwrap_or_default())
     };
     let long = query.number("around_s").map(|around_s| Exposure {
         start: seconds_after(start, -around_s),

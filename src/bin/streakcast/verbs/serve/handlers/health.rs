@@ -7,7 +7,7 @@ use super::super::query::Query;
 use super::super::state::ServerState;
 use super::document::object_schema;
 
-pub fn answer(state: &ServerState, _: &Query) -> Result<String, Problem> {
+pub fn handle(state: &ServerState, _: &Query) -> Result<String, Problem> {
     let document = json!({
         "status": "ok",
         "version": env!("CARGO_PKG_VERSION"),

@@ -1,8 +1,8 @@
 //! Run of streakcast for `compare.py`: reads elements and a schedule, writes timings and crossings as JSON.
 //!
-//! Usage: `ours ELEMENTS SCHEDULE FOV_DEG LIMIT`. LIMIT is the number of exposures; 0 uses the whole schedule. The time
-//! is measured from the text of the elements to the last crossing. As for the peers, reading the schedule and the
-//! bundled models is excluded.
+//! Usage: `streakcast ELEMENTS SCHEDULE FOV_DEG LIMIT`. LIMIT is the number of exposures; 0 uses the whole schedule.
+//! The time is measured from the text of the elements to the last crossing. As for the peers, reading the schedule and
+//! the bundled models is excluded.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // `cargo bench` adds a flag.
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let [elements, schedule, fov_deg, limit] = words.as_slice() else {
-        eprintln!("usage: ours ELEMENTS SCHEDULE FOV_DEG LIMIT (0: all); see tests/benches/peers/compare.py");
+        eprintln!("usage: streakcast ELEMENTS SCHEDULE FOV_DEG LIMIT (0: all); see tests/benches/peers/compare.py");
         return Ok(());
     };
     let limit = match limit.parse()? {

@@ -73,7 +73,7 @@ pub fn object_schema(members: &[(&str, Value)]) -> Value {
 
 /// Returns the schema of provenance.
 pub fn provenance_schema() -> Value {
-    json!({"type": "object", "description": "Origin of the answer: version, elements with hash and epochs, models, time scale, options."})
+    json!({"type": "object", "description": "Origin of the result: version, elements with hash and epochs, models, time scale, options."})
 }
 
 /// Returns the schema of the warnings.
@@ -87,7 +87,7 @@ pub fn warnings_schema() -> Value {
 
 /// Returns the schema of the number of satellites whose position cannot be computed.
 pub fn left_out_count_schema() -> Value {
-    json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the answer because SGP4 cannot compute their position at that time."})
+    json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the result because SGP4 cannot compute their position at that time."})
 }
 
 fn cell_schema(column: &Column) -> Value {
