@@ -29,7 +29,7 @@ let detailed = null;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
-/** Whether an exposure is being dragged; timer of its pause; whether the last request has its response. */
+/** Whether an exposure is being dragged; timer of its pause; whether the last request has its response, with all details. */
 let isMoving = false;
 let resting = 0;
 let isAnswered = false;
@@ -350,7 +350,7 @@ function answered({ document, ms }, parameters) {
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(document.passes)?.norad_id;
-  isAnswered = parameters === question;
+  isAnswered = parameters === question && parameters.samples != null;
   drawField();
   warn();
   // The response to a request during a drag is incomplete.
