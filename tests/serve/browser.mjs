@@ -464,7 +464,7 @@ try {
   });
 
   await step("the limit is that of the policy", async () => {
-    const page = await open("#limit=6.62");
+    const page = await open("#row=0&limit=6.62");
     await agrees(page, 6.62);
     // The verdicts of the whole night are those of the slider too.
     for (const [limit, verdict] of [[5, "streaked"], [9, "avoid"]]) {

@@ -6,9 +6,9 @@ const box = document.getElementById("hover");
 export function hover(element, textAt) {
   const hide = () => (box.hidden = true);
   element.addEventListener("pointermove", (event) => {
+    if (event.buttons || event.pointerType !== "mouse") return;
     const { left, top } = element.getBoundingClientRect();
-    const isDrag = event.buttons !== 0 || event.pointerType !== "mouse";
-    const text = isDrag ? "" : textAt(event.clientX - left, event.clientY - top);
+    const text = textAt(event.clientX - left, event.clientY - top);
     box.hidden = !text;
     if (!text) return;
     box.textContent = text;

@@ -128,7 +128,7 @@ async function load(which) {
   else if (rows.length) choose(Math.max(worst, first, 0));
   else {
     state.place = undefined;
-    $("strip").hidden = $("before").disabled = $("after").disabled = true;
+    for (const id of ["strip", "before", "after", "reset"]) $(id).hidden = true;
     nothing("no exposure", "enter a target");
     drawNight();
     $("target").focus();
@@ -222,7 +222,8 @@ function choose(place, isRestored = false) {
   if (!row) return;
   state.place = place;
   problem("entry", null);
-  $("strip").hidden = false;
+  $("strip").hidden = $("reset").hidden = false;
+  $("before").hidden = $("after").hidden = rows.length < 2;
   state.row = row.row ?? undefined;
   if (row.row != null) for (const name of ["target", "start", "length"]) delete state[name];
   if (!isRestored) {
@@ -401,8 +402,11 @@ function drawAnswer() {
   drawDetails();
 }
 
+/** Returns the passes of a response; undefined without a response, and for an exposure that cannot be judged. */
+const passesOf = (document) => (document?.flags[0].verdict === "invalid" ? undefined : document?.passes);
+
 function drawField() {
-  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], answer?.passes, { selected: state.satellite, corridors: state.sigma === "1" });
+  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], passesOf(answer), { selected: state.satellite, corridors: state.sigma === "1" });
 }
 
 function drawDetails() {
@@ -412,7 +416,7 @@ function drawDetails() {
   const chosen = passes.find((pass) => pass.norad_id === state.satellite) ?? brightest(passes);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
-  crossings.rows($("crossings"), detailed?.passes, chosen?.norad_id, select);
+  crossings.rows($("crossings"), passesOf(detailed), chosen?.norad_id, select);
   drawDome();
 }
 
