@@ -304,7 +304,13 @@ class ExposureQueries(SiteQueries):
         return np.nan_to_num(np.atleast_1d(result.streak_length_deg)), np.atleast_1d(result.n_streaks)
 
     def _exposure_columns(
-        self, target: TargetLike, start: TimeLike, exposure: FloatArrayLike, rotation: FloatArrayLike, band: TextLike | None, scale: str | None
+        self,
+        target: TargetLike,
+        start: TimeLike,
+        exposure: FloatArrayLike,
+        rotation: FloatArrayLike,
+        band: TextLike | None,
+        scale: str | None,
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
         jd1, jd2 = to_tai(start, self._scale(scale), "start")
