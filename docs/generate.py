@@ -41,6 +41,7 @@ TABLES = [
     ("map body", ["map", "body", "--model", "starlink-v1.5", "--sun-latitude-deg", "-14"], None),
     ("model list", ["model", "list"], None),
     ("model check", ["model", "check"], None),
+    ("model pressure", ["model", "pressure", "starlink-v1.5", "--mass-kg", "295", "--sun-latitude-deg", "-20"], None),
     ("doctor", ["doctor", *SATELLITES, "--now", "2026-08-14T00:00:00Z"], None),
     ("sites", ["sites"], None),
     ("shells", ["shells"], None),

@@ -10,6 +10,8 @@ pub const EARTH_EQUATORIAL_RADIUS_KM: f64 = 6378.137;
 pub const EARTH_FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// Sun's nominal radius, km (IAU 2015 Resolution B3).
 pub const SUN_RADIUS_KM: f64 = 695_700.0;
+/// Nominal total solar irradiance at 1 au, W/m² (IAU 2015 Resolution B3). It varies by 0.1 % in the solar cycle.
+pub const SOLAR_IRRADIANCE_W_M2: f64 = 1361.0;
 /// Earth's rate of rotation with respect to the stars, rad/s: 1.00273781191135448 revolutions per day of UT1 (IERS
 /// Conventions 2010, eq. 5.15).
 pub const EARTH_ROTATION_RAD_S: f64 = 1.002_737_811_911_354_5 * std::f64::consts::TAU / 86_400.0;

@@ -38,4 +38,6 @@ pub use time::{
     epoch_from_jd, epoch_from_mjd, leap_seconds_known_until, mjd_utc, seconds_after, seconds_between, tt_jd, ut1_jd,
     utc_jd,
 };
-pub use vector::{Body, Direction, Eme2000, Frame, Gcrs, Horizontal, Itrs, OfDate, Position, Rotation, Teme, Velocity};
+pub use vector::{
+    Acceleration, Body, Direction, Eme2000, Frame, Gcrs, Horizontal, Itrs, OfDate, Position, Rotation, Teme, Velocity,
+};

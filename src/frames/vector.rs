@@ -87,6 +87,10 @@ framed_vector!(
     Velocity
 );
 framed_vector!(
+    /// An acceleration, m/s².
+    Acceleration
+);
+framed_vector!(
     /// A unit vector.
     Direction
 );
@@ -256,4 +260,5 @@ macro_rules! rotates {
 }
 rotates!(Position);
 rotates!(Velocity);
+rotates!(Acceleration);
 rotates!(Direction);

@@ -33,4 +33,4 @@ pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, i
 pub use site::{Observer, ObserverState, Site, ellipsoidal_height_km};
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect, icrs_of_apparent};
-pub use viewing::ViewingGeometry;
+pub use viewing::{ViewingGeometry, body_to_gcrs};

@@ -12,10 +12,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
-use crate::frames::{Body, Direction, Gcrs, Position};
+use crate::frames::{Body, Direction, Gcrs, Position, Rotation};
 
 /// Directions of the Sun and the observer from a satellite, and their distances.
 ///
@@ -148,6 +148,20 @@ impl ViewingGeometry {
     }
 }
 
+/// Returns the rotation from the body frame of a satellite to GCRS, from geocentric positions.
+///
+/// With the Sun in the zenith or nadir, x is any direction in the plane of the chassis. `None` where a component is not
+/// finite, where the satellite is at the Earth's centre, or where the Sun coincides with the satellite.
+pub fn body_to_gcrs(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Option<Rotation<Body, Gcrs>> {
+    let zenith = satellite.direction()?;
+    let to_sun = (*sun - *satellite).direction()?;
+    let zenith = zenith.vector();
+    // An axis that is not parallel to the zenith.
+    let other = || if zenith.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let y = zenith.cross(to_sun.vector()).try_normalize(0.0).unwrap_or_else(|| zenith.cross(&other()).normalize());
+    Some(Rotation::from_matrix(Matrix3::from_columns(&[y.cross(zenith), y, *zenith])))
+}
+
 /// Reduces an angle to [0, 2π).
 fn turn(angle_rad: f64) -> f64 {
     let angle = angle_rad.rem_euclid(TAU);
@@ -251,6 +265,37 @@ mod tests {
         let aside = ViewingGeometry::new(&satellite, &Position::new(0.0, 1e-6, 6378.137), &sun).unwrap();
         assert!((aside.observer_latitude_rad + FRAC_PI_2 - 1e-6 / 550.0).abs() < 1e-15);
         assert!((aside.observer_longitude_rad - FRAC_PI_2).abs() < 1e-9);
+    }
+
+    proptest! {
+        #[test]
+        fn verif_body_frame_has_the_axes_of_the_angles(
+            satellite in prop::array::uniform3(-9000.0..9000.0f64), sun in prop::array::uniform3(-1.0..1.0f64),
+        ) {
+            let (satellite, sun) = (Vector3::from(satellite), Vector3::from(sun) * AU_KM);
+            prop_assume!(satellite.norm() > 1000.0 && sun.norm() > 0.1 * AU_KM);
+            let observer = Position::from_vector(satellite * 0.9 + Vector3::new(100.0, -200.0, 300.0));
+            let [satellite, sun] = [satellite, sun].map(Position::from_vector);
+            let geometry = ViewingGeometry::new(&satellite, &observer, &sun).unwrap();
+            let to_gcrs = body_to_gcrs(&satellite, &sun).unwrap();
+            for (body, target) in [(geometry.to_sun(), sun), (geometry.to_observer(), observer)] {
+                let expected = (target - satellite).direction().unwrap();
+                prop_assert!(((to_gcrs * body).vector() - expected.vector()).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn verif_body_frame_with_the_sun_in_the_zenith_is_a_rotation() {
+        for (satellite, sun) in [
+            (Position::new(7000.0, 0.0, 0.0), Position::new(AU_KM, 0.0, 0.0)),
+            (Position::new(0.0, 0.0, 7000.0), Position::new(0.0, 0.0, -AU_KM)),
+        ] {
+            let matrix = *body_to_gcrs(&satellite, &sun).unwrap().matrix();
+            assert!((matrix * matrix.transpose() - Matrix3::identity()).norm() < 1e-15);
+            assert!((matrix.determinant() - 1.0).abs() < 1e-15);
+        }
+        assert!(body_to_gcrs(&Position::new(0.0, 0.0, 0.0), &Position::new(AU_KM, 0.0, 0.0)).is_none());
     }
 
     #[test]

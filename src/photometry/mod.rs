@@ -14,6 +14,7 @@ mod model_file;
 pub mod panels;
 mod parameter_sigma;
 mod phase;
+pub mod radiation;
 mod standard_magnitudes;
 pub(crate) mod two_panel;
 

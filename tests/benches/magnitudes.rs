@@ -1,5 +1,6 @@
 //! Time per direction to compute many magnitudes with the two-panel model on one core; and time of predictions with
-//! earthshine and sigma, for the default models and for the models that they replaced.
+//! earthshine and sigma, for the default models and for the models that they replaced, and with both models of the
+//! Earth's shadow.
 //!
 //! ```text
 //! cargo bench --bench magnitudes            medians for whole columns and for single directions
@@ -7,7 +8,9 @@
 
 use std::time::Instant;
 
-use streakcast::geometry::ViewingGeometry;
+use streakcast::constants::AU_KM;
+use streakcast::frames::{Gcrs, Position};
+use streakcast::geometry::{ShadowModel, ViewingGeometry};
 use streakcast::photometry::{BodyAngles, BrightnessModel, ModelLibrary, PhotometryOptions};
 
 const DIRECTIONS: usize = 20_000;
@@ -53,6 +56,49 @@ fn main() {
         let ratio = after / before;
         println!("Sun at {sun:.1} rad, {}: {before:.0} ns, {}: {after:.0} ns, ratio {ratio:.2}", pair[0], pair[1]);
     }
+    for (range, [least, greatest]) in [("all lit", [-0.4, -0.05]), ("grazing", [-0.41, -0.37])] {
+        let latitudes: Vec<f64> = (0..FEW).map(|_| between(least, greatest)).collect();
+        for name in ["starlink-v1.5", "starlink-v1.5-facets", "unknown"] {
+            let [solid, air] = [ShadowModel::Geometric, ShadowModel::default()]
+                .map(|shadow| shaded_ns(name, shadow, &latitudes, &columns[1], &columns[2]));
+            let ratio = air / solid;
+            println!("{range}, {name}: {solid:.0} ns with the solid Earth, {air:.0} ns with air, ratio {ratio:.2}");
+        }
+    }
+}
+
+/// Returns the time of a prediction with the Earth's shadow, earthshine and sigma, ns per direction.
+fn shaded_ns(
+    name: &str,
+    shadow: ShadowModel,
+    sun_latitudes_rad: &[f64],
+    longitudes_rad: &[f64],
+    latitudes_rad: &[f64],
+) -> f64 {
+    const HEIGHT_KM: f64 = 550.0;
+    let model = ModelLibrary::embedded().get(name).expect("shipped");
+    let options = PhotometryOptions::default();
+    let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);
+    let cases: Vec<(Position<Gcrs>, ViewingGeometry)> = sun_latitudes_rad
+        .iter()
+        .zip(longitudes_rad)
+        .zip(latitudes_rad)
+        .filter_map(|((sun_rad, longitude), latitude)| {
+            let (up, across) = sun_rad.sin_cos();
+            let radius_km = 6378.137 + HEIGHT_KM;
+            let geometry = ViewingGeometry::from_angles(*sun_rad, *longitude, *latitude, 1000.0, HEIGHT_KM)?;
+            Some((Position::new(radius_km * up, radius_km * across, 0.0), geometry))
+        })
+        .collect();
+    let mut sum = 0.0;
+    let all = median(|| {
+        let brightness = |(satellite, geometry): &(Position<Gcrs>, ViewingGeometry)| {
+            model.brightness(geometry, shadow.illumination(satellite, &sun).lit_fraction(), &options)
+        };
+        sum += cases.iter().filter_map(brightness).map(|it| it.sigma_mag).sum::<f64>();
+    });
+    assert!(sum > 0.0);
+    all * DIRECTIONS as f64 / cases.len() as f64
 }
 
 /// Returns the time of a prediction with earthshine and sigma, ns per direction. `sun_rad` is the latitude of the Sun.

@@ -274,6 +274,10 @@ fn unknown_arguments() {
     }
     fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
     fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
+    fails(&[&["model", "pressure", "oneweb", "--mass-kg", "150"]], &["prior:oneweb has no panels", "allowed"]);
+    fails(&[&["model", "pressure", "starlink-v1.5", "--mass-kg", "-1"]], &["mass is -1 kg", "0.01 to 1000000"]);
+    let pressure = ["model", "pressure", "starlink-v1.5", "--mass-kg", "295", "--sun-latitude-deg"];
+    fails(&[&pressure, &["0", "91"]], &["latitude of the Sun is 91 deg", "-90 to 90"]);
     fails(&[&["model", "check", &config]], &["c.toml"]);
     fails(&[&["model", "check", "--data", "no-such-folder"]], &["no photometry in no-such-folder", "pomenis"]);
 }

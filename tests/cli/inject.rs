@@ -5,6 +5,8 @@ use std::path::Path;
 
 use crate::common::cli::{done, path, records, run};
 use crate::common::injected::{RANDOM, SKY, column, numbers, unrounded, values, with_card};
+use hifitime::Epoch;
+use streakcast::frames::{Direction, Gcrs};
 use streakcast::images::FrameFile;
 use tempfile::TempDir;
 
@@ -149,6 +151,47 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     let first = &streaks[0];
     let total = mag - 2.5 * length.log10();
     assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
+}
+
+/// A satellite enters the umbra inside the frame: its streak in the truth ends there, as its lit part in `passes`. In the
+/// geometric shadow the same satellite is lit up to the edge of the frame.
+#[test]
+fn verif_a_partly_lit_streak_counts_only_its_lit_part() {
+    // Tolerance of the end, seconds: the track has a point every tenth of a degree.
+    const END_S: f64 = 0.1;
+    // Tolerance of the length relative to the arc between both ends: the projection of a frame of 3 deg.
+    const LENGTH: f64 = 5e-3;
+    let folder = TempDir::new().unwrap();
+    let [description, output, truth] = ["wide.toml", "wide.fits", "wide.csv"].map(|name| path(&folder, name));
+    let wide = SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0");
+    fs::write(&description, wide.replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0")).unwrap();
+    let shot = ["--start", "2024-08-13T23:46:04Z", "--exposure", "14s", "--ra", "287.3", "--dec", "-7.3"];
+    let satellites = ["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+    const NORAD_ID: i64 = 900_003_099;
+    let streak = |shadow: &str| {
+        let out = ["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--seeing", "60arcsec"];
+        done(&[&out, &shot, &satellites, &["--shadow", shadow]]);
+        let rows = records(&fs::read_to_string(&truth).unwrap());
+        let row = column(&rows, "norad_id").iter().position(|id| *id == NORAD_ID.to_string()).expect("the satellite");
+        let number = |name: &str| numbers(&rows, name)[row];
+        let end = |ra: &str, dec: &str| {
+            Direction::<Gcrs>::from_lon_lat_rad(number(ra).to_radians(), number(dec).to_radians())
+        };
+        let arc_deg = end("ra1_deg", "dec1_deg").separation_rad(&end("ra2_deg", "dec2_deg")).to_degrees();
+        let length_deg = number("length_pix") * 30.0 / 3600.0;
+        assert!((length_deg / arc_deg - 1.0).abs() < LENGTH, "{length_deg} {arc_deg}");
+        (length_deg, column(&rows, "exit_utc")[row].parse::<Epoch>().unwrap(), number("y2_pix"))
+    };
+    let (lit_deg, exit, y_end) = streak("atmosphere");
+    let (whole_deg, ..) = streak("geometric");
+    assert!((0.3..0.7).contains(&(lit_deg / whole_deg)), "{lit_deg} of {whole_deg}");
+    assert!((50.0..250.0).contains(&y_end), "{y_end}: the light ends inside the frame");
+    let passes = crate::common::cli::json(&[&["passes", "--fov", "5deg"], &shot, &satellites]);
+    let passes = passes["passes"].as_array().unwrap();
+    let pass = passes.iter().find(|pass| pass["norad_id"] == NORAD_ID).expect("the pass");
+    let umbra: Epoch = pass["lit_chords"][0]["exit_utc"].as_str().unwrap().parse().unwrap();
+    assert!(umbra < pass["exit_utc"].as_str().unwrap().parse::<Epoch>().unwrap());
+    assert!((exit - umbra).to_seconds().abs() < END_S, "{exit} {umbra}");
 }
 
 /// Creates a wide synthetic frame, exposed for 4 s while the first satellite of the evening crosses it.

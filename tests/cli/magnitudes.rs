@@ -2,6 +2,8 @@
 
 use crate::common::cli::{SKY, json, run};
 use serde_json::Value;
+use streakcast::frames::Direction;
+use streakcast::photometry::ModelLibrary;
 
 /// Wide field at dusk with Starlink satellites.
 const PASSES: &[&str] = &[
@@ -118,4 +120,35 @@ fn models_of_all_satellites_and_of_a_kind() {
         let (code, _, stderr) = run(&[PASSES, SKY, &["--model", wrong]]);
         assert!(code == 2 && stderr.contains(named) && stderr.contains(allowed), "{stderr}");
     }
+}
+
+/// `model pressure` has the force of the library, at the latitudes that are given.
+#[test]
+fn pressure_of_sunlight_is_that_of_the_library() {
+    let latitudes_deg = ["-20", "5", "60"];
+    let words = ["model", "pressure", "starlink-v1.5-facets", "--mass-kg", "250", "--quiet", "--sun-latitude-deg"];
+    let answer = json(&[&words, &latitudes_deg]);
+    let rows = answer["accelerations"].as_array().unwrap();
+    assert_eq!(rows.len(), 3);
+    let model = ModelLibrary::embedded().find("starlink-v1.5-facets").unwrap();
+    for (row, latitude_deg) in rows.iter().zip(latitudes_deg) {
+        let number = |name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name}: {row}"));
+        let latitude_deg: f64 = latitude_deg.parse().unwrap();
+        assert_eq!(number("sun_latitude_deg"), latitude_deg);
+        let to_sun = Direction::from_lon_lat_rad(0.0, latitude_deg.to_radians());
+        let force = model.sunlight_force(&to_sun).unwrap();
+        let expected = *force.acceleration(250.0, 1.0, 1.0).unwrap().vector() * 1e9;
+        // Rounded to four decimals.
+        for (axis, expected) in ["x", "y", "z"].iter().zip(expected.iter()) {
+            assert!((number(&format!("acceleration_{axis}_nm_s2")) - expected).abs() < 1e-4, "{row}");
+        }
+        let away = -expected.dot(to_sun.vector());
+        assert!((number("acceleration_away_from_sun_nm_s2") - away).abs() < 1e-4, "{row}");
+        assert!((number("cross_section_m2") - force.cross_section_m2).abs() < 1e-4, "{row}");
+        // Panels reflect a few hundredths of the light and absorb the rest.
+        assert!((1.0..1.2).contains(&number("pressure_coefficient")), "{row}");
+        assert_eq!(row["in_fitted_range"], latitude_deg == -20.0);
+    }
+    assert_eq!(answer["provenance"]["mass_kg"], 250.0);
+    assert_eq!(json(&[&words[..6]])["accelerations"].as_array().unwrap().len(), 13);
 }

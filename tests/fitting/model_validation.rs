@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use streakcast::fit::FitError;
 use streakcast::fit::checks::{
-    Comparison, DataSet, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, ReferenceMeasurement, Verdict, compare,
+    Comparison, DataSet, Photometry, ReferenceKind, ReferenceMeasurement, SURVEY_ERROR_MAG, Sample, Verdict, compare,
 };
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, ModelLibrary, StandardMagnitude, StandardMagnitudes};
@@ -20,6 +20,16 @@ fn rows_of(name: &str, photometry: Option<&Photometry>) -> Vec<Comparison> {
     compare(&ModelLibrary::embedded().get(name).unwrap(), photometry)
 }
 
+/// Returns true for the published mean from which a bundled model differs: that of V2 Mini in brightness mitigation. The
+/// survey measured the first of them in 2023; the later mean of 7.22 agrees with the panels.
+fn is_known_difference(row: &Comparison) -> bool {
+    row.model == "v2mini-panels" && row.kind == ReferenceKind::Mean && row.reference.contains("2306.06657")
+}
+
+fn expected_verdict(row: &Comparison) -> Verdict {
+    if is_known_difference(row) { Verdict::Off } else { Verdict::Ok }
+}
+
 #[test]
 fn valid_bundled_models_agree_with_published_means() {
     let library = ModelLibrary::embedded();
@@ -30,7 +40,7 @@ fn valid_bundled_models_agree_with_published_means() {
                 assert_eq!((row.verdict, row.n, row.rms_mag), (Verdict::NoData, 0, None), "{name}");
                 continue;
             }
-            assert_eq!(row.verdict, Verdict::Ok, "{row:?}");
+            assert_eq!(row.verdict, expected_verdict(&row), "{row:?}");
             compared += 1;
         }
     }
@@ -108,6 +118,76 @@ fn verif_a_wrong_model_is_reported() {
     assert_eq!((rows[0].kind, rows[0].verdict, rows[0].satellites), (ReferenceKind::None, Verdict::NoData, None));
 }
 
+/// References that a model was made from are in-sample, all others unseen.
+#[test]
+fn valid_references_of_bundled_models_are_labelled() {
+    let samples =
+        |name: &str| rows_of(name, None).iter().map(|row| (row.kind, row.sample.unwrap())).collect::<Vec<_>>();
+    let (mean, curve, photometry) = (ReferenceKind::Mean, ReferenceKind::PhaseCurve, ReferenceKind::Photometry);
+    let (seen, unseen) = (Sample::InSample, Sample::Unseen);
+    for name in ["starlink-v1.5", "starlink-v1.5-facets", "visorsat-panels"] {
+        assert_eq!(samples(name), [(mean, unseen), (curve, unseen), (photometry, seen)], "{name}");
+    }
+    for name in ["starlink-v1.5-phase", "visorsat"] {
+        assert_eq!(samples(name), [(mean, seen), (curve, seen), (photometry, unseen)], "{name}");
+    }
+    assert_eq!(samples("v2mini-panels"), [(mean, unseen), (mean, unseen), (curve, unseen), (photometry, seen)]);
+    assert_eq!(samples("v2mini"), [(mean, seen), (mean, unseen), (curve, seen), (photometry, unseen)]);
+    assert_eq!(samples("oneweb-panels"), [(mean, unseen), (photometry, seen)]);
+    assert_eq!(samples("oneweb"), [(mean, seen), (photometry, unseen)]);
+    for name in ["starlink-v1.0", "kuiper", "qianfan", "guowang", "bluebird"] {
+        assert_eq!(samples(name), [(mean, seen)], "{name}");
+    }
+    for name in ["iridium-next", "unknown", "rocket-body"] {
+        assert_eq!(samples(name), [(photometry, seen)], "{name}");
+    }
+}
+
+/// Magnitudes that scatter by a known amount about a mean: the verdict is that of the mean and the sigma in the file.
+#[test]
+fn verif_verdicts_depend_on_the_difference_in_its_errors_and_on_the_ratio_of_sigmas() {
+    const SCATTER_MAG: f64 = 0.4;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(DataSet::SlingshotV2.path());
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    // Quantiles of a normal distribution.
+    let quantiles = [-1.645, -1.036, -0.674, -0.385, -0.126, 0.126, 0.385, 0.674, 1.036, 1.645];
+    let mut text = "sun altitude,sat altitude,sat height,measured_ab,az diff\n".to_owned();
+    for sun_deg in [-20.5, -19.5, -18.5, -17.5] {
+        quantiles.iter().for_each(|x| text += &format!("{sun_deg},40,530000,{},10\n", 7.0 + SCATTER_MAG * x));
+    }
+    std::fs::write(&path, text).unwrap();
+    let photometry = Photometry::read(folder.path()).unwrap();
+    let compared = |mean_mag: f64, sigma_mag: f64| {
+        let values = [
+            ("/mean_mag", mean_mag.into()),
+            ("/sigma_mag", sigma_mag.into()),
+            ("/sigma_outside_mag", sigma_mag.into()),
+        ];
+        let rows = compare(&changed("oneweb.json", "v2mini-mine", &values), Some(&photometry));
+        one(&rows, ReferenceKind::Photometry).clone()
+    };
+    let mean_mag = compared(7.0, SCATTER_MAG).reference_mean_mag.unwrap();
+    // The file, its errors of the difference, its ratio of sigmas, and the verdict. The errors of the mean of four
+    // groups with equal magnitudes are those of their rounding.
+    for (mean_mag, sigma_mag, errors, ratio, verdict) in [
+        (mean_mag, SCATTER_MAG, 0.0, 1.0, Verdict::Ok),
+        (mean_mag, SCATTER_MAG / 1.5, 0.0, 1.5, Verdict::Off),
+        (mean_mag, SCATTER_MAG * 1.7, 0.0, 1.0 / 1.7, Verdict::Off),
+        (mean_mag - 0.3, SCATTER_MAG * 1.15, 1.5, 1.0, Verdict::Ok),
+        (mean_mag - 0.5, SCATTER_MAG * 1.6, 2.5, 1.0, Verdict::Off),
+    ] {
+        let row = compared(mean_mag, sigma_mag);
+        assert_eq!(row.verdict, verdict, "{row:?}");
+        assert_eq!((row.sample, row.n), (Some(Sample::Unseen), 40));
+        let error_mag = row.difference_error_mag.unwrap();
+        // Tolerances: the satellites of the four groups have slightly different ranges; ten quantiles of a distribution.
+        assert!((error_mag - SURVEY_ERROR_MAG).abs() < 0.01, "{row:?}");
+        assert!((row.difference_mag.unwrap() / error_mag - errors).abs() < 0.1, "{row:?}");
+        assert!((row.sigma_ratio.unwrap() / ratio - 1.0).abs() < 0.15, "{row:?}");
+    }
+}
+
 /// Models may be in any band; comparisons are in V (Vega).
 #[test]
 fn verif_a_model_in_another_band_is_converted_to_v() {
@@ -131,8 +211,8 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     // The same is true for comparisons with measurements.
     let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.8, 1000.0, 550.0);
     let magnitude = StandardMagnitude(6.0);
-    let seen =
-        ReferenceMeasurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry, lit_fraction: 1.0 };
+    let phase_rad = geometry.unwrap().phase_angle_rad();
+    let seen = ReferenceMeasurement { magnitude, phase_rad, geometry, group: 0, lit_fraction: 1.0 };
     let [in_i, in_v] = [&panels_in_i, &*ModelLibrary::embedded().get("starlink-v1.5").unwrap()]
         .map(|model| seen.of_model(model).unwrap().0);
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
@@ -177,7 +257,7 @@ fn valid_bundled_models_against_photometry() {
                 println!("{name}: {row:.3?}");
                 continue;
             }
-            assert_eq!(row.verdict, Verdict::Ok, "{row:?}");
+            assert_eq!(row.verdict, expected_verdict(&row), "{row:?}");
             if row.kind == ReferenceKind::Photometry {
                 println!("{name}: {row:.3?}");
                 found.insert(name.to_owned(), row);
@@ -194,7 +274,6 @@ fn valid_bundled_models_against_photometry() {
         {
             assert!((computed.unwrap() - expected).abs() < tolerance, "{row:?}");
         }
-        assert!(row.difference_mag.unwrap().abs() < OFFSET_TOLERANCE_MAG, "{row:?}");
         // Published sigmas are the scatter of single magnitudes. Because of wings, more than 68 % are within one sigma.
         let is_fitted = FITTED.contains(&name);
         let share = if is_fitted { 0.6..0.8 } else { 0.68..0.92 };

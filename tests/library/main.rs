@@ -33,6 +33,7 @@ mod partly_lit;
 mod passes_reference;
 mod photometry_model;
 mod photometry_panels;
+mod radiation_pressure;
 mod sgp4_verification;
 mod shadow;
 mod shells;

@@ -16,7 +16,7 @@ use streakcast::photometry::{
 };
 
 /// Returns a model file of kind `panels` with this content.
-fn file(panels: Value, covariance: Value) -> String {
+pub fn file(panels: Value, covariance: Value) -> String {
     json!({
         "schema": 1, "name": "own", "title": "Own", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
         "panels": panels, "covariance": covariance, "rms_mag": null, "sigma_mag": 0.3, "sigma_outside_mag": 1.0,

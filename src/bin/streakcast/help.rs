@@ -378,6 +378,10 @@ const VERBS: &[VerbHelp] = &[
     verb("model", ["list", "show visorsat"]),
     verb("model list", ["", "--config streakcast.toml --format csv"]),
     verb("model show", ["visorsat", "visorsat --format table"]),
+    verb(
+        "model pressure",
+        ["starlink-v1.5 --mass-kg 295", "v2mini-panels --mass-kg 575 --sun-latitude-deg -20 0 20 --format csv"],
+    ),
     verb("model check", ["", "visorsat-mine.json --data photometry"]),
     verb(
         "doctor",

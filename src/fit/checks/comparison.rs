@@ -1,21 +1,26 @@
 //! Comparison of one model with one reference: differences and a verdict.
 
+use std::collections::BTreeMap;
+
 use crate::output::{Column, Kind, Table};
 use crate::photometry::BrightnessModel;
 
-use super::super::statistics::{ResidualStatistics, share_within};
+use super::super::statistics::{ResidualStatistics, share_within, sigma_68_mag};
 use super::photometry::{Photometry, ReferenceMeasurement, in_v};
 use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 
-/// Largest mean difference from measurements with which a model is accepted, mag. Unfiltered AB magnitudes and V (Vega)
-/// differ by 0.02 to 0.2 mag for solar colours, and surveys of the same type of satellite differ by as much.
-pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
+/// Error of a mean difference between a correct model and a reference, mag, apart from the statistical error of
+/// measurements. Unfiltered AB magnitudes and V (Vega) differ by 0.02 to 0.2 mag for solar colours, surveys of the same
+/// type of satellite by as much, and the geometries of a survey are not those of the population.
+pub const SURVEY_ERROR_MAG: f64 = 0.2;
 
-/// Largest core with which a model is accepted, in units of the sigma in its file. The core is 1.4826 times the median
-/// absolute deviation. The stated sigma contains 68.3 % of single magnitudes, as does the core of a normal
-/// distribution. A core of 0.7 mag for a stated sigma of 0.6 mag is accepted, twice the stated sigma is not.
-const CORE_TOLERANCE_SIGMA: f64 = 1.15;
+/// Largest mean difference with which a model is accepted, in units of its error.
+const DIFFERENCE_TOLERANCE: f64 = 2.0;
+
+/// Accepted ratios of the half width that holds 68.3 % of the differences from measurements, and of the sigma in the
+/// model's file. A sigma that is too small misleads more than one that is too large.
+pub const SIGMA_RATIOS: [f64; 2] = [1.0 / 1.5, 1.25];
 
 /// Largest RMS with which a model is accepted, in units of the sigma in its file. Flares and misidentified satellites
 /// form wings, which raise the RMS above the sigma that contains 68.3 %. Above twice that sigma the wings dominate.
@@ -45,6 +50,28 @@ impl ReferenceKind {
             Self::Photometry => "photometry",
             Self::GrazingPhotometry => "grazing",
             Self::None => "none",
+        }
+    }
+}
+
+/// Relation between the reference and the data from which a model was made.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Sample {
+    /// The provenance of the model names the survey or the publication: agreement is not a test of predictions.
+    InSample,
+    /// The provenance of the model does not name it.
+    Unseen,
+}
+
+impl Sample {
+    fn of(is_in_sample: bool) -> Self {
+        if is_in_sample { Self::InSample } else { Self::Unseen }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::InSample => "in-sample",
+            Self::Unseen => "unseen",
         }
     }
 }
@@ -82,6 +109,8 @@ pub struct Comparison {
     pub kind: ReferenceKind,
     /// Publication of the reference; empty if there is no reference.
     pub reference: &'static str,
+    /// Relation of the reference to the data of the model; `None` if there is no reference.
+    pub sample: Option<Sample>,
     /// Number of geometries or measurements compared.
     pub n: usize,
     /// Mean of the model over these geometries or measurements, mag.
@@ -94,6 +123,9 @@ pub struct Comparison {
     pub reference_sd_mag: Option<f64>,
     /// Mean of reference minus model, mag.
     pub difference_mag: Option<f64>,
+    /// Error of this difference for a correct model, mag: [`SURVEY_ERROR_MAG`] and, in quadrature, the statistical error
+    /// of the mean of measurements, whose groups (tracks, nights) are independent.
+    pub difference_error_mag: Option<f64>,
     /// Root mean square of reference minus model, mag; `None` if the reference is a published mean.
     pub rms_mag: Option<f64>,
     /// 1.4826 times the median absolute deviation of reference minus model, mag; `None` if the reference is a published
@@ -104,22 +136,24 @@ pub struct Comparison {
     /// Fraction of the differences that are within that sigma. If the reference is a published mean: fraction of the
     /// model's magnitudes that are within the published standard deviation of it.
     pub within_one_sigma: Option<f64>,
+    /// Half width that holds 68.3 % of the differences from measurements, divided by that sigma; `None` for other
+    /// references.
+    pub sigma_ratio: Option<f64>,
     /// Result of the comparison.
     pub verdict: Verdict,
 }
 
 /// Compares a model with every published reference for its satellites, and with measurements if given.
 ///
-/// The model's name or an alias selects the references. The model agrees
+/// The model's name or an alias selects the references. The model agrees with
 ///
-/// * with a published mean if the two means differ by no more than the standard deviation of the survey, because the
-///   geometries of the survey differ from those of the population;
-/// * with a published curve if neither the mean nor the RMS of the differences exceeds that standard deviation, because
-///   the survey scatters as much about its own curve, and a model that depends on more angles than the phase angle
-///   differs from it;
-/// * with measurements if the mean difference is no more than [`OFFSET_TOLERANCE_MAG`], the core no more than 1.15
-///   times and the RMS no more than 2 times the sigma in the model's file. Measurements in grazing sunlight are
-///   compared separately with the same tolerances.
+/// * a published mean if the difference is at most twice its error;
+/// * a published curve if, in addition, the RMS of the differences does not exceed the standard deviation of the survey,
+///   because the survey scatters as much about its own curve, and a model that depends on more angles than the phase
+///   angle differs from it;
+/// * measurements if the difference is at most twice its error, the ratio of sigmas is within [`SIGMA_RATIOS`], and the
+///   RMS is at most twice the sigma in the model's file. Measurements in grazing sunlight are compared separately with
+///   the same tolerances.
 ///
 /// The result has at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
@@ -131,19 +165,24 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
         satellites: subject.map(|subject| subject.name),
         kind: ReferenceKind::None,
         reference: "",
+        sample: None,
         n: 0,
         model_mean_mag: None,
         model_sd_mag: None,
         reference_mean_mag: None,
         reference_sd_mag: None,
         difference_mag: None,
+        difference_error_mag: None,
         rms_mag: None,
         core_mag: None,
         sigma_mag,
         within_one_sigma: None,
+        sigma_ratio: None,
         verdict: Verdict::NoData,
     };
     let Some(subject) = subject else { return vec![blank] };
+    let provenance = model.file().map(|file| format!("{} {}", file.provenance.source, file.provenance.data));
+    let names = |text: &str| provenance.as_ref().is_some_and(|provenance| is_named(text, provenance));
     let mut rows = Vec::new();
     if let Some((height_km, inclination_deg)) = subject.shell {
         let modelled: Vec<Modelled> = shell_geometries(height_km, inclination_deg)
@@ -153,28 +192,47 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
                 Some(Modelled { magnitude, weight: *weight, phase_rad: geometry.phase_angle_rad() })
             })
             .collect();
-        rows.extend(subject.means.iter().map(|published| with_mean(&blank, published, &modelled)));
-        rows.extend(subject.curve.iter().map(|curve| with_curve(&blank, curve, subject.survey_sd_mag(), &modelled)));
+        let row = |kind, reference: &'static str| Comparison {
+            kind,
+            reference,
+            sample: Some(Sample::of(published_names(reference).any(names))),
+            ..blank.clone()
+        };
+        let mean = |one: &PublishedMean| with_mean(row(ReferenceKind::Mean, one.source), one, &modelled);
+        rows.extend(subject.means.iter().map(mean));
+        let sd_mag = subject.survey_sd_mag();
+        let curve =
+            |one: &PublishedCurve| with_curve(row(ReferenceKind::PhaseCurve, one.source), one, sd_mag, &modelled);
+        rows.extend(subject.curve.iter().map(curve));
     }
     if let Some(set) = subject.photometry {
-        let tolerances = Tolerances {
-            mean_mag: OFFSET_TOLERANCE_MAG,
-            core_mag: CORE_TOLERANCE_SIGMA * sigma_mag,
-            rms_mag: RMS_TOLERANCE_SIGMA * sigma_mag,
-        };
-        let pairs = |measured: &[ReferenceMeasurement]| {
-            measured.iter().filter_map(|one| Some((one.magnitude.0, one.of_model(model)?.0, 1.0))).collect::<Vec<_>>()
+        let row = |kind| Comparison {
+            kind,
+            reference: set.source(),
+            sample: Some(Sample::of(names(set.survey()))),
+            ..blank.clone()
         };
         let sunlit = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
-        let grazing = pairs(photometry.map_or(&[], |photometry| photometry.grazing(set)));
-        let row = Comparison { kind: ReferenceKind::Photometry, reference: set.source(), ..blank };
-        let grazing = (!grazing.is_empty()).then(|| {
-            with_pairs(Comparison { kind: ReferenceKind::GrazingPhotometry, ..row.clone() }, &tolerances, grazing)
-        });
-        rows.push(with_pairs(row, &tolerances, pairs(sunlit)));
-        rows.extend(grazing);
+        rows.push(with_measurements(row(ReferenceKind::Photometry), model, sunlit));
+        let grazing = photometry.map_or(&[][..], |photometry| photometry.grazing(set));
+        let grazing = with_measurements(row(ReferenceKind::GrazingPhotometry), model, grazing);
+        rows.extend((grazing.verdict != Verdict::NoData).then_some(grazing));
     }
     rows
+}
+
+/// Returns true if a provenance contains the name of a survey or a publication, in any case.
+fn is_named(name: &str, provenance: &str) -> bool {
+    provenance.to_lowercase().contains(&name.to_lowercase())
+}
+
+/// Returns the arXiv numbers in a reference, by which a provenance can name it; for a reference without such a number
+/// its text without the note in parentheses.
+fn published_names(reference: &'static str) -> impl Iterator<Item = &'static str> {
+    let is_number = |word: &&str| word.len() == 10 && word.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let numbers = reference.split([' ', ',']).filter(is_number);
+    let text = reference.split(" (").next().filter(|_| !reference.contains("arXiv"));
+    numbers.chain(text)
 }
 
 /// Magnitude of the model in one geometry of the population, with its weight.
@@ -184,69 +242,123 @@ struct Modelled {
     phase_rad: f64,
 }
 
-/// Largest differences for which model and reference agree, mag.
-struct Tolerances {
-    mean_mag: f64,
-    core_mag: f64,
-    rms_mag: f64,
+/// Returns true if a mean difference is at most [`DIFFERENCE_TOLERANCE`] times its error.
+fn is_close(row: &Comparison) -> bool {
+    row.difference_mag
+        .zip(row.difference_error_mag)
+        .is_some_and(|(difference, error)| difference.abs() <= DIFFERENCE_TOLERANCE * error)
 }
 
-fn with_mean(blank: &Comparison, published: &PublishedMean, modelled: &[Modelled]) -> Comparison {
-    let row = Comparison { kind: ReferenceKind::Mean, reference: published.source, ..blank.clone() };
+fn verdict(agrees: bool) -> Verdict {
+    if agrees { Verdict::Ok } else { Verdict::Off }
+}
+
+fn with_mean(row: Comparison, published: &PublishedMean, modelled: &[Modelled]) -> Comparison {
     let Some(model) = ResidualStatistics::weighted(modelled.iter().map(|one| (one.magnitude, one.weight))) else {
         return row;
     };
     let differences = || modelled.iter().map(|one| (published.mean_mag - one.magnitude, one.weight));
-    let difference = published.mean_mag - model.mean_mag;
-    Comparison {
+    let row = Comparison {
         n: model.n,
         model_mean_mag: Some(model.mean_mag),
         model_sd_mag: Some(model.sd_mag),
         reference_mean_mag: Some(published.mean_mag),
         reference_sd_mag: published.sd_mag,
-        difference_mag: Some(difference),
+        difference_mag: Some(published.mean_mag - model.mean_mag),
+        difference_error_mag: Some(SURVEY_ERROR_MAG),
         within_one_sigma: published.sd_mag.and_then(|sd| share_within(differences(), sd)),
-        verdict: if difference.abs() <= published.survey_sd_mag() { Verdict::Ok } else { Verdict::Off },
         ..row
+    };
+    Comparison { verdict: verdict(is_close(&row)), ..row }
+}
+
+fn with_curve(row: Comparison, curve: &PublishedCurve, sd_mag: f64, modelled: &[Modelled]) -> Comparison {
+    let pairs: Vec<Pair> = modelled
+        .iter()
+        .filter_map(|one| {
+            let reference_mag = curve.at(one.phase_rad)?;
+            Some(Pair { reference_mag, model_mag: one.magnitude, weight: one.weight })
+        })
+        .collect();
+    let Some((row, _)) = with_pairs(&row, &pairs) else { return row };
+    let is_narrow = row.rms_mag.is_some_and(|rms| rms <= sd_mag);
+    Comparison { verdict: verdict(is_close(&row) && is_narrow), ..row }
+}
+
+fn with_measurements(row: Comparison, model: &BrightnessModel, measured: &[ReferenceMeasurement]) -> Comparison {
+    let (pairs, groups): (Vec<Pair>, Vec<u32>) = measured
+        .iter()
+        .filter_map(|one| {
+            let model_mag = one.of_model(model)?.0;
+            Some((Pair { reference_mag: one.magnitude.0, model_mag, weight: 1.0 }, one.group))
+        })
+        .unzip();
+    let Some((row, statistics)) = with_pairs(&row, &pairs) else { return row };
+    let differences: Vec<f64> = pairs.iter().map(Pair::difference_mag).collect();
+    let sampling_mag = error_of_mean(&differences, &groups, &statistics);
+    let sigma_ratio = sigma_68_mag(&differences) / row.sigma_mag;
+    let row = Comparison {
+        difference_error_mag: Some(SURVEY_ERROR_MAG.hypot(sampling_mag)),
+        sigma_ratio: Some(sigma_ratio),
+        ..row
+    };
+    let [least, greatest] = SIGMA_RATIOS;
+    let has_few_wings = statistics.rms_mag <= RMS_TOLERANCE_SIGMA * row.sigma_mag;
+    let agrees = is_close(&row) && (least..=greatest).contains(&sigma_ratio) && has_few_wings;
+    Comparison { verdict: verdict(agrees), ..row }
+}
+
+/// Returns the statistical error of the mean of differences, mag, whose groups are independent of one another; for a
+/// single group, the spread of the differences.
+fn error_of_mean(differences: &[f64], groups: &[u32], statistics: &ResidualStatistics) -> f64 {
+    let mut sums = BTreeMap::new();
+    for (difference, group) in differences.iter().zip(groups) {
+        *sums.entry(group).or_insert(0.0) += difference - statistics.mean_mag;
+    }
+    let (count, n) = (sums.len() as f64, differences.len() as f64);
+    if sums.len() < 2 {
+        return statistics.sd_mag;
+    }
+    // e² = G/(G - 1) Σ_g (Σ_i (d_i - mean))² / n²            Liang and Zeger (1986), Biometrika 73, 13
+    (count / (count - 1.0) * sums.values().map(|sum| sum * sum).sum::<f64>()).sqrt() / n
+}
+
+/// Magnitudes of a reference and of the model in one geometry, with its weight.
+struct Pair {
+    reference_mag: f64,
+    model_mag: f64,
+    weight: f64,
+}
+
+impl Pair {
+    fn difference_mag(&self) -> f64 {
+        self.reference_mag - self.model_mag
     }
 }
 
-fn with_curve(blank: &Comparison, curve: &PublishedCurve, sd_mag: f64, modelled: &[Modelled]) -> Comparison {
-    let tolerances = Tolerances { mean_mag: sd_mag, core_mag: sd_mag, rms_mag: sd_mag };
-    let pairs = modelled.iter().filter_map(|one| Some((curve.at(one.phase_rad)?, one.magnitude, one.weight)));
-    let row = Comparison { kind: ReferenceKind::PhaseCurve, reference: curve.source, ..blank.clone() };
-    with_pairs(row, &tolerances, pairs.collect())
-}
-
-/// Completes a row from triples of a reference magnitude, a model magnitude and a weight.
-fn with_pairs(row: Comparison, tolerances: &Tolerances, pairs: Vec<(f64, f64, f64)>) -> Comparison {
-    let differences = || pairs.iter().map(|&(reference, model, weight)| (reference - model, weight));
-    let reference = ResidualStatistics::weighted(pairs.iter().map(|&(reference, _, weight)| (reference, weight)));
-    let model = ResidualStatistics::weighted(pairs.iter().map(|&(_, model, weight)| (model, weight)));
-    let (Some(reference), Some(model), Some(difference)) =
-        (reference, model, ResidualStatistics::weighted(differences()))
-    else {
-        return row;
-    };
-    let is_good = difference.mean_mag.abs() <= tolerances.mean_mag
-        && difference.core_mag <= tolerances.core_mag
-        && difference.rms_mag <= tolerances.rms_mag;
-    Comparison {
+/// Returns the row with the statistics of pairs of magnitudes, and those of their differences; `None` without pairs.
+fn with_pairs(row: &Comparison, pairs: &[Pair]) -> Option<(Comparison, ResidualStatistics)> {
+    let of = |value: fn(&Pair) -> f64| ResidualStatistics::weighted(pairs.iter().map(|one| (value(one), one.weight)));
+    let (reference, model) = (of(|one| one.reference_mag)?, of(|one| one.model_mag)?);
+    let difference = of(Pair::difference_mag)?;
+    let differences = pairs.iter().map(|one| (one.difference_mag(), one.weight));
+    let row = Comparison {
         n: difference.n,
         model_mean_mag: Some(model.mean_mag),
         model_sd_mag: Some(model.sd_mag),
         reference_mean_mag: Some(reference.mean_mag),
         reference_sd_mag: Some(reference.sd_mag),
         difference_mag: Some(difference.mean_mag),
+        difference_error_mag: Some(SURVEY_ERROR_MAG),
         rms_mag: Some(difference.rms_mag),
         core_mag: Some(difference.core_mag),
-        within_one_sigma: share_within(differences(), row.sigma_mag),
-        verdict: if is_good { Verdict::Ok } else { Verdict::Off },
-        ..row
-    }
+        within_one_sigma: share_within(differences, row.sigma_mag),
+        ..row.clone()
+    };
+    Some((row, difference))
 }
 
-const COLUMNS: [Column; 15] = [
+const COLUMNS: [Column; 19] = [
     Column::new("model", Kind::Text, "Name of the model."),
     Column::new("satellites", Kind::Text, "Satellites that the model describes; empty if its name is unknown."),
     Column::new(
@@ -255,12 +367,19 @@ const COLUMNS: [Column; 15] = [
         "Kind of reference: mean, phase curve, photometry, grazing (photometry in grazing sunlight), none.",
     ),
     Column::new("reference", Kind::Text, "Publication of the reference."),
+    Column::new(
+        "sample",
+        Kind::Text,
+        "in-sample if the provenance of the model names this survey or publication, otherwise unseen.",
+    ),
     Column::new("n", Kind::Integer, "Number of geometries or measurements compared."),
     Column::real("model_mean_mag", "mag", 3, "Mean of the model over them, at 1000 km."),
     Column::real("model_sd_mag", "mag", 3, "Standard deviation of the model over them."),
     Column::real("reference_mean_mag", "mag", 3, "Mean of the reference, at 1000 km."),
     Column::real("reference_sd_mag", "mag", 3, "Standard deviation of the reference; empty if none was published."),
     Column::real("difference_mag", "mag", 3, "Mean of reference minus model."),
+    Column::real("difference_error_mag", "mag", 3, "Error of the difference: between surveys, and of the mean."),
+    Column::real("difference_errors", "", 2, "Difference divided by its error; ok from -2 to 2."),
     Column::real("rms_mag", "mag", 3, "Root mean square of reference minus model; empty against a mean."),
     Column::real("core_mag", "mag", 3, "1.4826 times the median absolute deviation of reference minus model."),
     Column::real("sigma_mag", "mag", 3, "One sigma of a single prediction, from the model's file."),
@@ -269,6 +388,12 @@ const COLUMNS: [Column; 15] = [
         "",
         3,
         "Fraction within that sigma; against a mean, fraction of the model within its published standard deviation.",
+    ),
+    Column::real(
+        "sigma_ratio",
+        "",
+        3,
+        "Half width with 68.3 % of the differences from measurements, divided by that sigma; ok from 0.67 to 1.25.",
     ),
     Column::new("verdict", Kind::Text, "ok, off, or no data."),
 ];
@@ -282,18 +407,49 @@ pub fn comparison_table(comparisons: &[Comparison]) -> Table {
             one.satellites.into(),
             one.kind.name().into(),
             one.reference.into(),
+            one.sample.map(Sample::name).into(),
             is_compared.then_some(one.n).into(),
             one.model_mean_mag.into(),
             one.model_sd_mag.into(),
             one.reference_mean_mag.into(),
             one.reference_sd_mag.into(),
             one.difference_mag.into(),
+            one.difference_error_mag.into(),
+            one.difference_mag.zip(one.difference_error_mag).map(|(difference, error)| difference / error).into(),
             one.rms_mag.into(),
             one.core_mag.into(),
             one.sigma_mag.into(),
             one.within_one_sigma.into(),
+            one.sigma_ratio.into(),
             one.verdict.name().into(),
         ]
     };
     Table { columns: COLUMNS.to_vec(), rows: comparisons.iter().map(row).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_error_of_the_mean_counts_groups() {
+        // Four groups of equal differences are four measurements: sd 1.29, error 1.29/√4.
+        let values = [1.0, 2.0, 3.0, 4.0];
+        let differences: Vec<f64> = values.iter().flat_map(|value| [*value; 5]).collect();
+        let groups: Vec<u32> = (0..4).flat_map(|group| [group; 5]).collect();
+        let statistics = ResidualStatistics::of(&differences).unwrap();
+        let expected = (5.0_f64 / 3.0).sqrt() / 2.0;
+        assert!((error_of_mean(&differences, &groups, &statistics) - expected).abs() < 1e-12);
+        assert_eq!(error_of_mean(&differences, &[7; 20], &statistics), statistics.sd_mag);
+    }
+
+    #[test]
+    fn verif_references_are_found_in_a_provenance() {
+        let in_sample = |reference, provenance| published_names(reference).any(|name| is_named(name, provenance));
+        let source = "Mallama, arXiv 2210.17268, 2507.00107";
+        assert!(in_sample(source, "Mallama (arXiv 2210.17268)") && in_sample(source, "see 2507.00107"));
+        assert!(!in_sample(source, "Mallama (arXiv 2006.08422)"));
+        let benchmark = "Mallama, benchmark of constellations (raising)";
+        assert!(in_sample(benchmark, "mallama, benchmark of constellations") && !in_sample(benchmark, "Mallama"));
+    }
 }

@@ -18,6 +18,8 @@ mod photometry;
 mod population;
 mod published;
 
-pub use comparison::{Comparison, OFFSET_TOLERANCE_MAG, ReferenceKind, Verdict, compare, comparison_table};
+pub use comparison::{
+    Comparison, ReferenceKind, SIGMA_RATIOS, SURVEY_ERROR_MAG, Sample, Verdict, compare, comparison_table,
+};
 pub use photometry::{DataSet, Photometry, ReferenceMeasurement};
 pub use population::POPULATION;

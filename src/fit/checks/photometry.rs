@@ -55,6 +55,16 @@ impl DataSet {
         }
     }
 
+    /// Returns a word by which the provenance of a model names the survey.
+    pub(super) fn survey(self) -> &'static str {
+        match self {
+            Self::Pomenis => "pomenis",
+            Self::SlingshotV2 => "slingshot",
+            Self::Mmt9VisorSat | Self::Mmt9OneWeb | Self::Mmt9IridiumNext => "mmt",
+            Self::AmateursPayloads | Self::AmateursRocketBodies => "qs.mag",
+        }
+    }
+
     /// Returns the path of the set's file in a data folder.
     pub fn path(self) -> &'static str {
         match self {
@@ -90,6 +100,8 @@ pub struct ReferenceMeasurement {
     pub phase_rad: f64,
     /// Complete viewing geometry; `None` if only the phase angle is known.
     pub geometry: Option<ViewingGeometry>,
+    /// Number of the track, night or object: measurements of one group are not independent of one another.
+    pub group: u32,
     /// Fraction of the Sun's light that reached the satellite, (0, 1]; by it the model's magnitude is dimmed.
     pub lit_fraction: f64,
 }
@@ -145,6 +157,7 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Se
         magnitude: point.magnitude,
         phase_rad: point.geometry.phase_angle_rad(),
         geometry: Some(point.geometry),
+        group: point.group,
         lit_fraction,
     };
     let sunlit = read(&Selection::default())?;
@@ -174,7 +187,7 @@ fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurem
         let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
         let selected = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
         let magnitude = table.get(id).filter(|_| selected)?;
-        Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None, lit_fraction: 1.0 })
+        Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None, group: id, lit_fraction: 1.0 })
     });
     Ok(listed.collect())
 }

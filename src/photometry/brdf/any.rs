@@ -69,6 +69,13 @@ impl Brdf for Law {
     }
 }
 
+/// Laws of one face, whose light is summed.
+impl Brdf for [Law] {
+    fn value_per_sr(&self, incidence: &Incidence) -> f64 {
+        self.iter().map(|law| law.value_per_sr(incidence)).sum()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -29,6 +29,22 @@ pub fn transmitted_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
 
 /// Integrates over the hemisphere of the source (`side` 1) or over the other hemisphere (`side` -1).
 fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
+    let mut share = 0.0;
+    each_outgoing(law, cos_in, side, |_, part| share += part);
+    share
+}
+
+/// Calls `take` with the directions into which a law sends light, and the fraction f |cos φ_r| dω of the incident power
+/// that leaves in each. `side` is 1 for the hemisphere of the source and -1 for the other one.
+///
+/// The directions are unit vectors in axes with the normal along z and the source in the half plane y = 0, x ≥ 0. The
+/// accuracy of sums over them is that of [`reflected_share`].
+pub(in crate::photometry) fn each_outgoing(
+    law: &(impl Brdf + ?Sized),
+    cos_in: f64,
+    side: f64,
+    mut take: impl FnMut(&Vector3<f64>, f64),
+) {
     let cos_in = cos_in.clamp(0.0, 1.0);
     let sin_in = (1.0 - cos_in * cos_in).sqrt();
     let normal = Vector3::z();
@@ -36,7 +52,6 @@ fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
     // The two directions are the mirror direction and the source; for transmission, the transmitted direction and the
     // mirror image of the source in the plane.
     let poles = [Vector3::new(-sin_in, 0.0, side * cos_in), Vector3::new(sin_in, 0.0, side * cos_in)];
-    let mut share = 0.0;
     for (pole, other) in [(poles[0], poles[1]), (poles[1], poles[0])] {
         let (east, north) = (Vector3::y(), pole.cross(&Vector3::y()));
         for ring in 0..RINGS {
@@ -53,12 +68,11 @@ fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
                     // with half the weight for each if the poles coincide.
                     let (near, far) = ((to_eye - pole).norm_squared(), (to_eye - other).norm_squared());
                     let part = if near + far > 0.0 { far / (near + far) } else { 0.5 };
-                    share += law.value_per_sr(&incidence) * incidence.cos_out.abs() * weight * part;
+                    take(&to_eye, law.value_per_sr(&incidence) * incidence.cos_out.abs() * weight * part);
                 }
             }
         }
     }
-    share
 }
 
 /// Checks reciprocity and finite, non-negative values for every incidence.

@@ -15,6 +15,7 @@ mod straight;
 pub use abg::Abg;
 pub use any::Law;
 pub use binomial::Binomial;
+pub(super) use energy::each_outgoing;
 pub use energy::{reflected_share, transmitted_share};
 pub use facets::Facets;
 pub use gaussian::Gaussian;

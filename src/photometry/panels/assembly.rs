@@ -230,7 +230,7 @@ impl PanelAssembly {
     }
 
     /// Returns the fraction of a panel that the other panels block in at least one of up to two directions.
-    fn share_blocked(
+    pub(super) fn share_blocked(
         &self,
         panel: &AssembledPanel,
         placed: &PlacedRectangle,
@@ -300,7 +300,7 @@ fn reflected_per_sr(
 }
 
 impl AssembledPanel {
-    fn laws(&self, face: Face) -> &[Law] {
+    pub(super) fn laws(&self, face: Face) -> &[Law] {
         match face {
             Face::Front => &self.front,
             Face::Back => &self.back,
@@ -308,7 +308,7 @@ impl AssembledPanel {
         }
     }
 
-    fn placed(&self, to_sun: &Vector3<f64>) -> PlacedRectangle {
+    pub(super) fn placed(&self, to_sun: &Vector3<f64>) -> PlacedRectangle {
         PlacedRectangle { anchor_m: self.anchor_m, axes: self.attitude.axes(to_sun), u_m: self.u_m, v_m: self.v_m }
     }
 }

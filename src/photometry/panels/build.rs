@@ -13,6 +13,7 @@ use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };
 use crate::photometry::error::Check;
+use crate::photometry::model_file::{Coefficients, SatelliteShape};
 
 /// Cosines of incidence at which the energy conservation of a face is checked.
 const ENERGY_CHECK_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
@@ -166,6 +167,40 @@ impl PanelsSpec {
             check.range(&key, sphere.albedo, 0.0, 1.0)?;
         }
         Ok(())
+    }
+}
+
+impl PanelAssembly {
+    /// Returns the chassis and the sail (solar array) of Lu (2024) as a list of panels.
+    pub(in crate::photometry) fn chassis_and_sail(shape: &SatelliteShape, coefficients: &Coefficients) -> Self {
+        let Coefficients { c1, c2, c3, c4, c5, n_sail, n_base } = *coefficients;
+        let lambert = |albedo| Law::Lambert(Lambert { albedo });
+        let phong = |weight, exponent| Law::Phong(Phong { weight, exponent });
+        let sail = AssembledPanel {
+            name: "sail".to_owned(),
+            anchor_m: Vector3::zeros(),
+            u_m: [-0.5 * shape.sail_width_m, 0.5 * shape.sail_width_m],
+            v_m: [0.0, shape.sail_length_m],
+            attitude: Attitude::SunAzimuth(PanelOffset::Constant(shape.panel_offset_deg.to_radians())),
+            front: vec![phong(c1, n_sail), lambert(c2)],
+            back: Vec::new(),
+            through: vec![lambert(c3)],
+            earthshine: false,
+            blockers: vec![1],
+        };
+        let chassis = AssembledPanel {
+            name: "chassis".to_owned(),
+            anchor_m: Vector3::zeros(),
+            u_m: [-0.5 * shape.base_width_m, 0.5 * shape.base_width_m],
+            v_m: [0.0, shape.base_length_m],
+            attitude: Attitude::Nadir,
+            front: vec![phong(c4, n_base), lambert(c5)],
+            back: Vec::new(),
+            through: Vec::new(),
+            earthshine: true,
+            blockers: Vec::new(),
+        };
+        Self::new(vec![sail, chassis], Vec::new())
     }
 }
 

@@ -1,5 +1,5 @@
-//! Satellites of any number of flat panels and of spheres for parts without orientation: attitudes, obstruction, and
-//! light.
+//! Satellites of any number of flat panels and of spheres for parts without orientation: attitudes, obstruction, light,
+//! and the force of sunlight.
 
 mod assembly;
 mod attitude;
@@ -7,6 +7,7 @@ mod build;
 mod panel_file;
 mod sensitivity;
 mod shapes;
+mod sunlight_force;
 
 pub use assembly::{Face, LitFace, PanelAssembly, Part};
 pub use attitude::{Attitude, PanelOffset};
@@ -15,3 +16,4 @@ pub use panel_file::{
 };
 pub(super) use sensitivity::PanelSensitivity;
 pub use shapes::{PanelPolygon, PlacedRectangle, Sphere, SpherePhase};
+pub use sunlight_force::SunlightForce;

@@ -217,6 +217,16 @@ impl Sphere {
         };
         self.albedo * self.area_m2 * per_m2
     }
+
+    /// Returns the momentum of the reflected light towards the source, per unit of radiation pressure, m²: ∫ B cos φ dω.
+    pub(super) fn reflected_momentum_m2(&self) -> f64 {
+        let per_m2 = match self.phase {
+            // 4/9 of a Lambertian sphere: the light of each element leaves with 2/3 of its momentum along the normal
+            SpherePhase::Lambert => 4.0 / 9.0,
+            SpherePhase::Isotropic => 0.0,
+        };
+        self.albedo * self.area_m2 * per_m2
+    }
 }
 
 #[cfg(test)]
@@ -306,6 +316,21 @@ mod tests {
                 })
                 .sum();
             assert!((sum - 0.4 * 2.5).abs() < 1e-7, "{phase:?}: {sum}");
+        }
+    }
+
+    #[test]
+    fn verif_momentum_of_the_light_of_spheres() {
+        for phase in [SpherePhase::Lambert, SpherePhase::Isotropic] {
+            let (sphere, n) = (sphere(phase), 20_000);
+            // ∫ B cos φ 2π sin φ dφ
+            let sum: f64 = (0..n)
+                .map(|i| {
+                    let angle = (f64::from(i) + 0.5) * PI / f64::from(n);
+                    sphere.m2_sr(angle) * PI * (2.0 * angle).sin() * PI / f64::from(n)
+                })
+                .sum();
+            assert!((sum - sphere.reflected_momentum_m2()).abs() < 1e-7, "{phase:?}: {sum}");
         }
     }
 

@@ -25,6 +25,7 @@ pub mod measure;
 pub mod model;
 #[cfg(feature = "fit")]
 mod model_check;
+mod model_pressure;
 pub mod passes;
 #[cfg(feature = "plot")]
 pub mod plot;

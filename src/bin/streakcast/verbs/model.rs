@@ -1,4 +1,5 @@
-//! `model list` and `model show`: list and print the brightness models.
+//! `model list` and `model show`: list and print the brightness models. `model_pressure` and `model_check` compute the
+//! other two verbs.
 
 use std::path::{Path, PathBuf};
 
@@ -26,6 +27,8 @@ pub enum ModelVerb {
     List(ModelListArguments),
     /// Show the file of a model, with coefficients, covariance and provenance
     Show(ModelShowArguments),
+    /// Compute the acceleration of a satellite by the pressure of sunlight, from the panels of its model
+    Pressure(ModelPressureArguments),
     /// Validate models and compare them with published means, phase curves and photometry
     #[cfg(feature = "fit")]
     Check(ModelCheckArguments),
@@ -63,6 +66,28 @@ pub struct ModelShowArguments {
     pub list: ModelListArguments,
 }
 
+#[derive(Args)]
+pub struct ModelPressureArguments {
+    /// Brightness model of panels: name (listed by streakcast model list) or model file
+    #[arg(value_name = "MODEL")]
+    pub model: String,
+    /// Mass of the satellite, kg
+    #[arg(long, value_name = "KG", allow_hyphen_values = true)]
+    pub mass_kg: f64,
+    /// Latitudes of the Sun above the plane of the chassis, degrees (negative below); -30 to 90 in steps of 10 if
+    /// omitted
+    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true)]
+    pub sun_latitude_deg: Vec<f64>,
+    /// Configuration file with additional models
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    /// Suppress everything except errors on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
     shown("kind", "kind"),
@@ -77,6 +102,7 @@ pub fn run(typed: ModelArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
         ModelVerb::List(typed) => list(typed),
         ModelVerb::Show(typed) => show(typed),
+        ModelVerb::Pressure(typed) => super::model_pressure::pressure(typed),
         #[cfg(feature = "fit")]
         ModelVerb::Check(typed) => super::model_check::check(typed),
     }
@@ -103,7 +129,7 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
 }
 
 /// Returns the bundled brightness models and those of a configuration file.
-fn library_of(config: Option<&Path>) -> anyhow::Result<ModelLibrary> {
+pub fn library_of(config: Option<&Path>) -> anyhow::Result<ModelLibrary> {
     Ok(config.map(Config::read).transpose()?.unwrap_or_default().model_library()?)
 }
 

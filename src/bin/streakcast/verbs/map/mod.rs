@@ -11,7 +11,8 @@ pub use arguments::MapArguments;
 #[cfg(feature = "plot")]
 pub use arguments::{BodyViewArguments, MapBodyArguments, MapOutputArguments, MapSkyArguments, SkyViewArguments};
 pub use run::run;
+#[cfg(any(feature = "fit", feature = "plot"))]
+pub use run::site_of;
 #[cfg(feature = "plot")]
 pub use run::{body, sky};
-#[cfg(any(feature = "fit", feature = "plot"))]
-pub use run::{model_of, site_of};
+pub use run::{model_of, provisional};
