@@ -19,7 +19,7 @@ DATA = Path(os.environ.get("STREAKCAST_DATA", ROOT.parent / "shared" / "data"))
 ACTIVE = DATA / "tle" / "active" / "active_2026-04-25.txt"
 
 #: The benches that need nothing but the crate, then those beside which other tools run.
-BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "reduce", "frame_files", "streaks"]
+BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "reduce", "frame_files", "streaks", "measure"]
 #: Name of the run, its requirements beside the script, the benches to build first, and its command line.
 WITH_PEERS = {
     "compare-peers": ("requirements.txt", ["peers"], ["compare.py", "--elements", "{active}", "--schedule", "{schedule}", "--only", "astroz=0,sgp4=100", "--rounds",

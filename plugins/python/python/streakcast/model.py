@@ -8,14 +8,14 @@ from typing import Any, Union
 
 from ._results import Assessment, ClearWindows, Site
 from ._injection import Injected, inject
-from ._exposure_queries import ExposureQueries
+from ._measure import MeasureQueries
 from ._setup import absolute, document
 from ._times import TimeLike, to_tai
 
 __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 
 
-class StreakModel(ExposureQueries):
+class StreakModel(MeasureQueries):
     """Satellites over a site, with a field of view, brightness models and a policy.
 
     Arguments have the names of the command line flags and of the keys in configuration files.
