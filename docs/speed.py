@@ -20,7 +20,8 @@ DATA = Path(os.environ.get("STREAKCAST_DATA", ROOT.parent / "shared" / "data"))
 ACTIVE = DATA / "tle" / "active" / "active_2026-04-25.txt"
 
 #: Benches of this crate alone.
-BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "reduce", "frame_files", "streaks"]
+BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "reduce", "frame_files", "streaks",
+           "measure"]
 #: Comparisons with other programs: name -> (requirements in PEERS, benches to build first, command line).
 WITH_PEERS = {
     "compare-peers": ("requirements.txt", ["peers"], ["compare.py", "--elements", "{active}", "--schedule", "{schedule}", "--only", "astroz=0,sgp4=100", "--rounds",

@@ -6,8 +6,9 @@ use std::path::PathBuf;
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    AlarmChart, AlarmMark, Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Quantity, ResidualHistogram,
-    ResidualPanels, alarm_chart, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
+    AlarmChart, AlarmMark, Corner, CountsAndSpread, CutPanel, LayerPanel, Layers, PhaseCurve, Quantity,
+    ResidualHistogram, ResidualPanels, alarm_chart, corner, counts_and_spread, layers, phase_curve, residual_histogram,
+    residual_panels, streak_cuts,
 };
 
 /// Generator of reproducible quasi-random numbers: the fractional parts of multiples of an irrational number.
@@ -144,8 +145,30 @@ fn main() -> Result<(), Box<dyn Error>> {
         alarms: &alarms,
     })?;
 
+    // A streak of Gaussian profile in noise of one count, four pixels beside its predicted track.
+    let across: Vec<f64> = (-15..=15).map(f64::from).collect();
+    let fitted: Vec<f64> = across.iter().map(|v| 6.0 * (-0.5 * (v / 2.0).powi(2)).exp()).collect();
+    let columns = 200;
+    let values: Vec<f64> = fitted.iter().flat_map(|light| vec![*light; columns]).map(|v| v + spread.normal()).collect();
+    let mean = |row: &[f64]| row.iter().sum::<f64>() / columns as f64;
+    let cuts = streak_cuts(
+        "Invented streak",
+        &[CutPanel {
+            title: "90001: 6.12 +- 0.02 mag",
+            columns,
+            length_pix: 1000.0,
+            across_pix: &across,
+            values: &values,
+            profile: &values.chunks_exact(columns).map(mean).collect::<Vec<f64>>(),
+            profile_sigma: &vec![1.0 / (columns as f64).sqrt(); across.len()],
+            model: &fitted,
+            predicted_pix: 4.0,
+        }],
+    )?;
+
     let pictures = [
         ("alarms", passes),
+        ("cuts", cuts),
         ("corner", posterior),
         ("slice", slice),
         ("o-c", o_c),

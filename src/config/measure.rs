@@ -1,19 +1,23 @@
 //! Options of the measurement of streaks in frames, and its execution.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Deserialize;
 
 use super::document::Config;
 use super::error::ConfigError;
-use super::injection_plan::seeing_form;
+use super::injection_plan::{SkyOf, seeing_form};
 use super::prepared::state_scales;
 use super::site::no_site_in;
 use super::values::{parse_angle_deg, parse_duration_s};
 use crate::frames::{parse_moment, seconds_after};
 use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
-use crate::measure::{FrameMeasurements, MeasureOptions, MeasuredPass, measure_frame};
+use crate::measure::{
+    CatalogueStar, Estimate, FrameMeasurements, FrameOptions, MeasureOptions, MeasuredPass, StarTable, StarZeroPoint,
+    ZeroPoints, measure_frame,
+};
 use crate::orbit::LeftOut;
 use crate::output::Provenance;
 use crate::photometry::{Band, PhotometryOptions};
@@ -21,6 +25,8 @@ use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 
 /// Seeing from which the width is fitted if none is given, pixels.
 const SEEING_PIX: f64 = 4.0;
+/// Relative difference of the given seeing and that of the stars from which there is a warning.
+const SEEING_TOLERANCE: f64 = 0.1;
 
 /// Frames and options of a measurement, in addition to [`Config`].
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -39,8 +45,8 @@ pub struct MeasureConfig {
     /// Exposure time with its unit, for example 30s or 2min; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub exposure: Option<String>,
-    /// Seeing: FWHM of a star's image with its unit, for example 1.2arcsec; that of --telescope if omitted; without
-    /// both it is fitted to each streak
+    /// Seeing: FWHM of a star's image with its unit, for example 1.2arcsec; that of --telescope if omitted; without both
+    /// it is that of --stars, or fitted to each streak
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE"))]
     pub seeing: Option<String>,
     /// Fit the width of each streak instead of using the given seeing
@@ -59,9 +65,18 @@ pub struct MeasureConfig {
         arg(long, value_name = "MAG", allow_hyphen_values = true, conflicts_with = "zero_point")
     )]
     pub zero_point_1s: Option<f64>,
+    /// Zero point from stars: table (CSV) with ra_deg, dec_deg, mag and, optionally, mag_sigma and band
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "TABLE", conflicts_with_all = ["zero_point", "zero_point_1s"])
+    )]
+    pub stars: Option<PathBuf>,
     /// Gain, electrons per count; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "E"))]
     pub gain: Option<f64>,
+    /// If true, the pixels along each track are returned, for pictures.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub cuts: bool,
 }
 
 /// Measurements of several frames.
@@ -84,9 +99,15 @@ pub struct Measurements {
 impl MeasureConfig {
     /// Opens the frames, predicts the satellites in them, and measures their streaks.
     ///
+    /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
+    ///
     /// # Errors
     /// A frame has no image, world coordinates, time or site, or a value is out of range.
-    pub fn measure(&self, config: &Config) -> Result<Measurements, ConfigError> {
+    pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>) -> Result<Measurements, ConfigError> {
+        if self.stars.is_some() && (self.zero_point.is_some() || self.zero_point_1s.is_some()) {
+            return Err(ConfigError::Both { first: "--stars", second: "--zero-point" });
+        }
+        let table = self.stars.as_deref().map(StarTable::read).transpose()?;
         let frames: Vec<(TargetFrame, bool)> =
             self.image.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
         let (Some(first), Some(last)) = (
@@ -96,16 +117,25 @@ impl MeasureConfig {
             return Err(ConfigError::invalid("missing frames; specify FRAME..., FITS files"));
         };
         let (config, remark) = with_site(config, &frames)?;
-        let mut prepared = config.prepare(first, last)?;
-        let mut warnings = prepared.warnings.clone();
+        let of_all = match sky {
+            Some(sky) => sky(first)?,
+            None => Arc::new(config.prepare(first, last)?),
+        };
+        // A given sky has its own list of warnings.
+        let mut warnings = if sky.is_some() { Vec::new() } else { of_all.warnings.clone() };
+        let mut remarks: Vec<String> = remark.into_iter().collect();
         let (mut passes, mut left_out) = (Vec::new(), Vec::new());
         for (frame, is_calibrated) in &frames {
+            let prepared = match sky {
+                Some(sky) => sky(frame.opened)?,
+                None => of_all.clone(),
+            };
             let shown = frame.file.path().display();
             let ignored = frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"));
             warnings.extend(ignored);
-            if !is_calibrated {
+            if !is_calibrated && table.is_none() {
                 warnings.push(format!(
-                    "{shown}: no zero point: magnitudes are instrumental, -2.5 log10 of the counts; specify --zero-point"
+                    "{shown}: no zero point: magnitudes are instrumental, -2.5 log10 of the counts; specify --zero-point or --stars"
                 ));
             }
             if frame.chips.iter().any(|target| target.electrons_per_unit.is_none()) {
@@ -114,18 +144,35 @@ impl MeasureConfig {
                 ));
             }
             let photometry = photometry(&config, frame)?;
-            let (optics, fit_width) = self.optics(&config, frame)?;
-            let options = MeasureOptions { fit_width, ..MeasureOptions::default() };
-            let measured: FrameMeasurements =
-                measure_frame(&prepared.sky, frame, *is_calibrated, &photometry, &optics, &options)?;
+            let (optics, is_seeing_known) = self.optics(&config, frame)?;
+            let filter = config.light.band.as_deref().or(frame.filter.as_deref());
+            let stars: Option<Vec<CatalogueStar>> = table.as_ref().map(|table| table.in_band(filter)).transpose()?;
+            let zero_points = match &stars {
+                Some(stars) => ZeroPoints::Stars(stars),
+                None if *is_calibrated => ZeroPoints::Frame,
+                None => ZeroPoints::Missing,
+            };
+            let measure = MeasureOptions { fit_width: self.fit_width, ..MeasureOptions::default() };
+            let options = FrameOptions { zero_points, photometry, optics, is_seeing_known, measure, cuts: self.cuts };
+            let measured: FrameMeasurements = measure_frame(&prepared.sky, frame, &options)?;
+            for (hdu, from_stars) in &measured.star_zero_points {
+                state_stars(
+                    &format!("{shown}: HDU {hdu}"),
+                    from_stars,
+                    &optics,
+                    is_seeing_known,
+                    &mut remarks,
+                    &mut warnings,
+                );
+            }
             passes.extend(measured.passes);
             left_out.extend(measured.left_out);
         }
         let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-        state_scales(&mut prepared.provenance, &scale, &config.photometry()?);
-        let site = prepared.sky.viewpoint().site().map(|observer| observer.site().clone());
-        let remarks = remark.into_iter().collect();
-        Ok(Measurements { passes, left_out, site, provenance: prepared.provenance, remarks, warnings })
+        let mut provenance = of_all.provenance.clone();
+        state_scales(&mut provenance, &scale, &config.photometry()?);
+        let site = of_all.sky.viewpoint().site().map(|observer| observer.site().clone());
+        Ok(Measurements { passes, left_out, site, provenance, remarks, warnings })
     }
 
     /// Opens a frame; returns it and whether it has a zero point.
@@ -141,7 +188,7 @@ impl MeasureConfig {
         }
         let given = self.zero_point.map(|mag| (mag, CountBasis::Frame));
         let given = given.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second)));
-        let is_calibrated = given.is_some() || has_zero_point(path, &self.hdu)?;
+        let is_calibrated = self.stars.is_none() && (given.is_some() || has_zero_point(path, &self.hdu)?);
         // Magnitude 0 for one count: -2.5 log10 of the counts.
         let zero_point = if is_calibrated { given } else { Some((0.0, CountBasis::Frame)) };
         let overrides = FrameOverrides {
@@ -155,7 +202,7 @@ impl MeasureConfig {
         Ok((TargetFrame::open(path, &overrides)?, is_calibrated))
     }
 
-    /// Returns the optics, and whether the width of the streaks is fitted.
+    /// Returns the optics, and whether their seeing is given.
     fn optics(&self, config: &Config, frame: &TargetFrame) -> Result<(Optics, bool), ConfigError> {
         let telescope = config.telescope()?;
         let given = self.seeing.as_deref().map(|text| parse_angle_deg("seeing", text)).transpose()?;
@@ -167,7 +214,37 @@ impl MeasureConfig {
             outer_radius_m: telescope.as_ref().map_or(0.0, |telescope| telescope.outer_radius_m),
             inner_radius_m: telescope.as_ref().map_or(0.0, |telescope| telescope.inner_radius_m),
         };
-        Ok((optics, self.fit_width || given.is_none()))
+        Ok((optics, given.is_some()))
+    }
+}
+
+/// Adds the zero point from stars, or the reason why there is none, to the remarks and warnings.
+fn state_stars(
+    chip: &str,
+    found: &StarZeroPoint,
+    optics: &Optics,
+    is_seeing_known: bool,
+    remarks: &mut Vec<String>,
+    warnings: &mut Vec<String>,
+) {
+    let counts = found.counts();
+    match (found.zero_point_mag, found.seeing_arcsec) {
+        (Some(Estimate { value, sigma }), seeing_arcsec) => {
+            let seeing = seeing_arcsec.map_or(String::new(), |seeing| format!("; FWHM {seeing:.2} arcsec"));
+            remarks.push(format!("{chip}: zero point {value:.3} +- {sigma:.3} mag; {counts}{seeing}"));
+        }
+        (None, _) => warnings.push(format!(
+            "{chip}: no zero point, magnitudes are instrumental; {counts}; allowed: 3 usable stars or more"
+        )),
+    }
+    if let Some(seeing_arcsec) = found.seeing_arcsec.filter(|_| is_seeing_known)
+        && (seeing_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + SEEING_TOLERANCE).ln()
+    {
+        warnings.push(format!(
+            "{chip}: the FWHM of the stars is {seeing_arcsec:.2} arcsec, the given seeing {:.2} arcsec: magnitudes are \
+             biased; omit the seeing to use that of the stars",
+            optics.seeing_arcsec
+        ));
     }
 }
 

@@ -4,15 +4,47 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::background::Background;
+use super::cut::{StreakCut, streak_cut};
 use super::error::MeasureError;
 use super::measurement::{Estimate, MeasureOptions, StreakImage, StreakMeasurement};
 use super::predict::{PredictOptions, Prediction, predictions};
-use super::streak::measure_streak;
+use super::star_table::CatalogueStar;
+use super::streak::{measure_streak, profile_of};
+use super::zero_point::{StarZeroPoint, star_zero_point};
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::orbit::LeftOut;
 use crate::passes::Sky;
 use crate::photometry::PhotometryOptions;
-use crate::streaks::{Optics, TargetFrame};
+use crate::streaks::{CountScale, Optics, TargetFrame};
+
+/// Source of the zero points of a frame.
+#[derive(Copy, Clone, Debug)]
+pub enum ZeroPoints<'a> {
+    /// The count scales of the chips, from the header or given.
+    Frame,
+    /// None: magnitudes are instrumental, -2.5 log10 of the counts.
+    Missing,
+    /// Stars in the band of the frame. A chip with fewer than three usable stars has instrumental magnitudes.
+    Stars(&'a [CatalogueStar]),
+}
+
+/// How a frame is measured.
+#[derive(Copy, Clone, Debug)]
+pub struct FrameOptions<'a> {
+    /// Source of the zero points.
+    pub zero_points: ZeroPoints<'a>,
+    /// Photometry of the predictions.
+    pub photometry: PhotometryOptions,
+    /// Seeing and telescope.
+    pub optics: Optics,
+    /// False if the seeing in `optics` is only a start: it is then that of the stars, or fitted to each streak without
+    /// stars.
+    pub is_seeing_known: bool,
+    /// Options for each streak.
+    pub measure: MeasureOptions,
+    /// If true, the pixels along each track are returned, for pictures.
+    pub cuts: bool,
+}
 
 /// Measured streak of one satellite on one chip, in units of the sky.
 #[derive(Clone, Debug)]
@@ -35,16 +67,22 @@ pub struct MeasuredPass {
     pub pixel_scale_arcsec: f64,
     /// Speed along the track, pixels per second.
     pub speed_pix_s: f64,
-    /// Magnitude; `None` if the streak was not found.
+    /// Magnitude, with the error of the zero point if it is known; `None` if the streak was not found.
     pub magnitude: Option<Estimate>,
     /// Magnitude of the upper limit of the rate; for a saturated streak it has no meaning.
     pub limit_mag: Option<f64>,
     /// Magnitude of a streak at the threshold of detection.
     pub faintest_mag: Option<f64>,
-    /// False if the frame has no zero point: magnitudes are instrumental, -2.5 log10 of the counts.
+    /// False if the chip has no zero point: magnitudes are instrumental, -2.5 log10 of the counts.
     pub is_calibrated: bool,
+    /// Magnitude of a star whose pixels sum to 1 in the unit of the frame.
+    pub zero_point_mag: f64,
+    /// Error (one sigma) of a zero point from stars, mag; `None` if it is from the header or given.
+    pub zero_point_sigma_mag: Option<f64>,
     /// Filter as written in the header.
     pub filter: Option<String>,
+    /// Pixels along the track, if they are requested.
+    pub cut: Option<StreakCut>,
 }
 
 /// Measurements of a frame.
@@ -54,6 +92,17 @@ pub struct FrameMeasurements {
     pub passes: Vec<MeasuredPass>,
     /// Satellites whose positions cannot be computed.
     pub left_out: Vec<LeftOut>,
+    /// Zero points from stars, with the HDUs of the chips: those with a predicted track.
+    pub star_zero_points: Vec<(usize, StarZeroPoint)>,
+}
+
+/// Conversion of the rates of a chip to magnitudes.
+#[derive(Copy, Clone, Debug)]
+struct ChipScale {
+    scale: CountScale,
+    is_calibrated: bool,
+    /// Error of the zero point, mag.
+    sigma_mag: Option<f64>,
 }
 
 /// Predicts and measures all streaks in a frame, on all threads of the current pool.
@@ -63,14 +112,11 @@ pub struct FrameMeasurements {
 pub fn measure_frame(
     sky: &Sky,
     frame: &TargetFrame,
-    is_calibrated: bool,
-    photometry: &PhotometryOptions,
-    optics: &Optics,
-    options: &MeasureOptions,
+    options: &FrameOptions<'_>,
 ) -> Result<FrameMeasurements, MeasureError> {
-    let expected = PredictOptions { sigmas: options.corridor_sigmas, ..PredictOptions::default() };
-    let (predicted, left_out) = predictions(sky, frame, photometry, &expected)?;
-    let mut passes = Vec::new();
+    let expected = PredictOptions { sigmas: options.measure.corridor_sigmas, ..PredictOptions::default() };
+    let (predicted, left_out) = predictions(sky, frame, &options.photometry, &expected)?;
+    let mut done = FrameMeasurements { left_out, ..FrameMeasurements::default() };
     for (index, target) in frame.chips.iter().enumerate() {
         let of_chip: Vec<&Prediction> = predicted.iter().filter(|prediction| prediction.chip == index).collect();
         if of_chip.is_empty() {
@@ -89,30 +135,59 @@ pub fn measure_frame(
             pixel_scale_arcsec: chip.pixel_scale_arcsec(),
             pixel_aspect: chip.pixel_aspect(),
         };
+        let (mut optics, mut measure) = (options.optics, options.measure);
+        measure.fit_width |= !options.is_seeing_known;
+        let is_calibrated = !matches!(options.zero_points, ZeroPoints::Missing);
+        let mut scale = ChipScale { scale: chip.scale, is_calibrated, sigma_mag: None };
+        if let ZeroPoints::Stars(stars) = options.zero_points {
+            let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known)?;
+            let zero_point_mag = from_stars.zero_point_mag.map_or(0.0, |zero_point| zero_point.value);
+            scale = ChipScale {
+                scale: CountScale::of_frame(zero_point_mag, frame.exposure_s)?,
+                is_calibrated: from_stars.zero_point_mag.is_some(),
+                sigma_mag: from_stars.zero_point_mag.map(|zero_point| zero_point.sigma),
+            };
+            if let Some(seeing_arcsec) = from_stars.seeing_arcsec.filter(|_| !options.is_seeing_known) {
+                optics.seeing_arcsec = seeing_arcsec;
+                measure.fit_width = options.measure.fit_width;
+            }
+            done.star_zero_points.push((chip.hdu, from_stars));
+        }
         let measured = of_chip.par_iter().map(|prediction| -> Result<Option<MeasuredPass>, MeasureError> {
-            let measured = measure_streak(&image, &prediction.streak, optics, options)?;
-            Ok(measured.and_then(|measured| on_sky(frame, prediction, measured, is_calibrated)))
+            let Some(measured) = measure_streak(&image, &prediction.streak, &optics, &measure)? else {
+                return Ok(None);
+            };
+            let cut = options.cuts.then(|| -> Result<StreakCut, MeasureError> {
+                // The seeing by which the streak was drawn.
+                let fitted = measured.seeing_arcsec.filter(|_| measure.fit_width);
+                let drawn = Optics { seeing_arcsec: fitted.unwrap_or(optics.seeing_arcsec), ..optics };
+                Ok(streak_cut(&image, &measured, &profile_of(&image, &prediction.streak, &drawn)?))
+            });
+            let cut = cut.transpose()?;
+            Ok(on_sky(frame, prediction, measured, &scale).map(|one| MeasuredPass { cut, ..one }))
         });
-        passes.extend(measured.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
+        done.passes.extend(measured.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
     }
-    Ok(FrameMeasurements { passes, left_out })
+    Ok(done)
 }
 
 fn on_sky(
     frame: &TargetFrame,
     prediction: &Prediction,
     measured: StreakMeasurement,
-    is_calibrated: bool,
+    of_chip: &ChipScale,
 ) -> Option<MeasuredPass> {
+    let ChipScale { scale, is_calibrated, sigma_mag } = *of_chip;
     let chip = &frame.chips[prediction.chip].chip;
     let [from_s, to_s] = measured.inside_s;
     let middle_s = 0.5 * (from_s + to_s);
     let at =
         if measured.is_detected { measured.path.point_at(middle_s) } else { prediction.streak.path.point_at(middle_s) };
     let magnitude = measured.is_detected.then_some(()).and_then(|()| {
-        let value = chip.scale.magnitude(measured.rate.value)?;
-        // σ_m = 2.5 / ln 10 σ_F / F
-        Some(Estimate { value, sigma: 2.5 / std::f64::consts::LN_10 * measured.rate.sigma / measured.rate.value })
+        let value = scale.magnitude(measured.rate.value)?;
+        // σ_m² = (2.5 / ln 10 σ_F / F)² + σ_ZP²
+        let sigma = 2.5 / std::f64::consts::LN_10 * measured.rate.sigma / measured.rate.value;
+        Some(Estimate { value, sigma: sigma.hypot(sigma_mag.unwrap_or(0.0)) })
     });
     Some(MeasuredPass {
         image: frame.file.path().display().to_string(),
@@ -123,11 +198,14 @@ fn on_sky(
         pixel_scale_arcsec: chip.pixel_scale_arcsec(),
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
-        limit_mag: chip.scale.magnitude(measured.rate_limit),
-        faintest_mag: chip.scale.magnitude(measured.threshold * measured.rate.sigma),
+        limit_mag: scale.magnitude(measured.rate_limit),
+        faintest_mag: scale.magnitude(measured.threshold * measured.rate.sigma),
         is_calibrated,
+        zero_point_mag: scale.zero_point_mag(),
+        zero_point_sigma_mag: sigma_mag,
         filter: frame.filter.clone(),
         prediction: prediction.clone(),
         measured,
+        cut: None,
     })
 }

@@ -6,12 +6,14 @@
 //! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
 //! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the
 //! weighted least-squares fit of the drawn streak; `streak` combines them into a [`StreakMeasurement`], which
-//! `measurement` defines with the inputs. `predict` computes tracks from a sky,
-//! `frame` measures whole files, `table` makes the outputs.
+//! `measurement` defines with the inputs; `cut` returns the pixels along it. `predict` computes tracks from a sky,
+//! `star_table` reads stars of known magnitude, `zero_point` measures them, `frame` measures whole files, `table` makes
+//! the outputs.
 
 mod background;
 mod band;
 mod corridor;
+mod cut;
 mod error;
 mod fit;
 #[cfg(all(feature = "fits", unix))]
@@ -20,18 +22,27 @@ mod measurement;
 #[cfg(all(feature = "fits", unix))]
 mod predict;
 mod search;
+#[cfg(all(feature = "fits", unix))]
+mod star_table;
 mod stars;
 mod streak;
 #[cfg(all(feature = "fits", unix))]
 mod table;
+#[cfg(all(feature = "fits", unix))]
+mod zero_point;
 
 pub use background::Background;
+pub use cut::{StreakCut, streak_cut};
 pub use error::MeasureError;
 #[cfg(all(feature = "fits", unix))]
-pub use frame::{FrameMeasurements, MeasuredPass, measure_frame};
+pub use frame::{FrameMeasurements, FrameOptions, MeasuredPass, ZeroPoints, measure_frame};
 pub use measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 #[cfg(all(feature = "fits", unix))]
 pub use predict::{PredictOptions, Prediction, predictions};
+#[cfg(all(feature = "fits", unix))]
+pub use star_table::{CatalogueStar, StarTable};
 pub use streak::measure_streak;
 #[cfg(all(feature = "fits", unix))]
 pub use table::{ScoreObserver, measurement_table, score_table};
+#[cfg(all(feature = "fits", unix))]
+pub use zero_point::{StarZeroPoint, star_zero_point};

@@ -20,6 +20,8 @@ const MOST_ANGLES: usize = 101;
 const MOST_DELAYS: usize = 201;
 /// Smallest fraction of the greatest number of pixels along the track at which an offset is evaluated.
 const LEAST_COVERAGE: f64 = 0.2;
+/// Smallest number of offsets beside the streak from which the noise is measured.
+const LEAST_OFFSETS: usize = 20;
 /// Smallest number of pixels along the track.
 const LEAST_PIXELS: f32 = 12.0;
 
@@ -93,10 +95,6 @@ pub fn search(
     );
 
     let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
-    let finite: Vec<f64> = nominal.iter().copied().filter(|z| z.is_finite()).collect();
-    // The scatter of all offsets includes the noise of unresolved stars.
-    let (_, noise) = median_and_sigma(&finite);
-    let noise = if noise > 0.0 { noise } else { 1.0 };
     let mut best: Option<Found> = None;
     for slope in &slopes {
         for (late_s, window) in &windows {
@@ -118,11 +116,23 @@ pub fn search(
         * slopes.len() as f64
         * STEP_WIDTHS
         * if windows.len() > 1 { windows.len() as f64 * STEP_WIDTHS } else { 1.0 };
-    best.map(|found| Found {
-        significance: found.significance / noise,
-        threshold: exceeded_with(false_alarm / trials.max(1.0)),
-        ..found
+    best.map(|found| {
+        let noise = noise(&nominal, (half as f64 + found.minor_pix) as usize, reach);
+        let threshold = exceeded_with(false_alarm / trials.max(1.0));
+        Found { significance: found.significance / noise, threshold, ..found }
     })
+}
+
+/// Returns the scatter of the signal at all offsets, which includes the noise of unresolved stars, without those that
+/// the light at `best` reaches: in a small image a bright streak would be most of its own noise.
+fn noise(signal: &[f64], best: usize, reach: usize) -> f64 {
+    let finite = |is_used: &dyn Fn(usize) -> bool| -> Vec<f64> {
+        let used = signal.iter().enumerate().filter(|(index, z)| z.is_finite() && is_used(*index));
+        used.map(|(_, z)| *z).collect()
+    };
+    let beside = finite(&|index| index.abs_diff(best) > reach);
+    let (_, noise) = median_and_sigma(&if beside.len() < LEAST_OFFSETS { finite(&|_| true) } else { beside });
+    if noise > 0.0 { noise } else { 1.0 }
 }
 
 /// Returns the number of sigmas that a normal distribution exceeds with this probability.

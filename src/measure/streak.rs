@@ -38,6 +38,11 @@ const REFINED_FROM: f64 = 3.5;
 const WIDTH_FROM: f64 = 10.0;
 /// Range of fitted widths relative to the given one.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
+/// The width is estimated from the median profile across the track to this distance, FWHM of the given width. The
+/// profile must exceed its noise by a factor, and the width is at most this multiple of the given one.
+const PROFILE_WIDTHS: f64 = 16.0;
+const PROFILE_SIGNAL: f64 = 10.0;
+const MOST_WIDENING: f64 = 8.0;
 /// Smallest number of pixels along the track.
 const LEAST_LENGTH_PIX: usize = 12;
 /// Share of a streak's length with saturated pixels from which the flux is a lower limit.
@@ -88,7 +93,8 @@ pub fn measure_streak(
     measuring.measure(&found, &extent, options)
 }
 
-fn profile_of(
+/// Returns the image of the satellite, by which the streak is drawn.
+pub(super) fn profile_of(
     image: &StreakImage<'_>,
     predicted: &PredictedStreak,
     optics: &Optics,
@@ -195,6 +201,10 @@ impl Measuring<'_> {
         if ends == 0 {
             shift.late_s = 0.0;
         }
+        if options.fit_width {
+            self.start_width(found, shift.late_s);
+        }
+        let corridor = &self.corridor;
         let fwhm = self.profile.fwhm_pix().max(1.0);
         let half_width = (((FIT_WIDTHS * fwhm).max(LEAST_FIT_PIX)) / cos).ceil() as usize;
         let block = ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize;
@@ -437,6 +447,58 @@ impl Measuring<'_> {
         let bend = (before - 2.0 * here + after) / (step_s * step_s);
         let variance = 2.0 * amplitude.squares / amplitude.freedom / bend;
         Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
+    }
+
+    /// Sets the seeing to the width of the median profile across the track, from which the fit of the width starts.
+    ///
+    /// The start matters for streaks that are much wider than the given seeing: their wings would be masked as stars.
+    fn start_width(&mut self, found: &Found, late_s: f64) {
+        let corridor = &self.corridor;
+        let half = (PROFILE_WIDTHS * self.profile.fwhm_pix().max(1.0) / corridor.cos()).ceil() as usize;
+        let line = [found.minor_pix, found.slope];
+        let band = Band::read(self.image.plane, self.image.light_area, corridor, line, half);
+        let is_exposed = |column: &usize| (0.0..=self.image.exposure_s).contains(&(corridor.time_s[*column] + late_s));
+        let exposed: Vec<usize> = (0..band.len()).filter(is_exposed).collect();
+        // Rows with fewer than half of the columns are at the edge of the frame.
+        let row = |offset: usize| -> Option<f64> {
+            let values = exposed.iter().map(|column| f64::from(band.values[column * band.height + offset]));
+            let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+            (2 * values.len() > exposed.len()).then(|| median(values))
+        };
+        let rows: Vec<Option<f64>> = (0..band.height).map(row).collect();
+        let is_beside = |offset: &usize| 3 * offset.abs_diff(half) > 2 * half;
+        let beside: Vec<f64> = (0..band.height).filter(is_beside).filter_map(|offset| rows[offset]).collect();
+        let near = half - half / 8..=half + half / 8;
+        let peak = near.filter_map(|offset| Some((offset, rows[offset]?))).max_by(|a, b| a.1.total_cmp(&b.1));
+        let (Some((peak, light)), false) = (peak, beside.is_empty()) else { return };
+        let (sky, noise) = median_and_sigma(&beside);
+        if light - sky < PROFILE_SIGNAL * noise {
+            return;
+        }
+        // Distance from the peak to the half of its light, interpolated between two pixels.
+        let level = sky + 0.5 * (light - sky);
+        let crossing = |step: isize| -> Option<f64> {
+            let mut before = light;
+            for distance in 1..half {
+                let value = (*rows.get(peak.checked_add_signed(step * distance as isize)?)?)?;
+                if value < level {
+                    return Some(distance as f64 - (level - value) / (before - value));
+                }
+                before = value;
+            }
+            None
+        };
+        let (Some(left), Some(right)) = (crossing(-1), crossing(1)) else { return };
+        let ratio = (left + right) * corridor.cos() / self.profile.fwhm_pix();
+        if (1.0 / MOST_WIDENING..=MOST_WIDENING).contains(&ratio) {
+            let given = self.optics;
+            self.optics = Optics { seeing_arcsec: given.seeing_arcsec * ratio, ..given };
+            // A width that cannot be drawn is not used.
+            match profile_of(self.image, self.predicted, &self.optics) {
+                Ok(profile) => self.profile = profile,
+                Err(_) => self.optics = given,
+            }
+        }
     }
 
     /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec.

@@ -36,7 +36,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         |one| one.magnitude.map(|magnitude| magnitude.value).into(),
     ),
     TableField::new(
-        Column::real("magnitude_sigma", "mag", 4, "Error (one sigma) without that of the zero point."),
+        Column::real("magnitude_sigma", "mag", 4, "Error (one sigma), with zero_point_sigma_mag if it is known."),
         |one| one.magnitude.map(|magnitude| magnitude.sigma).into(),
     ),
     TableField::new(
@@ -46,6 +46,14 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::new("calibrated", Kind::Boolean, "False if magnitudes are instrumental."), |one| {
         one.is_calibrated.into()
     }),
+    TableField::new(
+        Column::real("zero_point_mag", "mag", 4, "Magnitude of a star whose pixels sum to 1; 0 if not calibrated."),
+        |one| one.zero_point_mag.into(),
+    ),
+    TableField::new(
+        Column::real("zero_point_sigma_mag", "mag", 4, "Error (one sigma) of a zero point from stars."),
+        |one| one.zero_point_sigma_mag.into(),
+    ),
     TableField::new(text("filter", "Filter in the header."), |one| one.filter.clone().into()),
     TableField::new(
         Column::real("rate", "", 4, "Light per second in the unit of the frame, mean over the track."),

@@ -5,7 +5,7 @@
 //! [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
 //! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
 //! and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and
-//! `sun_altitude` for observers.
+//! `sun_altitude` for observers; `alarms` and `streak_cuts` for measurements.
 
 mod alarms;
 mod axes;
@@ -31,6 +31,7 @@ mod scale;
 mod sky_chart;
 mod sky_rate;
 mod statistics;
+mod streak_cuts;
 mod sun_altitude;
 mod time_axis;
 mod tracks;
@@ -51,5 +52,6 @@ pub use residuals::{PhaseCurve, ResidualHistogram, ResidualPanels, phase_curve, 
 pub use scale::{ColourScale, Quantity};
 pub use sky_chart::{SkyChart, SkyTrack, sky_chart};
 pub use sky_rate::{EquatorialRate, SkyRate, equatorial_rate, sky_rate};
+pub use streak_cuts::{CutPanel, streak_cuts};
 pub use sun_altitude::{SunAltitude, sun_altitude};
 pub use time_axis::LocalClock;

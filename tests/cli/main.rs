@@ -36,6 +36,8 @@ mod main_job;
 mod maps;
 #[cfg(all(feature = "cli", feature = "fits", unix))]
 mod measure;
+#[cfg(all(feature = "cli", feature = "fits", unix))]
+mod measure_real;
 #[cfg(feature = "sqlite")]
 mod opsim;
 #[cfg(feature = "plot")]

@@ -14,8 +14,13 @@ const SATELLITES: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--qu
 
 /// A wide frame with the streaks of a synthetic constellation; returns its path and that of its truth table.
 fn wide(folder: &TempDir) -> (String, String) {
+    wide_with(folder, "")
+}
+
+/// The same with more keys in the description of the frame.
+fn wide_with(folder: &TempDir, keys: &str) -> (String, String) {
     let description = path(folder, "wide.toml");
-    let text = unrounded()
+    let text = format!("{keys}{}", unrounded())
         .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
         .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
     fs::write(&description, text).unwrap();
@@ -78,6 +83,86 @@ fn verif_uploads_have_the_columns_of_score_and_are_read_by_fit() {
     done(&[&["measure", &frame, "--seeing", "90arcsec", "--format", "fit", "-o", &photometry], SATELLITES]);
     let found = records(&fs::read_to_string(&photometry).unwrap());
     assert!(found.len() > 1);
+}
+
+/// Stars of known magnitude replace the zero point and the seeing of the header.
+#[test]
+fn verif_the_zero_point_is_that_of_stars_in_a_table() {
+    /// Largest error of the zero point, mag, in addition to `SIGMAS`, and of the seeing.
+    const ZERO_POINT_MAG: f64 = 0.01;
+    const SEEING: f64 = 0.05;
+    let folder = TempDir::new().unwrap();
+    let list = path(&folder, "stars.csv");
+    // A grid of stars of 6 to 10 mag; its last star is faint.
+    let star = |index: usize| {
+        let (ra, dec) = (197.9 + 0.31 * (index % 7) as f64, 6.8 + 0.29 * (index / 7) as f64);
+        let mag = if index == 48 { 14.0 } else { 6.0 + 4.0 * (index % 11) as f64 / 10.0 };
+        format!("{ra},{dec},{mag},V\n")
+    };
+    fs::write(&list, format!("ra_deg,dec_deg,magnitude,band\n{}", (0..49).map(star).collect::<String>())).unwrap();
+    let (frame, _) = wide_with(&folder, &format!("star_list = {list:?}\n"));
+    let document = json(&[&["measure", &frame, "--stars", &list, "--band", "V"], SATELLITES]);
+    let rows = document["measurements"].as_array().unwrap();
+    // Counts of the exposure of 30 s with 2 electrons per count, for a star of one electron per second of 18 mag.
+    let truth = 18.0 + 2.5 * (30.0f64 / 2.0).log10();
+    let mut found = 0;
+    for row in rows {
+        let number = |name: &str| row[name].as_f64().unwrap();
+        let (value, sigma) = (number("zero_point_mag"), number("zero_point_sigma_mag"));
+        assert!((value - truth).abs() <= SIGMAS * sigma + ZERO_POINT_MAG, "{value} +- {sigma}, true {truth}");
+        assert_eq!(row["calibrated"], true);
+        if row["detected"] != true {
+            continue;
+        }
+        let magnitude = value - 2.5 * (number("rate") * 30.0).log10();
+        assert!((number("magnitude") - magnitude).abs() < 1e-3, "{row}");
+        let relative = 2.5 / std::f64::consts::LN_10 * number("rate_sigma") / number("rate");
+        assert!((number("magnitude_sigma") - relative.hypot(sigma)).abs() < 1e-3, "{row}");
+        found += 1;
+    }
+    assert!(found >= 1, "{rows:?}");
+    let verbose: Vec<&str> = SATELLITES.iter().copied().filter(|flag| *flag != "--quiet").collect();
+    let (_, _, stderr) = run(&[&["measure", &frame, "--stars", &list, "--band", "V"], &verbose]);
+    let seeing = stderr.split("FWHM ").nth(1).and_then(|text| text.split(' ').next()).unwrap().parse::<f64>().unwrap();
+    assert!(stderr.contains("1 faint") && (seeing / 90.0 - 1.0).abs() < SEEING, "{stderr}");
+    let (_, _, stderr) =
+        run(&[&["measure", &frame, "--stars", &list, "--band", "V", "--seeing", "140arcsec"], &verbose]);
+    assert!(stderr.contains("given seeing 140.00 arcsec"), "{stderr}");
+
+    let few = path(&folder, "few.csv");
+    fs::write(&few, format!("ra_deg,dec_deg,magnitude,band\n{}{}", star(0), star(1))).unwrap();
+    let (code, stdout, stderr) = run(&[&["measure", &frame, "--stars", &few, "--format", "csv"], &verbose]);
+    assert!(code == 0 && stderr.contains("no zero point") && stderr.contains("stars used: 2"), "{stderr}");
+    assert!(column(&records(&stdout), "calibrated").iter().all(|cell| cell == "false"));
+    for (arguments, part) in [
+        (vec!["--stars", "missing.csv"], "missing.csv"),
+        (vec!["--stars", &list, "--zero-point", "25"], "cannot be used with"),
+        (vec!["--stars", &list, "--band", "R"], "'R'; allowed: V"),
+    ] {
+        let (code, _, stderr) = run(&[&["measure", &frame], &arguments, SATELLITES]);
+        assert!(code == 2 && stderr.contains(part), "{stderr}");
+    }
+}
+
+#[cfg(feature = "plot")]
+#[test]
+fn verif_pictures_show_each_track() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let (png, svg) = (path(&folder, "tracks.png"), path(&folder, "tracks.svg"));
+    for picture in [&png, &svg] {
+        done(&[&["measure", &frame, "--seeing", "90arcsec", "--picture", picture], SATELLITES]);
+    }
+    assert!(fs::read(&png).unwrap().starts_with(b"\x89PNG"));
+    let drawn = fs::read_to_string(&svg).unwrap();
+    let rows = json(&[&["measure", &frame, "--seeing", "90arcsec"], SATELLITES]);
+    let rows = rows["measurements"].as_array().unwrap().clone();
+    for row in rows.iter().take(12) {
+        assert!(drawn.contains(row["name"].as_str().unwrap()), "{row}");
+    }
+    assert!(drawn.contains("across, pix") && drawn.contains("along the track, pix"));
+    let (code, _, stderr) = run(&[&["measure", &frame, "--picture", "tracks.txt"], SATELLITES]);
+    assert!(code == 2 && stderr.contains(".png or .svg"), "{stderr}");
 }
 
 #[test]

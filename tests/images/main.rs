@@ -13,6 +13,8 @@ mod frame_files;
 mod frame_hostile;
 mod measure;
 #[cfg(all(feature = "fits", unix))]
+mod measure_stars;
+#[cfg(all(feature = "fits", unix))]
 mod streak_real;
 mod streaks;
 mod wcs;

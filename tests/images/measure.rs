@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use streakcast::images::{LightArea, PixelPosition, Plane};
 use streakcast::measure::{
-    Background, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak,
+    Background, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak, streak_cut,
 };
 use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath, background, draw};
 
@@ -70,6 +70,11 @@ fn optics(case: &Case) -> Optics {
 
 /// Draws a frame with one streak, and measures it at a predicted track that is wrong by random errors.
 fn measured(case: Case, options: &MeasureOptions, assumed: Optics) -> Outcome {
+    drawn(case, options, assumed).0
+}
+
+/// The same with the frame.
+fn drawn(case: Case, options: &MeasureOptions, assumed: Optics) -> (Outcome, Plane) {
     let mut random = ChaCha8Rng::seed_from_u64(case.seed);
     let mut normal =
         |sigma: f64| -> f64 { sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut random) };
@@ -121,7 +126,8 @@ fn measured(case: Case, options: &MeasureOptions, assumed: Optics) -> Outcome {
     };
     let light_area = LightArea::whole(ROWS, COLUMNS);
     let measured = measure(&plane, &light_area, &predicted, &assumed, options);
-    Outcome { case, truth, measured: measured.unwrap_or_else(|| panic!("no track: {case:?}")), late_s, offset_pix }
+    let measured = measured.unwrap_or_else(|| panic!("no track: {case:?}"));
+    (Outcome { case, truth, measured, late_s, offset_pix }, plane)
 }
 
 fn measure(
@@ -132,17 +138,20 @@ fn measure(
     options: &MeasureOptions,
 ) -> Option<StreakMeasurement> {
     let sky = Background::of(plane, light_area);
-    let image = StreakImage {
+    measure_streak(&image_of(plane, &sky, light_area), predicted, optics, options).unwrap()
+}
+
+fn image_of<'a>(plane: &'a Plane, background: &'a Background, light_area: &'a LightArea) -> StreakImage<'a> {
+    StreakImage {
         plane,
-        background: &sky,
+        background,
         light_area,
         exposure_s: EXPOSURE_S,
         electrons_per_unit: Some(1.0),
         saturation: None,
         pixel_scale_arcsec: 1.0,
         pixel_aspect: 1.0,
-    };
-    measure_streak(&image, predicted, optics, options).unwrap()
+    }
 }
 
 fn options() -> MeasureOptions {
@@ -324,4 +333,141 @@ fn verif_a_fitted_width_replaces_a_wrong_seeing() {
     println!("fitted width: bias {:.2} %", 100.0 * bias);
     assert!(found == 60 && bias.abs() < FLUX_BIAS, "{bias}");
     assert!(outcomes.iter().all(|one| (one.measured.seeing_arcsec.unwrap() / 4.0 - 1.0).abs() < 0.05));
+}
+
+/// Streaks that are four times wider than the assumed seeing, as those of defocused satellites, are measured whole: their
+/// wings are not masked as stars.
+#[test]
+fn verif_streaks_much_wider_than_the_seeing_are_measured() {
+    const COUNT: usize = 40;
+    /// Smallest number of streaks that are found, and largest error of each width.
+    const FOUND: usize = 39;
+    const WIDTH: f64 = 0.1;
+    let cases: Vec<Case> = (0..COUNT)
+        .map(|number: usize| Case {
+            signal_to_noise: 150.0,
+            angle_deg: ANGLES_DEG[number % 4],
+            seeing_pix: 16.0,
+            form: SeeingForm::Gaussian,
+            stars_per_megapixel: if number < COUNT / 2 { 0.0 } else { 100.0 },
+            has_end: false,
+            seed: 8_500_000 + 10 * number as u64,
+        })
+        .collect();
+    let fitted = MeasureOptions { fit_width: true, ..options() };
+    let outcomes: Vec<Outcome> = cases
+        .into_par_iter()
+        .map(|case| measured(case, &fitted, Optics { seeing_arcsec: 4.0, ..optics(&case) }))
+        .collect();
+    let (bias, _, _, found) = bias_and_share(outcomes.iter());
+    println!("four times wider: bias {:.2} %, found {found} of {COUNT}", 100.0 * bias);
+    assert!(found >= FOUND && bias.abs() < FLUX_BIAS, "{found}, {bias}");
+    let found = outcomes.iter().filter(|one| one.measured.is_detected);
+    for (case, seeing) in found.map(|one| (one.case, one.measured.seeing_arcsec)) {
+        assert!((seeing.unwrap() / case.seeing_pix - 1.0).abs() < WIDTH, "{case:?}: {seeing:?}");
+    }
+}
+
+/// The profile of the pixels along a track is that of the fitted streak, for all directions of motion.
+#[test]
+fn verif_profiles_across_the_track_are_those_of_the_fit() {
+    /// Largest difference: sigmas, and share of the peak.
+    const SIGMAS: f64 = 5.0;
+    const OF_PEAK: f64 = 0.03;
+    for angle_deg in [0.0, 3.0, 52.0, 88.0, 160.0, 250.0] {
+        let case = Case {
+            signal_to_noise: 400.0,
+            angle_deg,
+            seeing_pix: 4.0,
+            form: SeeingForm::Gaussian,
+            stars_per_megapixel: 0.0,
+            has_end: false,
+            seed: 30 + angle_deg as u64,
+        };
+        let (outcome, plane) = drawn(case, &options(), optics(&case));
+        let light_area = LightArea::whole(ROWS, COLUMNS);
+        let sky = Background::of(&plane, &light_area);
+        let profile = optics(&case).profile(600.0, 0.0, 1.0, 1.0).unwrap();
+        let cut = streak_cut(&image_of(&plane, &sky, &light_area), &outcome.measured, &profile);
+        let rows = cut.across_pix.len();
+        assert_eq!((cut.profile.len(), cut.values.len()), (rows, rows * cut.columns));
+        let peak = cut.model.iter().copied().fold(0.0, f64::max);
+        for row in 0..rows {
+            let difference = cut.profile[row] - cut.model[row];
+            let most = SIGMAS * cut.profile_sigma[row] + OF_PEAK * peak;
+            assert!(difference.abs() <= most, "{angle_deg}: row {row}: {} and {}", cut.profile[row], cut.model[row]);
+        }
+        assert!(cut.profile[rows / 2] > 0.9 * peak);
+    }
+}
+
+/// Streaks of a signal to noise among stars: cases that differ in angle, seeing, form and errors of the prediction.
+fn cases_at(signal_to_noise: f64, stars_per_megapixel: f64, count: usize) -> Vec<Case> {
+    let case = |number: usize| Case {
+        signal_to_noise,
+        angle_deg: ANGLES_DEG[number % 4],
+        seeing_pix: SEEING_PIX[(number / 4) % 3],
+        form: if (number / 12).is_multiple_of(2) { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } },
+        stars_per_megapixel,
+        has_end: (number / 24) % 2 == 1,
+        seed: 20_000_000 + 1000 * (10.0 * signal_to_noise) as u64 + 10 * number as u64 + stars_per_megapixel as u64,
+    };
+    (0..count).map(case).collect()
+}
+
+/// Shares of streaks that are found at their place, and of detections at another place.
+fn completeness(cases: Vec<Case>) -> (f64, f64) {
+    let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let is_at_its_place = |one: &&Outcome| {
+        let sense = if one.case.angle_deg > 45.0 { -1.0 } else { 1.0 };
+        let away_pix = one.measured.offset_pix.value - sense * one.offset_pix;
+        one.case.signal_to_noise > 0.0 && away_pix.abs() <= 1.5 * one.case.seeing_pix
+    };
+    let count = outcomes.len() as f64;
+    let found: Vec<&Outcome> = outcomes.iter().filter(|one| one.measured.is_detected).collect();
+    let right = found.iter().copied().filter(is_at_its_place).count();
+    (right as f64 / count, (found.len() - right) as f64 / count)
+}
+
+/// Completeness rises from a few to all streaks with the signal to noise, and detections elsewhere are rare.
+///
+/// Bounds were set before the first run. docs/tables/completeness.md has more streaks.
+#[test]
+fn verif_completeness_rises_with_the_signal_to_noise() {
+    const COUNT: usize = 48;
+    /// Signal to noise, and smallest and largest share that is found.
+    const FOUND: [(f64, [f64; 2]); 4] =
+        [(3.0, [0.0, 0.2]), (6.0, [0.3, 1.0]), (12.0, [0.95, 1.0]), (25.0, [0.98, 1.0])];
+    const ELSEWHERE: f64 = 0.03;
+    for stars_per_megapixel in [0.0, 100.0] {
+        let mut wrong = 0.0;
+        for (signal_to_noise, [least, most]) in FOUND {
+            let (found, elsewhere) = completeness(cases_at(signal_to_noise, stars_per_megapixel, COUNT));
+            println!(
+                "{stars_per_megapixel} stars, signal to noise {signal_to_noise}: {found:.3}, elsewhere {elsewhere:.3}"
+            );
+            assert!((least..=most).contains(&found), "{stars_per_megapixel}, {signal_to_noise}: {found}");
+            wrong += elsewhere / FOUND.len() as f64;
+        }
+        assert!(wrong <= ELSEWHERE, "{stars_per_megapixel}: {wrong}");
+    }
+}
+
+/// Prints the table docs/tables/completeness.md: the lines that begin with `|`.
+///
+/// `cargo test --release --test images completeness_of_many -- --ignored --nocapture | grep '^|' > docs/tables/completeness.md`
+#[test]
+#[ignore = "some 10,000 streaks"]
+fn completeness_of_many() {
+    const COUNT: usize = 288;
+    let numbers = |of: &dyn Fn(f64) -> String| STARS.map(of).join(" | ");
+    println!("| signal to noise | {} |", numbers(&|stars| format!("found, elsewhere: {stars} stars")));
+    println!("|---|{}", "---|".repeat(STARS.len()));
+    for signal_to_noise in [0.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, 30.0, 50.0] {
+        let cell = |stars: f64| {
+            let (found, elsewhere) = completeness(cases_at(signal_to_noise, stars, COUNT));
+            format!("{:.1} %, {:.1} %", 100.0 * found, 100.0 * elsewhere)
+        };
+        println!("| {signal_to_noise} | {} |", numbers(&cell));
+    }
 }

@@ -58,7 +58,7 @@ pub fn inject<'py>(
 }
 
 /// Converts an error of the library. Errors in the configuration become `SetupError`.
-fn exception(error: ConfigError) -> PyErr {
+pub fn exception(error: ConfigError) -> PyErr {
     match error {
         error if !error.is_of_request() => failure::setup(error),
         other => failure::request(failure::as_arguments(&other.to_string())),

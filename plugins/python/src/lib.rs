@@ -10,6 +10,8 @@ mod failure;
 mod injection;
 mod learn;
 mod light;
+#[cfg(unix)]
+mod measure;
 mod plots;
 mod pool;
 mod requests;
@@ -31,6 +33,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Frames require CFITSIO, which cannot be built on Windows.
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
+    #[cfg(unix)]
+    module.add_function(wrap_pyfunction!(measure::measure, module)?)?;
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;
     module.add_function(wrap_pyfunction!(requests::ephemeris, module)?)?;
     module.add_function(wrap_pyfunction!(requests::identify, module)?)?;

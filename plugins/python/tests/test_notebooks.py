@@ -18,4 +18,4 @@ def test_notebook(path):
 
 
 def test_there_is_a_notebook_for_each_use():
-    assert {path.stem for path in NOTEBOOKS} == {"forecast", "identify", "injection", "maps", "scheduler", "streaks"}
+    assert {path.stem for path in NOTEBOOKS} == {"forecast", "identify", "injection", "maps", "measure", "scheduler", "streaks"}

@@ -9,9 +9,9 @@ True
 `StreakModel` contains satellites, site, field of view, brightness models and policy, and computes crossings for arrays
 of exposures. `StreakModel.forecast` returns the visible passes of nights, `StreakModel.overhead` the positions of all
 satellites above the site, `StreakModel.ephemeris` those of given satellites at any times, and `StreakModel.identify`
-the satellites that may have caused a streak. `inject` adds streaks to frames and arrays. `learn` computes offsets of
-satellites from measured magnitudes. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` use only
-brightness models, without satellites.
+the satellites that may have caused a streak. `StreakModel.measure` measures the streaks in frames, and `learn` computes
+offsets of satellites from their magnitudes. `inject` adds streaks to frames and arrays. `body_map`, `sky_map`,
+`standard_magnitudes` and `sky_magnitudes` use only brightness models, without satellites.
 
 Times need a time scale: an `astropy.time.Time`, a string that ends in ``Z``, or numbers with ``scale="utc"`` (or
 ``"tai"``, ``"tt"``). A number without a scale raises `TypeError`: TAI that is read as UTC is wrong by 37 s, and
@@ -25,6 +25,7 @@ from ._results import Assessment, ClearWindows, Forecast, Identification, Overhe
 from ._core import SetupError, StreakcastError, __version__
 from ._injection import Injected, inject
 from ._learn import learn
+from ._measure import Measurements
 from .errors import ChangedFileError, StreakcastWarning
 from .light import body_map, model_names, sky_magnitudes, sky_map, standard_magnitudes
 from .model import StreakModel
@@ -36,6 +37,7 @@ __all__ = [
     "Forecast",
     "Identification",
     "Injected",
+    "Measurements",
     "Overhead",
     "SetupError",
     "Site",

@@ -113,6 +113,12 @@ class Picture:
     def svg(self) -> str: ...
     def save(self, path: str) -> None: ...
 
+def measure(
+    request: str,
+    setup: str,
+    config: Optional[str],
+    sky_cache: SkyCache,
+) -> dict[str, Any]: ...
 def learn(
     setup: str,
     kind: str,

@@ -1,10 +1,17 @@
 //! `measure`: forced photometry of the streaks of predicted satellites in frames.
 
+#[cfg(feature = "plot")]
+use std::path::{Path, PathBuf};
+
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{Config, MeasureConfig, Measurements};
+#[cfg(feature = "plot")]
+use streakcast::measure::MeasuredPass;
 use streakcast::measure::{ScoreObserver, measurement_table, score_table};
+#[cfg(feature = "plot")]
+use streakcast::output::format_utc;
 use streakcast::output::{Provenance, Section, Table, counted};
 
 use super::judged::begin;
@@ -12,6 +19,8 @@ use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
+#[cfg(feature = "plot")]
+use crate::output::write_bytes;
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
@@ -29,6 +38,10 @@ pub struct MeasureArguments {
     /// Telescope and instrument, for --format score
     #[arg(long, value_name = "TEXT", help_heading = "SCORE")]
     pub instrument: Option<String>,
+    /// Picture of the frame along each track, with the profiles across the tracks, .png or .svg
+    #[cfg(feature = "plot")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub picture: Option<PathBuf>,
     #[command(flatten)]
     pub config: Config,
     #[command(flatten)]
@@ -82,11 +95,24 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
                 .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?
         }
     };
+    #[cfg(feature = "plot")]
+    let cuts = typed.picture.is_some();
+    #[cfg(not(feature = "plot"))]
+    let cuts = false;
+    #[cfg(feature = "plot")]
+    if let Some(path) = &typed.picture {
+        streakcast::plot::PictureFormat::of(path)?;
+        crate::output::check(path)?;
+    }
     let notices = begin(&config)?;
-    let mut done = typed.measure.measure(&config)?;
+    let mut done = MeasureConfig { cuts, ..typed.measure.clone() }.measure(&config, None)?;
     done.remarks.iter().for_each(|remark| notices.info(remark));
     notices.warn(&done.warnings);
     summary(&notices, &done);
+    #[cfg(feature = "plot")]
+    if let Some(path) = &typed.picture {
+        picture(path, &done, &notices)?;
+    }
     let table = match upload {
         Some(upload) => upload_table(&done, &observer, upload)?,
         None => measurement_table(&done.passes),
@@ -109,6 +135,48 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
         &notices,
     )?;
     Ok(if done.passes.is_empty() { Outcome::No } else { Outcome::Done })
+}
+
+/// Draws the frame along each track.
+#[cfg(feature = "plot")]
+fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Result<()> {
+    use streakcast::plot::{CutPanel, PictureFormat, streak_cuts};
+    let title = |pass: &MeasuredPass| {
+        let name = if pass.prediction.name.is_empty() { "satellite" } else { &*pass.prediction.name };
+        let light = match (&pass.magnitude, pass.limit_mag) {
+            (Some(light), _) => format!("{:.2} +- {:.2} mag", light.value, light.sigma),
+            (None, Some(limit)) => format!("not found, fainter than {limit:.2} mag"),
+            (None, None) => "not found".to_owned(),
+        };
+        let system = if pass.is_calibrated { "" } else { " (instrumental)" };
+        let time = format_utc(pass.epoch, 1);
+        format!("{name} ({}), HDU {}, {time}: {light}{system}", pass.prediction.norad_id, pass.hdu)
+    };
+    let titles: Vec<String> = done.passes.iter().map(title).collect();
+    let panels = titles.iter().zip(&done.passes).filter_map(|(title, pass)| {
+        let cut = pass.cut.as_ref()?;
+        Some(CutPanel {
+            title,
+            columns: cut.columns,
+            length_pix: cut.length_pix,
+            across_pix: &cut.across_pix,
+            values: &cut.values,
+            profile: &cut.profile,
+            profile_sigma: &cut.profile_sigma,
+            model: &cut.model,
+            predicted_pix: -pass.measured.offset_pix.value,
+        })
+    });
+    let panels: Vec<CutPanel<'_>> = panels.collect();
+    if panels.is_empty() {
+        return Err(anyhow!("no track for --picture; allowed: frames with predicted tracks"));
+    }
+    let chart = streak_cuts("Measured streaks", &panels)?;
+    let chart = match &done.site {
+        Some(site) => chart.with_subtitle(&site.name),
+        None => chart,
+    };
+    write_bytes(path, &chart.to_bytes(PictureFormat::of(path)?)?, notices)
 }
 
 /// Returns the observer of a SCORE upload, in which all fields are required.

@@ -1,0 +1,101 @@
+"""Measured streaks of frames, compared with the truth and with the command line, and learned from."""
+
+import csv
+import os
+import subprocess
+
+import numpy as np
+import pytest
+
+import streakcast
+
+#: Largest error of a flux in sigmas, and the largest bias.
+SIGMAS, FLUX_BIAS = 4.0, 0.02
+#: Frame with the streaks of a simulated constellation, 30 arcsec a pixel.
+SKY = """columns = 400
+rows = 300
+pixel_scale_arcsec = 30.0
+zero_point_1s_mag = 18.0
+sky_mag_arcsec2 = 21.0
+detector = { gain_e_adu = 2.0, read_noise_e = 5, bias_adu = 300 }
+"""
+SATELLITES = ["--shells", "starlink-gen1", "--mpc", "X05"]
+
+
+@pytest.fixture(scope="module")
+def frame(tmp_path_factory):
+    """Path of the frame, and the rows of its truth table."""
+    folder = tmp_path_factory.mktemp("measure")
+    description, path, truth = folder / "sky.toml", folder / "sky.fits", folder / "truth.csv"
+    description.write_text(SKY)
+    shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"]
+    command = ["inject", "--synthetic", description, "-o", path, "--seeing", "90arcsec", "--truth", truth]
+    binary = os.environ.get("STREAKCAST_BIN") or pytest.fail("set STREAKCAST_BIN, or run plugins/test.sh")
+    subprocess.run([binary, *command, *shot, *SATELLITES, "--quiet"], check=True)
+    lines = [line for line in truth.read_text().splitlines() if not line.startswith("#")]
+    return path, list(csv.DictReader(lines))
+
+
+@pytest.fixture(scope="module")
+def model():
+    return streakcast.StreakModel(mpc="X05", shells="starlink-gen1")
+
+
+def test_verif_magnitudes_are_those_of_the_frame_and_of_the_command_line(frame, model, command_line):
+    path, truth = frame
+    measured = model.measure(path, seeing="90arcsec", table="dict")
+    table = measured.table
+    counts = {int(row["norad_id"]): float(row["counts"]) for row in truth}
+    found = np.flatnonzero(table["detected"])
+    assert len(found) >= 1
+    for row in found:
+        true = counts[int(table["norad_id"][row])] / table["duration_s"][row]
+        error = abs(table["rate"][row] - true)
+        assert error < SIGMAS * table["rate_sigma"][row] + FLUX_BIAS * true
+    rows = command_line("measure", path, "--seeing", "90arcsec", *SATELLITES)["measurements"]
+    assert [row["norad_id"] for row in rows] == list(table["norad_id"])
+    for name in ("magnitude", "rate", "ra_deg", "limit_magnitude", "predicted_magnitude"):
+        values = [np.nan if row[name] is None else float(row[name]) for row in rows]
+        np.testing.assert_allclose(table[name], values, rtol=1e-4, atol=1e-3, err_msg=name)
+
+
+def test_measured_streaks_can_be_learned_from(frame, model, tmp_path):
+    measured = model.measure([frame[0]], seeing="90arcsec")
+    table, usable = measured.table, measured.learn_arguments
+    assert table["magnitude"].unit == "mag"
+    is_found = np.asarray(table["detected"])
+    np.testing.assert_array_equal(usable["norad_id"], np.asarray(table["norad_id"])[is_found])
+    np.testing.assert_array_equal(usable["observed"], table["magnitude"].value[is_found])
+    np.testing.assert_array_equal(usable["sigma"], table["magnitude_sigma"].value[is_found])
+    assert all(text.startswith("2026-08-14T23:29:") and text.endswith("Z") for text in usable["time"])
+    learned = streakcast.learn(**usable, kind="starlink-v1", output=tmp_path / "learned.json")
+    assert learned["kinds"][0]["magnitude"]["passes"] == len(usable["observed"]) >= 1
+    streakcast.StreakModel(mpc="X05", shells="starlink-gen1", learned=tmp_path / "learned.json")
+
+
+def test_stars_give_the_zero_point(frame, model, tmp_path):
+    # The frame without stars has none to measure.
+    stars = tmp_path / "stars.csv"
+    stars.write_text("ra_deg,dec_deg,mag\n198.9,7.7,8.0\n198.5,7.5,8.0\n199.2,7.9,8.0\n")
+    with pytest.warns(streakcast.StreakcastWarning, match="no zero point, magnitudes are instrumental; stars used: 0"):
+        measured = model.measure(frame[0], seeing="90arcsec", stars=stars)
+    assert not np.any(measured.table["calibrated"])
+    assert len(measured.learn_arguments["observed"]) == 0
+
+
+def test_invalid_arguments_are_named(frame, model, tmp_path):
+    for options, text in [
+        ({"frames": tmp_path / "missing.fits"}, "missing.fits"),
+        ({"seeing": "0arcsec"}, "seeing"),
+        ({"gain": 0.0}, "gain is 0"),
+        ({"hdu": 7}, "7"),
+        ({"stars": "missing.csv"}, "missing.csv"),
+        ({"zero_point": 25.0, "zero_point_1s": 21.0}, "zero_point_1s"),
+        ({"frames": []}, "missing frames"),
+    ]:
+        with pytest.raises(ValueError, match=text):
+            model.measure(**{"frames": frame[0], **options})
+    with pytest.raises(TypeError, match="seeing is float"):
+        model.measure(frame[0], seeing=1.2)
+    with pytest.raises(TypeError, match="without a time scale"):
+        model.measure(frame[0], start=60_000.0)
