@@ -11,7 +11,7 @@ use super::map::{model_of, provisional};
 use super::model::{ModelPressureArguments, library_of};
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
 const ON_SCREEN: &[Shown] = &[
@@ -53,7 +53,7 @@ pub fn pressure(typed: ModelPressureArguments) -> anyhow::Result<Outcome> {
     provenance.state("frame", "body: z to the zenith, x in the half plane of z and the Sun, y = z x x");
     provenance.state("light", "full sunlight at 1 au; no thermal emission, no light of the Earth");
     output.write(
-        &Answer {
+        &VerbResult {
             sections: vec![Section { name: "accelerations", table: &table }],
             main: &table,
             provenance: &provenance,
