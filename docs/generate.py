@@ -124,7 +124,7 @@ def values_of(schema):
 
 
 def keys_of(schema, path=""):
-    """Keys of an answer, with a dot between levels and [] after lists."""
+    """Keys of a response, with a dot between levels and [] after lists."""
     for one in schema.get("anyOf", []):
         yield from keys_of(one, path)
     if "items" in schema and isinstance(schema["items"], dict):
@@ -151,7 +151,7 @@ def http_api():
         content = method["responses"]["200"]["content"]["application/json"]["schema"]
         seen = dict.fromkeys(keys_of(content))
         if seen:
-            parts.append("| key of the answer | type | meaning |\n|---|---|---|\n")
+            parts.append("| key of the response | type | meaning |\n|---|---|---|\n")
             parts += [f"| `{key}` | {kind} | {text} |\n" for key, kind, text in seen]
             parts.append("\n")
     parts.append("## Errors\n\n| status | condition |\n|---|---|\n")

@@ -317,11 +317,20 @@ mod tests {
             assert_eq!(size(text).unwrap(), rectangle, "{text}");
         }
         assert_eq!(size("3.5deg").unwrap(), Field::circle(3.5_f64.to_radians()).unwrap());
-        // A sensor of the size 2 f tan(angle / 2) sees this angle.
-        for text in ["26.1796x17.4537mm@1000mm", "2.61796x1.74537cm @ 1m"] {
-            let seen = size(text).unwrap();
-            assert!((seen.area_deg2() / rectangle.area_deg2() - 1.0).abs() < 1e-5, "{text}: {seen:?}");
+        // A sensor sees the angle arctan(d / 2f) on each side of the axis: 19.799 and 13.496 deg for 36 mm by 24 mm and
+        // 50 mm, 45 deg for a circle of twice the focal length.
+        let is_inside = |field: &Field, [x_deg, y_deg]: [f64; 2]| {
+            let pointing = Direction::from_lon_lat_rad(1.0, 0.0);
+            let direction = Direction::from_lon_lat_rad(1.0 + x_deg.to_radians(), y_deg.to_radians());
+            field.on_sky(&pointing, 0.0).contains(&direction)
+        };
+        for text in ["36x24mm@50mm", "3.6cmx24mm @ 0.05m"] {
+            let field = size(text).unwrap();
+            let inside = [[19.79, 0.0], [-19.79, 0.0], [0.0, 13.49]].map(|place| is_inside(&field, place));
+            let outside = [[19.81, 0.0], [-19.81, 0.0], [0.0, 13.51]].map(|place| is_inside(&field, place));
+            assert_eq!((inside, outside), ([true; 3], [false; 3]), "{text}");
         }
+        assert_eq!([44.99, 45.01].map(|x_deg| is_inside(&size("100mm@50mm").unwrap(), [x_deg, 0.0])), [true, false]);
         for text in
             ["1.5x1.0", "1.5x-1deg", "x1deg", "1x2x3deg", "36x24@400mm", "36x24mm@0mm", "36x24mm@400", "3deg@1m"]
         {

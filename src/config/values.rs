@@ -278,17 +278,22 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
 }
 
 /// Parses the size of a field into degrees: a diameter such as `3.5deg`, width and height such as `1.5x1.0deg`, or the
-/// size of a sensor and the focal length, such as `36x24mm@400mm`.
+/// size of a sensor and the focal length, such as `36x24mm@400mm` or, for a circle, `24mm@400mm`. Widths and heights
+/// are lengths on the tangent plane, as those of [`Field::rectangle_deg`](crate::passes::Field::rectangle_deg).
 ///
 /// # Errors
 /// Same as [`parse_angle_deg`], for each angle and length.
-pub(super) fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), ConfigError> {
+pub fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), ConfigError> {
     if let Some((sensor, focal_length)) = text.split_once('@') {
         let focal_mm = parse_length_mm(what, focal_length)?;
-        // 2 arctan(d / 2f)
-        let angle_deg = |size_mm: f64| 2.0 * (0.5 * size_mm / focal_mm).atan().to_degrees();
-        let (width_mm, height_mm) = width_and_height(sensor, |length| parse_length_mm(what, length))?;
-        return Ok((angle_deg(width_mm), height_mm.map(angle_deg)));
+        return Ok(match width_and_height(sensor, |length| parse_length_mm(what, length))? {
+            // d / f on the tangent plane
+            (width_mm, Some(height_mm)) => {
+                ((width_mm / focal_mm).to_degrees(), Some((height_mm / focal_mm).to_degrees()))
+            }
+            // 2 arctan(d / 2f)
+            (diameter_mm, None) => (2.0 * (0.5 * diameter_mm / focal_mm).atan().to_degrees(), None),
+        });
     }
     width_and_height(text, |angle| parse_angle_deg(what, angle))
 }

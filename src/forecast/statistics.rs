@@ -76,11 +76,11 @@ pub struct SkyCount {
     pub brighter_than: [f64; 6],
     /// Expected number of trails in one exposure.
     pub trails: f64,
-    /// Expected number of satellites brighter than the limit of the request; 0 without a limit.
-    pub brighter_than_limit: f64,
+    /// Expected number of satellites brighter than the limit of the request; `None` without a limit.
+    pub brighter_than_limit: Option<f64>,
     /// Expected number of trails brighter than the limit in one exposure: sum over the satellites of their expected
-    /// number of trails times the probability of being brighter; 0 without a limit.
-    pub trails_brighter_than_limit: f64,
+    /// number of trails times the probability of being brighter; `None` without a limit.
+    pub trails_brighter_than_limit: Option<f64>,
 }
 
 impl SkyCount {
@@ -194,8 +194,8 @@ fn count(
         lit: 0.0,
         brighter_than: [0.0; 6],
         trails: 0.0,
-        brighter_than_limit: 0.0,
-        trails_brighter_than_limit: 0.0,
+        brighter_than_limit: request.limit_mag.map(|_| 0.0),
+        trails_brighter_than_limit: request.limit_mag.map(|_| 0.0),
     };
     // Ω = 2π (1 - sin h)
     let sky_sr = TAU * (1.0 - min_altitude_rad.sin());
@@ -221,8 +221,9 @@ fn count(
             *number += share * p_brighter(*limit);
         }
         if let Some(limit_mag) = request.limit_mag {
-            count.brighter_than_limit += share * p_brighter(limit_mag);
-            count.trails_brighter_than_limit += share * trails * p_brighter(limit_mag);
+            let expected = share * p_brighter(limit_mag);
+            count.brighter_than_limit = count.brighter_than_limit.map(|sum| sum + expected);
+            count.trails_brighter_than_limit = count.trails_brighter_than_limit.map(|sum| sum + expected * trails);
         }
     }
     count
@@ -261,7 +262,8 @@ const LIMIT_COLUMNS: [Column; 3] = [
 /// Returns counts as a table: one row for each night, latitude, altitude of the Sun and lowest altitude. Each row is
 /// given with the latitude of its site in radians. Columns for a limiting magnitude are added if a request has one.
 pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>) -> Table {
-    let mut has_limit = false;
+    let counts: Vec<_> = counts.into_iter().collect();
+    let has_limit = counts.iter().any(|(_, request, _)| request.limit_mag.is_some());
     let row = |(latitude_rad, request, count): (f64, &StatisticsRequest, &SkyCount)| -> Vec<Value> {
         let mut row: Vec<Value> = vec![
             count.epoch.into(),
@@ -279,9 +281,10 @@ pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a Statistic
             count.trails.into(),
             count.streaked_share().into(),
         ]);
-        if let Some(limit_mag) = request.limit_mag {
-            has_limit = true;
-            row.extend([limit_mag, count.brighter_than_limit, count.trails_brighter_than_limit].map(Value::Real));
+        if has_limit {
+            row.extend(
+                [request.limit_mag, count.brighter_than_limit, count.trails_brighter_than_limit].map(Value::from),
+            );
         }
         row
     };

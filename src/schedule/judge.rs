@@ -246,8 +246,8 @@ fn reason(
     let equivalent = seen_mag
         .map(|seen| format!("; equivalent to {} {seen:.2} at 550 km", band.unwrap_or_default()))
         .unwrap_or_default();
-    let crossing = match format!("{:.0}", 100.0 * pass.probability).as_str() {
-        "100" => String::new(),
+    let crossing = match percent(pass.probability).as_str() {
+        "100" | ">99" => String::new(),
         percent => format!(", {percent} % of crossing"),
     };
     format!(
@@ -261,8 +261,8 @@ fn reason(
 fn percent(probability: f64) -> String {
     match 100.0 * probability {
         0.0 => "0".to_owned(),
-        percent if percent < 0.5 => "<1".to_owned(),
-        percent if (99.5..100.0).contains(&percent) => ">99".to_owned(),
+        percent if percent < 1.0 => "<1".to_owned(),
+        percent if (99.0..100.0).contains(&percent) => ">99".to_owned(),
         percent => format!("{percent:.0}"),
     }
 }
@@ -315,8 +315,8 @@ mod tests {
 
     #[test]
     fn nearly_certain_is_not_certain() {
-        let texts = [0.0, 0.004, 0.006, 0.5, 0.994, 0.996, 1.0 - 1e-12, 1.0].map(percent);
-        assert_eq!(texts, ["0", "<1", "1", "50", "99", ">99", ">99", "100"]);
+        let texts = [0.0, 0.005, 0.01, 0.5, 0.985, 0.995, 1.0 - 1e-12, 1.0].map(percent);
+        assert_eq!(texts, ["0", "<1", "1", "50", "98", ">99", ">99", "100"]);
     }
 
     fn exposure() -> Exposure {

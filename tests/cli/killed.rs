@@ -39,6 +39,7 @@ fn check(name: &str, fill: impl Fn(&Path), arguments: &str) {
     let duration_s = begin.elapsed().as_secs_f64();
     let outputs = files(complete.path());
     assert!(outputs.len() > inputs.len(), "{name}");
+    assert!(inputs.iter().all(|(file, bytes)| outputs.get(file) == Some(bytes)), "{name}: an input has changed");
 
     let kills = std::env::var("STREAKCAST_KILLS").map_or(DEFAULT_KILLS, |text| text.parse().expect("a number"));
     let mut random = Random(kills as u64);

@@ -118,23 +118,23 @@ fn verif_a_wrong_model_is_reported() {
     assert_eq!((rows[0].kind, rows[0].verdict, rows[0].satellites), (ReferenceKind::None, Verdict::NoData, None));
 }
 
-/// References that a model was made from are in-sample, all others unseen.
+/// References that a model was made from are in-sample, all others held-out.
 #[test]
 fn valid_references_of_bundled_models_are_labelled() {
     let samples =
         |name: &str| rows_of(name, None).iter().map(|row| (row.kind, row.sample.unwrap())).collect::<Vec<_>>();
     let (mean, curve, photometry) = (ReferenceKind::Mean, ReferenceKind::PhaseCurve, ReferenceKind::Photometry);
-    let (seen, unseen) = (Sample::InSample, Sample::Unseen);
+    let (seen, held_out) = (Sample::InSample, Sample::HeldOut);
     for name in ["starlink-v1.5", "starlink-v1.5-facets", "visorsat-panels"] {
-        assert_eq!(samples(name), [(mean, unseen), (curve, unseen), (photometry, seen)], "{name}");
+        assert_eq!(samples(name), [(mean, held_out), (curve, held_out), (photometry, seen)], "{name}");
     }
     for name in ["starlink-v1.5-phase", "visorsat"] {
-        assert_eq!(samples(name), [(mean, seen), (curve, seen), (photometry, unseen)], "{name}");
+        assert_eq!(samples(name), [(mean, seen), (curve, seen), (photometry, held_out)], "{name}");
     }
-    assert_eq!(samples("v2mini-panels"), [(mean, unseen), (mean, unseen), (curve, unseen), (photometry, seen)]);
-    assert_eq!(samples("v2mini"), [(mean, seen), (mean, unseen), (curve, seen), (photometry, unseen)]);
-    assert_eq!(samples("oneweb-panels"), [(mean, unseen), (photometry, seen)]);
-    assert_eq!(samples("oneweb"), [(mean, seen), (photometry, unseen)]);
+    assert_eq!(samples("v2mini-panels"), [(mean, held_out), (mean, held_out), (curve, held_out), (photometry, seen)]);
+    assert_eq!(samples("v2mini"), [(mean, seen), (mean, held_out), (curve, seen), (photometry, held_out)]);
+    assert_eq!(samples("oneweb-panels"), [(mean, held_out), (photometry, seen)]);
+    assert_eq!(samples("oneweb"), [(mean, seen), (photometry, held_out)]);
     for name in ["starlink-v1.0", "kuiper", "qianfan", "guowang", "bluebird"] {
         assert_eq!(samples(name), [(mean, seen)], "{name}");
     }
@@ -179,7 +179,7 @@ fn verif_verdicts_depend_on_the_difference_in_its_errors_and_on_the_ratio_of_sig
     ] {
         let row = compared(mean_mag, sigma_mag);
         assert_eq!(row.verdict, verdict, "{row:?}");
-        assert_eq!((row.sample, row.n), (Some(Sample::Unseen), 40));
+        assert_eq!((row.sample, row.n), (Some(Sample::HeldOut), 40));
         let error_mag = row.difference_error_mag.unwrap();
         // Tolerances: the satellites of the four groups have slightly different ranges; ten quantiles of a distribution.
         assert!((error_mag - SURVEY_ERROR_MAG).abs() < 0.01, "{row:?}");

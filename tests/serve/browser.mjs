@@ -683,7 +683,7 @@ try {
     await settled(page);
     assert.equal(await page.textContent("#problem"), "no positions");
     const refused = await seen(page);
-    assert.equal(refused.text, "unknown: no answer");
+    assert.equal(refused.text, "unknown: no response");
     assert.deepEqual([refused.norads, refused.start, refused.next], [[], undefined, undefined]);
     assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "No result for this exposure."]);
     assert.ok((await page.isHidden("#go")) && (await page.evaluate(() => document.activeElement.id)) === "after");

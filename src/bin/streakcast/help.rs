@@ -234,7 +234,7 @@ const VERBS: &[VerbHelp] = &[
     ),
     verb(
         "plot sky-chart",
-        ["--from curves.ecsv -o chart.png", "--from curves.ecsv --norad 25544 --utc-offset +02:00 -o chart.svg"],
+        ["--from curves.ecsv -o chart.png", "--from curves.ecsv --norad 25544 --time-zone Europe/Vienna -o chart.svg"],
     ),
     verb(
         "plot sky-rate",

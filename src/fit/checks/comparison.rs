@@ -60,18 +60,18 @@ pub enum Sample {
     /// The provenance of the model names the survey or the publication: agreement is not a test of predictions.
     InSample,
     /// The provenance of the model does not name it.
-    Unseen,
+    HeldOut,
 }
 
 impl Sample {
     fn of(is_in_sample: bool) -> Self {
-        if is_in_sample { Self::InSample } else { Self::Unseen }
+        if is_in_sample { Self::InSample } else { Self::HeldOut }
     }
 
     fn name(self) -> &'static str {
         match self {
             Self::InSample => "in-sample",
-            Self::Unseen => "unseen",
+            Self::HeldOut => "held-out",
         }
     }
 }
@@ -370,7 +370,7 @@ const COLUMNS: [Column; 19] = [
     Column::new(
         "sample",
         Kind::Text,
-        "in-sample if the provenance of the model names this survey or publication, otherwise unseen.",
+        "in-sample if the provenance of the model names this survey or publication, otherwise held-out.",
     ),
     Column::new("n", Kind::Integer, "Number of geometries or measurements compared."),
     Column::real("model_mean_mag", "mag", 3, "Mean of the model over them, at 1000 km."),

@@ -5,7 +5,7 @@ use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, Quantity, SiteConfig, parse_angle_deg, parse_duration_s, state_scales, time_range};
+use streakcast::config::{Config, Quantity, SiteConfig, parse_duration_s, parse_size_deg, state_scales, time_range};
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Section, format_utc};
 
@@ -73,8 +73,8 @@ const ON_SCREEN: &[Shown] = &[
     rounded("trails_per_exposure", "trails", 4),
     rounded("streaked_share", "streaked", 4),
     rounded("limit_mag", "limit", 1),
-    rounded("brighter_than_limit", "brighter", 1),
-    rounded("trails_brighter_than_limit", "bright trails", 4),
+    rounded("brighter_than_limit", "< limit", 1),
+    rounded("trails_brighter_than_limit", "trails < limit", 4),
 ];
 
 pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
@@ -88,7 +88,10 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         ));
     }
     let fov = config.fov.as_ref().map_or(FIELD, Quantity::as_str);
-    let field_rad = parse_angle_deg("fov", fov)?.to_radians();
+    let (diameter_deg, None) = parse_size_deg("fov", fov)? else {
+        return Err(anyhow!("fov is {fov}; allowed for statistics: a circular field, for example {FIELD}"));
+    };
+    let field_rad = diameter_deg.to_radians();
     let exposure_s = parse_duration_s("exposure", &typed.exposure)?;
     let spread_s = parse_duration_s("spread", &typed.spread)?;
     let photometry = config.photometry()?;

@@ -37,7 +37,7 @@ let toasting = 0;
 /** Error messages by request. */
 const problems = new Map();
 
-const nightChart = new Night($("night"), (place) => choose(place));
+const nightChart = new Night($("night"), select);
 const strip = new Strip($("strip"), moved);
 const fieldChart = new Field($("field"), (norad) => select(norad));
 const domeChart = new Dome($("dome"));
@@ -46,7 +46,7 @@ const curveChart = new Curve($("curve"));
 const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
   // The last response is not valid for this start.
-  if (parameters.place === state.place) nothing("unknown", "no answer");
+  if (parameters.place === state.place) nothing("unknown", "no response");
 });
 const requestSky = latest("/api/v1/dome", ({ document }, parameters) => {
   if (parameters.place === state.place) showDome(document, parameters === domeQuestion);
@@ -105,11 +105,13 @@ async function load(which) {
     let { document } = await send("/api/v1/night", limits);
     // A link to a night that is not in this schedule shows the first night.
     const isKnown = !which || document.nights.some((one) => one.night === which);
-    if (!isKnown) delete state.row;
+    // Without a schedule the night is that of the link, or else the present one.
+    const other = which ? { night: which } : { time_utc: iso(Date.now()) };
+    if (!document.nights.length) ({ document } = await send("/api/v1/night", { ...other, ...limits }));
+    else if (!isKnown) delete state.row;
     else if (which && which !== document.night) ({ document } = await send("/api/v1/night", { night: which, ...limits }));
-    // Without a schedule the night is the present one.
-    else if (!document.nights.length) ({ document } = await send("/api/v1/night", { time_utc: iso(Date.now()), ...limits }));
     problem("night", null);
+    problem("entry", null);
     begin(document);
   } catch (error) {
     return failed(error, "night");
@@ -156,6 +158,7 @@ async function enter(target, start_utc, duration_s, isRestored = false) {
     // It has no row in the schedule, and its verdict is not in the night chart.
     begin(nights.document, { ...document.exposures[0], start_utc, id: target, row: null, band: null, flag: null });
     Object.assign(state, { target, start: start_utc, length: duration_s });
+    problem("entry", null);
     choose(rows.length - 1, isRestored);
     return true;
   } catch (error) {
@@ -216,12 +219,17 @@ function warn() {
   );
 }
 
+/** Selects an exposure at the observer's request, which ends an error of the entered one. */
+function select(place) {
+  problem("entry", null);
+  choose(place);
+}
+
 /** Selects an exposure of the night; `isRestored` keeps its state from the address. */
 function choose(place, isRestored = false) {
   const row = rows[place];
   if (!row) return;
   state.place = place;
-  problem("entry", null);
   $("strip").hidden = $("reset").hidden = false;
   $("before").hidden = $("after").hidden = rows.length < 2;
   state.row = row.row ?? undefined;
@@ -346,7 +354,7 @@ function answered({ document, ms }, parameters) {
   $("answer").dataset.startUtc = parameters.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
   $("go").dataset.delay = flag.delay_s ?? "";
-  $("timing").textContent = ms == null ? "" : `answered in ${ms.toFixed(1)} ms`;
+  $("timing").textContent = ms == null ? "" : `computed in ${ms.toFixed(1)} ms`;
   const [opens] = document.pointing;
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
@@ -461,9 +469,9 @@ $("nights").addEventListener("change", async (event) => {
   for (const name of ["row", "duration", "satellite", "target", "start", "length"]) delete state[name];
   await load(event.target.value);
 });
-$("before").addEventListener("click", () => choose(state.place - 1));
-$("after").addEventListener("click", () => choose(state.place + 1));
-$("reset").addEventListener("click", () => choose(state.place));
+$("before").addEventListener("click", () => select(state.place - 1));
+$("after").addEventListener("click", () => select(state.place + 1));
+$("reset").addEventListener("click", () => select(state.place));
 $("go").addEventListener("click", () => {
   // In whole milliseconds, as in the response of the server, for a clear start.
   state.shift = Math.round((state.shift + Number($("go").dataset.delay)) * 1e3) / 1e3;
