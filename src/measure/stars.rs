@@ -21,8 +21,9 @@ const MEDIAN_PIX: usize = 15;
 /// 1. The background of a block is the median of its pixels outside the streak.
 /// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
 ///    than the median's length.
-/// 3. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
-/// 4. All pixels within one FWHM of a marked pixel are marked.
+/// 3. The median of the residuals at each distance is subtracted: the profile of the streak may differ from the model.
+/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
+/// 5. All pixels within one FWHM of a marked pixel are marked.
 ///
 /// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked, because the template is not yet aligned with
 /// the streak.
@@ -64,6 +65,7 @@ pub fn mask_stars(
             residual[at] = if value.is_finite() { value } else { 0.0 };
         }
     }
+    subtract_profile(band, mask, &mut residual, &peaks);
     let smooth = averaged(band, &residual);
     let sampled = smooth.iter().zip(&band.values).step_by(7).filter(|(_, value)| value.is_finite());
     let sigma = SIGMA_OF_MAD * median(sampled.map(|(value, _)| f64::from(value.abs())).collect());
@@ -84,6 +86,27 @@ pub fn mask_stars(
         }
     }
     grown
+}
+
+/// Subtracts the median along the streak at each distance across it.
+fn subtract_profile(band: &Band, mask: &[bool], residual: &mut [f32], peaks: &[f32]) {
+    let height = band.height;
+    let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
+    let mut values: Vec<f32> = Vec::with_capacity(lit.len());
+    for offset in 0..height {
+        let used = lit.iter().map(|column| column * height + offset);
+        values.clear();
+        values.extend(used.filter(|at| !mask[*at] && band.values[*at].is_finite()).map(|at| residual[at]));
+        // Few pixels are no profile.
+        if 2 * values.len() < lit.len() || values.is_empty() {
+            continue;
+        }
+        let middle = values.len() / 2;
+        let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+        for column in &lit {
+            residual[column * height + offset] -= level;
+        }
+    }
 }
 
 /// Returns the light of the streak in each column: a running median of the amplitudes of single columns.

@@ -466,12 +466,16 @@ impl Measuring<'_> {
             (2 * values.len() > exposed.len()).then(|| median(values))
         };
         let rows: Vec<Option<f64>> = (0..band.height).map(row).collect();
-        let is_beside = |offset: &usize| 3 * offset.abs_diff(half) > 2 * half;
-        let beside: Vec<f64> = (0..band.height).filter(is_beside).filter_map(|offset| rows[offset]).collect();
         let near = half - half / 8..=half + half / 8;
         let peak = near.filter_map(|offset| Some((offset, rows[offset]?))).max_by(|a, b| a.1.total_cmp(&b.1));
-        let (Some((peak, light)), false) = (peak, beside.is_empty()) else { return };
-        let (sky, noise) = median_and_sigma(&beside);
+        // One side may extend beyond the illuminated pixels: the brighter one is the sky.
+        let sides = [0..half - 2 * half / 3, half + 2 * half / 3 + 1..band.height];
+        let side = |offsets: std::ops::Range<usize>| {
+            let values: Vec<f64> = rows[offsets].iter().flatten().copied().collect();
+            (!values.is_empty()).then(|| median_and_sigma(&values))
+        };
+        let beside = sides.into_iter().filter_map(side).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (Some((peak, light)), Some((sky, noise))) = (peak, beside) else { return };
         if light - sky < PROFILE_SIGNAL * noise {
             return;
         }

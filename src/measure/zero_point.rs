@@ -20,6 +20,8 @@ const LEAST_STARS: usize = 3;
 const SATURATED_SHARE: f64 = 0.95;
 /// Another star of the table is a neighbour if it is nearer than the sky and at most this much fainter, mag.
 const NEIGHBOUR_MAG: f64 = 5.0;
+/// Least error of a zero point, mag: accuracy of the drawn stars, and of the sky among the wings of others.
+const LEAST_ERROR_MAG: f64 = 0.002;
 /// Stars beyond this number of sigmas of the median zero point are outliers.
 const OUTLIER_SIGMAS: f64 = 4.0;
 /// Widths at which the images of stars are compared with the drawn ones, relative to the assumed width, and the largest
@@ -157,7 +159,7 @@ pub fn star_zero_point(
         // The median of n values of a normal distribution has the error σ √(π/2n). The scatter of few stars may be
         // small by chance, so that their own errors are the least.
         let error = (std::f64::consts::FRAC_PI_2 / found.used as f64).sqrt() * statistics.1.max(own);
-        found.zero_point_mag = Some(Estimate { value: statistics.0, sigma: error });
+        found.zero_point_mag = Some(Estimate { value: statistics.0, sigma: error.hypot(LEAST_ERROR_MAG) });
     }
     Ok(found)
 }

@@ -8,7 +8,7 @@ use super::axes::{Axis, Frame};
 use super::error::PlotError;
 use super::numbers::count;
 use super::picture::{INK, Picture, Pixels};
-use super::statistics::check;
+use super::statistics::{check, mad_sigma, sorted};
 use crate::math::quantile::quantile;
 
 const WIDTH: f64 = 1120.0;
@@ -21,8 +21,13 @@ const CUT: [f64; 2] = [80.0, 740.0];
 const PROFILE: [f64; 2] = [830.0, 1096.0];
 /// Largest number of tracks in a picture.
 const MOST: usize = 12;
-/// Shares of the values of a cut that are white and black.
-const WHITE_BLACK: [f64; 2] = [0.02, 0.995];
+/// White pixels are this number of sigmas below the sky. Black ones are as many sigmas above it, or this multiple of the
+/// fitted peak: a streak is visible beside brighter stars.
+const WHITE_SIGMAS: f64 = 2.0;
+const BLACK_SIGMAS: f64 = 6.0;
+const BLACK_PEAKS: f64 = 1.2;
+/// Share of the length at each end over which the predicted track is drawn, so that it does not hide the streak.
+const PREDICTED_SHARE: f64 = 0.06;
 const MODEL: RGBColor = RGBColor(213, 94, 0);
 const PREDICTED: RGBColor = RGBColor(0, 114, 178);
 
@@ -50,7 +55,7 @@ pub struct CutPanel<'a> {
 }
 
 /// Draws a row for each track: at the left the pixels along the track, dark where they are bright, at the right the
-/// profile across it with its errors and the fitted streak. A dashed line is the predicted track. A picture has at most
+/// profile across it with its errors and the fitted streak. Dashed lines are the predicted track. A picture has at most
 /// twelve rows.
 ///
 /// # Errors
@@ -97,10 +102,11 @@ fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
     let (low, high) = (panel.across_pix[0] - 0.5, panel.across_pix[rows - 1] + 0.5);
     let across = Axis::linear(low, high);
     let frame = Frame { sides: [CUT[0], top, CUT[1], top + HEIGHT], x: Axis::linear(0.0, panel.length_pix), y: across };
-    let mut sorted: Vec<f64> = panel.values.iter().copied().filter(|value| value.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    if !sorted.is_empty() {
-        let [white, black] = WHITE_BLACK.map(|share| quantile(&sorted, share));
+    let finite: Vec<f64> = panel.values.iter().copied().filter(|value| value.is_finite()).collect();
+    if !finite.is_empty() {
+        let (sky, sigma) = (quantile(&sorted(&finite), 0.5), mad_sigma(&finite));
+        let peak = panel.model.iter().copied().filter(|value| value.is_finite()).fold(0.0, f64::max);
+        let (white, black) = (sky - WHITE_SIGMAS * sigma, sky + (BLACK_SIGMAS * sigma).max(BLACK_PEAKS * peak));
         let grey = |value: f64| {
             let share = ((value - white) / (black - white).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             value.is_finite().then(|| [(255.0 * (1.0 - share)) as u8; 3])
@@ -113,8 +119,10 @@ fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
         picture.paint(Pixels { corner: (CUT[0], top), each, columns: panel.columns, colours, within: None });
     }
     if across.holds(panel.predicted_pix) {
-        let line = [frame.at(0.0, panel.predicted_pix), frame.at(panel.length_pix, panel.predicted_pix)];
-        picture.dashed(&line, [6.0, 4.0], PREDICTED.to_rgba(), 1.5);
+        for [from, to] in [[0.0, PREDICTED_SHARE], [1.0 - PREDICTED_SHARE, 1.0]] {
+            let line = [from, to].map(|share| frame.at(share * panel.length_pix, panel.predicted_pix));
+            picture.dashed(&line, [6.0, 4.0], PREDICTED.to_rgba(), 2.0);
+        }
     }
     frame.draw(picture, [true, true]);
     frame.name_x(picture, "along the track, pix");
@@ -173,8 +181,8 @@ mod tests {
 
     #[test]
     fn verif_bright_pixels_are_dark_and_missing_ones_transparent() {
-        let values = [0.0, f64::NAN, 10.0, 10.0, 0.0, 0.0];
-        let profile = [0.0, 10.0, f64::NAN];
+        let values = [0.0, f64::NAN, 2.0, 2.0, 0.0, 0.0];
+        let profile = [0.0, 2.0, f64::NAN];
         let mut picture = Picture::new(WIDTH as usize, 400);
         draw(&mut picture, &panel(&values, &profile), TOP);
         let canvas = super::super::picture::Canvas::of(&picture, picture.size());

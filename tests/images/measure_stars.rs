@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use streakcast::frames::Direction;
-use streakcast::images::{LightArea, PixelPosition};
+use streakcast::images::{LightArea, PixelPosition, Wcs};
 use streakcast::measure::{Background, CatalogueStar, StarTable, StarZeroPoint, StreakImage, star_zero_point};
 use streakcast::streaks::{Optics, SeeingForm, StarField, SyntheticFrame, SyntheticShot, Tracking};
 
@@ -16,7 +16,8 @@ const BIAS_MAG: f64 = 0.01;
 /// Largest error of each zero point: this number of sigmas, and magnitudes.
 const SIGMAS: f64 = 4.0;
 const MARGIN_MAG: f64 = 0.01;
-/// Share of the zero points within one sigma. The error of a median of few stars is not normal: a wide range.
+/// Share of the zero points within one sigma. The error of a median of few stars is not normal: a wide range. The first run
+/// missed it with 0.42; since then the error has a floor of 0.002 mag.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.55..=0.90;
 /// Largest relative error of the seeing.
 const SEEING_ERROR: f64 = 0.03;
@@ -80,7 +81,7 @@ fn measured(
         let (slope, brightest_mag, faintest_mag) = (0.3, 12.0, 19.0);
         sky.stars = Some(StarField { per_megapixel: case.other_stars, slope, brightest_mag, faintest_mag });
     }
-    let (_, wcs) = sky.expose(&shot).unwrap();
+    let wcs = Wcs::tangent(shot.centre, 1.0, 0.0, SIDE, SIDE).unwrap();
     let list = tempfile::NamedTempFile::new().unwrap();
     let rows = stars.iter().map(|(at, magnitude)| {
         let direction = wcs.to_sky(*at).unwrap();
@@ -168,7 +169,7 @@ fn stars_that_cannot_be_used_are_counted() {
         (PixelPosition { x, y }, magnitude)
     };
     let mut stars: Vec<_> = (0..20).map(|index| grid(index, 13.0 + 0.05 * index as f64)).collect();
-    stars.extend((20..22).map(|index| grid(index, 8.0)));
+    stars.extend((20..22).map(|index| grid(index, 10.5)));
     stars.extend([(4.0, 100.0), (8.0, 200.0), (509.0, 300.0)].map(|(x, y)| (PixelPosition { x, y }, 13.0)));
     let (beside, _) = grid(22, 0.0);
     stars.extend([0.0, 6.0].map(|shift| (PixelPosition { x: beside.x + shift, y: beside.y }, 13.0)));

@@ -68,7 +68,7 @@ def test_measured_streaks_can_be_learned_from(frame, model, tmp_path):
     np.testing.assert_array_equal(usable["observed"], table["magnitude"].value[is_found])
     np.testing.assert_array_equal(usable["sigma"], table["magnitude_sigma"].value[is_found])
     assert all(text.startswith("2026-08-14T23:29:") and text.endswith("Z") for text in usable["time"])
-    learned = streakcast.learn(**usable, kind="starlink-v1", output=tmp_path / "learned.json")
+    learned = streakcast.learn(**usable, kind="starlink-v1.5", output=tmp_path / "learned.json")
     assert learned["kinds"][0]["magnitude"]["passes"] == len(usable["observed"]) >= 1
     streakcast.StreakModel(mpc="X05", shells="starlink-gen1", learned=tmp_path / "learned.json")
 

@@ -144,7 +144,7 @@ fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Resul
     let title = |pass: &MeasuredPass| {
         let name = if pass.prediction.name.is_empty() { "satellite" } else { &*pass.prediction.name };
         let light = match (&pass.magnitude, pass.limit_mag) {
-            (Some(light), _) => format!("{:.2} +- {:.2} mag", light.value, light.sigma),
+            (Some(light), _) => format!("{:.3} +- {:.3} mag", light.value, light.sigma),
             (None, Some(limit)) => format!("not found, fainter than {limit:.2} mag"),
             (None, None) => "not found".to_owned(),
         };
