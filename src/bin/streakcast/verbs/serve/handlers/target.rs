@@ -33,10 +33,10 @@ fn parsed(target: &str) -> Option<Direction<Gcrs>> {
     })
 }
 
-/// Divides coordinates at a comma, at the sign of the declination, or at the first blank.
+/// Divides coordinates at a comma, at the sign of the declination, or at the only blank.
 fn angles(text: &str) -> Option<(&str, &str)> {
     let at_sign = || text.rfind(['+', '-', '\u{2212}']).map(|place| text.split_at(place));
-    let at_blank = || text.trim().split_once(' ');
+    let at_blank = || text.trim().split_once(' ').filter(|(_, dec)| !dec.trim().contains(' '));
     text.split_once(',').or_else(at_sign).or_else(at_blank)
 }
 
