@@ -1,4 +1,4 @@
-"""Picture of the streaks found against signal to noise, from docs/tables/completeness.md: `completeness.py TABLE PICTURE.svg`; docs/build.sh calls it."""
+"""Picture of the streaks found against signal to noise, from docs/tables/completeness.md: `completeness.py TABLE PICTURE.svg`."""
 
 import math
 import re

@@ -431,7 +431,7 @@ fn completeness(cases: Vec<Case>) -> (f64, f64) {
 
 /// Completeness rises from a few to all streaks with the signal to noise, and detections elsewhere are rare.
 ///
-/// Bounds were set before the first run. docs/tables/completeness.md has more streaks.
+/// Bounds were set before the first run. `completeness_of_many` has more streaks.
 #[test]
 fn verif_completeness_rises_with_the_signal_to_noise() {
     const COUNT: usize = 48;
@@ -453,7 +453,7 @@ fn verif_completeness_rises_with_the_signal_to_noise() {
     }
 }
 
-/// Prints the table docs/tables/completeness.md: the lines that begin with `|`.
+/// Prints the table from which docs/completeness.py draws curves: the lines that begin with `|`.
 ///
 /// `cargo test --release --test images completeness_of_many -- --ignored --nocapture | grep '^|' > docs/tables/completeness.md`
 #[test]
