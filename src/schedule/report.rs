@@ -41,6 +41,16 @@ pub struct FlagRequest<'a> {
     pub photometry: &'a PhotometryOptions,
 }
 
+impl FlagRequest<'_> {
+    /// Returns true if a pass alone is sufficient for the verdict `avoid`: the probability that it crosses and is
+    /// brighter at its peak than a limit is at least that of the policy. `None` if no limit applies to the band.
+    pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>) -> Option<bool> {
+        let camera = Camera::of(self);
+        let rules = Rules { policy: self.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
+        rules.has_limit(band).then(|| blocks(pass, band, Blocking::Avoid, &rules))
+    }
+}
+
 /// Age and along-track error of the element set of a satellite at an exposure.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SatelliteAge {

@@ -120,9 +120,8 @@ fn all_missing_inputs_are_in_one_error() {
         ["start of the exposure (--start TIME", "exposure time (--exposure TIME", "right ascension", "declination"];
     misses("passes", &[&sky[..], &[field], &exposure].concat());
     misses("passes --mpc X05 --shells oneweb --start 2024-08-14T03:30:00Z", &[field, exposure[1], exposure[2]]);
-    for verb in ["flag", "serve"] {
-        misses(verb, &[&sky[..], &[field, "schedule (--schedule FILE)"]].concat());
-    }
+    misses("flag", &[&sky[..], &[field, "schedule (--schedule FILE)"]].concat());
+    misses("serve", &[&sky[..], &[field]].concat());
     misses("annotate", &[&sky[..], &[field, "schedule (--schedule FILE)", "output file (-o FILE)"]].concat());
     misses("windows", &[&sky[..], &[field, "targets (--targets FILE)", "time range (--night DATE, or"]].concat());
     misses("forecast", &[&sky[..], &["time range (--night DATE, or"]].concat());

@@ -42,9 +42,97 @@ fn the_night_equals_flag() {
     let sun: Vec<f64> =
         night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
     assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
-    let problem = server.get("/api/v1/night?night=2026-08-15");
+    // A night can be chosen by its date or by a time in it, and need not be in the schedule.
+    assert_eq!(server.json("/api/v1/night?time_utc=2026-08-15T09:00:00Z")["flags"], night["flags"]);
+    let next = server.json("/api/v1/night?night=2026-08-15");
+    assert_eq!((&next["night"], &next["nights"]), (&json!("2026-08-15"), &night["nights"]));
+    assert_eq!((&next["exposures"], &next["flags"]), (&json!([]), &json!([])));
+    let problem = server.get("/api/v1/night?night=2026-08-15&time_utc=2026-08-15T09:00:00Z");
     assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some("night")));
-    assert!(problem.json()["detail"].as_str().unwrap().contains("allowed: 2026-08-14"));
+}
+
+#[test]
+fn verdicts_of_a_night_with_another_limit_equal_flag() {
+    let server = shared();
+    let mut verdicts = BTreeSet::new();
+    for limit in ["5", "7", "9"] {
+        let night = server.json(&format!("/api/v1/night?limit_mag={limit}"));
+        let schedule = ["--schedule", "examples/night.csv", "--limit-mag", limit];
+        let flags = command(&[&["flag"], SHARED, &schedule, &["--telescope", "rubin"]]);
+        let (flags, of_night) = (flags["flags"].as_array().unwrap(), night["flags"].as_array().unwrap());
+        assert_eq!(night["limit_mag"], json!(limit.parse::<f64>().unwrap()));
+        assert_eq!(flags.len(), of_night.len());
+        for (flag, one) in flags.iter().zip(of_night) {
+            for (name, value) in one.as_object().unwrap() {
+                assert_eq!(value, &flag[name], "limit {limit}: {name} of {flag}");
+            }
+        }
+        verdicts.insert(flags.iter().map(|flag| flag["verdict"].to_string()).collect::<String>());
+    }
+    assert_eq!(verdicts.len(), 3, "the limits give the same verdicts: {verdicts:?}");
+}
+
+#[test]
+fn an_exposure_is_avoided_if_one_of_its_crossings_exceeds_the_limit() {
+    let server = shared();
+    let mut counts = [0; 2];
+    for row in server.json("/api/v1/night")["exposures"].as_array().unwrap() {
+        let [start, ra, dec, band] = ["start_utc", "ra_deg", "dec_deg", "band"].map(|name| &row[name]);
+        let (start, band) = (start.as_str().unwrap(), band.as_str().unwrap());
+        for limit in ["5", "6.6", "7"] {
+            let answer = server.json(&format!(
+                "/api/v1/exposure?start_utc={start}&duration_s=30&ra_deg={ra}&dec_deg={dec}&band={band}&limit_mag={limit}&around_s=0"
+            ));
+            let exceeding = answer["around"].as_array().unwrap().iter().any(|one| one["exceeds_limit"] == true);
+            assert_eq!(answer["flags"][0]["verdict"] == "avoid", exceeding, "{start}, limit {limit}");
+            counts[usize::from(exceeding)] += 1;
+        }
+    }
+    assert!(counts.iter().all(|count| *count > 5), "{counts:?}");
+}
+
+#[test]
+fn a_target_by_name_or_as_text_equals_its_coordinates() {
+    let server = shared();
+    let at = "start_utc=2026-08-14T23:35:20Z&duration_s=30";
+    let by_text = |target: &str| server.json(&format!("/api/v1/exposure?{at}&target={target}"));
+    let by_name = by_text("M104");
+    let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| by_name["exposures"][0][name].to_string());
+    assert_eq!(by_text("ngc%204594"), by_name);
+    for (text, ra, dec) in [
+        (format!("{ra}%20{dec}"), ra.as_str(), dec.as_str()),
+        ("12h39m59.4s%20-11d37m23s".to_owned(), "189.9975", "-11.6230556"),
+    ] {
+        let by_degrees = server.json(&format!("/api/v1/exposure?{at}&ra_deg={ra}&dec_deg={dec}"));
+        assert_eq!(by_text(&text)["exposures"], by_degrees["exposures"], "{text}");
+        assert_eq!(by_text(&text)["flags"], by_degrees["flags"], "{text}");
+    }
+    for (query, parameter, words) in [
+        ("target=M111", "target", "invalid target 'M111'; allowed: a Messier or Caldwell object"),
+        ("target=M31&ra_deg=1", "target", "allowed: one of them"),
+        ("ra_deg=1", "dec_deg", "ra_deg and dec_deg, or target"),
+        ("", "ra_deg", "ra_deg and dec_deg, or target"),
+    ] {
+        let problem = server.get(&format!("/api/v1/exposure?{at}&{query}"));
+        assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some(parameter)), "{query}");
+        assert!(problem.json()["detail"].as_str().unwrap().contains(words), "{}", problem.json());
+    }
+}
+
+#[test]
+fn a_server_without_a_schedule_judges_any_exposure() {
+    let server = Server::start(&[SHARED, &["--limit-mag", "7"]].concat());
+    let night = server.json("/api/v1/night");
+    for name in ["nights", "exposures", "flags"] {
+        assert_eq!(night[name], json!([]), "{name}");
+    }
+    // The night contains the start of the server; 47 Tucanae is always above the horizon of Rubin Observatory.
+    let start = night["from_utc"].as_str().unwrap();
+    assert_eq!(server.json(&format!("/api/v1/night?time_utc={start}"))["night"], night["night"]);
+    assert!(night["provenance"]["schedule"].is_null());
+    let answer = server.json(&format!("/api/v1/exposure?start_utc={start}&duration_s=30&target=NGC104"));
+    assert_ne!(answer["flags"][0]["verdict"], "invalid", "{answer}");
+    assert_eq!(server.json("/health")["exposures"], 0);
 }
 
 #[test]

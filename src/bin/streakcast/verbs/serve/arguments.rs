@@ -11,7 +11,7 @@ use crate::arguments::utc_offset_h;
 
 #[derive(Args)]
 pub struct ServeArguments {
-    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet; without one, the page shows any target
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Address and port to listen at; port 0 selects a free port; addresses other than loopback require a token

@@ -41,7 +41,7 @@ pub static ROUTES: &[Route] = &[
     Route {
         path: "/api/v1/night",
         alias: None,
-        summary: "One night of the schedule: exposures, verdicts, the Sun, the field, the site.",
+        summary: "One night: exposures of the schedule, their verdicts, the Sun, the field, the site.",
         parameters: night::PARAMETERS,
         needs_token: true,
         answer: night::answer,

@@ -1,14 +1,16 @@
 //! Start of the server: reads the inputs, judges the schedule, and opens the port.
 
 use std::io::Write;
+use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::anyhow;
+use hifitime::TimeScale;
 use serde_json::json;
 use streakcast::config::{Config, state_scales};
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
-use streakcast::schedule::Schedule;
+use streakcast::schedule::{FlagReport, Schedule};
 
 use super::super::judged;
 use super::arguments::ServeArguments;
@@ -17,6 +19,7 @@ use super::router::{App, router};
 use super::server;
 use super::state::{Caveats, ServerState, nights_of, zone_h};
 use super::workers::WorkerPool;
+use crate::clock;
 use crate::failure::Outcome;
 use crate::required::Required;
 
@@ -26,8 +29,7 @@ const MAX_EXPOSURES: usize = 100_000;
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let token = Token::of(&typed)?;
-    let has_schedule = typed.schedule.is_some();
-    Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
+    Required::of(&config).satellites().site().field().check()?;
     let notices = judged::begin(&config)?;
     let plan = config.observation()?;
     // The port is opened before the computation, so that an error such as an address in use is reported at once.
@@ -35,13 +37,12 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
 
-    let path = typed.schedule.unwrap_or_default();
-    let schedule = Schedule::read(&path, &config.schedule_options()?)?;
-    let rows = schedule.exposures.len();
-    if rows > MAX_EXPOSURES {
-        return Err(anyhow!("the schedule {} has {rows} exposures; allowed: at most {MAX_EXPOSURES}", path.display()));
-    }
-    let (first, last) = judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &path)))?;
+    let started = clock::now();
+    let schedule = typed.schedule.as_deref().map(|path| read_schedule(path, &config)).transpose()?;
+    let (first, last) = match &schedule {
+        Some((path, schedule)) => judged::span(schedule).ok_or_else(|| anyhow!(judged::none_judged(schedule, path)))?,
+        None => (started, started),
+    };
     let prepared = config.prepare(first, last)?;
     let site = match prepared.sky.viewpoint() {
         Viewpoint::Site(observer) => observer.site().clone(),
@@ -53,39 +54,47 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         }
     };
     notices.warn(&prepared.warnings);
-    let report = judged::flag_rows(&prepared, &schedule, first, &plan, &notices)?;
-    let of_schedule = judged::schedule_warnings(&schedule, &plan.policy, plan.telescope.as_ref());
-    notices.warn(&of_schedule);
+    let report = match &schedule {
+        Some((_, schedule)) => judged::flag_rows(&prepared, schedule, first, &plan, &notices)?,
+        None => FlagReport::default(),
+    };
     let left_out = prepared.left_out_warning(&report.left_out, first)?;
-    let warnings = prepared.warnings.iter().cloned().chain(left_out).chain(of_schedule).collect();
-    judged::summary(&notices, &report);
-
+    let mut warnings: Vec<String> = prepared.warnings.iter().cloned().chain(left_out).collect();
     let mut provenance = without_lists(&prepared.provenance);
-    state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &plan.photometry);
-    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    provenance.state(
-        "schedule",
-        json!({
-            "file": file,
-            "format": schedule.format.to_string(),
-            "exposures": rows,
-            "start_column": schedule.start_column,
-            "first_start_utc": format_utc(first, 3),
-        }),
-    );
+    let scale = schedule.as_ref().map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
+    state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
+    if let Some((path, schedule)) = &schedule {
+        let of_schedule = judged::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
+        notices.warn(&of_schedule);
+        warnings.extend(of_schedule);
+        judged::summary(&notices, &report);
+        let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        provenance.state(
+            "schedule",
+            json!({
+                "file": file,
+                "format": schedule.format.to_string(),
+                "exposures": schedule.exposures.len(),
+                "start_column": schedule.start_column,
+                "first_start_utc": format_utc(first, 3),
+            }),
+        );
+    }
     let telescope = plan.telescope.as_ref().map(|telescope| telescope.name.clone());
     provenance.state("options", judged::options_json(&config, &plan.policy, telescope.as_deref()));
+    let exposures = schedule.map(|(_, schedule)| schedule.exposures).unwrap_or_default();
     let state = ServerState {
         library: config.model_library()?,
         caveats: Caveats { warnings, left_out_count: report.left_out.len() },
-        nights: nights_of(&schedule, &site),
+        nights: nights_of(&exposures, &site),
         utc_offset_h: typed.utc_offset.unwrap_or_else(|| zone_h(&site)),
         flags: report.flags,
         config,
         prepared,
         site,
         plan,
-        schedule,
+        exposures,
+        started,
         provenance,
     };
 
@@ -104,6 +113,16 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     server::serve(listener, router(app), workers)?;
     notices.info("stopped");
     Ok(Outcome::Done)
+}
+
+/// Returns the schedule of a file, with its path.
+fn read_schedule<'a>(path: &'a Path, config: &Config) -> anyhow::Result<(&'a Path, Schedule)> {
+    let schedule = Schedule::read(path, &config.schedule_options()?)?;
+    let rows = schedule.exposures.len();
+    if rows > MAX_EXPOSURES {
+        return Err(anyhow!("the schedule {} has {rows} exposures; allowed: at most {MAX_EXPOSURES}", path.display()));
+    }
+    Ok((path, schedule))
 }
 
 /// Returns the provenance without attached lists.

@@ -9,9 +9,17 @@ use streakcast::orbit::LeftOut;
 use streakcast::output::Provenance;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{FlagRequest, Policy, Schedule, Verdict, evening_mjd};
+use streakcast::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, evening_mjd};
 
 use super::problem::Problem;
+use super::query::{Parameter, Query, number, optional};
+
+/// Parameter that [`ServerState::policy`] reads.
+pub const LIMIT_MAG: Parameter = optional(
+    "limit_mag",
+    number(-30.0, 40.0, " mag"),
+    "Limiting magnitude of the policy; default: that of the server.",
+);
 
 /// Schedule with its verdicts, satellites and site.
 pub struct ServerState {
@@ -20,7 +28,10 @@ pub struct ServerState {
     /// Site of all responses except those of the SatChecker paths.
     pub site: Site,
     pub plan: ObservationPlan,
-    pub schedule: Schedule,
+    /// Rows of the schedule; empty without a schedule.
+    pub exposures: Vec<ScheduledExposure>,
+    /// Start of the server.
+    pub started: Epoch,
     /// Verdicts, one for each row of the schedule.
     pub flags: Vec<Verdict>,
     /// Warnings about the verdicts, and number of satellites whose position cannot be computed.
@@ -59,6 +70,15 @@ impl ServerState {
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
+    /// Returns the policy with the limiting magnitude of the query, if it has one.
+    pub fn policy(&self, query: &Query) -> Policy {
+        let mut policy = self.plan.policy.clone();
+        if let Some(limit_mag) = query.number(LIMIT_MAG.name) {
+            policy.limit_mag = Some(MagnitudeLimit::All(limit_mag));
+        }
+        policy
+    }
+
     /// Returns a request for verdicts with this policy.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
         FlagRequest { policy, ..self.plan.request(self.sky()) }
@@ -77,14 +97,17 @@ impl ServerState {
 }
 
 /// Returns the rows of each night, by the MJD of its evening. Invalid rows are in the first night.
-pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
+pub fn nights_of(exposures: &[ScheduledExposure], site: &Site) -> BTreeMap<i64, Vec<usize>> {
     let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-    for (row, exposure) in schedule.valid_exposures() {
-        nights.entry(evening_mjd(exposure.start, site.longitude_rad)).or_default().push(row);
+    let mut invalid = Vec::new();
+    for (index, row) in exposures.iter().enumerate() {
+        match &row.exposure {
+            Ok(exposure) => nights.entry(evening_mjd(exposure.start, site.longitude_rad)).or_default().push(index),
+            Err(_) => invalid.push(index),
+        }
     }
-    let invalid = schedule.exposures.iter().enumerate().filter(|(_, row)| row.exposure.is_err());
     if let Some(mut first) = nights.first_entry() {
-        first.get_mut().extend(invalid.map(|(row, _)| row));
+        first.get_mut().extend(invalid);
         first.get_mut().sort_unstable();
     }
     nights

@@ -116,7 +116,7 @@ pub const POINTING: [Column; 5] = [
 ];
 
 /// Columns for crossings of the field before, during and after the exposure.
-pub const AROUND: [Column; 7] = [
+pub const AROUND: [Column; 8] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("name", Kind::Text, "Name in the element set."),
     Column::real("enter_s", "s", 3, "Time of entry into the field after shutter opening; negative before it."),
@@ -124,6 +124,11 @@ pub const AROUND: [Column; 7] = [
     Column::real("magnitude_peak", "mag", 3, "Brightest magnitude inside the field."),
     Column::real("probability", "", 4, "Probability that the satellite crosses the field in that interval."),
     Column::real("p_brighter", "", 4, "Probability of being brighter than the magnitude limit; empty without a limit."),
+    Column::new(
+        "exceeds_limit",
+        Kind::Boolean,
+        "True if the crossing alone is sufficient for the verdict avoid; empty without a limit.",
+    ),
 ];
 
 /// Columns for positions of the Sun in a night.

@@ -2,40 +2,46 @@
 //! before and after it.
 
 use serde_json::Value;
-use streakcast::frames::{Direction, seconds_after, seconds_between};
+use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell};
 use streakcast::passes::{Exposure, Pass, SkyError};
 use streakcast::schedule::{
-    MagnitudeLimit, ScheduledExposure, StreakColumns, StreakRow, VerdictKind, exposure_table, flag_exposures,
-    flag_table, streak_table,
+    FlagRequest, ScheduledExposure, StreakColumns, StreakRow, VerdictKind, exposure_table, flag_exposures, flag_table,
+    streak_table,
 };
 
 use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
-use super::super::state::ServerState;
+use super::super::state::{LIMIT_MAG, ServerState};
 use super::document::degrees;
 use super::document::{AROUND, POINTING};
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
 };
+use super::target::{TARGET, pointing_of};
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Shutter opening."),
     required("duration_s", number(0.0, 3600.0, " s"), "Length of the exposure, seconds."),
-    required("ra_deg", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
-    required("dec_deg", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
+    optional(
+        "ra_deg",
+        number(0.0, 360.0, " deg"),
+        "Right ascension of the field's centre, ICRS, degrees; required without target.",
+    ),
+    optional(
+        "dec_deg",
+        number(-90.0, 90.0, " deg"),
+        "Declination of the field's centre, degrees; required without target.",
+    ),
+    TARGET,
     optional(
         "rotation_deg",
         number(-360.0, 360.0, " deg"),
         "Position angle of the field's y axis from north through east, degrees; default: that of the server.",
     ),
     optional("band", Kind::Text { longest: 20 }, "Band of the exposure, for limits by band."),
-    optional(
-        "limit_mag",
-        number(-30.0, 40.0, " mag"),
-        "Limiting magnitude of the policy; default: that of the server.",
-    ),
+    LIMIT_MAG,
     optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each track; default 0."),
     optional(
         "around_s",
@@ -48,20 +54,16 @@ pub const PARAMETERS: &[Parameter] = &[
 const ID: &str = "1";
 
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
-    let number = |name: &str| query.number(name).unwrap_or_default();
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
     let rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
     let exposure = Exposure {
         id: ID.to_owned(),
         start,
-        duration_s: number("duration_s"),
-        pointing: Direction::from_lon_lat_rad(number("ra_deg").to_radians(), number("dec_deg").to_radians()),
+        duration_s: query.number("duration_s").unwrap_or_default(),
+        pointing: pointing_of(query)?,
         rotation_rad: rotation_deg.to_radians(),
     };
-    let mut policy = state.plan.policy.clone();
-    if let Some(limit) = query.number("limit_mag") {
-        policy.limit_mag = Some(MagnitudeLimit::All(limit));
-    }
+    let policy = state.policy(query);
     let row = ScheduledExposure {
         id: ID.to_owned(),
         row: 0,
@@ -83,10 +85,11 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
         duration_s: exposure.duration_s + 2.0 * around_s,
         ..exposure.clone()
     });
+    let request = state.request(&policy);
     // Both are computed in parallel, because the page sends this request repeatedly while an exposure is dragged.
     let ((passes, before_and_after), report) = rayon::join(
         || rayon::join(|| passes_of(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| passes_of(&long, 0))),
-        || flag_exposures(&[&row], &state.request(&policy)),
+        || flag_exposures(&[&row], &request),
     );
     let of_sky = |error: SkyError| of_sky(&error);
     let report = report.map_err(of_sky)?;
@@ -112,7 +115,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     );
     let around = Table {
         columns: AROUND.to_vec(),
-        rows: before_and_after.iter().map(|pass| around_row(state, pass, &exposure, limit_mag)).collect(),
+        rows: before_and_after.iter().map(|pass| around_row(&request, pass, &row, &exposure, limit_mag)).collect(),
     };
     let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&caveats);
@@ -130,17 +133,24 @@ pub fn of_sky(error: &SkyError) -> Problem {
     Problem::new(400, error.to_string())
 }
 
-fn around_row(state: &ServerState, pass: &Pass, exposure: &Exposure, limit_mag: Option<f64>) -> Vec<Cell> {
+fn around_row(
+    request: &FlagRequest<'_>,
+    pass: &Pass,
+    row: &ScheduledExposure,
+    exposure: &Exposure,
+    limit_mag: Option<f64>,
+) -> Vec<Cell> {
     let after_s = |epoch| seconds_between(exposure.start, epoch);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     vec![
         i64::from(pass.norad_id.0).into(),
-        state.sky().elements()[pass.element_index].name.as_ref().into(),
+        request.sky.elements()[pass.element_index].name.as_ref().into(),
         after_s(pass.enter.epoch).into(),
         after_s(pass.exit.epoch).into(),
         peak.map(|brightness| brightness.magnitude.0).into(),
         pass.probability.into(),
         limit_mag.map(|limit_mag| pass.probability_brighter_than(limit_mag)).into(),
+        request.exceeds_limit(pass, row.band.as_deref()).into(),
     ]
 }
 

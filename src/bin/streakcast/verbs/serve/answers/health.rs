@@ -12,7 +12,7 @@ pub fn answer(state: &ServerState, _: &Query) -> Result<String, Problem> {
         "status": "ok",
         "version": env!("CARGO_PKG_VERSION"),
         "satellites": state.sky().elements().len(),
-        "exposures": state.schedule.exposures.len(),
+        "exposures": state.exposures.len(),
     });
     Ok(format!("{document}\n"))
 }

@@ -7,3 +7,4 @@ pub mod health;
 pub mod night;
 pub mod satchecker;
 mod satchecker_positions;
+mod target;

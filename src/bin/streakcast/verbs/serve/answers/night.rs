@@ -1,14 +1,14 @@
-//! `/api/v1/night`: returns one night of the schedule with verdicts, Sun, field and site.
+//! `/api/v1/night`: returns the exposures of the schedule in one night, their verdicts, the Sun, the field and the site.
 
 use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell, format_utc};
 use streakcast::passes::SkyError;
-use streakcast::schedule::{ScheduledExposure, Verdict, flag_table, night_of};
+use streakcast::schedule::{ScheduledExposure, Verdict, evening_mjd, flag_exposures, flag_table, night_of};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, optional};
-use super::super::state::ServerState;
+use super::super::state::{LIMIT_MAG, ServerState};
 use super::document::degrees;
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
@@ -17,8 +17,15 @@ use super::document::{NIGHTS, SCHEDULED, SITE, SUN};
 use super::exposure::of_sky;
 use crate::clock::date_of;
 
-pub const PARAMETERS: &[Parameter] =
-    &[optional("night", Kind::Date, "The evening's local date; default: the first night of the schedule.")];
+pub const PARAMETERS: &[Parameter] = &[
+    optional(
+        "night",
+        Kind::Date,
+        "The evening's local date; default: the first night of the schedule, or without a schedule that in which the server was started.",
+    ),
+    optional("time_utc", Kind::Moment, "A time in the night, instead of its date."),
+    LIMIT_MAG,
+];
 
 /// Interval between two positions of the Sun, seconds.
 const SUN_EVERY_S: f64 = 300.0;
@@ -26,12 +33,14 @@ const SUN_EVERY_S: f64 = 300.0;
 const OUTLINE_POINTS: usize = 120;
 
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
-    let known = || state.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
-    let night = match query.date("night") {
-        Some(noon) => mjd_utc(noon).floor() as i64,
-        None => *state.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule is valid"))?,
+    let night_at = |epoch| evening_mjd(epoch, state.site.longitude_rad);
+    let night = match (query.date("night"), query.moment("time_utc")) {
+        (Some(_), Some(_)) => return Err(Problem::both("night", "time_utc")),
+        (Some(noon), None) => mjd_utc(noon).floor() as i64,
+        (None, Some(epoch)) => night_at(epoch),
+        (None, None) => state.nights.keys().next().copied().unwrap_or_else(|| night_at(state.started)),
     };
-    let rows = state.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
+    let rows = state.nights.get(&night).map(Vec::as_slice).unwrap_or_default();
     let site = &state.site;
 
     let (from, to) = night_of(
@@ -50,9 +59,22 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
 
     let exposures = Table {
         columns: SCHEDULED.to_vec(),
-        rows: rows.iter().map(|&row| scheduled_row(&state.schedule.exposures[row])).collect(),
+        rows: rows.iter().map(|&row| scheduled_row(&state.exposures[row])).collect(),
     };
-    let flags: Vec<Verdict> = rows.iter().map(|&row| state.flags[row].clone()).collect();
+    let policy = state.policy(query);
+    let flags: Vec<Verdict> = if policy == state.plan.policy {
+        rows.iter().map(|&row| state.flags[row].clone()).collect()
+    } else {
+        let rows: Vec<_> = rows.iter().map(|&row| &state.exposures[row]).collect();
+        flag_exposures(&rows, &state.request(&policy)).map_err(|error| of_sky(&error))?.flags
+    };
+    let of_night;
+    let caveats = if rows.is_empty() {
+        of_night = state.caveats_at(from, to, &[])?;
+        &of_night
+    } else {
+        &state.caveats
+    };
     let nights = Table {
         columns: NIGHTS.to_vec(),
         rows: state.nights.iter().map(|(night, rows)| vec![date_of(*night).into(), rows.len().into()]).collect(),
@@ -67,10 +89,9 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
             site.height_m.into(),
         ]],
     };
-    let policy = &state.plan.policy;
     let photometry = &state.plan.photometry;
     let mut document = Document::with_provenance(&state.provenance);
-    document.caveats(&state.caveats);
+    document.caveats(caveats);
     document.value("night", date_of(night));
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
