@@ -4,7 +4,8 @@
 // All waits are for conditions, with the limit LIMIT_MS. Times are printed.
 
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
+import { once } from "node:events";
 import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -25,10 +26,13 @@ function command(...args) {
   }
 }
 
+/** Pointing of the first exposure of the example schedule. */
+const FIRST = { ra_deg: 198.9, dec_deg: 7.7 };
+
 /** The flag of one exposure from the command line. */
-function flag(start, duration, limit = 7) {
+function flag(start, duration, limit = 7, { ra_deg, dec_deg } = FIRST) {
   const path = join(scratch, "one.csv");
-  writeFileSync(path, `exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,${start},${duration},198.9,7.7\n`);
+  writeFileSync(path, `exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,${start},${duration},${ra_deg},${dec_deg}\n`);
   return command("flag", "--schedule", path, "--limit-mag", String(limit)).flags[0];
 }
 
@@ -48,7 +52,7 @@ async function newPage(options = {}) {
   return context.newPage();
 }
 
-async function open(hash = "", options = {}) {
+async function open(hash = "", options = {}, server = url) {
   const page = await newPage(options);
   await page.addInitScript(() => {
     document.addEventListener("securitypolicyviolation", (event) => console.error(`CSP: ${event.violatedDirective} ${event.blockedURI}`));
@@ -60,7 +64,7 @@ async function open(hash = "", options = {}) {
   });
   page.on("pageerror", (error) => faults.push(String(error)));
   page.on("request", (request) => requests.add(request.url()));
-  await page.goto(url + hash);
+  await page.goto(server + hash);
   await settled(page);
   return page;
 }
@@ -153,13 +157,13 @@ const seen = (page) =>
   }));
 
 /** Checks that the page shows the same about an exposure as the command line. */
-async function agrees(page, limit = 7) {
+async function agrees(page, limit = 7, pointing = FIRST) {
   const { text, start, next, duration, norads, magnitudes } = await seen(page);
-  const expected = flag(start, duration, limit);
+  const expected = flag(start, duration, limit, pointing);
   assert.ok(text.startsWith(`${expected.verdict}:`), `${text} against ${JSON.stringify(expected)}`);
   assert.equal(next, expected.next_clear_start_utc ?? "");
   if (expected.delay_s > 0) assert.ok(text.includes(`next clear start +${(Math.ceil(expected.delay_s * 10 - 1e-6) / 10).toFixed(1)} s`), text);
-  const { passes } = command("passes", "--start", start, "--exposure", `${duration}s`, "--ra", "198.9", "--dec=7.7");
+  const { passes } = command("passes", "--start", start, "--exposure", `${duration}s`, "--ra", String(pointing.ra_deg), `--dec=${pointing.dec_deg}`);
   assert.deepEqual(norads, passes.map((pass) => pass.norad_id));
   const shown = passes.map((pass) => `${pass.magnitude_peak.toFixed(2)} ± ${pass.magnitude_sigma.toFixed(2)}`);
   assert.deepEqual(magnitudes, shown);
@@ -236,6 +240,32 @@ function times(sorted) {
   return `median ${at(0.5)} ms, 95th percentile ${at(0.95)} ms, longest ${at(1)} ms`;
 }
 
+/** Shows an exposure of any target. */
+async function enter(page, target, start, length) {
+  if (!(await page.isVisible("#entry"))) await page.click("#any summary");
+  await page.fill("#target", target);
+  await page.fill("#start", start);
+  await page.fill("#length", String(length));
+  await page.click("#entry button");
+  await settled(page);
+}
+
+/** Moves the mouse over an element until the text at the pointer matches, and returns that text. */
+async function hovered(page, selector, pattern) {
+  await page.locator(selector).scrollIntoViewIfNeeded();
+  const box = await page.locator(selector).boundingBox();
+  const found = new Set();
+  for (const height of [0.5, 0.3, 0.7]) {
+    for (let x = 2; x < box.width; x += 4) {
+      await page.mouse.move(box.x + x, box.y + height * box.height);
+      const text = await page.evaluate(() => (document.querySelector("#hover").hidden ? "" : document.querySelector("#hover").textContent));
+      if (pattern.test(text)) return text;
+      found.add(text);
+    }
+  }
+  assert.fail(`no ${pattern} over ${selector}: ${[...found].join(" | ")}`);
+}
+
 const steps = [];
 async function step(name, work) {
   await work();
@@ -260,7 +290,22 @@ const colours = (page) =>
     }),
   );
 
+/** Part of the screen of a phone that its browser leaves to a page. */
+const SMALL = { width: 390, height: 664 };
+
+/** Checks that the verdict ends above the bottom of the unscrolled window. */
+async function isAboveTheFold(page) {
+  await page.evaluate(() => scrollTo(0, 0));
+  const { y } = await page.locator("#answer .why").boundingBox();
+  assert.ok(y > 0 && y <= SMALL.height, `the verdict ends at ${y} px`);
+}
+
+/** A second server, without a schedule. */
+const bare = spawn(streakcast, ["serve", "--bind", "127.0.0.1:0", "--rate", "100000", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", "--limit-mag", "7", "--quiet"], { stdio: ["ignore", "pipe", "inherit"] });
+
 try {
+  const [address] = await once(bare.stdout, "data");
+  const bareUrl = String(address).trim();
   await step("the night and its first exposure equal the command line", async () => {
     const page = await open();
     const { flags } = command("flag", "--schedule", "examples/night.csv", "--limit-mag", "7");
@@ -269,7 +314,7 @@ try {
     const expected = await agrees(page);
     assert.equal(expected.verdict, "avoid");
     // Warnings of the command line are shown at the top.
-    assert.match(await page.textContent("#warnings li"), /^Warning: simulated constellation starlink-gen1: .* \(4,408 satellites\)/);
+    assert.match(await page.textContent("#warnings summary"), /^1 warning: simulated constellation starlink-gen1: .* \(4,408 satellites\)/);
     assert.ok(await page.isVisible("#warnings"));
     assert.equal(await page.getAttribute("#night", "aria-valuetext"), "night-01, 1 of 21, avoid, 23:29 UTC");
     await page.close();
@@ -419,11 +464,181 @@ try {
   });
 
   await step("the limit is that of the policy", async () => {
-    const page = await open("#limit=6.62");
+    const page = await open("#row=0&limit=6.62");
     await agrees(page, 6.62);
-    await page.fill("#limit", "5");
+    // The verdicts of the whole night are those of the slider too.
+    for (const [limit, verdict] of [[5, "streaked"], [9, "avoid"]]) {
+      await page.fill("#limit", String(limit));
+      await settled(page);
+      assert.equal((await agrees(page, limit)).verdict, verdict);
+      const { flags } = command("flag", "--schedule", "examples/night.csv", "--limit-mag", String(limit));
+      const counts = ["clear", "streaked", "avoid"].map((kind) => [flags.filter((one) => one.verdict === kind).length, kind]);
+      assert.equal(await page.textContent("#night-counts"), counts.filter(([number]) => number).map((one) => one.join(" ")).join(" · "));
+      assert.equal(await page.getAttribute("#night", "aria-valuetext"), `night-01, 1 of 21, ${verdict}, 23:29 UTC`);
+    }
+    await page.close();
+  });
+
+  await step("any target is shown with the results of the command line", async () => {
+    const page = await open();
+    // By coordinates, with the result of the schedule; by name, with a start of its own.
+    const before = await seen(page);
+    await enter(page, "198.9 +7.7", "2026-08-14 23:29:05", 30);
+    await agrees(page);
+    assert.equal((await seen(page)).text, before.text);
+    assert.equal(await page.textContent("#exposure-title"), "Exposure 198.9 +7.7");
+    await enter(page, "m 104", "2026-08-14T23:35:20Z", 45);
+    const pointing = command("passes", "--start", "2026-08-14T23:35:20Z", "--exposure", "45s", "--target", "M104").exposures[0];
+    await agrees(page, 7, pointing);
+    assert.equal(await page.getAttribute("#night", "aria-valuetext"), "m 104, 22 of 22, 23:35 UTC");
+    await page.focus("#bar");
+    await page.keyboard.press("Shift+ArrowRight");
     await settled(page);
-    assert.equal((await agrees(page, 5)).verdict, "streaked");
+    await agrees(page, 7, pointing);
+    const moved = await seen(page);
+    const again = await open(moved.hash);
+    assert.deepEqual(await seen(again), moved);
+    assert.equal(await again.inputValue("#target"), "m 104");
+    // An exposure on another night, and back to the schedule.
+    await enter(page, "M104", "2026-08-15 23:35:20", 45);
+    assert.deepEqual(await page.$eval("#nights", (list) => [list.value, list.length]), ["2026-08-15", 2]);
+    assert.equal(await page.textContent("#night-counts"), "2026-08-15, no exposure of a schedule");
+    await page.selectOption("#nights", "2026-08-14");
+    await settled(page);
+    assert.equal((await seen(page)).text, before.text);
+    assert.ok(!(await seen(page)).hash.includes("target"));
+    // A rejected target leaves the result.
+    refusing.add(page);
+    await enter(page, "M111", "now", 30);
+    assert.match(await page.textContent("#problem"), /^invalid target 'M111'; allowed: a Messier or Caldwell object/);
+    assert.equal((await seen(page)).text, before.text);
+    await page.click("#after");
+    await settled(page);
+    assert.ok(await page.isHidden("#problem"));
+    for (const one of [page, again]) await one.close();
+  });
+
+  await step("without a schedule the page shows any target now", async () => {
+    const page = await open("", { viewport: SMALL }, bareUrl);
+    assert.equal((await seen(page)).text, "no exposure: enter a target");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "target");
+    assert.ok(await page.isHidden("#nights"));
+    const now = () => Math.floor(Date.now() / 1e3) * 1e3;
+    const began = now();
+    // 47 Tucanae is always above the horizon of Rubin Observatory.
+    await enter(page, "NGC 104", "now", 60);
+    const { text, start, duration } = await seen(page);
+    assert.ok(began <= Date.parse(start) && Date.parse(start) <= now(), start);
+    assert.equal(duration, 60);
+    const answer = await (await fetch(`${bareUrl}api/v1/exposure?target=NGC104&start_utc=${start}&duration_s=60`)).json();
+    assert.notEqual(answer.flags[0].verdict, "invalid");
+    assert.ok(text.startsWith(`${answer.flags[0].verdict}:`), text);
+    assert.match(await page.textContent("#pointing"), /00h24m0\ds −72°0\d′/);
+    await isAboveTheFold(page);
+    if (pictures) await page.screenshot({ path: join(pictures, "serve-any.png") });
+    // A target below the horizon is invalid, with the reason.
+    await enter(page, "0 +89", "now", 60);
+    assert.match((await seen(page)).text, /^invalid: the pointing is below the horizon \(altitude -/);
+    await page.close();
+  });
+
+  await step("the verdict is visible without scrolling at 390 px", async () => {
+    const page = await open("", { viewport: SMALL });
+    await isAboveTheFold(page);
+    if (pictures) await page.screenshot({ path: join(pictures, "serve-fold.png") });
+    await page.close();
+  });
+
+  await step("warnings are in one line that opens", async () => {
+    const page = await newPage({ viewport: SMALL });
+    await page.addInitScript(countPending);
+    const long = [1, 2, 3].map((number) => `${"abc".charAt(number - 1)}: ${"a long warning ".repeat(20)}`);
+    await page.route(/\/api\/v1\/night/, async (route) => {
+      const response = await route.fetch();
+      await route.fulfill({ response, json: { ...(await response.json()), warnings: long } });
+    });
+    await page.goto(url);
+    await settled(page);
+    const lines = () => page.$eval("#warnings summary", (one) => one.getBoundingClientRect().height / parseFloat(getComputedStyle(one).lineHeight));
+    assert.ok((await lines()) < 1.5, `${await lines()} lines`);
+    assert.match(await page.textContent("#warnings summary"), /^4 warnings: a: a long warning/);
+    assert.ok(await page.isHidden("#warnings li"));
+    await page.click("#warnings summary");
+    const shown = await page.$$eval("#warnings li", (list) => list.filter((one) => one.checkVisibility()).map((one) => one.textContent));
+    assert.deepEqual(shown.slice(0, 3), long);
+    assert.match(shown[3], /^simulated constellation/);
+    await page.close();
+  });
+
+  await step("text at the pointer describes what is drawn there", async () => {
+    const page = await open();
+    await hovered(page, "#night", /^night-01: avoid, 6\.\d mag, 23:29:05 UTC$/);
+    await hovered(page, "#night", /^\d\d:\d\d UTC, \d\d:\d\d local, Sun −\d+°$/);
+    await hovered(page, "#strip", /^.+: 6\.\d mag, 23:\d\d:\d\d\.\d to 23:\d\d:\d\d\.\d UTC, exceeds the limit$/);
+    await hovered(page, "#strip", /^23:\d\d:\d\d UTC$/);
+    await hovered(page, "#field", /^.+: 6\.\d ± 0\.\d mag, 23:29:\d\d\.\d to 23:29:\d\d\.\d UTC$/);
+    await hovered(page, "#dome", /^.+: \d+\.\d ± \d\.\d mag, altitude \d+°, azimuth \d+°$/);
+    await hovered(page, "#curve", /^23:29:\d\d\.\d UTC: 6\.\d\d ± 0\.\d\d mag$/);
+    await hovered(page, "#columns th:nth-child(3)", /^Brightest magnitude inside the field, with one sigma$/);
+    await hovered(page, "#link", /^Copies the address of this view$/);
+    if (pictures) {
+      await hovered(page, "#strip", /exceeds the limit$/);
+      await page.screenshot({ path: join(pictures, "serve-hover.png") });
+    }
+    await page.mouse.move(0, 0);
+    assert.ok(await page.isHidden("#hover"));
+    // With a limit that no crossing exceeds, the strip says so.
+    await page.fill("#limit", "2");
+    await settled(page);
+    await hovered(page, "#strip", /^.+: 6\.\d mag, .*, within the limit$/);
+    assert.deepEqual(await page.$$eval("[title]", (list) => list.map((one) => one.outerHTML)), []);
+    await page.close();
+  });
+
+  await step("a copy is confirmed only if it succeeded", async () => {
+    const page = await open();
+    for (const [isPermitted, words] of [[false, "Crossings not copied: the browser does not permit it"], [true, "Crossings copied"]]) {
+      await page.evaluate((isPermitted) => {
+        navigator.clipboard.writeText = () => Promise.reject(new Error("not permitted"));
+        document.execCommand = () => isPermitted;
+      }, isPermitted);
+      await page.click("#csv");
+      await page.waitForFunction((words) => document.querySelector("#copied").checkVisibility() && document.querySelector("#copied").textContent === words, words);
+    }
+    await page.close();
+  });
+
+  await step("the light curve is drawn throughout a drag", async () => {
+    const page = await open();
+    const names = () => page.evaluate(() => window.curveNames);
+    await page.evaluate(() => {
+      const curve = document.querySelector("#curve");
+      window.curveNames = [curve.getAttribute("aria-label")];
+      new MutationObserver(() => window.curveNames.push(curve.getAttribute("aria-label"))).observe(curve, { attributeFilter: ["aria-label"] });
+      // The drag does not come to rest.
+      window.holdTimers(true);
+    });
+    const box = await page.locator("#bar").boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    // The first crossings leave the exposure, and others enter it.
+    for (const [move, width] of [[-20, 1270], [-40, 1260], [30, 1250], [300, 1240], [320, 1280]]) {
+      const before = (await names()).length;
+      const { text } = await seen(page);
+      await page.mouse.move(x + move, y);
+      await page.waitForFunction((text) => document.querySelector("#answer").textContent !== text || document.querySelector("#main").matches("[data-behind]"), text);
+      // A new size draws all charts again, also the outdated ones.
+      await page.setViewportSize({ width, height: 900 });
+      await eventually(async () => assert.ok((await names()).length > before, "the curve is not drawn again"));
+    }
+    await page.mouse.up();
+    await page.evaluate(() => window.holdTimers(false));
+    await settled(page);
+    const before = (await names()).filter((name) => !/^Light curve of ./.test(name));
+    // At the end of the drag no satellite may cross.
+    const isEmpty = (await seen(page)).norads.length === 0;
+    assert.deepEqual(before.filter((name) => !(isEmpty && name === "Light curve: no track selected")), []);
     await page.close();
   });
 
@@ -516,13 +731,14 @@ try {
   }
 
   await step("no other server was contacted, and there were no errors", async () => {
-    const foreign = [...requests].filter((one) => !one.startsWith(url));
+    const foreign = [...requests].filter((one) => !one.startsWith(url) && !one.startsWith(bareUrl));
     assert.deepEqual(foreign, []);
     assert.ok(requests.size > 20);
     assert.deepEqual(faults, []);
   });
   console.log(`browser: ${steps.length} steps passed`);
 } finally {
+  bare.kill();
   await browser.close();
   rmSync(scratch, { recursive: true, force: true });
 }

@@ -12,6 +12,7 @@ pub static FILES: &[(&str, &str, &[u8])] = &[
     ("/link.js", SCRIPT, include_bytes!("page/link.js")),
     ("/words.js", SCRIPT, include_bytes!("page/words.js")),
     ("/colours.js", SCRIPT, include_bytes!("page/colours.js")),
+    ("/hover.js", SCRIPT, include_bytes!("page/hover.js")),
     ("/canvas.js", SCRIPT, include_bytes!("page/canvas.js")),
     ("/night.js", SCRIPT, include_bytes!("page/night.js")),
     ("/strip.js", SCRIPT, include_bytes!("page/strip.js")),

@@ -15,6 +15,8 @@ export function prepare(canvas) {
   context.clearRect(0, 0, width, height);
   context.font = "12px system-ui, sans-serif";
   context.lineWidth = 1;
+  context.lineCap = "butt";
+  context.lineJoin = "miter";
   context.setLineDash([]);
   return { context, width, height };
 }

@@ -1,29 +1,30 @@
 // Table of crossings: the columns of SatChecker, and further ones.
 
 import { css } from "./colours.js";
+import { hover } from "./hover.js";
 import { clock, fixed, moment } from "./words.js";
 
 const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_sigma, 2)}`);
 
-/** Columns on the page: heading, and function that returns the text of a cell. */
+/** Columns on the page: heading, function that returns the text of a cell, and meaning. */
 const COLUMNS = [
-  ["name", null],
-  ["norad_id", (pass) => pass.norad_id],
-  ["peak mag ± σ", sigma],
-  ["mag_source", (pass) => pass.mag_source ?? "–"],
-  ["enter UTC", (pass) => clock(moment(pass.enter_utc), 0, 2)],
-  ["exit UTC", (pass) => clock(moment(pass.exit_utc), 0, 2)],
-  ["ra °", (pass) => fixed(pass.mid_ra_deg, 4)],
-  ["dec °", (pass) => fixed(pass.mid_dec_deg, 4)],
-  ["altitude °", (pass) => fixed(pass.altitude_deg, 1)],
-  ["azimuth °", (pass) => fixed(pass.azimuth_deg, 1)],
-  ["range km", (pass) => fixed(pass.range_km, 0)],
-  ["angle °", (pass) => fixed(pass.min_separation_deg, 3)],
-  ["phase °", (pass) => fixed(pass.phase_angle_deg, 1)],
-  ["rate °/s", (pass) => fixed(pass.angular_rate_deg_s, 3)],
-  ["light", (pass) => pass.illumination],
-  ["age d", (pass) => fixed(pass.element_age_days, 1)],
-  ["P", (pass) => fixed(pass.probability, 2)],
+  ["name", null, "Name in the element set; selects the track"],
+  ["norad_id", (pass) => pass.norad_id, "NORAD catalogue number"],
+  ["peak mag ± σ", sigma, "Brightest magnitude inside the field, with one sigma"],
+  ["mag_source", (pass) => pass.mag_source ?? "–", "Brightness model"],
+  ["enter UTC", (pass) => clock(moment(pass.enter_utc), 0, 2), "Entry into the field"],
+  ["exit UTC", (pass) => clock(moment(pass.exit_utc), 0, 2), "Exit from the field"],
+  ["ra °", (pass) => fixed(pass.mid_ra_deg, 4), "Right ascension at the middle of the pass, ICRS"],
+  ["dec °", (pass) => fixed(pass.mid_dec_deg, 4), "Declination at the middle of the pass"],
+  ["altitude °", (pass) => fixed(pass.altitude_deg, 1), "Altitude, without refraction"],
+  ["azimuth °", (pass) => fixed(pass.azimuth_deg, 1), "Azimuth from north through east"],
+  ["range km", (pass) => fixed(pass.range_km, 0), "Distance from the observer"],
+  ["angle °", (pass) => fixed(pass.min_separation_deg, 3), "Least distance from the field's centre"],
+  ["phase °", (pass) => fixed(pass.phase_angle_deg, 1), "Phase angle at the satellite, between Sun and observer"],
+  ["rate °/s", (pass) => fixed(pass.angular_rate_deg_s, 3), "Angular speed"],
+  ["light", (pass) => pass.illumination, "Sunlit, in the penumbra, or in the shadow"],
+  ["age d", (pass) => fixed(pass.element_age_days, 1), "Time since the epoch of the element set, days"],
+  ["P", (pass) => fixed(pass.probability, 2), "Probability that the satellite crosses the field"],
 ];
 
 /** Columns of the CSV file: name, and function that returns the value. Positions are those of the middle of the pass. */
@@ -53,10 +54,11 @@ const FILE = [
 
 export function heads(row) {
   row.replaceChildren(
-    ...COLUMNS.map(([name]) => {
+    ...COLUMNS.map(([name, , meaning]) => {
       const cell = document.createElement("th");
       cell.scope = "col";
       cell.textContent = name;
+      hover(cell, () => meaning);
       return cell;
     }),
   );

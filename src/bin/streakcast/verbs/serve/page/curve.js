@@ -2,13 +2,20 @@
 
 import { css, theme } from "./colours.js";
 import { label, path, prepare, step } from "./canvas.js";
-import { clock, moment } from "./words.js";
+import { hover } from "./hover.js";
+import { clock, fixed, moment } from "./words.js";
 
 const MARGIN = { left: 44, right: 14, top: 12, bottom: 34 };
 
 export class Curve {
   constructor(canvas) {
     this.canvas = canvas;
+    /** Points of the drawn curve, with their position `x`, CSS pixels. */
+    this.points = [];
+    hover(canvas, (x) => {
+      const point = this.points.reduce((best, one) => (Math.abs(one.x - x) < Math.abs((best?.x ?? Infinity) - x) ? one : best), null);
+      return point && `${clock(point.ms, 0, 1)} UTC: ${fixed(point.magnitude, 2)} ± ${fixed(point.magnitude_sigma, 2)} mag`;
+    });
   }
 
   draw(pass, limit) {
@@ -20,14 +27,19 @@ export class Curve {
     context.fillStyle = colours.dark;
     context.fillRect(left, top, right - left, bottom - top);
     if (!lit.length) {
+      const words = pass ? "no magnitude along this track" : "no track selected";
       context.textAlign = "center";
-      label(context, pass ? "no magnitude along this track" : "no track selected", (left + right) / 2, (top + bottom) / 2, colours.muted, colours.dark);
+      label(context, words, (left + right) / 2, (top + bottom) / 2, colours.muted, colours.dark);
+      this.points = [];
+      this.canvas.setAttribute("aria-label", `Light curve: ${words}`);
       return;
     }
+    this.canvas.setAttribute("aria-label", `Light curve of ${pass.name || pass.norad_id}`);
     const [from, to] = [samples[0].ms, Math.max(samples[samples.length - 1].ms, samples[0].ms + 200)];
     const ends = lit.flatMap((sample) => [sample.magnitude - sample.magnitude_sigma, sample.magnitude + sample.magnitude_sigma]);
     const [bright, faint] = [Math.min(...ends) - 0.1, Math.max(...ends) + 0.1];
     const x = (ms) => left + ((ms - from) / (to - from)) * (right - left);
+    this.points = lit.map((sample) => ({ ...sample, x: x(sample.ms) }));
     const y = (magnitude) => top + ((magnitude - bright) / (faint - bright)) * (bottom - top);
 
     context.textAlign = "right";

@@ -3,6 +3,8 @@
 import { css, isRed, ofMagnitude, theme } from "./colours.js";
 import { between, contour } from "./contours.js";
 import { Backdrop, label, path, prepare } from "./canvas.js";
+import { closest, hover } from "./hover.js";
+import { fixed } from "./words.js";
 
 const DEG = Math.PI / 180;
 /** Size of the magnitude map, pixels. It is drawn enlarged, because it is smooth. */
@@ -30,6 +32,14 @@ export class Dome {
   constructor(canvas) {
     this.canvas = canvas;
     this.backdrop = new Backdrop();
+    /** Satellites with their tracks, CSS pixels. */
+    this.lines = [];
+    hover(canvas, (x, y) => {
+      const one = this.dome && closest(this.lines, x, y, 12)?.satellite;
+      if (!one) return "";
+      const [azimuth, altitude] = one.track_deg.at(-1);
+      return `${one.name || one.norad_id}: ${fixed(one.magnitude, 1)} ± ${fixed(one.magnitude_sigma, 1)} mag, altitude ${fixed(altitude, 0)}°, azimuth ${fixed(azimuth, 0)}°`;
+    });
   }
 
   /** Shows a response of the server; null clears the chart. */
@@ -186,9 +196,9 @@ export class Dome {
   tracks(context, up, limit, selected, colours) {
     // Hundreds of long tracks are drawn thin, so that the map stays visible.
     const isCrowded = this.dome.satellites.length > 300;
-    for (const satellite of this.dome.satellites) {
+    this.lines = this.dome.satellites.map((satellite) => ({ satellite, points: satellite.track_deg.map(up) }));
+    for (const { satellite, points } of this.lines) {
       const isFaint = limit != null && !(satellite.magnitude < limit);
-      const points = satellite.track_deg.map(up);
       const isChosen = satellite.norad_id === selected;
       context.globalAlpha = isChosen ? 1 : isFaint ? (isCrowded ? 0.25 : 0.55) : isCrowded ? 0.8 : 1;
       context.strokeStyle = context.fillStyle = isChosen ? colours.mark : css(satellite.magnitude);

@@ -2,6 +2,7 @@
 
 import { css, theme } from "./colours.js";
 import { label, path, labelSpace, prepare } from "./canvas.js";
+import { closest, hover } from "./hover.js";
 import { clock, fixed, moment } from "./words.js";
 
 const DEG = Math.PI / 180;
@@ -24,31 +25,30 @@ export class Field {
     canvas.addEventListener("click", (event) => {
       const box = canvas.getBoundingClientRect();
       const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-      let best = [24, null];
-      for (const line of this.lines) {
-        for (const point of line.points) {
-          if (!point) continue;
-          const distance = Math.hypot(point[0] - x, point[1] - y);
-          if (distance < best[0]) best = [distance, line.norad];
-        }
-      }
-      if (best[1] != null) choose(best[1]);
+      const line = closest(this.lines, x, y, 24);
+      if (line) choose(line.norad);
+    });
+    hover(canvas, (x, y) => {
+      const pass = closest(this.lines, x, y, 12)?.pass;
+      const at = (end) => clock(moment(pass[`${end}_utc`]), 0, 1);
+      return pass && `${pass.name || pass.norad_id}: ${fixed(pass.magnitude_peak, 1)} ± ${fixed(pass.magnitude_sigma, 1)} mag, ${at("enter")} to ${at("exit")} UTC`;
     });
   }
 
-  /** Draws the field of the night, the exposure and its passes. */
+  /** Draws the field of the night, the exposure and its passes; without a result they are undefined. */
   draw(field, exposure, passes, { selected, corridors }) {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     const reach = Math.tan(Math.min(80, field.radius_deg) * DEG) / DEG;
     const scale = Math.min(width, height) / 2 / (reach * 1.22);
-    const centre = { ra: exposure.ra_deg, dec: exposure.dec_deg };
+    const centre = { ra: exposure?.ra_deg, dec: exposure?.dec_deg };
+    const rotation = (exposure?.rotation_deg ?? 0) * DEG;
     // East is left.
     const at = (place) => place && [width / 2 - place[0] * scale, height / 2 - place[1] * scale];
     context.fillStyle = colours.dark;
     context.fillRect(0, 0, width, height);
 
-    const [sin, cos] = [Math.sin(exposure.rotation_deg * DEG), Math.cos(exposure.rotation_deg * DEG)];
+    const [sin, cos] = [Math.sin(rotation), Math.cos(rotation)];
     context.strokeStyle = colours.muted;
     context.lineWidth = 1.5;
     for (const outline of field.outlines_deg) {
@@ -60,7 +60,7 @@ export class Field {
     this.compass(context, width, height, colours);
     this.ruler(context, height, scale, reach, colours);
 
-    this.lines = passes.map((pass) => {
+    this.lines = (passes ?? []).map((pass) => {
       const samples = pass.samples?.length ? pass.samples : ["enter", "mid", "exit"].map((end) => ({ ra_deg: pass[`${end}_ra_deg`], dec_deg: pass[`${end}_dec_deg`] }));
       return { pass, norad: pass.norad_id, points: samples.map((sample) => at(project(sample.ra_deg, sample.dec_deg, centre))) };
     });
@@ -85,11 +85,11 @@ export class Field {
     const isFree = labelSpace();
     const byBrightness = [...this.lines].sort((a, b) => (b.norad === selected) - (a.norad === selected) || (a.pass.magnitude_peak ?? 99) - (b.pass.magnitude_peak ?? 99));
     for (const line of byBrightness) this.words(context, line, isFree, width, colours, line.norad === selected);
-    if (!passes.length) {
+    if (!this.lines.length) {
       context.textAlign = "center";
-      label(context, "no lit satellite crosses", width / 2, height / 2, colours.muted, colours.dark);
+      label(context, passes ? "no lit satellite crosses" : "no result", width / 2, height / 2, colours.muted, colours.dark);
     }
-    this.canvas.setAttribute("aria-label", `Field chart, ${passes.length} streaks`);
+    this.canvas.setAttribute("aria-label", `Field chart, ${this.lines.length} tracks`);
   }
 
   words(context, line, isFree, width, colours, isChosen) {

@@ -1,4 +1,4 @@
-// Page: one night, one of its exposures, and the crossings for other start times.
+// Page: one night, one exposure of its schedule or of any target, and the crossings for other start times.
 
 import { TokenRequired, latest, request as send, unlock } from "./api.js";
 import * as link from "./link.js";
@@ -9,6 +9,7 @@ import { Field } from "./field.js";
 import { Dome } from "./dome.js";
 import { Curve } from "./curve.js";
 import * as crossings from "./crossings.js";
+import { hover } from "./hover.js";
 import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -23,13 +24,16 @@ const state = { shift: 0, ...link.read() };
 let night = null;
 let rows = [];
 let answer;
+/** Last response with points along the tracks, which the requests during a drag omit. */
+let detailed = null;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
-/** Whether an exposure is being dragged; timer of its pause; whether the last request has its response. */
+/** Whether an exposure is being dragged; timer of its pause; whether the last request has its response, with all details. */
 let isMoving = false;
 let resting = 0;
 let isAnswered = false;
+let toasting = 0;
 /** Error messages by request. */
 const problems = new Map();
 
@@ -50,6 +54,16 @@ const requestSky = latest("/api/v1/dome", ({ document }, parameters) => {
   failed(error, "dome");
   if (parameters.place === state.place) showDome(null);
 });
+
+/** Verdicts of the night for another limiting magnitude. */
+const requestVerdicts = latest("/api/v1/night", ({ document }) => {
+  if (document.night !== night.night || document.limit_mag !== limit()) return;
+  problem("night", null);
+  rows = rows.map((row, place) => ({ ...row, flag: document.flags[place] ?? null }));
+  count();
+  nightChart.show(night, rows);
+  drawNight();
+}, (error) => failed(error, "night"));
 
 /** Adds the index of the exposure to the parameters of a request, as a property that is not sent. */
 const withPlace = (parameters) => Object.defineProperty(parameters, "place", { value: state.place });
@@ -77,35 +91,77 @@ function showDome(dome, isLast = true) {
   drawDome();
 }
 
-function toast(text) {
-  $("copied").textContent = text;
+/** Copies text, and shows whether that succeeded. */
+async function copyAs(name, text) {
+  $("copied").textContent = (await copy(text)) ? `${name} copied` : `${name} not copied: the browser does not permit it`;
   $("copied").hidden = false;
-  setTimeout(() => ($("copied").hidden = true), 1800);
+  clearTimeout(toasting);
+  toasting = setTimeout(() => ($("copied").hidden = true), 1800);
 }
 
 async function load(which) {
+  const limits = { limit_mag: state.limit };
   try {
-    let { document } = await send("/api/v1/night");
+    let { document } = await send("/api/v1/night", limits);
     // A link to a night that is not in this schedule shows the first night.
     const isKnown = !which || document.nights.some((one) => one.night === which);
     if (!isKnown) delete state.row;
-    else if (which && which !== document.night) ({ document } = await send("/api/v1/night", { night: which }));
+    else if (which && which !== document.night) ({ document } = await send("/api/v1/night", { night: which, ...limits }));
+    // Without a schedule the night is the present one.
+    else if (!document.nights.length) ({ document } = await send("/api/v1/night", { time_utc: iso(Date.now()), ...limits }));
     problem("night", null);
-    night = document;
+    begin(document);
   } catch (error) {
     return failed(error, "night");
   }
-  $("unlock").hidden = true;
-  $("main").hidden = false;
-  state.night = night.night;
-  rows = night.exposures.map((exposure, place) => ({ ...exposure, flag: night.flags[place], start: exposure.start_utc ? moment(exposure.start_utc) : null }));
-  describe();
-  nightChart.show(night, rows);
+  if (state.target && state.start) {
+    // The entry is shown in the form.
+    $("target").value = state.target;
+    $("start").value = state.start;
+    $("length").value = state.length ?? $("length").value;
+    if (await enter(state.target, state.start, Number($("length").value), true)) return;
+  }
   const place = rows.findIndex((row) => row.row === state.row);
   const worst = rows.findIndex((row) => row.flag.verdict === "avoid");
   const first = rows.findIndex((row) => row.start != null);
   if (place >= 0) choose(place, true);
-  else choose(Math.max(worst, first, 0));
+  else if (rows.length) choose(Math.max(worst, first, 0));
+  else {
+    state.place = undefined;
+    for (const id of ["strip", "before", "after", "reset"]) $(id).hidden = true;
+    nothing("no exposure", "enter a target");
+    drawNight();
+    $("target").focus();
+  }
+}
+
+/** Shows a night; `entered` is an exposure that is not in the schedule. */
+function begin(document, entered = null) {
+  $("unlock").hidden = true;
+  $("main").hidden = false;
+  night = document;
+  state.night = night.night;
+  const scheduled = night.exposures.map((exposure, place) => ({ ...exposure, flag: night.flags[place] }));
+  rows = [...scheduled, ...(entered ? [entered] : [])].map((row) => ({ ...row, start: row.start_utc ? moment(row.start_utc) : null }));
+  answer = detailed = null;
+  describe();
+  nightChart.show(night, rows);
+}
+
+/** Shows an exposure of any target; returns whether the server accepts it. `isRestored` keeps the state from the address. */
+async function enter(target, start_utc, duration_s, isRestored = false) {
+  try {
+    const { document } = await send("/api/v1/exposure", { target, start_utc, duration_s });
+    const nights = await send("/api/v1/night", { time_utc: start_utc, limit_mag: state.limit });
+    // It has no row in the schedule, and its verdict is not in the night chart.
+    begin(nights.document, { ...document.exposures[0], start_utc, id: target, row: null, band: null, flag: null });
+    Object.assign(state, { target, start: start_utc, length: duration_s });
+    choose(rows.length - 1, isRestored);
+    return true;
+  } catch (error) {
+    failed(error, "entry");
+    return false;
+  }
 }
 
 function describe() {
@@ -113,9 +169,13 @@ function describe() {
   const rests = night.provenance;
   const field = night.field.outlines_deg.length > 1 ? `${night.field.outlines_deg.length} shapes` : `${fixed(2 * night.field.radius_deg, 2)}° across`;
   $("where").textContent = `${site.name}${site.mpc_code ? ` (${site.mpc_code})` : ""} · field ${field} · ${rests.satellites} satellites${rests.shells ? " (simulated)" : ""} · ${night.band} (${night.mag_system})`;
-  $("nights").replaceChildren(...night.nights.map((one) => new Option(`${one.night} (${one.exposures})`, one.night, false, one.night === night.night)));
-  const count = (verdict) => rows.filter((row) => row.flag.verdict === verdict).length;
-  $("night-counts").textContent = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [count(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" ")).join(" · ");
+  // The night of an entered exposure may have no exposure of the schedule.
+  const listed = night.nights.some((one) => one.night === night.night) ? night.nights : [...night.nights, { night: night.night, exposures: 0 }];
+  $("nights").replaceChildren(...listed.map((one) => new Option(`${one.night} (${one.exposures})`, one.night, false, one.night === night.night)));
+  $("nights-label").hidden = !night.nights.length;
+  // Without a schedule the form is the only way to an exposure.
+  if (!night.nights.length) $("any").open = true;
+  count();
   $("limit").value = state.limit ?? night.limit_mag ?? 14;
   showLimit();
   $("model").replaceChildren(...night.models.map((name) => new Option(name, name, false, name === (state.model ?? "starlink-v1.5"))));
@@ -124,17 +184,33 @@ function describe() {
   const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
   const shells = (rests.shells ?? []).map((shell) => `${shell.name} (simulated)`);
   $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")} · ${rests.frame}`;
-  warn(night.warnings);
+  warn();
   legend($("scale"), $("bands"));
 }
 
-/** Shows the warnings of the whole schedule, one per line. */
-function warn(warnings) {
+/** Shows the night's numbers of verdicts. */
+function count() {
+  const of = (verdict) => rows.filter((row) => row.flag?.verdict === verdict).length;
+  const words = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [of(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" "));
+  $("night-counts").textContent = words.join(" · ") || `${night.night}, no exposure of a schedule`;
+}
+
+/** Returns a text without its numbers. */
+const wordsOf = (text) => text.replace(/[\d.]+/g, "");
+
+/** Shows the first warning of night and exposure in one line that opens, and all in a list. Warnings that differ only in numbers are shown once. */
+function warn() {
+  const all = [...night.warnings, ...(answer?.warnings ?? [])];
+  const warnings = all.filter((text, place) => all.findIndex((other) => wordsOf(other) === wordsOf(text)) === place);
   $("warnings").hidden = !warnings.length;
-  $("warnings").replaceChildren(
+  const [summary, list] = $("warnings").children;
+  // An open list is not replaced by the same one during a drag.
+  if (list.children.length === warnings.length && warnings.every((text, place) => list.children[place].textContent === text)) return;
+  summary.textContent = `${warnings.length} warning${warnings.length > 1 ? "s" : ""}: ${warnings[0]}`;
+  list.replaceChildren(
     ...warnings.map((text) => {
       const line = document.createElement("li");
-      line.textContent = `Warning: ${text}`;
+      line.textContent = text;
       return line;
     }),
   );
@@ -145,7 +221,11 @@ function choose(place, isRestored = false) {
   const row = rows[place];
   if (!row) return;
   state.place = place;
-  state.row = row.row;
+  problem("entry", null);
+  $("strip").hidden = $("reset").hidden = false;
+  $("before").hidden = $("after").hidden = rows.length < 2;
+  state.row = row.row ?? undefined;
+  if (row.row != null) for (const name of ["target", "start", "length"]) delete state[name];
   if (!isRestored) {
     state.shift = 0;
     delete state.duration;
@@ -153,12 +233,13 @@ function choose(place, isRestored = false) {
   }
   $("before").disabled = place === 0;
   $("after").disabled = place === rows.length - 1;
+  $("reset").textContent = row.row == null ? "As entered" : "As scheduled";
   $("exposure-title").textContent = `Exposure ${row.id}`;
   if (row.start == null) {
     nothing("invalid", row.flag.reasons.join("; "));
     showDome(null);
     for (const what of ["exposure", "dome"]) problem(what, null);
-    nightChart.draw(place, null, limit());
+    nightChart.draw(place);
     link.write(state);
     return;
   }
@@ -223,8 +304,12 @@ function request() {
 
 /** Shows the move in the night chart and in the address. */
 function showMove() {
-  nightChart.draw(state.place, rows[state.place].start + state.shift * 1e3, limit());
+  drawNight();
   link.write(state);
+}
+
+function drawNight() {
+  nightChart.draw(state.place, rows[state.place]?.start + state.shift * 1e3);
 }
 
 function requestDome() {
@@ -239,22 +324,24 @@ function answered({ document, ms }, parameters) {
   problem("exposure", null);
   const row = rows[state.place];
   answer = document;
+  if (parameters.samples) detailed = document;
   const flag = document.flags[0];
   // Times on the strip are relative to the scheduled opening.
   const shift = (moment(parameters.start_utc) - row.start) / 1e3;
-  const around = document.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak, p_brighter: one.p_brighter }));
+  const around = document.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, name: one.name || one.norad_id, magnitude: one.magnitude_peak, exceeds: one.exceeds_limit }));
   const reach = parameters.around_s;
   const known = reach == null ? null : { from: shift - reach, to: shift + parameters.duration_s + reach };
   strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null);
-  const count = flag.n_streaks;
-  const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
+  const streaks = flag.n_streaks ? `${flag.n_streaks} streak${flag.n_streaks > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
   const start = (name, delay_s, utc) => (delay_s != null ? ` · next ${name} start ${delay(delay_s)} (${clock(moment(utc), 0, 3)} UTC)` : ` · no ${name} start in time`);
   const isSame = flag.acceptable_delay_s === flag.delay_s;
   const acceptable = flag.verdict === "avoid" && !isSame ? start("acceptable", flag.acceptable_delay_s, flag.next_acceptable_start_utc) : "";
   const next = flag.verdict === "clear" ? "" : `${acceptable}${start("clear", flag.delay_s, then)}`;
   const lacks = document.left_out_count ? `${document.left_out_count} of ${night.provenance.satellites} satellites left out: their crossings are unknown.` : "";
-  showAnswer(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
+  const reasons = flag.reasons.join("; ");
+  if (flag.verdict === "invalid") showAnswer(flag.verdict, reasons, "", lacks);
+  else showAnswer(flag.verdict, `${streaks}${next}`, reasons, lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
   $("answer").dataset.startUtc = parameters.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
@@ -264,8 +351,9 @@ function answered({ document, ms }, parameters) {
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(document.passes)?.norad_id;
-  isAnswered = parameters === question;
+  isAnswered = parameters === question && parameters.samples != null;
   drawField();
+  warn();
   // The response to a request during a drag is incomplete.
   if (!isMoving && parameters.samples) {
     drawDetails();
@@ -275,7 +363,7 @@ function answered({ document, ms }, parameters) {
 
 /** Clears the page of an exposure without a result. */
 function nothing(verdict, words) {
-  answer = null;
+  answer = detailed = null;
   isAnswered = true;
   showAnswer(verdict, words);
   delete $("answer").dataset.nextClearStartUtc;
@@ -314,35 +402,38 @@ function drawAnswer() {
   drawDetails();
 }
 
+/** Returns the passes of a response; undefined without a response, and for an exposure that cannot be judged. */
+const passesOf = (document) => (document?.flags[0].verdict === "invalid" ? undefined : document?.passes);
+
 function drawField() {
-  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], answer?.passes ?? [], { selected: state.satellite, corridors: state.sigma === "1" });
+  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], passesOf(answer), { selected: state.satellite, corridors: state.sigma === "1" });
 }
 
 function drawDetails() {
   if (isAnswered) $("main").removeAttribute("data-behind");
-  const passes = answer?.passes ?? [];
-  const chosen = passes.find((pass) => pass.norad_id === state.satellite);
+  // During a drag these are the results of its start, shown as outdated.
+  const passes = detailed?.passes ?? [];
+  const chosen = passes.find((pass) => pass.norad_id === state.satellite) ?? brightest(passes);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
-  crossings.rows($("crossings"), answer?.passes, state.satellite, select);
+  crossings.rows($("crossings"), passesOf(detailed), chosen?.norad_id, select);
   drawDome();
 }
 
 /** Returns whether a warning differs from those of night and exposure, apart from numbers. */
 function isNew(warning) {
-  const words = (text) => text.replace(/[\d.]+/g, "");
-  return ![...night.warnings, ...(answer?.warnings ?? [])].some((known) => words(known) === words(warning));
+  return ![...night.warnings, ...(answer?.warnings ?? [])].some((known) => wordsOf(known) === wordsOf(warning));
 }
 
 function drawDome() {
-  domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: answer?.passes, limit: limit() });
+  domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: detailed?.passes, limit: limit() });
   const dome = domeChart.dome;
   if (!dome) {
     $("dome-words").textContent = "";
     return;
   }
   const bright = dome.satellites.filter((one) => one.magnitude != null && limit() != null && one.magnitude < limit()).length;
-  const few = limit() == null ? "" : `, ${bright} brighter than ${fixed(limit(), 1)} mag`;
+  const few = limit() == null ? "" : `, ${bright} with a mean magnitude brighter than ${fixed(limit(), 1)}`;
   $("dome-words").textContent = `${dome.satellites.length} sunlit satellites up${few}. Behind them ${dome.map.model} at ${dome.map.height_km} km; dashed: edge of the Earth's shadow there. Sun at azimuth ${fixed(dome.sun.azimuth_deg, 0)}° (⊙).`;
   $("dome-words").textContent += dome.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
 }
@@ -350,7 +441,7 @@ function drawDome() {
 function drawAll() {
   if (!night) return;
   legend($("scale"), $("bands"));
-  nightChart.draw(state.place, rows[state.place]?.start + state.shift * 1e3, limit());
+  drawNight();
   strip.draw();
   drawAnswer();
 }
@@ -360,12 +451,14 @@ $("limit").addEventListener("input", (event) => {
   showLimit();
   request();
 });
+// The verdicts of a whole night take longer than that of an exposure, so they follow when the slider is released.
+$("limit").addEventListener("change", () => requestVerdicts({ night: night.night, limit_mag: state.limit }));
 function showLimit() {
   $("limit-out").textContent = limit() == null ? "none" : `${fixed(limit(), 1)} mag`;
 }
 $("nights").addEventListener("change", async (event) => {
   state.shift = 0;
-  for (const name of ["row", "duration", "satellite"]) delete state[name];
+  for (const name of ["row", "duration", "satellite", "target", "start", "length"]) delete state[name];
   await load(event.target.value);
 });
 $("before").addEventListener("click", () => choose(state.place - 1));
@@ -407,12 +500,17 @@ $("red").addEventListener("click", () => {
   link.write(state);
 });
 $("link").addEventListener("click", async () => {
-  await copy(location.href.replace(/#.*$/, "") + link.text(state));
-  toast("Link copied");
+  await copyAs("Link", location.href.replace(/#.*$/, "") + link.text(state));
 });
 $("csv").addEventListener("click", async () => {
-  await copy(crossings.csv(answer?.passes ?? []));
-  toast("Crossings copied");
+  await copyAs("Crossings", crossings.csv(detailed?.passes ?? []));
+});
+$("entry").addEventListener("submit", (event) => {
+  event.preventDefault();
+  const text = $("start").value.trim();
+  // In whole seconds, as `--start now` of the command line.
+  const start = text === "now" ? iso(Date.now()).replace(/\.\d+/, "") : `${text.replace(" ", "T").replace(/Z$/, "")}Z`;
+  enter($("target").value.trim(), start, Number($("length").value));
 });
 $("unlock").addEventListener("submit", (event) => {
   event.preventDefault();
@@ -436,4 +534,5 @@ sharpen();
 
 showLight();
 crossings.heads($("columns"));
+for (const element of document.querySelectorAll("[data-hover]")) hover(element, () => element.dataset.hover);
 load(state.night);

@@ -2,7 +2,8 @@
 
 import { css, isRed, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
 import { Backdrop, label, prepare, step } from "./canvas.js";
-import { hour, moment, zone } from "./words.js";
+import { hover } from "./hover.js";
+import { clock, fixed, hour, moment, zone } from "./words.js";
 
 const MARGIN = { left: 6, right: 6, top: 20, bottom: 20 };
 const HOUR = 3600e3;
@@ -25,19 +26,17 @@ export class Night {
     this.choose = choose;
     this.bars = [];
     this.backdrop = new Backdrop();
-    const nearest = (event) => {
-      const x = event.clientX - canvas.getBoundingClientRect().left;
-      return this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity }).place;
-    };
+    const nearest = (x) => this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity });
     canvas.addEventListener("click", (event) => {
-      const place = nearest(event);
+      const { place } = nearest(event.clientX - canvas.getBoundingClientRect().left);
       if (place != null) choose(place);
     });
-    canvas.addEventListener("pointermove", (event) => {
-      const place = nearest(event);
-      const row = this.rows?.[place];
-      const bright = row?.flag.brightest_mag;
-      canvas.title = row ? `${row.id}: ${row.flag.verdict}${bright == null ? "" : `, ${bright.toFixed(1)} mag`}, ${hour(row.start)} UTC` : "";
+    hover(canvas, (x) => {
+      const bar = nearest(x);
+      const row = Math.abs(bar.x - x) < 12 ? this.rows[bar.place] : null;
+      if (!row) return this.describe(x);
+      const bright = row.flag.brightest_mag;
+      return `${row.id}: ${row.flag.verdict}${bright == null ? "" : `, ${fixed(bright, 1)} mag`}, ${clock(row.start)} UTC`;
     });
     canvas.addEventListener("keydown", (event) => {
       const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageUp: -10, PageDown: 10, Home: -1e9, End: 1e9 };
@@ -47,7 +46,15 @@ export class Night {
     });
   }
 
-  /** Shows a night; `rows` are exposures with their flags. */
+  /** Returns time and altitude of the Sun at a position, CSS pixels; nothing beside the chart. */
+  describe(x) {
+    const share = (x - MARGIN.left) / (this.canvas.getBoundingClientRect().width - MARGIN.left - MARGIN.right);
+    if (share < 0 || share > 1) return "";
+    const ms = this.from + share * (this.to - this.from);
+    return `${hour(ms)} UTC, ${hour(ms, this.night.utc_offset_h)} local, Sun ${fixed(this.sunAltitude(ms), 0)}°`;
+  }
+
+  /** Shows a night; `rows` are exposures with their flags, which are null for those that are not in the schedule. */
   show(night, rows) {
     this.night = night;
     this.rows = rows;
@@ -55,24 +62,25 @@ export class Night {
     const times = rows.filter((row) => row.start != null).flatMap((row) => [row.start, row.start + row.duration_s * 1e3]);
     const down = sun.filter(([, altitude]) => altitude < 2).map(([ms]) => ms);
     this.sun = sun;
-    // The part of the night with dusk, dawn and all exposures.
-    this.from = Math.min(...times, ...down.slice(0, 1)) - 10 * 60e3;
-    this.to = Math.max(...times, ...down.slice(-1)) + 10 * 60e3;
+    // The part of the night with dusk, dawn and all exposures; the whole day if the Sun does not set.
+    const all = down.length ? down : sun.map(([ms]) => ms);
+    this.from = Math.min(...times, all[0]) - 10 * 60e3;
+    this.to = Math.max(...times, all.at(-1)) + 10 * 60e3;
   }
 
-  draw(selected, start, limit) {
+  draw(selected, start) {
     this.selected = selected;
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     const left = MARGIN.left, right = width - MARGIN.right, top = MARGIN.top, bottom = height - MARGIN.bottom;
     const at = (ms) => left + ((ms - this.from) / (this.to - this.from)) * (right - left);
-    this.backdrop.show(context, [this.night, this.rows, limit, isRed()], (behind) => {
+    this.backdrop.show(context, [this.night, this.rows, isRed()], (behind) => {
       for (let x = left; x < right; x += 1) {
         behind.fillStyle = colours[this.band(this.from + ((x - left) / (right - left)) * (this.to - this.from))];
         behind.fillRect(x, top, 1.5, bottom - top);
       }
       this.axis(behind, at, (right - left) / 62, top, bottom, colours);
-      this.exposures(behind, at, top, bottom, limit, colours);
+      this.exposures(behind, at, top, bottom, colours);
     });
     const chosen = this.rows[selected];
     if (chosen?.start != null) {
@@ -90,27 +98,22 @@ export class Night {
       context.lineTo(x, top + 8);
       context.fill();
     }
-    this.describe(chosen, selected);
+    this.state(chosen, selected);
   }
 
-  exposures(context, at, top, bottom, limit, colours) {
+  exposures(context, at, top, bottom, colours) {
     this.bars = [];
-    const full = bottom - top - 8;
+    const full = bottom - top - 4;
     this.rows.forEach((row, place) => {
-      if (row.start == null) return;
       const flag = row.flag;
+      if (row.start == null || !flag) return;
       const x = at(row.start);
       const wide = Math.max(2, at(row.start + row.duration_s * 1e3) - x);
       const tall = full * (HEIGHTS[flag.verdict] ?? 0.15);
-      const isOver = limit != null && flag.brightest_mag != null && flag.brightest_mag < limit;
       context.fillStyle = flag.verdict === "clear" || flag.verdict === "invalid" ? colours.muted : css(flag.brightest_mag);
       context.globalAlpha = flag.verdict === "clear" || flag.verdict === "invalid" ? 0.55 : 1;
       context.fillRect(x, bottom - tall, wide, tall);
       context.globalAlpha = 1;
-      if (isOver) {
-        context.fillStyle = colours.text;
-        context.fillRect(x, bottom - tall - 4, Math.max(2, wide), 2);
-      }
       this.bars.push({ x: x + wide / 2, place });
     });
   }
@@ -134,23 +137,27 @@ export class Night {
     label(context, `local, ${zone(offset)}`, at(this.from) + 2, top + 12, colours.muted, colours.dark);
   }
 
-  band(ms) {
+  /** Returns the altitude of the Sun, degrees. */
+  sunAltitude(ms) {
     let before = this.sun[0];
     for (const place of this.sun) {
-      if (place[0] > ms) {
-        const altitude = before[1] + ((place[1] - before[1]) * (ms - before[0])) / (place[0] - before[0] || 1);
-        return BANDS.find(([least]) => altitude >= least)[1];
-      }
+      if (place[0] > ms) return before[1] + ((place[1] - before[1]) * (ms - before[0])) / (place[0] - before[0] || 1);
       before = place;
     }
-    return BANDS.find(([least]) => before[1] >= least)[1];
+    return before[1];
   }
 
-  describe(row, selected) {
-    const words = row ? `${row.id}, ${selected + 1} of ${this.rows.length}, ${row.flag.verdict}${row.start == null ? "" : ", " + hour(row.start) + " UTC"}` : "none";
+  band(ms) {
+    const altitude = this.sunAltitude(ms);
+    return BANDS.find(([least]) => altitude >= least)[1];
+  }
+
+  /** States the selected exposure for screen readers. */
+  state(row, selected) {
+    const words = row && [row.id, `${selected + 1} of ${this.rows.length}`, row.flag?.verdict, row.start == null ? "" : `${hour(row.start)} UTC`];
     this.canvas.setAttribute("aria-valuemax", this.rows.length);
-    this.canvas.setAttribute("aria-valuenow", selected + 1);
-    this.canvas.setAttribute("aria-valuetext", words);
+    this.canvas.setAttribute("aria-valuenow", row ? selected + 1 : 0);
+    this.canvas.setAttribute("aria-valuetext", words ? words.filter(Boolean).join(", ") : "none");
   }
 }
 
@@ -163,7 +170,7 @@ export function legend(scale, bands) {
   bright.textContent = String(BRIGHT);
   const heights = document.createElement("span");
   heights.className = "wrap";
-  heights.textContent = "high bars: avoid, half-high: streaked, low: clear; tick: brighter than the limit";
+  heights.textContent = "high bars: avoid, half-high: streaked, low: clear";
   scale.replaceChildren(faint, bar, bright, heights);
   const { context, width, height } = prepare(bar);
   for (let x = 0; x < width; x += 1) {

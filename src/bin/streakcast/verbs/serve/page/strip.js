@@ -3,6 +3,7 @@
 
 import { css, theme } from "./colours.js";
 import { label, labelSpace, prepare, step } from "./canvas.js";
+import { hover } from "./hover.js";
 import { clock, fixed } from "./words.js";
 
 const TOP = 22;
@@ -30,6 +31,18 @@ export class Strip {
       const x = event.clientX - this.canvas.getBoundingClientRect().left;
       this.move({ shift: this.from + x / this.scale() }, true);
     });
+    hover(box, (x) => this.describe(x));
+  }
+
+  /** Returns the time at a position, CSS pixels, with the crossing there. */
+  describe(x) {
+    const at = (seconds, decimals) => clock(this.base + seconds * 1e3, 0, decimals);
+    const seconds = this.from + x / this.scale();
+    const near = 3 / this.scale();
+    const one = this.crossings.find(({ enter, exit }) => enter - near <= seconds && seconds <= exit + near);
+    if (!one) return `${at(seconds, 0)} UTC`;
+    const limit = one.exceeds == null ? "" : one.exceeds ? ", exceeds the limit" : ", within the limit";
+    return `${one.name}: ${fixed(one.magnitude, 1)} mag, ${at(one.enter, 1)} to ${at(one.exit, 1)} UTC${limit}`;
   }
 
   /** Shows an exposure: scheduled opening (ms), shift and duration. */
@@ -127,6 +140,7 @@ export class Strip {
   }
 
   draw() {
+    if (this.base == null) return;
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     this.drawnSpan = this.span();
@@ -148,7 +162,7 @@ export class Strip {
     context.textAlign = "left";
     const isFree = labelSpace();
     for (const one of [...this.crossings].sort((a, b) => (a.magnitude ?? 99) - (b.magnitude ?? 99))) {
-      const isFaint = one.p_brighter != null && one.p_brighter < 0.5;
+      const isFaint = one.exceeds === false;
       const x = at(one.enter), wide = Math.max(2, at(one.exit) - x);
       if (x > width || x + wide < 0) continue;
       context.fillStyle = css(one.magnitude, isFaint ? 0.55 : 1);
@@ -178,7 +192,7 @@ export class Strip {
     this.bar.setAttribute("aria-valuenow", this.shift);
     this.bar.setAttribute("aria-valuemin", -86400);
     this.bar.setAttribute("aria-valuemax", 86400);
-    this.bar.setAttribute("aria-valuetext", `opens ${opening} UTC, ${this.shift} s from schedule`);
+    this.bar.setAttribute("aria-valuetext", `opens ${opening} UTC, moved by ${this.shift} s`);
     this.handle.setAttribute("aria-valuenow", this.duration);
     this.handle.setAttribute("aria-valuemin", 1);
     this.handle.setAttribute("aria-valuemax", LONGEST_S);

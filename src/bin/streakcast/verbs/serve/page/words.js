@@ -44,16 +44,18 @@ export function sexagesimal(degrees) {
   return `${degrees < 0 ? "−" : "+"}${two(Math.floor(minutes / 60))}°${two(minutes % 60)}′`;
 }
 
-/** Copies text to the clipboard, with a fallback for pages that are not on loopback. */
+/** Copies text to the clipboard, with a fallback for pages that are not on loopback. Returns whether that succeeded. */
 export async function copy(text) {
   try {
     await navigator.clipboard.writeText(text);
+    return true;
   } catch {
     const area = document.createElement("textarea");
     area.value = text;
     document.body.append(area);
     area.select();
-    document.execCommand("copy");
+    const isCopied = document.execCommand("copy");
     area.remove();
+    return isCopied;
   }
 }
