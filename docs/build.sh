@@ -35,7 +35,7 @@ if [ "${1:-}" = --images ]; then
     "$STREAKCAST_BIN" serve "${exposure[@]}" --schedule examples/night.csv --limit-mag 7 --bind 127.0.0.1:0 >"$work/address" &
     trap 'kill "$!" 2>/dev/null || true; rm -rf "$work"' EXIT
     until [ -s "$work/address" ]; do sleep 0.1; done
-    "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1392 --force-device-scale-factor=0.75 \
+    "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1460 --force-device-scale-factor=0.75 \
         --virtual-time-budget=10000 --screenshot="$work/serve.png" "$(cat "$work/address")" 2>/dev/null
     "$python" docs/lateness.py docs/tables/lateness.md docs/images/lateness.svg
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
