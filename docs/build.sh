@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Builds the documentation site, which needs cargo (or STREAKCAST_BIN), Python 3.11 or newer, and a package index. The
-# program itself writes the pages of verbs, columns and the HTTP API, and draws all pictures.
-#   docs/build.sh [FOLDER]    writes the site into FOLDER; default: target/site
-#   docs/build.sh --images    draws docs/images/, which README.md and some pages show; needs chromium
+# Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer
+# and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the command line itself.
+#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -18,7 +17,7 @@ export STREAKCAST_BIN STREAKCAST_ROOT=$PWD
 
 site=${1:-$target/site}
 
-# The environment is created again if Python or the versions of the packages change.
+# The environment is kept while the pins and Python stay the same.
 venv=$target/docs-venv
 made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat docs/requirements.txt; } | sha256sum)
 if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
@@ -36,7 +35,7 @@ if [ "${1:-}" = --images ]; then
     "$STREAKCAST_BIN" serve "${exposure[@]}" --schedule examples/night.csv --limit-mag 7 --bind 127.0.0.1:0 >"$work/address" &
     trap 'kill "$!" 2>/dev/null || true; rm -rf "$work"' EXIT
     until [ -s "$work/address" ]; do sleep 0.1; done
-    "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1392 --force-device-scale-factor=0.75 \
+    "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1460 --force-device-scale-factor=0.75 \
         --virtual-time-budget=10000 --screenshot="$work/serve.png" "$(cat "$work/address")" 2>/dev/null
     "$python" docs/lateness.py docs/tables/lateness.md docs/images/lateness.svg
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
