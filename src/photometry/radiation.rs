@@ -40,7 +40,7 @@ impl BrightnessModel {
     /// Returns the force of sunlight for a direction of the Sun (y = 0); `None` for a model without panels.
     ///
     /// It depends only on the Sun's latitude above the plane of the chassis. Programs that need it at many times should
-    /// compute it at some latitudes and interpolate, because it takes some 10 ms for each face of a panel.
+    /// compute it at some latitudes and interpolate, because it takes 0.1 to 0.2 s for two panels.
     pub fn sunlight_force(&self, to_sun: &Direction<Body>) -> Option<SunlightForce> {
         if let Some(assembly) = self.assembly() {
             return Some(assembly.sunlight_force(to_sun.vector()));

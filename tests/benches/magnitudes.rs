@@ -1,6 +1,6 @@
 //! Time per direction to compute many magnitudes with the two-panel model on one core; and time of predictions with
 //! earthshine and sigma, for the default models and for the models that they replaced, and with both models of the
-//! Earth's shadow.
+//! Earth's shadow; and time to compute the force of sunlight.
 //!
 //! ```text
 //! cargo bench --bench magnitudes            medians for whole columns and for single directions
@@ -9,7 +9,7 @@
 use std::time::Instant;
 
 use streakcast::constants::AU_KM;
-use streakcast::frames::{Gcrs, Position};
+use streakcast::frames::{Direction, Gcrs, Position};
 use streakcast::geometry::{ShadowModel, ViewingGeometry};
 use streakcast::photometry::{BodyAngles, BrightnessModel, ModelLibrary, PhotometryOptions};
 
@@ -56,7 +56,7 @@ fn main() {
         let ratio = after / before;
         println!("Sun at {sun:.1} rad, {}: {before:.0} ns, {}: {after:.0} ns, ratio {ratio:.2}", pair[0], pair[1]);
     }
-    for (range, [least, greatest]) in [("all lit", [-0.4, -0.05]), ("grazing", [-0.41, -0.37])] {
+    for (range, [least, greatest]) in [("evening", [-0.4, -0.05]), ("grazing", [-0.41, -0.37])] {
         let latitudes: Vec<f64> = (0..FEW).map(|_| between(least, greatest)).collect();
         for name in ["starlink-v1.5", "starlink-v1.5-facets", "unknown"] {
             let [solid, air] = [ShadowModel::Geometric, ShadowModel::default()]
@@ -64,6 +64,14 @@ fn main() {
             let ratio = air / solid;
             println!("{range}, {name}: {solid:.0} ns with the solid Earth, {air:.0} ns with air, ratio {ratio:.2}");
         }
+    }
+    for name in ["starlink-v1.5", "v2mini-panels"] {
+        let model = ModelLibrary::embedded().get(name).expect("shipped");
+        let to_sun = Direction::from_lon_lat_rad(0.0, -0.2);
+        let start = Instant::now();
+        let force = model.sunlight_force(&to_sun).expect("panels");
+        let elapsed_ms = start.elapsed().as_secs_f64() * 1e3;
+        println!("force of sunlight, {name}: {elapsed_ms:.0} ms ({:.1} m2)", force.cross_section_m2);
     }
 }
 
