@@ -16,7 +16,7 @@ const CORE: f32 = 0.3;
 const MEDIAN_WIDTHS: f64 = 4.0;
 const MEDIAN_PIX: usize = 15;
 
-/// Marks pixels that are brighter than streak and background (stars) or darker (defects), with their surroundings.
+/// Marks pixels that are brighter than streak and background, with their surroundings.
 ///
 /// 1. The background of a block is the median of its pixels outside the streak.
 /// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
@@ -75,7 +75,7 @@ pub fn mask_stars(
             let column = at / height;
             let model = MODEL_ERROR as f32 * light[column] * template[at]
                 + MODEL_ERROR_OF_PEAK as f32 * light[column] * peaks[column];
-            smooth[at].abs() > threshold + model.max(0.0)
+            smooth[at] > threshold + model.max(0.0)
         })
         .collect();
     let mut grown = grown(band, &marked, fwhm_pix.round().max(1.0) as isize);
