@@ -70,7 +70,9 @@ pub struct Labels {
 
 impl Labels {
     fn clock(&self) -> Option<LocalClock> {
-        self.local.as_ref().map(|(ahead_of_utc_h, name)| LocalClock { ahead_of_utc_h: *ahead_of_utc_h, name: name.clone() })
+        self.local
+            .as_ref()
+            .map(|(ahead_of_utc_h, name)| LocalClock { ahead_of_utc_h: *ahead_of_utc_h, name: name.clone() })
     }
 }
 
