@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (from, to) = night_of(noon, site.longitude_rad);
     let sky = Sky::with_models(
         elements,
-        Observer::new(site),
+        Observer::new(site.clone()),
         EopTable::embedded(),
         &ModelChoice::new(&ModelLibrary::embedded())?,
     );
@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();
     let over = sky_chart(&SkyChart {
         local: None,
+        site: Some(&site),
         title: "Bright passes over Rubin Observatory, 2026-08-14",
         caption: "Satellites are synthetic.",
         tracks: &tracks,

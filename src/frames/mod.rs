@@ -16,6 +16,7 @@
 //! ```
 
 mod angles;
+mod bright_stars;
 mod deep_sky;
 mod earth_orientation;
 mod equatorial;
@@ -27,6 +28,7 @@ mod time;
 mod vector;
 
 pub use angles::{parse_declination_deg, parse_direction, parse_right_ascension_deg};
+pub use bright_stars::{BrightStar, bright_stars};
 pub use deep_sky::deep_sky_object;
 pub use earth_orientation::{EarthOrientationParameters, EopStatus, EopTable};
 pub use equatorial::{annual_aberration, gcrs_to_of_date, itrs_to_horizontal, without_annual_aberration};

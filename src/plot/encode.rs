@@ -1,4 +1,4 @@
-//! Pictures as PNG and SVG bytes.
+//! Pictures as PNG, SVG and PDF bytes.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -9,6 +9,7 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
 use super::file_options::{FileOptions, NATURAL_DPI};
+use super::pdf;
 use super::picture::{Canvas, Picture, Underlay, font_style_sheet};
 
 /// Supersampling factor of PNGs, which makes lines and letters smooth.
@@ -22,8 +23,10 @@ const METRES_PER_INCH: f64 = 0.0254;
 /// Program and version, as stated in files.
 const SOFTWARE: &str = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
 
-/// Keyword of the provenance.
-const PROVENANCE: &str = "Provenance";
+/// Keywords of the metadata.
+pub(super) const PROGRAM: &str = "Software";
+pub(super) const TITLE: &str = "Description";
+pub(super) const PROVENANCE: &str = "Provenance";
 
 /// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -32,18 +35,21 @@ pub enum PictureFormat {
     Png,
     /// Scalable lines and text over an embedded pixel image.
     Svg,
+    /// The same as in an SVG, on one page with selectable text.
+    Pdf,
 }
 
 impl PictureFormat {
     /// Returns the format that the extension of a file name indicates.
     ///
     /// # Errors
-    /// The name ends in neither `.png` nor `.svg`.
+    /// The name does not end in `.png`, `.svg` or `.pdf`.
     pub fn of(path: &Path) -> Result<Self, PlotError> {
         let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match end.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("svg") => Ok(Self::Svg),
+            Some("pdf") => Ok(Self::Pdf),
             _ => Err(PlotError::UnknownFormat { name: path.display().to_string() }),
         }
     }
@@ -71,6 +77,7 @@ impl Picture {
         match format {
             PictureFormat::Png => self.png_with(options),
             PictureFormat::Svg => self.svg_with(options).map(String::into_bytes),
+            PictureFormat::Pdf => pdf::of_svg(&self.svg_with(options)?, &self.metadata(options)),
         }
     }
 
@@ -135,9 +142,9 @@ impl Picture {
 
     /// Returns the metadata of a file as keywords and texts: program, title, and provenance of the data.
     fn metadata(&self, options: &FileOptions) -> Vec<(&'static str, String)> {
-        let mut all = vec![("Software", SOFTWARE.to_owned())];
+        let mut all = vec![(PROGRAM, SOFTWARE.to_owned())];
         if !self.title().is_empty() {
-            all.push(("Description", self.title().to_owned()));
+            all.push((TITLE, self.title().to_owned()));
         }
         all.extend(options.provenance.iter().map(|json| (PROVENANCE, json.clone())));
         all

@@ -8,8 +8,8 @@ use crate::maps::MapError;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// The extension of a file name is neither `.png` nor `.svg`.
-    #[error("invalid picture name {name}; allowed: a name that ends in .png or .svg")]
+    /// The extension of a file name is none of `.png`, `.svg` and `.pdf`.
+    #[error("invalid picture name {name}; allowed: a name that ends in .png, .svg or .pdf")]
     UnknownFormat {
         /// Given name.
         name: String,

@@ -25,7 +25,7 @@ pub(super) const PAPER: [u8; 3] = [255, 255, 255];
 const SUBTITLE: f64 = 51.0;
 const SUN: RGBColor = RGBColor(255, 190, 0);
 
-/// Picture of a map or a chart, which can be encoded as PNG or SVG.
+/// Picture of a map or a chart, which can be encoded as PNG, SVG or PDF.
 pub struct Picture {
     width: usize,
     height: usize,
@@ -84,6 +84,7 @@ pub(super) struct Underlay {
 enum Mark {
     Line { points: Vec<(f64, f64)>, colour: RGBAColor, width: f64 },
     Circle { middle: (f64, f64), radius: f64, colour: RGBAColor, width: f64 },
+    Disc { middle: (f64, f64), radius: f64, colour: RGBColor },
     Patch { points: Vec<(f64, f64)>, colour: RGBAColor },
     Text { text: String, position: (f64, f64), size: f64, horizontal: HPos, is_upright: bool },
 }
@@ -172,6 +173,11 @@ impl Picture {
 
     pub(super) fn circle(&mut self, middle: (f64, f64), radius: f64, colour: RGBAColor, width: f64) {
         self.marks.push(Mark::Circle { middle, radius, colour, width });
+    }
+
+    /// Draws a filled disc without a rim.
+    pub(super) fn disc(&mut self, middle: (f64, f64), radius: f64, colour: RGBColor) {
+        self.marks.push(Mark::Disc { middle, radius, colour });
     }
 
     /// Draws a filled area.
@@ -305,6 +311,10 @@ impl Picture {
                     let radius = (radius * scale).round() as i32;
                     area.draw(&Circle::new(at(middle), radius, thin(*colour, *width)))
                 }
+                Mark::Disc { middle, radius, colour } => {
+                    let radius = (radius * scale).round().max(1.0) as i32;
+                    area.draw(&Circle::new(at(middle), radius, colour.filled()))
+                }
                 Mark::Patch { points, colour } => {
                     let points: Vec<_> = points.iter().map(at).collect();
                     area.draw(&Polygon::new(points, colour.filled()))
@@ -366,7 +376,7 @@ pub(super) fn lines_of(text: &str, width: f64, size: f64) -> Vec<String> {
 
 /// DejaVu Sans 2.37 as bundled with matplotlib 3.11.2, subset by fonttools 4.68.0 (`pyftsubset`, unhinted) on
 /// 2026-11-21.
-const DEJAVU_SANS: &[u8] = include_bytes!("fonts/DejaVuSans-subset.ttf");
+pub(super) const DEJAVU_SANS: &[u8] = include_bytes!("fonts/DejaVuSans-subset.ttf");
 
 /// Name of the font in the drawing crate and in SVG.
 const FONT_FAMILY: &str = "DejaVu Sans";

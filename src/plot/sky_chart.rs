@@ -2,6 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use hifitime::TimeScale;
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
@@ -17,6 +18,8 @@ use super::time_axis::LocalClock;
 use super::tracks::{
     ListRow, MOST_LISTED, arrow, by_brightness, list, numbers, positions_beside, time_of_day, without_numbers,
 };
+use crate::frames::{EopTable, Orientation, bright_stars, epoch_from_mjd};
+use crate::geometry::{Observer, Site};
 
 const WIDTH: f64 = 1440.0;
 const HEIGHT: usize = 846;
@@ -36,6 +39,11 @@ const LEAST_DEG: f64 = -0.01;
 const LABEL_GAP: f64 = 62.0;
 const DARK: RGBColor = RGBColor(150, 150, 150);
 const GROUND: RGBColor = RGBColor(240, 240, 240);
+const STAR: RGBColor = RGBColor(140, 145, 165);
+/// Radius of the faintest stars, pixels, and its growth with brightness, pixels per magnitude.
+const STAR_RADIUS: f64 = 0.6;
+const STAR_RADIUS_PER_MAG: f64 = 0.4;
+const FAINTEST_STAR_MAG: f64 = 6.0;
 
 /// Passes over a site.
 #[derive(Clone, Debug)]
@@ -48,6 +56,8 @@ pub struct SkyChart<'a> {
     pub tracks: &'a [SkyTrack],
     /// Clock of all times; `None` for UTC.
     pub local: Option<LocalClock>,
+    /// Site of the passes; with it the stars to V = 6 mag are drawn, at the middle of the times of the drawn passes.
+    pub site: Option<&'a Site>,
 }
 
 /// One pass, with columns of equal length, of two points or more.
@@ -83,7 +93,12 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     let ahead_days = input.local.as_ref().map_or(0.0, |clock| clock.ahead_of_utc_h / 24.0);
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
     picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
-    draw_empty_sky(&mut picture);
+    draw_ground(&mut picture);
+    let stars_mjd = input.site.and_then(|site| {
+        let mjd = middle_mjd(&tracks)?;
+        draw_stars(&mut picture, site, mjd).then_some(mjd)
+    });
+    draw_circles(&mut picture);
     let magnitudes = || tracks.iter().flat_map(|track| track.magnitude.iter().copied());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
     let colour = |magnitude: f64| match magnitude.is_finite() {
@@ -149,6 +164,10 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
     }
     caption += &without_numbers(without);
+    if let Some(mjd) = stars_mjd {
+        let zone = if input.local.is_some() { "" } else { " UTC" };
+        caption += &format!("Dots: stars to V = 6 mag at {}{zone}. ", &time_of_day(mjd + ahead_days, 0)[..5]);
+    }
     if let Some(clock) = &input.local {
         caption += &format!("Times: {}. ", clock.name);
     }
@@ -208,10 +227,34 @@ fn check_track(track: &SkyTrack) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// Draws the empty sky.
-fn draw_empty_sky(picture: &mut Picture) {
+/// Returns the time halfway between the first and the last point of all passes, MJD (UTC); `None` without a pass.
+fn middle_mjd(tracks: &[&SkyTrack]) -> Option<f64> {
+    let times = || tracks.iter().flat_map(|track| track.time_mjd.iter().copied());
+    Some(0.5 * (times().reduce(f64::min)? + times().reduce(f64::max)?))
+}
+
+/// Draws the stars above the horizon, without refraction, aberration and proper motion: to half a degree at the
+/// horizon, and 0.01 degrees high above it. Returns false for a time outside the range of dates.
+fn draw_stars(picture: &mut Picture, site: &Site, mjd: f64) -> bool {
+    let Ok(moment) = epoch_from_mjd(mjd, TimeScale::UTC) else { return false };
+    let horizon = Observer::new(site.clone()).state(&Orientation::at(moment, &EopTable::embedded())).horizon;
+    for star in bright_stars() {
+        let seen = horizon * star.direction;
+        if seen.latitude_rad() > 0.0 {
+            let radius = STAR_RADIUS + STAR_RADIUS_PER_MAG * (FAINTEST_STAR_MAG - star.v_mag);
+            picture.disc(at(seen.longitude_rad().to_degrees(), seen.latitude_rad().to_degrees()), radius, STAR);
+        }
+    }
+    true
+}
+
+fn draw_ground(picture: &mut Picture) {
     let rim = (0..180).map(|part| at(2.0 * f64::from(part), 0.0)).collect();
     picture.patch(rim, GROUND.mix(0.6));
+}
+
+/// Draws circles of altitude, the meridian and the horizon with its labels.
+fn draw_circles(picture: &mut Picture) {
     for altitude_deg in CIRCLES_DEG {
         picture.circle(MIDDLE, RADIUS * (90.0 - altitude_deg) / 90.0, INK.mix(0.45), 1.0);
     }

@@ -78,7 +78,13 @@ fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {
         let named: Vec<&str> = report.split("](<").skip(1).filter_map(|rest| rest.split(">)").next()).collect();
         assert!(named.len() >= 4, "{named:?}");
         for name in named {
-            assert!(fs::read(at(name)).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG")), "{name}");
+            let bytes = fs::read(at(name)).expect("a picture");
+            assert!(bytes.starts_with(b"\x89PNG"), "{name}");
+            let text = String::from_utf8_lossy(&bytes);
+            assert!(
+                text.contains("Provenance") && text.contains("mmt.csv") && text.contains("\"model\":\"mine\""),
+                "{name}"
+            );
         }
     }
     // Other verbs accept the model file.

@@ -137,6 +137,11 @@ fn verif_the_papers_figures_in_another_band() {
     );
     let figure = fs::read_to_string(folder.path().join("figures/figure-7.svg")).unwrap();
     assert!(figure.contains("r (AB)"));
+    assert!(
+        figure.contains(r#""Provenance":{"band":"r""#) && figure.contains(r#""model":"prior:mine""#),
+        "{}",
+        &figure[..900]
+    );
     assert_eq!(run(&[&paper, &["--quiet"]]).2, "");
     fails(&[&paper, &["--threads", "0"]], &["threads is 0"]);
 }
@@ -189,7 +194,7 @@ fn verif_invalid_arguments() {
     {
         fails(
             &[SKY, &["--picture", "map.gif"], &out],
-            &["invalid picture name map.gif; allowed: a name that ends in .png or .svg"],
+            &["invalid picture name map.gif; allowed: a name that ends in .png, .svg or .pdf"],
         );
         fails(&[SKY, &["--picture", "no/such/folder/map.png"], &out], &["no/such/folder"]);
         fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot create the folder no/such/folder"]);

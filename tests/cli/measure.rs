@@ -162,7 +162,7 @@ fn verif_pictures_show_each_track() {
     }
     assert!(drawn.contains("across, pix") && drawn.contains("along the track, pix"));
     let (code, _, stderr) = run(&[&["measure", &frame, "--picture", "tracks.txt"], SATELLITES]);
-    assert!(code == 2 && stderr.contains(".png or .svg"), "{stderr}");
+    assert!(code == 2 && stderr.contains(".png, .svg or .pdf"), "{stderr}");
 }
 
 #[test]

@@ -372,7 +372,7 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         assert!(!Path::new(&out).exists());
     }
     fails(&[&["night", "--from", "/nonesuch.csv", "-o", &out]], &["/nonesuch.csv"]);
-    fails(&[&["night", "--from", &table("a\n1\n"), "-o", &path(&folder, "x.gif")]], &["x.gif", ".png or .svg"]);
+    fails(&[&["night", "--from", &table("a\n1\n"), "-o", &path(&folder, "x.gif")]], &["x.gif", ".png, .svg or .pdf"]);
     fails(
         &[&["night", "--from", &table("a\n1\n"), "-o", &out, "--data", &path(&folder, "d.csv")]],
         &["allowed: the command without --data"],
@@ -411,6 +411,7 @@ fn verif_tables_of_forecast_are_drawn() {
     for expected in ["Passes over the sky", "N", "E", "60°", "from UTC", "10"] {
         assert!(sky.iter().any(|text| text == expected), "{expected}: {sky:?}");
     }
+    assert!(sky.join(" ").contains("Dots: stars to V = 6 mag at "), "{sky:?}");
     let picture = fs::read(path(&folder, "sky.png")).unwrap();
     for file in [&ecsv, &json, &path(&folder, "n.jsonl")] {
         drawn(&folder, "again", &[&["sky-chart", "--from", file]], 0);
@@ -583,7 +584,7 @@ fn verif_pictures_have_sizes_and_contain_their_provenance() {
     let (table, png, svg) = (path(&folder, "passes.ecsv"), path(&folder, "sized.png"), path(&folder, "sized.svg"));
     run(&[&["passes"], EXPOSURE, SKY, FIELD, &["-o", &table]]);
     let plot: &[&str] = &["plot", "field", "--from", &table, "--size", "8x5in", "--dpi", "150", "-o", &png, "-o", &svg];
-    let (code, _, stderr) = run(&[plot]);
+    let (code, _, stderr) = run(&[plot, &["-o", &path(&folder, "sized.pdf")]]);
     assert_eq!(code, 0, "{stderr}");
     let reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(&png).unwrap())).read_info().unwrap();
     let info = reader.info();
@@ -603,6 +604,9 @@ fn verif_pictures_have_sizes_and_contain_their_provenance() {
     assert!(svg.starts_with("<svg width=\"8in\" height=\"5in\" "));
     let inside = svg.split("<metadata><![CDATA[").nth(1).unwrap().split("]]></metadata>").next().unwrap();
     let inside: serde_json::Value = serde_json::from_str(inside).unwrap();
+    let pdf = fs::read(path(&folder, "sized.pdf")).unwrap();
+    assert!(pdf.starts_with(b"%PDF-") && String::from_utf8_lossy(&pdf).contains("/MediaBox [0 0 576 360]"));
+    assert!(String::from_utf8_lossy(&pdf).contains("/Title (Streaks in the field, exposure of 30 s)"));
     assert_eq!((&inside["Provenance"], &inside["Description"]), (&provenance, &text("Description").into()));
     assert!(svg.contains("Rubin Observatory, 2026-08-14 23:29:05 to 23:29:35 UTC"));
     let out = path(&folder, "x.png");

@@ -36,7 +36,7 @@ impl Picture {
         failure::without_lock(py, || self.0.to_svg().map_err(failure::request))
     }
 
-    /// Writes a file atomically, as PNG or SVG by the file name extension.
+    /// Writes a file atomically, as PNG, SVG or PDF by the file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
         let format = PictureFormat::of(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -218,7 +218,7 @@ pub fn draw(chart: &str, labels: Labels, columns: Bound<'_, PyAny>) -> PyResult<
                 sigma_mag,
             };
             let tracks: Vec<SkyTrack> = tracks.into_iter().map(track).collect();
-            sky_chart(&SkyChart { title, caption, tracks: &tracks, local: None })
+            sky_chart(&SkyChart { title, caption, tracks: &tracks, local: None, site: None })
         }
         "sky_rate" => {
             let Rates { nside, cells, rate, sun_azimuth_deg, subtitle } = columns.extract()?;

@@ -64,7 +64,7 @@ def test_a_light_curve_of_samples(model, tmp_path):
     for name, begin in [("curve.png", b"\x89PNG"), ("curve.svg", b"<svg")]:
         picture.save(tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(begin)
-    with pytest.raises(ValueError, match=".png or .svg"):
+    with pytest.raises(ValueError, match=".png, .svg or .pdf"):
         picture.save(tmp_path / "curve.gif")
     with pytest.raises(OSError, match="cannot write"):
         picture.save(tmp_path / "nonesuch" / "curve.png")

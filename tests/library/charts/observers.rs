@@ -1,9 +1,10 @@
 //! Plots of nights, fields, light curves, rates, and passes over a site.
 
+use streakcast::geometry::Site;
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, SkyChart, SkyRate, SkyTrack, SunAltitude,
-    field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
+    FieldChart, FieldStreak, FileOptions, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyChart, SkyRate,
+    SkyTrack, SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
 
 use super::{close, has, near, pixels, words};
@@ -276,8 +277,9 @@ fn pass(name: &str) -> SkyTrack {
 #[test]
 fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     let one = [pass("SAMPLE 1")];
-    let drawn =
-        |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks, local: None });
+    let drawn = |tracks: &[SkyTrack]| {
+        sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks, local: None, site: None })
+    };
     let picture = drawn(&one).unwrap();
     // A single pass has minute marks, end times in seconds, and its brightest magnitude.
     has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
@@ -302,11 +304,42 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     has(&drawn(&[]).unwrap(), &["no pass", "30°"]);
 }
 
+/// The stars of a site are at their azimuths and altitudes at the middle of the pass, and the caption states the time.
+#[test]
+fn verif_a_sky_chart_of_a_site_has_stars() {
+    // Middle of the chart and radius of its horizon, pixels.
+    const MIDDLE: (f64, f64) = (408.0, 424.0);
+    const RADIUS: f64 = 330.0;
+    let site = Site::new_deg("north", 70.0, 20.0, 0.0).unwrap();
+    let tracks = [pass("SAMPLE 1")];
+    let chart = |site| SkyChart { title: "", caption: "", tracks: &tracks, local: None, site };
+    let (with, without) = (sky_chart(&chart(Some(&site))).unwrap(), sky_chart(&chart(None)).unwrap());
+    let sentence = "Dots: stars to V = 6 mag at 00:05 UTC.";
+    assert!(words(&with).join(" ").contains(sentence) && !words(&without).join(" ").contains(sentence));
+    let (with, without) = (pixels(&with), pixels(&without));
+    // Polaris is 0.74 degrees from the celestial pole, which is north at the altitude of the latitude. Tolerance, pixels:
+    // these 0.74 degrees of 3.7 pixels each, and the radius of its dot.
+    let near_pole = 2.7 + 2.2;
+    let up = MIDDLE.1 - RADIUS * 20.0 / 90.0;
+    let changed = |x: u32, y: u32| with.get_pixel(x, y) != without.get_pixel(x, y);
+    let close = |x: u32, y: u32| (f64::from(x) + 0.5 - MIDDLE.0).hypot(f64::from(y) + 0.5 - up) < near_pole;
+    let all = || (0..with.width()).flat_map(|x| (0..780).map(move |y| (x, y)));
+    assert!(all().any(|(x, y)| close(x, y) && changed(x, y)), "no star near the pole");
+    // All stars are inside the horizon.
+    let outside = |x: u32, y: u32| (f64::from(x) - MIDDLE.0).hypot(f64::from(y) - MIDDLE.1) > RADIUS + 4.0;
+    assert!(!all().any(|(x, y)| outside(x, y) && changed(x, y)), "a star below the horizon");
+    // Half of the 5044 stars are above the horizon, most of them with one or more pixels of their own.
+    assert!(all().filter(|&(x, y)| changed(x, y)).count() > 2000);
+    // A night without passes has no time, and so no stars.
+    let empty = sky_chart(&SkyChart { title: "", caption: "", tracks: &[], local: None, site: Some(&site) }).unwrap();
+    assert!(!words(&empty).join(" ").contains("stars"));
+}
+
 #[test]
 fn verif_a_sky_chart_rejects_invalid_input() {
     let error_of = |track: SkyTrack| {
         let tracks = [track];
-        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks, local: None })
+        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks, local: None, site: None })
             .map(|_| ())
             .unwrap_err()
             .to_string()
@@ -317,6 +350,29 @@ fn verif_a_sky_chart_rejects_invalid_input() {
         error_of(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before")
     );
     assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("allowed: a finite number"));
+}
+
+/// A PDF has one page of the given size, the embedded font, and the title in its document information. Text and
+/// positions are those of the SVG from which it is made.
+#[test]
+fn verif_a_pdf_has_its_size_font_and_metadata() {
+    let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
+    let picture = night_timeline(&timeline(&one, &[])).unwrap();
+    let options = FileOptions {
+        size: Some("8x5in".parse().unwrap()),
+        provenance: Some("{\"site\":\"X05\"}".to_owned()),
+        ..FileOptions::default()
+    };
+    let pdf = picture.to_file(PictureFormat::Pdf, &options).unwrap();
+    assert!(pdf == picture.to_file(PictureFormat::Pdf, &options).unwrap(), "pictures of equal data differ");
+    assert!(pdf.starts_with(b"%PDF-"));
+    let text = String::from_utf8_lossy(&pdf);
+    for part in ["/Count 1", "/MediaBox [0 0 576 360]", "+DejaVuSans", "/ToUnicode", "/Provenance"] {
+        assert!(text.contains(part), "{part}");
+    }
+    assert!(text.contains(r#"({"site":"X05"})"#), "no provenance");
+    assert!(text.contains(&format!("/Title ({})", picture.title())), "no title {}", picture.title());
+    assert!(text.contains(&format!("/Creator (streakcast {})", env!("CARGO_PKG_VERSION"))));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-"""Plots of the results of `StreakModel`, the same as those of ``streakcast plot``, as PNG and SVG.
+"""Plots of the results of `StreakModel`, the same as those of ``streakcast plot``, as PNG, SVG and PDF.
 
 >>> from streakcast import StreakModel, plots
 >>> model = StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
@@ -61,7 +61,7 @@ class Picture:
         Parameters
         ----------
         path : str or path
-            File name that ends in ``.png`` or ``.svg``.
+            File name that ends in ``.png``, ``.svg`` or ``.pdf``.
 
         Raises
         ------

@@ -258,7 +258,7 @@ pub struct FitReduceArguments {
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "picture", help_heading = "Output")]
     pub layer: Option<f64>,
-    /// Picture, .png or .svg: one layer with --layer, otherwise number against spread of all pixels (figure 3)
+    /// Picture, .png, .svg or .pdf: one layer with --layer, otherwise number against spread of all pixels (figure 3)
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,

@@ -204,13 +204,16 @@ mod drawn {
     use streakcast::math::healpix::ring_cell;
     use streakcast::photometry::ModelFile;
     use streakcast::plot::{
-        Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Picture, PictureFormat, Quantity, ResidualHistogram,
-        ResidualPanels, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
+        Corner, CountsAndSpread, FileOptions, LayerPanel, Layers, PhaseCurve, Picture, PictureFormat, Quantity,
+        ResidualHistogram, ResidualPanels, corner, counts_and_spread, layers, phase_curve, residual_histogram,
+        residual_panels,
     };
 
+    use super::super::points::provenance;
     use super::{Drawn, FitResults};
     use crate::notices::Notices;
     use crate::output::write_bytes;
+    use crate::verbs::plot::json_of;
 
     /// HEALPix resolution of maps of residuals.
     const NSIDE: u32 = 16;
@@ -220,9 +223,12 @@ mod drawn {
     pub fn pictures(results: &FitResults, file: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
         let (fit, points) = (results.fit, results.problem.points());
         let name = &file.name;
+        let mut provenance = provenance(&results.typed.photometry, &results.typed.reduction, results.input);
+        provenance.state("model", name.as_str());
+        let options = FileOptions { provenance: Some(json_of(&provenance)), ..FileOptions::default() };
         let mut drawn = Vec::new();
         let mut add = |end, caption: &str, picture: Picture| -> anyhow::Result<()> {
-            drawn.push((end, caption.to_owned(), picture.to_png()?));
+            drawn.push((end, caption.to_owned(), picture.to_file(PictureFormat::Png, &options)?));
             Ok(())
         };
         let residuals = &fit.residuals_mag;

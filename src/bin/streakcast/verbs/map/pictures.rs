@@ -42,6 +42,7 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
     let (format, end) = match typed.format {
         PictureName::Png => (PictureFormat::Png, "png"),
         PictureName::Svg => (PictureFormat::Svg, "svg"),
+        PictureName::Pdf => (PictureFormat::Pdf, "pdf"),
     };
     // The maps of the paper have no atmospheric extinction.
     let options = PhotometryOptions { extinction_mag_per_airmass: None, ..config.photometry()? };
@@ -57,7 +58,12 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
         let path = folder.join(format!("figure-{}.{end}", figure.number));
         check(&path)?;
         let picture = paper_picture(figure, &model, options)?;
-        pictures.push((path, picture.to_bytes(format)?));
+        let mut provenance = Provenance::new();
+        provenance.state("figure", figure.number);
+        provenance.state("model", model.source().to_string());
+        provenance.state_all(options.statements());
+        let file_options = FileOptions { provenance: Some(json_of(&provenance)), ..FileOptions::default() };
+        pictures.push((path, picture.to_file(format, &file_options)?));
     }
     for (path, bytes) in &pictures {
         write_bytes(path, bytes, &notices)?;

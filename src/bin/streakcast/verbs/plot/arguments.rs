@@ -52,7 +52,7 @@ pub enum PlotVerb {
 /// Outputs: pictures and their data.
 #[derive(Args)]
 pub struct PictureArguments {
-    /// Output picture, .png or .svg; may be repeated
+    /// Output picture, .png, .svg or .pdf; may be repeated
     #[arg(long, short, value_name = "FILE", help_heading = "Picture (required: -o)")]
     pub output: Vec<PathBuf>,
     /// Data of the picture: a .ecsv, .csv, .json or .jsonl file; NAME-data.ecsv for the picture NAME.png if omitted

@@ -39,9 +39,16 @@ pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
     let default_title =
         format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
     let title = typed.title.title.as_deref().unwrap_or(&default_title);
+    let mut provenance = Provenance::new();
+    provenance.state("chains", typed.chains.display().to_string());
+    provenance.state("chains_software", about.software.as_str());
+    provenance.state("fit_fingerprint", about.fingerprint.as_str());
+    provenance.state("seed", about.seed);
+    provenance.state("burn_in", burn_in);
+    provenance.state("parameters", names.as_slice());
     target.write_picture(
         &corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?,
-        &Provenance::new(),
+        &provenance,
         &notices,
     )?;
     Ok(Outcome::Done)

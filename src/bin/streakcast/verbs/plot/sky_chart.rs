@@ -36,6 +36,8 @@ fn picture(
     let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("Pass of {}", track.name));
     let default_title = one.unwrap_or_else(|| "Passes over the sky".to_owned());
-    let drawn = sky_chart(&SkyChart { title: title.unwrap_or(&default_title), caption, tracks: &tracks, local })?;
+    let site = columns.site();
+    let title = title.unwrap_or(&default_title);
+    let drawn = sky_chart(&SkyChart { title, caption, tracks: &tracks, local, site: site.as_ref() })?;
     Ok(drawn.with_subtitle(&subtitle))
 }
