@@ -9,8 +9,7 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::omm::{Fields, Keyword};
-use super::record::parse_in_chunks;
-use super::record::{Parsed, RejectReason};
+use super::record::{Parsed, RejectReason, excerpt, parse_in_chunks};
 use super::tle::Checksums;
 
 /// Returns true if the text contains an `<omm>` element, with or without a name-space prefix.
@@ -76,7 +75,7 @@ fn parse_message(text: &str) -> Result<Fields<'_>, String> {
     let mut keyword = None;
     let mut value = String::new();
     loop {
-        let event = reader.read_event().map_err(|error| error.to_string())?;
+        let event = reader.read_event().map_err(|error| excerpt(error.to_string().as_bytes()))?;
         match event {
             Event::Start(element) => {
                 keyword = Keyword::of(element.local_name().as_ref());
