@@ -21,8 +21,8 @@ const CUT: [f64; 2] = [80.0, 740.0];
 const PROFILE: [f64; 2] = [830.0, 1096.0];
 /// Largest number of tracks in a picture.
 const MOST: usize = 12;
-/// White pixels are this number of sigmas below the sky. Black ones are as many sigmas above it, or this multiple of the
-/// fitted peak: a streak is visible beside brighter stars.
+/// White pixels are this number of sigmas below the sky. Black ones are as many sigmas above it, or this multiple of
+/// the fitted peak: a streak is visible beside brighter stars.
 const WHITE_SIGMAS: f64 = 2.0;
 const BLACK_SIGMAS: f64 = 6.0;
 const BLACK_PEAKS: f64 = 1.2;
