@@ -6,9 +6,8 @@ use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, TextStr};
 use svg2pdf::usvg::{Options, Tree};
 use svg2pdf::{ConversionOptions, to_chunk};
 
-use super::encode::{PROGRAM, PROVENANCE, TITLE};
 use super::error::PlotError;
-use super::file_options::NATURAL_DPI;
+use super::file_options::{NATURAL_DPI, PROGRAM, PROVENANCE, TITLE};
 use super::picture::DEJAVU_SANS;
 
 const POINTS_PER_INCH: f32 = 72.0;

@@ -109,7 +109,7 @@ fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
         let (white, black) = (sky - WHITE_SIGMAS * sigma, sky + (BLACK_SIGMAS * sigma).max(BLACK_PEAKS * peak));
         let grey = |value: f64| {
             let share = ((value - white) / (black - white).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            value.is_finite().then(|| [(255.0 * (1.0 - share)) as u8; 3])
+            value.is_finite().then_some([(255.0 * (1.0 - share)) as u8; 3])
         };
         // The first row of the picture is the uppermost one, with the greatest distance.
         let colours =
