@@ -37,9 +37,9 @@ let toasting = 0;
 /** Error messages by request. */
 const problems = new Map();
 
-const nightChart = new Night($("night"), select);
+const nightChart = new Night($("night"), selectExposure);
 const strip = new Strip($("strip"), moved);
-const fieldChart = new Field($("field"), (norad) => select(norad));
+const fieldChart = new Field($("field"), selectSatellite);
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
 
@@ -220,7 +220,7 @@ function warn() {
 }
 
 /** Selects an exposure at the observer's request, which ends an error of the entered one. */
-function select(place) {
+function selectExposure(place) {
   problem("entry", null);
   choose(place);
 }
@@ -398,7 +398,7 @@ function showAnswer(verdict, words, why = "", lacks = "") {
   $("answer").replaceChildren(strong, document.createTextNode(`: ${words}`), small, missing);
 }
 
-function select(norad) {
+function selectSatellite(norad) {
   state.satellite = norad;
   drawAnswer();
   link.write(state);
@@ -424,7 +424,7 @@ function drawDetails() {
   const chosen = passes.find((pass) => pass.norad_id === state.satellite) ?? brightest(passes);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
-  crossings.rows($("crossings"), passesOf(detailed), chosen?.norad_id, select);
+  crossings.rows($("crossings"), passesOf(detailed), chosen?.norad_id, selectSatellite);
   drawDome();
 }
 
@@ -469,9 +469,9 @@ $("nights").addEventListener("change", async (event) => {
   for (const name of ["row", "duration", "satellite", "target", "start", "length"]) delete state[name];
   await load(event.target.value);
 });
-$("before").addEventListener("click", () => select(state.place - 1));
-$("after").addEventListener("click", () => select(state.place + 1));
-$("reset").addEventListener("click", () => select(state.place));
+$("before").addEventListener("click", () => selectExposure(state.place - 1));
+$("after").addEventListener("click", () => selectExposure(state.place + 1));
+$("reset").addEventListener("click", () => selectExposure(state.place));
 $("go").addEventListener("click", () => {
   // In whole milliseconds, as in the response of the server, for a clear start.
   state.shift = Math.round((state.shift + Number($("go").dataset.delay)) * 1e3) / 1e3;
