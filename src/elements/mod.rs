@@ -29,6 +29,7 @@ pub use error::ElementsError;
 pub use generation::{Certainty, Generation, GenerationTable, STARLINK_TABLE_DATE};
 pub use history::History;
 pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
+pub(crate) use record::excerpt;
 pub use record::{ElementFormat, RejectReason, Rejected};
 pub use satellites::{Keep, ReadOptions, Satellites};
 pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell};

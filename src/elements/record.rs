@@ -270,7 +270,7 @@ pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
 }
 
 /// Returns at most 60 characters of a text, for error messages.
-pub(super) fn excerpt(bytes: &[u8]) -> String {
+pub(crate) fn excerpt(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim();
     match text.char_indices().nth(60) {

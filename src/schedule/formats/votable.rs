@@ -11,6 +11,7 @@ use quick_xml::events::{BytesStart, Event};
 use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 use super::delimited::cells;
+use crate::elements::excerpt;
 
 /// Number of bytes at the start of the file that are searched for the root element. XML declaration, comments and
 /// processing instructions may precede it.
@@ -95,7 +96,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
     loop {
         let event = reader.read_event().map_err(|error| {
             let line = 1 + text[..before.min(text.len())].matches('\n').count();
-            ScheduleError::Line { path: display(path), line: line as u64, what: error.to_string() }
+            ScheduleError::Line { path: display(path), line: line as u64, what: excerpt(error.to_string().as_bytes()) }
         })?;
         let now = reader.buffer_position() as usize;
         match event {
