@@ -83,6 +83,11 @@ class Identified(TypedDict):
     unknown_probability: float
     warnings: list[str]
 
+class Measured(TypedDict):
+    measurements: list[Column]
+    warnings: list[str]
+    remarks: list[str]
+
 class _Injection(TypedDict):
     summary: str
     truth: list[Column]
@@ -118,7 +123,7 @@ def measure(
     setup: str,
     config: Optional[str],
     sky_cache: SkyCache,
-) -> dict[str, Any]: ...
+) -> Measured: ...
 def learn(
     setup: str,
     kind: str,

@@ -6,32 +6,28 @@ import json
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypedDict, Union
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._exposure_queries import ExposureQueries
-from ._injection import _angle, _integers, _without_none
-from ._quantities import FloatArray, scalar
+from ._injection import _angle, _integers, _scalar, _without_none
+from ._quantities import scalar
 from ._setup import absolute, document
-from ._tables import table_of
-from ._times import TimeLike
+from ._tables import arrays_of, table_of
+from .typing import FloatArray, FloatLike, Json, Options, Output, PathLike, Table, TimeLike, WholeArray, WholeLike
 
 if TYPE_CHECKING:
-    from astropy.table import QTable
     from astropy.units import Quantity
-
-#: Path of a file.
-PathLike = Union[str, "os.PathLike[str]"]
 
 
 class LearnArguments(TypedDict):
     """Arguments of `streakcast.learn`, each of shape ``(n_streaks,)``."""
 
     #: NORAD catalogue numbers.
-    norad_id: npt.NDArray[np.int64]
+    norad_id: WholeArray
     #: Times in the middle of the tracks, as text, UTC.
     time: npt.NDArray[np.str_]
     #: Measured magnitudes.
@@ -48,7 +44,7 @@ class Measurements:
 
     #: One row per predicted track and chip, with the columns of ``streakcast measure``: `~astropy.table.QTable` or
     #: dictionary of arrays.
-    table: "Union[QTable, dict[str, npt.NDArray[np.generic]]]"
+    table: Table
     #: Zero points from stars, and other remarks.
     remarks: tuple[str, ...]
     #: Measured magnitudes of the streaks that were found, without instrumental and saturated ones.
@@ -60,22 +56,22 @@ class MeasureQueries(ExposureQueries):
 
     def measure(
         self,
-        frames: Union[PathLike, Sequence[PathLike]],
+        frames: PathLike | Sequence[PathLike],
         *,
-        start: Union[TimeLike, None] = None,
-        exposure: "Union[float, Quantity, None]" = None,
-        scale: Union[str, None] = None,
-        hdu: Union[int, Sequence[int], None] = None,
-        seeing: "Union[str, Quantity, None]" = None,
+        start: TimeLike | None = None,
+        exposure: FloatLike | None = None,
+        scale: str | None = None,
+        hdu: WholeLike | None = None,
+        seeing: str | Quantity | None = None,
         fit_width: bool = False,
         psf: str = "moffat",
-        stars: Union[PathLike, None] = None,
-        zero_point: Union[float, None] = None,
-        zero_point_1s: Union[float, None] = None,
-        gain: Union[float, None] = None,
-        band: Union[str, None] = None,
-        telescope: Union[PathLike, dict[str, object], None] = None,
-        table: str = "auto",
+        stars: PathLike | None = None,
+        zero_point: FloatLike | None = None,
+        zero_point_1s: FloatLike | None = None,
+        gain: FloatLike | None = None,
+        band: str | None = None,
+        telescope: PathLike | Options | None = None,
+        table: Output = "auto",
     ) -> Measurements:
         """Measures the streaks of the satellites in frames; the result is identical to that of ``streakcast measure``.
 
@@ -101,10 +97,10 @@ class MeasureQueries(ExposureQueries):
         stars : path, optional
             Table (CSV) of stars, from which the zero point is measured: ``ra_deg, dec_deg, mag`` and, optionally,
             ``mag_sigma`` and ``band``.
-        zero_point, zero_point_1s : float, optional
+        zero_point, zero_point_1s : float or `~astropy.units.Quantity`, optional
             Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second;
             default: from the header. Without any zero point, magnitudes are instrumental.
-        gain : float, optional
+        gain : float or `~astropy.units.Quantity`, optional
             Electrons per count; default: from the header.
         band : str, optional
             Band of the magnitudes; default: filter in the header, or else the model's band.
@@ -135,10 +131,11 @@ class MeasureQueries(ExposureQueries):
         if zero_point is not None and zero_point_1s is not None:
             raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
         paths = [frames] if isinstance(frames, (str, os.PathLike)) else list(frames)
-        request: dict[str, object] = dict(
+        request: dict[str, Json] = dict(
             image=[absolute(path) for path in paths], hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
-            fit_width=bool(fit_width), stars=None if stars is None else absolute(stars), zero_point=zero_point,
-            zero_point_1s=zero_point_1s, gain=gain,
+            fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
+            zero_point=_scalar(zero_point, "mag", "zero_point"),
+            zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),
         )  # fmt: skip
         if start is not None:
             request["start"] = _core.utc_text(*self._moment(start, scale))
@@ -151,19 +148,18 @@ class MeasureQueries(ExposureQueries):
             json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache
         )
         self._warn_once(sky_cache, result["warnings"])
-        columns = {column["name"]: column for column in result["measurements"]}
-        observed, predicted = columns["magnitude"]["values"], columns["predicted_magnitude"]["values"]
-        is_saturated = np.array(["saturated" in flags for flags in columns["flags"]["values"]], dtype=np.bool_)
-        is_usable = columns["calibrated"]["values"] & ~is_saturated & np.isfinite(observed) & np.isfinite(predicted)
-        times = columns["mid_utc"]["utc_ns"].view("datetime64[ns]")
+        columns = arrays_of(result["measurements"])
+        observed, predicted = columns["magnitude"], columns["predicted_magnitude"]
+        is_saturated = np.array(["saturated" in flags for flags in columns["flags"]], dtype=np.bool_)
+        is_usable = columns["calibrated"] & ~is_saturated & np.isfinite(observed) & np.isfinite(predicted)
         return Measurements(
             table=table_of(result["measurements"], table),
             remarks=tuple(result["remarks"]),
             learn_arguments=LearnArguments(
-                norad_id=columns["norad_id"]["values"][is_usable],
-                time=np.datetime_as_string(times[is_usable], timezone="UTC"),
+                norad_id=columns["norad_id"][is_usable],
+                time=np.datetime_as_string(columns["mid_utc"][is_usable], timezone="UTC"),
                 observed=observed[is_usable],
                 predicted=predicted[is_usable],
-                sigma=columns["magnitude_sigma"]["values"][is_usable],
+                sigma=columns["magnitude_sigma"][is_usable],
             ),
         )

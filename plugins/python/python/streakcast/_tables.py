@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 import numpy as np
 import numpy.typing as npt
 
-from .typing import FloatArray, Json, Output, Table
+from .typing import Columns, FloatArray, Json, Output, Table
 
 if TYPE_CHECKING:
     from astropy.table import QTable
@@ -77,6 +77,11 @@ def table_of(
         named = {column["name"]: column for column in columns}
         others = [name for name in named if name not in (*main.first, *main.last)]
         return _qtable([named[name] for name in (*main.first, *others, *main.last)], meta or {})
+    return arrays_of(columns)
+
+
+def arrays_of(columns: Sequence[Column]) -> Columns:
+    """Returns the columns by name, each an array with one cell per row."""
     return {column["name"]: _array(column) for column in columns}
 
 
