@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer
-# and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the command line itself.
+# Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN),
+# Python 3.11 or newer and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the
+# command line itself.
 #   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

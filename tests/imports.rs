@@ -19,7 +19,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("photometry", &["frames", "geometry", "math"]),
     ("passes", &["elements", "frames", "geometry", "math", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "images", "math", "output", "photometry"]),
-    ("plot", &["maps", "math", "photometry"]),
+    ("plot", &["frames", "geometry", "maps", "math", "photometry"]),
     ("fit", &["elements", "frames", "geometry", "math", "orbit", "output", "photometry"]),
     ("streaks", &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry"]),
     (
@@ -77,6 +77,8 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("plotters", &["plot"]),
     ("image", &["images", "plot"]),
     ("png", &["plot"]),
+    ("svg2pdf", &["plot"]),
+    ("pdf_writer", &["plot"]),
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
     ("pulp", &["math"]),

@@ -75,8 +75,8 @@ pub struct Config {
     /// Height of the Earth's limb for a telescope in orbit, km: lower lines of sight are rejected; 0 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site"))]
     pub limb_height_km: Option<f64>,
-    /// Field of view: diameter of a circle (3.5deg, 40arcmin), width and height (1.5x1.0deg), or sensor and focal length
-    /// (36x24mm@400mm)
+    /// Field of view: diameter of a circle (3.5deg, 40arcmin), width and height (1.5x1.0deg), or sensor and focal
+    /// length (36x24mm@400mm)
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Camera"))]
     pub fov: Option<Quantity>,
     /// Field of view of any shape: JSON file of circles, rectangles and polygons

@@ -45,8 +45,8 @@ pub struct MeasureConfig {
     /// Exposure time with its unit, for example 30s or 2min; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub exposure: Option<String>,
-    /// Seeing: FWHM of a star's image with its unit, for example 1.2arcsec; that of --telescope if omitted; without both
-    /// it is that of --stars, or fitted to each streak
+    /// Seeing: FWHM of a star's image with its unit, for example 1.2arcsec; that of --telescope if omitted; without
+    /// both it is that of --stars, or fitted to each streak
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE"))]
     pub seeing: Option<String>,
     /// Fit the width of each streak instead of using the given seeing

@@ -359,8 +359,8 @@ const READABLE_COLUMNS: [Column; 16] = [
 ];
 
 /// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of start,
-/// highest point and end. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is
-/// listed from rise to set. With a magnitude limit, the last column is the probability of being brighter.
+/// highest point and end. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part
+/// is listed from rise to set. With a magnitude limit, the last column is the probability of being brighter.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: impl Fn(Epoch) -> f64) -> Table {
     let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
     let cells = |row: PassRow<'_>| {

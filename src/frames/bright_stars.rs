@@ -32,8 +32,8 @@ mod tests {
     /// Positions at epoch J2000 and magnitudes V in SIMBAD.
     #[test]
     fn valid_positions_of_named_stars() {
-        // Tolerance: the table is rounded to 0.001 degrees; Johnson and Hipparcos magnitudes of variable and double stars
-        // differ.
+        // Tolerance: the table is rounded to 0.001 degrees; Johnson and Hipparcos magnitudes of variable and double
+        // stars differ.
         const TOLERANCE_DEG: f64 = 0.001;
         const TOLERANCE_MAG: f64 = 0.15;
         for (name, ra_deg, dec_deg, v_mag) in [

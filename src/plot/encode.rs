@@ -8,7 +8,7 @@ use base64::engine::general_purpose::STANDARD;
 use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
-use super::file_options::{FileOptions, NATURAL_DPI};
+use super::file_options::{FileOptions, NATURAL_DPI, PROGRAM, PROVENANCE, TITLE};
 use super::pdf;
 use super::picture::{Canvas, Picture, Underlay, font_style_sheet};
 
@@ -22,11 +22,6 @@ const METRES_PER_INCH: f64 = 0.0254;
 
 /// Program and version, as stated in files.
 const SOFTWARE: &str = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
-
-/// Keywords of the metadata.
-pub(super) const PROGRAM: &str = "Software";
-pub(super) const TITLE: &str = "Description";
-pub(super) const PROVENANCE: &str = "Provenance";
 
 /// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

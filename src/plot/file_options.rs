@@ -6,6 +6,11 @@ use super::error::PlotError;
 
 /// Resolution at which one pixel of a chart is one pixel of its file, dots per inch.
 pub(super) const NATURAL_DPI: u32 = 96;
+
+/// Keywords of the metadata in a file.
+pub(super) const PROGRAM: &str = "Software";
+pub(super) const TITLE: &str = "Description";
+pub(super) const PROVENANCE: &str = "Provenance";
 const CM_PER_INCH: f64 = 2.54;
 /// Least and greatest width and height of a file, pixels.
 const SIDE: [f64; 2] = [100.0, 10_000.0];

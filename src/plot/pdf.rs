@@ -1,14 +1,11 @@
 //! Pictures as PDF: the drawing of an SVG on one page, with the embedded font and document information.
 
-use std::collections::BTreeMap;
-
 use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, TextStr};
 use svg2pdf::usvg::{Options, Tree};
 use svg2pdf::{ConversionOptions, to_chunk};
 
-use super::encode::{PROGRAM, PROVENANCE, TITLE};
 use super::error::PlotError;
-use super::file_options::NATURAL_DPI;
+use super::file_options::{NATURAL_DPI, PROGRAM, PROVENANCE, TITLE};
 use super::picture::DEJAVU_SANS;
 
 const POINTS_PER_INCH: f32 = 72.0;
@@ -21,10 +18,10 @@ pub(super) fn of_svg(svg: &str, metadata: &[(&str, String)]) -> Result<Vec<u8>, 
     let tree = Tree::from_str(svg, &options).map_err(|error| PlotError::Drawing(error.to_string()))?;
     let (drawing, root) =
         to_chunk(&tree, ConversionOptions::default()).map_err(|error| PlotError::Drawing(error.to_string()))?;
-    let mut next = Ref::new(1);
-    let [catalogue, pages, page, content, information] = std::array::from_fn(|_| next.bump());
-    let mut numbers = BTreeMap::new();
-    let drawing = drawing.renumber(|old| *numbers.entry(old).or_insert_with(|| next.bump()));
+    let [catalogue, pages, page, content, information] = [1, 2, 3, 4, 5].map(Ref::new);
+    // The converter numbers its objects from 1, too, and writes its dictionaries in an arbitrary order.
+    let after_ours = |old: Ref| Ref::new(old.get() + information.get());
+    let drawing = drawing.renumber(after_ours);
     let [width, height] =
         [tree.size().width(), tree.size().height()].map(|side| side * POINTS_PER_INCH / NATURAL_DPI as f32);
     let mut pdf = Pdf::new();
@@ -33,9 +30,7 @@ pub(super) fn of_svg(svg: &str, metadata: &[(&str, String)]) -> Result<Vec<u8>, 
     let name = Name(b"Picture");
     let mut sheet = pdf.page(page);
     sheet.media_box(Rect::new(0.0, 0.0, width, height)).parent(pages).contents(content);
-    if let Some(root) = numbers.get(&root) {
-        sheet.resources().x_objects().pair(name, *root);
-    }
+    sheet.resources().x_objects().pair(name, after_ours(root));
     sheet.finish();
     // The drawing is one unit wide and high.
     let mut painted = Content::new();

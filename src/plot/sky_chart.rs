@@ -44,6 +44,7 @@ const STAR: RGBColor = RGBColor(140, 145, 165);
 const STAR_RADIUS: f64 = 0.6;
 const STAR_RADIUS_PER_MAG: f64 = 0.4;
 const FAINTEST_STAR_MAG: f64 = 6.0;
+const LONGEST_WITH_STARS_DAYS: f64 = 1.0 / 24.0;
 
 /// Passes over a site.
 #[derive(Clone, Debug)]
@@ -56,7 +57,8 @@ pub struct SkyChart<'a> {
     pub tracks: &'a [SkyTrack],
     /// Clock of all times; `None` for UTC.
     pub local: Option<LocalClock>,
-    /// Site of the passes; with it the stars to V = 6 mag are drawn, at the middle of the times of the drawn passes.
+    /// Site of the passes; with it, the stars to V = 6 mag are drawn at the middle of the times of the passes if these
+    /// are within an hour, in which the sky turns by 15 degrees.
     pub site: Option<&'a Site>,
 }
 
@@ -227,10 +229,12 @@ fn check_track(track: &SkyTrack) -> Result<(), PlotError> {
     Ok(())
 }
 
-/// Returns the time halfway between the first and the last point of all passes, MJD (UTC); `None` without a pass.
+/// Returns the time halfway between the first and the last point of all passes, MJD (UTC); `None` without a pass or if
+/// the passes are not within [`LONGEST_WITH_STARS_DAYS`].
 fn middle_mjd(tracks: &[&SkyTrack]) -> Option<f64> {
     let times = || tracks.iter().flat_map(|track| track.time_mjd.iter().copied());
-    Some(0.5 * (times().reduce(f64::min)? + times().reduce(f64::max)?))
+    let (first, last) = (times().reduce(f64::min)?, times().reduce(f64::max)?);
+    (last - first < LONGEST_WITH_STARS_DAYS).then_some(0.5 * (first + last))
 }
 
 /// Draws the stars above the horizon, without refraction, aberration and proper motion: to half a degree at the

@@ -21,8 +21,8 @@ const CUT: [f64; 2] = [80.0, 740.0];
 const PROFILE: [f64; 2] = [830.0, 1096.0];
 /// Largest number of tracks in a picture.
 const MOST: usize = 12;
-/// White pixels are this number of sigmas below the sky. Black ones are as many sigmas above it, or this multiple of the
-/// fitted peak: a streak is visible beside brighter stars.
+/// White pixels are this number of sigmas below the sky. Black ones are as many sigmas above it, or this multiple of
+/// the fitted peak: a streak is visible beside brighter stars.
 const WHITE_SIGMAS: f64 = 2.0;
 const BLACK_SIGMAS: f64 = 6.0;
 const BLACK_PEAKS: f64 = 1.2;
@@ -109,7 +109,7 @@ fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
         let (white, black) = (sky - WHITE_SIGMAS * sigma, sky + (BLACK_SIGMAS * sigma).max(BLACK_PEAKS * peak));
         let grey = |value: f64| {
             let share = ((value - white) / (black - white).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            value.is_finite().then(|| [(255.0 * (1.0 - share)) as u8; 3])
+            value.is_finite().then_some([(255.0 * (1.0 - share)) as u8; 3])
         };
         // The first row of the picture is the uppermost one, with the greatest distance.
         let colours =

@@ -153,8 +153,8 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
 }
 
-/// A satellite enters the umbra inside the frame: its streak in the truth ends there, as its lit part in `passes`. In the
-/// geometric shadow the same satellite is lit up to the edge of the frame.
+/// A satellite enters the umbra inside the frame: its streak in the truth ends there, as its lit part in `passes`. In
+/// the geometric shadow the same satellite is lit up to the edge of the frame.
 #[test]
 fn verif_a_partly_lit_streak_counts_only_its_lit_part() {
     // Tolerance of the end, seconds: the track has a point every tenth of a degree.

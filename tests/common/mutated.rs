@@ -57,11 +57,14 @@ const TOKENS: [&str; 40] = [
     "1 ",
 ];
 
+/// Function that reads a file and returns its error.
+pub type Read<'a> = dyn Fn(&[u8]) -> Result<(), String> + Sync + 'a;
+
 /// Reader under test: its name, valid files, and a function that returns the error of a file.
 pub struct Reader<'a> {
     pub name: &'static str,
     pub seeds: Vec<Vec<u8>>,
-    pub read: Box<dyn Fn(&[u8]) -> Result<(), String> + Sync + 'a>,
+    pub read: Box<Read<'a>>,
 }
 
 impl Reader<'_> {

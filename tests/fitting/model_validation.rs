@@ -20,8 +20,8 @@ fn rows_of(name: &str, photometry: Option<&Photometry>) -> Vec<Comparison> {
     compare(&ModelLibrary::embedded().get(name).unwrap(), photometry)
 }
 
-/// Returns true for the published mean from which a bundled model differs: that of V2 Mini in brightness mitigation. The
-/// survey measured the first of them in 2023; the later mean of 7.22 agrees with the panels.
+/// Returns true for the published mean from which a bundled model differs: that of V2 Mini in brightness mitigation.
+/// The survey measured the first of them in 2023; the later mean of 7.22 agrees with the panels.
 fn is_known_difference(row: &Comparison) -> bool {
     row.model == "v2mini-panels" && row.kind == ReferenceKind::Mean && row.reference.contains("2306.06657")
 }
@@ -181,7 +181,8 @@ fn verif_verdicts_depend_on_the_difference_in_its_errors_and_on_the_ratio_of_sig
         assert_eq!(row.verdict, verdict, "{row:?}");
         assert_eq!((row.sample, row.n), (Some(Sample::HeldOut), 40));
         let error_mag = row.difference_error_mag.unwrap();
-        // Tolerances: the satellites of the four groups have slightly different ranges; ten quantiles of a distribution.
+        // Tolerances: the satellites of the four groups have slightly different ranges; ten quantiles of a
+        // distribution.
         assert!((error_mag - SURVEY_ERROR_MAG).abs() < 0.01, "{row:?}");
         assert!((row.difference_mag.unwrap() / error_mag - errors).abs() < 0.1, "{row:?}");
         assert!((row.sigma_ratio.unwrap() / ratio - 1.0).abs() < 0.15, "{row:?}");

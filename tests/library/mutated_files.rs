@@ -35,7 +35,8 @@ fn file(path: &str) -> Vec<u8> {
     fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()
 }
 
-/// Returns a function that reads text. Readers of text get it from a function that replaces invalid UTF-8 or rejects it.
+/// Returns a function that reads text. Readers of text get it from a function that replaces invalid UTF-8 or rejects
+/// it.
 fn of_text<T, E: std::fmt::Display>(
     read: impl Fn(&str) -> Result<T, E> + Sync,
 ) -> impl Fn(&[u8]) -> Result<(), String> {

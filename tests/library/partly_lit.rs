@@ -12,8 +12,8 @@ const SAMPLES: usize = 401;
 /// Tolerance of the lit length, steps between points: one at each of at most two ends of the lit part.
 const STEPS: f64 = 2.0;
 
-/// Tolerance of expected lengths, relative to the whole track: the lit share is one of time, and delays of some tenths of
-/// a second move a track in an exposure.
+/// Tolerance of expected lengths, relative to the whole track: the lit share is one of time, and delays of some tenths
+/// of a second move a track in an exposure.
 const EXPECTED_LENGTH: f64 = 0.05;
 
 /// Field east of the zenith, in which many satellites enter the shadow during an evening.

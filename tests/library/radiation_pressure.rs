@@ -77,7 +77,8 @@ fn valid_flat_plates_have_the_force_of_closed_forms() {
         let phong = json!([{"law": "phong", "weight": 0.8, "exponent": 3000}]);
         let force = plate(phong, none(), none(), angle);
         assert_close(&force, -(to_sun + mirror * (0.8 * cos)) * section_m2, TOLERANCE * PLATE_M2, "Phong");
-        // Transmitted light takes its momentum along: F = -P A cos φ (s - 2/3 τ n), and (s - c cos φ s) straight through
+        // Transmitted light takes its momentum along: F = -P A cos φ (s - 2/3 τ n), and (s - c cos φ s) straight
+        // through
         let force = plate(black.clone(), none(), diffuse.clone(), angle);
         assert_close(&force, -(to_sun - normal * 0.4) * section_m2, TOLERANCE * PLATE_M2, "diffuse transmission");
         let straight = json!([{"law": "straight", "weight": 0.8, "exponent": 3000}]);
@@ -109,8 +110,8 @@ fn valid_spheres_have_the_force_of_closed_forms() {
         let force = model.sunlight_force(&sun(40.0)).unwrap();
         assert_close(&force, -to_sun * (factor * disc_m2), ROUNDING, phase);
     }
-    // A sphere of Lambertian plates, whose normals have the cosines μ: F = -2π r² P ∫ μ (1 + 2/3 ρ μ) dμ s. Two points of
-    // a Gauss-Legendre rule on (0, 1) are exact for it.
+    // A sphere of Lambertian plates, whose normals have the cosines μ: F = -2π r² P ∫ μ (1 + 2/3 ρ μ) dμ s. Two points
+    // of a Gauss-Legendre rule on (0, 1) are exact for it.
     let diffuse = json!([{"law": "lambert", "albedo": ALBEDO}]);
     let sum: f64 = [-1.0, 1.0]
         .iter()

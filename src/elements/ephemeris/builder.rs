@@ -5,7 +5,6 @@ use std::sync::Arc;
 use hifitime::{Duration, Epoch, Unit};
 use nalgebra::Matrix6;
 
-use super::super::record::excerpt;
 use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
 
 /// Smallest number of states required by the interpolation.
@@ -31,9 +30,8 @@ pub(in super::super) struct Problem {
 }
 
 impl Problem {
-    /// Long values are cut: errors of the XML parser quote the rest of the file.
     pub fn new(line: usize, what: impl Into<String>, given: impl ToString, allowed: impl Into<String>) -> Self {
-        Self { line, what: what.into(), given: excerpt(given.to_string().as_bytes()), allowed: allowed.into() }
+        Self { line, what: what.into(), given: given.to_string(), allowed: allowed.into() }
     }
 }
 

@@ -6,6 +6,7 @@ use hifitime::Epoch;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
+use super::super::record::excerpt;
 use super::builder::{Builder, Problem, number};
 use super::data::Ephemeris;
 use super::metadata::{Metadata, time};
@@ -35,7 +36,9 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut open: Vec<String> = Vec::new();
     loop {
         let event = reader.read_event().map_err(|error| {
-            Problem::new(lines.at(reader.error_position() as usize), "XML", error, "a well-formed document")
+            // The parser quotes a tag up to its end, which may be that of the file.
+            let what = excerpt(error.to_string().as_bytes());
+            Problem::new(lines.at(reader.error_position() as usize), "XML", what, "a well-formed document")
         })?;
         let line = lines.at(reader.buffer_position() as usize);
         match event {

@@ -123,8 +123,8 @@ pub struct Comparison {
     pub reference_sd_mag: Option<f64>,
     /// Mean of reference minus model, mag.
     pub difference_mag: Option<f64>,
-    /// Error of this difference for a correct model, mag: [`SURVEY_ERROR_MAG`] and, in quadrature, the statistical error
-    /// of the mean of measurements, whose groups (tracks, nights) are independent.
+    /// Error of this difference for a correct model, mag: [`SURVEY_ERROR_MAG`] and, in quadrature, the statistical
+    /// error of the mean of measurements, whose groups (tracks, nights) are independent.
     pub difference_error_mag: Option<f64>,
     /// Root mean square of reference minus model, mag; `None` if the reference is a published mean.
     pub rms_mag: Option<f64>,

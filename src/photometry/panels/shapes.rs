@@ -218,7 +218,8 @@ impl Sphere {
         self.albedo * self.area_m2 * per_m2
     }
 
-    /// Returns the momentum of the reflected light towards the source, per unit of radiation pressure, m²: ∫ B cos φ dω.
+    /// Returns the momentum of the reflected light towards the source, per unit of radiation pressure, m²: ∫ B cos φ
+    /// dω.
     pub(super) fn reflected_momentum_m2(&self) -> f64 {
         let per_m2 = match self.phase {
             // 4/9 of a Lambertian sphere: the light of each element leaves with 2/3 of its momentum along the normal

@@ -11,7 +11,8 @@ use crate::local_time::{LocalTime, local_time};
 
 #[derive(Args)]
 pub struct ServeArguments {
-    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet; without one, the page shows any target
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet; without one, the page
+    /// shows any target
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Address and port to listen at; port 0 selects a free port; addresses other than loopback require a token
@@ -26,7 +27,8 @@ pub struct ServeArguments {
     /// Rate limit, requests per second from one address, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
     pub rate: u32,
-    /// Local time of the page: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); by the longitude of the site if omitted
+    /// Local time of the page: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); by the longitude of the site
+    /// if omitted
     #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Service")]
     pub time_zone: Option<LocalTime>,
     #[command(flatten)]
