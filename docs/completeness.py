@@ -1,4 +1,7 @@
-"""Picture of the streaks found against signal to noise, from docs/tables/completeness.md: `completeness.py TABLE PICTURE.svg`."""
+"""Curves of the streaks found against signal to noise: `completeness.py TABLE PICTURE.svg`.
+
+TABLE is docs/tables/completeness.md, the output of the ignored test `completeness_of_many`.
+"""
 
 import math
 import re

@@ -114,7 +114,7 @@ pub struct StreakMeasurement {
     pub rate: Estimate,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
     pub rate_limit: f64,
-    /// Rate divided by its error.
+    /// Fitted rate, before the correction for the fitted position that `rate` contains, divided by its error.
     pub signal_to_noise: f64,
     /// Significance in the search, in sigmas of the noise.
     pub significance: f64,

@@ -304,10 +304,11 @@ impl Measuring<'_> {
         };
         let offset_sigma = offset_sigma(&band, &mask, &drawn.template, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
+        let rate = amplitude.value * without_fit_bias(signal_to_noise, ends);
         Ok(Some(StreakMeasurement {
             is_detected,
-            rate: Estimate { value: amplitude.value, sigma },
-            rate_limit: amplitude.value.max(0.0) + options.limit_sigmas * sigma,
+            rate: Estimate { value: rate, sigma },
+            rate_limit: rate.max(0.0) + options.limit_sigmas * sigma,
             signal_to_noise,
             significance: found.significance,
             threshold: found.threshold,
@@ -653,6 +654,15 @@ fn controls(
     // Half width of 68.27 % of Student's distribution, to first order in 1 / degrees of freedom.
     let student = 1.0 + 0.5 / (INDEPENDENT * kept.len() as f64);
     (variance > 0.0).then(|| student * variance.sqrt())
+}
+
+/// Returns the factor by which a fitted flux is multiplied because offset and tilt, and the delay if an end of the
+/// streak is in the image, are fitted to the same pixels: each follows the noise to a place of more light, which
+/// increases the flux by 1 / (2 S²) at a signal to noise S. For two parameters this is the bias 1 / S² of Portillo,
+/// Speagle & Finkbeiner (2020, AJ 159, 165). The factor is 1 below the signal to noise from which they are fitted.
+fn without_fit_bias(signal_to_noise: f64, ends: usize) -> f64 {
+    let parameters = if ends > 0 { 3.0 } else { 2.0 };
+    if signal_to_noise < REFINED_FROM { 1.0 } else { 1.0 - 0.5 * parameters / (signal_to_noise * signal_to_noise) }
 }
 
 /// Returns true if the light is spread along the track: the median of the blocks is significant, too. A star lights

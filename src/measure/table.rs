@@ -62,9 +62,15 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::real("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
         one.measured.rate.sigma.into()
     }),
-    TableField::new(Column::real("signal_to_noise", "", 2, "rate divided by rate_sigma."), |one| {
-        one.measured.signal_to_noise.into()
-    }),
+    TableField::new(
+        Column::real(
+            "signal_to_noise",
+            "",
+            2,
+            "Fitted light divided by rate_sigma; rate is less by the correction for the fitted position.",
+        ),
+        |one| one.measured.signal_to_noise.into(),
+    ),
     TableField::new(Column::real("significance", "", 2, "Significance of the streak in the search."), |one| {
         one.measured.significance.into()
     }),

@@ -43,7 +43,8 @@ pub struct StarZeroPoint {
     pub used: usize,
     /// Number of stars with saturated pixels.
     pub saturated: usize,
-    /// Number of stars whose aperture or sky extends beyond the illuminated pixels, or whose aperture has missing pixels.
+    /// Number of stars whose aperture or sky extends beyond the illuminated pixels, or whose aperture has missing
+    /// pixels.
     pub edge: usize,
     /// Number of stars with another star of the table beside them.
     pub blended: usize,
@@ -270,8 +271,8 @@ struct Stamp {
 }
 
 impl Stamp {
-    /// Reads the pixels around a star, whose centre is measured from its expected position. `None` if they extend beyond
-    /// the illuminated pixels, or a pixel in the aperture has no value.
+    /// Reads the pixels around a star, whose centre is measured from its expected position. `None` if they extend
+    /// beyond the illuminated pixels, or a pixel in the aperture has no value.
     fn centred(image: &StreakImage<'_>, expected: PixelPosition, radius_pix: f64, fwhm_pix: f64) -> Option<Self> {
         let mut at = expected;
         let mut stamp = Self::read(image, at, radius_pix)?;
@@ -370,7 +371,8 @@ impl Stamp {
     /// Measures the light in the aperture. `None` if the sky cannot be measured.
     ///
     /// F = (Σ d - n s) / q with the n pixels d of the aperture, the sky s and the share q of a star's light in these
-    /// pixels. σ² = (n σ_s² (1 + n/n_s) + F q / g) / q² with the n_s pixels of the sky, their scatter σ_s and the gain g.
+    /// pixels. σ² = (n σ_s² (1 + n/n_s) + F q / g) / q² with the n_s pixels of the sky, their scatter σ_s and the
+    /// gain g.
     fn light(&self, image: &StreakImage<'_>, profile: &RadialProfile) -> Option<Aperture> {
         let (sky, sky_sigma, sky_count) = self.sky()?;
         let template = self.template(profile);

@@ -24,11 +24,9 @@ const FALSE_ALARMS: f64 = 0.02;
 const FOUND_AT_10: f64 = 0.95;
 const FOUND_AT_30: f64 = 0.99;
 
-/// Two bounds are not met (docs/explanation/measuring.md): the bias of the flux at a signal to noise of 10 is 2.9 %,
-/// and 62.2 % are within one sigma among 1,000 stars per megapixel. There, wider bounds, set after the first run, only
-/// show whether a change makes it worse.
-const BIASED: &str = "signal to noise 10";
-const FLUX_BIAS_THERE: f64 = 0.035;
+/// One bound is met only by chance (docs/explanation/measuring.md): 63.4 ± 2.4 % are within one sigma among 1,000 stars
+/// per megapixel, and 62.9 % before. There, a wider bound, set after the first run, only shows whether a change makes it
+/// worse.
 const SHARE_TOO_SMALL: &str = "stars per megapixel 1000";
 const LEAST_SHARE_THERE: f64 = 0.60;
 
@@ -218,9 +216,8 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
             100.0 * error,
             100.0 * share
         );
-        let most_bias = if name == BIASED { FLUX_BIAS_THERE } else { FLUX_BIAS };
         let least_share = if name == SHARE_TOO_SMALL { LEAST_SHARE_THERE } else { *WITHIN_ONE_SIGMA.start() };
-        if bias.abs() >= most_bias || !(least_share..=*WITHIN_ONE_SIGMA.end()).contains(&share) {
+        if bias.abs() >= FLUX_BIAS || !(least_share..=*WITHIN_ONE_SIGMA.end()).contains(&share) {
             failures.push(name);
         }
     };
@@ -249,6 +246,32 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
         assert!(found >= least, "found {found} at {signal_to_noise}");
     }
     assert!(failures.is_empty(), "{failures:?}");
+}
+
+/// At a low signal to noise the fitted position follows the noise, for which the flux is corrected. Nearly all of these
+/// streaks are found, so that the selection by detection does not bias the mean.
+#[test]
+fn verif_flux_at_a_low_signal_to_noise_is_unbiased() {
+    const COUNT: usize = 960;
+    /// Smallest difference of the uncorrected flux from the truth, in standard errors: the correction is needed.
+    const UNCORRECTED_ERRORS: f64 = 2.0;
+    let cases = [0.0, 100.0].into_iter().flat_map(|stars| cases_at(10.0, stars, COUNT));
+    let cases: Vec<Case> = cases.collect();
+    let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let (bias, error, share, found) = bias_and_share(outcomes.iter());
+    let uncorrected = |one: &Outcome| one.measured.signal_to_noise * one.measured.rate.sigma / one.truth - 1.0;
+    let detected = outcomes.iter().filter(|one| one.measured.is_detected);
+    let before = detected.map(uncorrected).sum::<f64>() / found as f64;
+    println!(
+        "signal to noise 10: bias {:+.2} % +- {:.2}, uncorrected {:+.2} %, within one sigma {:.1} %, found {found} of {}",
+        100.0 * bias,
+        100.0 * error,
+        100.0 * before,
+        100.0 * share,
+        2 * COUNT
+    );
+    assert!(bias.abs() < FLUX_BIAS && before > UNCORRECTED_ERRORS * error, "{bias}, {before}, {error}");
+    assert!(found as f64 >= FOUND_AT_10 * 2.0 * COUNT as f64, "{found}");
 }
 
 /// Corridors without a streak, a third of them among 1,000 stars per megapixel.
@@ -335,8 +358,8 @@ fn verif_a_fitted_width_replaces_a_wrong_seeing() {
     assert!(outcomes.iter().all(|one| (one.measured.seeing_arcsec.unwrap() / 4.0 - 1.0).abs() < 0.05));
 }
 
-/// Streaks that are four times wider than the assumed seeing, as those of defocused satellites, are measured whole: their
-/// wings are not masked as stars.
+/// Streaks that are four times wider than the assumed seeing, as those of defocused satellites, are measured whole:
+/// their wings are not masked as stars.
 #[test]
 fn verif_streaks_much_wider_than_the_seeing_are_measured() {
     const COUNT: usize = 40;
@@ -455,7 +478,8 @@ fn verif_completeness_rises_with_the_signal_to_noise() {
 
 /// Prints the table from which docs/completeness.py draws curves: the lines that begin with `|`.
 ///
-/// `cargo test --release --test images completeness_of_many -- --ignored --nocapture | grep '^|' > docs/tables/completeness.md`
+/// `cargo test --release --test images completeness_of_many -- --ignored --nocapture | grep '^|'
+/// > docs/tables/completeness.md`
 #[test]
 #[ignore = "some 10,000 streaks"]
 fn completeness_of_many() {

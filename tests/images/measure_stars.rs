@@ -16,8 +16,8 @@ const BIAS_MAG: f64 = 0.01;
 /// Largest error of each zero point: this number of sigmas, and magnitudes.
 const SIGMAS: f64 = 4.0;
 const MARGIN_MAG: f64 = 0.01;
-/// Share of the zero points within one sigma. The error of a median of few stars is not normal: a wide range. The first run
-/// missed it with 0.42; since then the error has a floor of 0.002 mag.
+/// Share of the zero points within one sigma. The error of a median of few stars is not normal: a wide range. The first
+/// run missed it with 0.42; since then the error has a floor of 0.002 mag.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.55..=0.90;
 /// Largest relative error of the seeing.
 const SEEING_ERROR: f64 = 0.03;
