@@ -252,7 +252,7 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
 /// streaks are found, so that the selection by detection does not bias the mean.
 #[test]
 fn verif_flux_at_a_low_signal_to_noise_is_unbiased() {
-    const COUNT: usize = 960;
+    const COUNT: usize = 240;
     /// Smallest difference of the uncorrected flux from the truth, in standard errors: the correction is needed.
     const UNCORRECTED_ERRORS: f64 = 2.0;
     let cases = [0.0, 100.0].into_iter().flat_map(|stars| cases_at(10.0, stars, COUNT));
