@@ -6,14 +6,19 @@ use super::{Direction, Gcrs};
 /// Table of `names separated by |;right ascension;declination`, degrees; the head of the file names its source.
 const TABLE: &str = include_str!("deep_sky.csv");
 
-/// Returns the direction of a deep-sky object by one of its names (`M31`, `Messier 31`, `NGC 224`, `Andromeda Galaxy`);
-/// case, blanks and punctuation are ignored. Centres of extended objects are good to some arcminutes.
+/// Returns the direction of a deep-sky object by one of its names (`M31`, `Messier 31`, `C14`, `NGC 224`, `Andromeda
+/// Galaxy`); case, blanks and punctuation are ignored. Centres of extended objects are good to some arcminutes.
 ///
 /// # Errors
 /// [`FramesError::UnknownObject`] for a name outside the table.
 pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, FramesError> {
     let key = key_of(name);
-    let key = key.strip_prefix("messier").map(|number| format!("m{number}")).unwrap_or(key);
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let key = match (key.strip_prefix("messier"), key.strip_prefix('c').filter(|text| is_number(text))) {
+        (Some(number), _) => format!("m{number}"),
+        (_, Some(number)) => format!("caldwell{number}"),
+        _ => key,
+    };
     let found = TABLE.lines().filter(|line| !line.starts_with('#')).find_map(|line| {
         let mut fields = line.split(';');
         let is_named = fields.next()?.split('|').any(|known| key_of(known) == key);
@@ -37,6 +42,7 @@ mod tests {
         for name in ["m 31", "Messier 31", "NGC224", "Andromeda galaxy"] {
             assert_eq!(deep_sky_object(name).unwrap(), andromeda, "{name}");
         }
+        assert_eq!(deep_sky_object("C 14").unwrap(), deep_sky_object("Caldwell 14").unwrap());
         let error = deep_sky_object("M111").unwrap_err().to_string();
         assert!(error.contains("'M111'") && error.contains("--ra"), "{error}");
     }

@@ -75,6 +75,33 @@ fn control_characters_are_escaped_on_terminals() {
     assert!(shown.contains("\\u{1b}[31mred") && !shown.contains('\u{1b}'), "{shown:?}");
 }
 
+#[test]
+fn an_output_never_replaces_an_input_or_another_output() {
+    let folder = TempDir::new().unwrap();
+    let text = format!("{HEADER}a,2026-08-14T23:30:00Z,30,217,-30\n");
+    let schedule = file(&folder, "night.csv", text.as_bytes());
+    // Another name of the same file.
+    let link = folder.path().join("link.csv").display().to_string();
+    fs::hard_link(&schedule, &link).unwrap();
+    let same = folder.path().join(".").join("night.csv").display().to_string();
+    let config = file(&folder, "night.toml", b"elements = [\"night.csv\"]\n");
+    let new = folder.path().join("new.csv").display().to_string();
+    let flags = flag(&schedule);
+    let input: &[&str] = &["is also an input", "allowed: another file"];
+    fails(&[&flags, &["-o", &schedule]], input);
+    fails(&[&flags, &["-o", &same]], input);
+    fails(&[&["windows", "--targets", &schedule, "--night", "2026-08-14", "-o", &schedule], SITE, SHELLS], input);
+    fails(&[&["forecast", "--night", "2026-08-14", "--config", &config, "-o", &schedule], SITE], input);
+    fails(&[&["forecast", "--night", "2026-08-14", "--config", &config, "-o", &config], SITE], input);
+    let forecast: &[&str] = &["forecast", "--night", "2026-08-14", "-o", &new, "--light-curves", &new];
+    fails(&[forecast, SITE, SHELLS], &["new.csv is also another output", "allowed: another file"]);
+    assert_eq!(fs::read_to_string(&schedule).unwrap(), text);
+    assert!(!Path::new(&new).exists());
+    // A hard link is another file, which is replaced as a whole.
+    assert_eq!(run(&[&flags, &["-o", &link]]).0, 0);
+    assert_eq!(fs::read_to_string(&schedule).unwrap(), text);
+}
+
 /// A build without Parquet support reports an error, and does not write another format.
 #[cfg(not(feature = "parquet"))]
 #[test]

@@ -5,6 +5,8 @@ use std::time::SystemTime;
 
 use hifitime::Epoch;
 use streakcast::config::Config;
+use streakcast::frames::{EopTable, Orientation, seconds_after};
+use streakcast::geometry::{Observer, Site};
 use streakcast::output::format_utc;
 use streakcast::schedule::evening_mjd;
 
@@ -35,18 +37,26 @@ pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsSt
     expanded
 }
 
-/// Replaces the night `tonight` by the date of its evening. It is the current night at the site, and from local mean
-/// noon the next one.
+/// Replaces the night `tonight` by the date of its evening: of the present night if the Sun is below the horizon of the
+/// site, and of the next one if it is above.
 ///
 /// # Errors
 /// The site of the configuration is missing or invalid.
 pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config: &Config) -> anyhow::Result<()> {
     for night in nights {
         if night == "tonight" {
-            *night = date_of(evening_mjd(now(), config.site()?.longitude_rad));
+            *night = tonight(&config.site()?, now());
         }
     }
     Ok(())
+}
+
+fn tonight(site: &Site, now: Epoch) -> String {
+    let observer = Observer::new(site.clone());
+    let state = observer.state(&Orientation::at(now, &EopTable::embedded()));
+    let is_day = state.sun_altitude_azimuth_rad(now).is_some_and(|(altitude, _)| altitude > 0.0);
+    // Twelve hours after daylight are in the next night, before and after noon.
+    date_of(evening_mjd(if is_day { seconds_after(now, 43_200.0) } else { now }, site.longitude_rad))
 }
 
 /// Returns the date of an evening, for example 2024-08-13, from its MJD.
@@ -59,6 +69,18 @@ pub fn date_of(evening_mjd: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn verif_tonight_is_the_night_that_is_or_comes() {
+        // San Francisco, 8 h behind UTC. The Sun rises at 7 h and sets at 17 h.
+        let site = Site::new_deg("San Francisco", 37.8, -122.4, 0.0).unwrap();
+        for (day, hour, evening) in
+            [(26, 2, "11-25"), (26, 14, "11-25"), (26, 16, "11-26"), (26, 23, "11-26"), (27, 6, "11-26")]
+        {
+            let now = Epoch::from_gregorian_utc_hms(2026, 11, day, hour, 0, 0);
+            assert_eq!(tonight(&site, now), format!("2026-{evening}"), "{now}");
+        }
+    }
 
     #[test]
     fn verif_words_for_the_time_and_standard_input() {

@@ -4,6 +4,7 @@ mod arguments;
 mod cache;
 mod clock;
 mod failure;
+mod files;
 mod help;
 mod local_time;
 mod notices;
@@ -123,7 +124,14 @@ enum Verb {
 fn main() -> ExitCode {
     let command = help::complete(Arguments::command());
     let matches = command.clone().try_get_matches_from(clock::expand(std::env::args_os(), clock::now()));
-    let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
+    let matches = match matches {
+        Ok(matches) => matches,
+        Err(error) => return report_usage(&error, command),
+    };
+    if let Err(error) = files::check(&command, &matches) {
+        return exit_code(Err(error));
+    }
+    let arguments = match Arguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
         Err(error) => return report_usage(&error, command),
     };

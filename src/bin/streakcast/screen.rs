@@ -50,7 +50,8 @@ const PADDING: usize = 2;
 
 /// Returns the width of the terminal at standard output, characters; `None` if it is not a terminal.
 pub fn terminal_width() -> Option<usize> {
-    Screen::new().width().map(usize::from)
+    // Some programs that run others in a terminal of their own state 0 columns.
+    Screen::new().width().filter(|width| *width > 0).map(usize::from)
 }
 
 /// Returns the table as text with one line per row. If `width` (characters) is given, text is shortened and the last

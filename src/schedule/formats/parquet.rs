@@ -5,10 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use arrow_array::cast::AsArray;
-use arrow_array::types::Float64Type;
+use arrow_array::types::{Float64Type, TimestampMicrosecondType};
 use arrow_array::{Array, ArrayRef, RecordBatch};
 use arrow_cast::cast;
-use arrow_schema::DataType;
+use arrow_schema::{ArrowError, DataType, TimeUnit};
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::file::metadata::ParquetMetaData;
 
@@ -60,7 +60,7 @@ fn read_batches(path: &Path) -> Result<RawTable, ScheduleError> {
 }
 
 /// Returns the cells of a column: floating point numbers as numbers, integers as text with all digits, other types as
-/// text. Cells whose type cannot be converted to text are missing.
+/// text; times with a time zone in UTC with a `Z`. Cells whose type cannot be converted to text are missing.
 fn cells(column: &ArrayRef) -> Vec<Cell> {
     if column.data_type().is_floating()
         && let Ok(numbers) = cast(column, &DataType::Float64)
@@ -68,11 +68,53 @@ fn cells(column: &ArrayRef) -> Vec<Cell> {
         let numbers = numbers.as_primitive::<Float64Type>();
         return numbers.iter().map(|number| number.map_or(Cell::Missing, Cell::Number)).collect();
     }
-    match cast(column, &DataType::Utf8) {
+    let (texts, zone) = match column.data_type() {
+        DataType::Timestamp(_, Some(_)) => (utc(column), "Z"),
+        _ => (cast(column, &DataType::Utf8), ""),
+    };
+    match texts {
         Ok(texts) => {
             let texts = texts.as_string::<i32>();
-            texts.iter().map(|text| text.map_or(Cell::Missing, Cell::from_text)).collect()
+            texts
+                .iter()
+                .map(|text| text.map_or(Cell::Missing, |text| Cell::from_text(&format!("{text}{zone}"))))
+                .collect()
         }
         Err(_) => vec![Cell::Missing; column.len()],
+    }
+}
+
+/// Returns times with a time zone as text in UTC, in which Parquet stores them. Conversion in their own zone requires
+/// the names of all zones.
+fn utc(column: &ArrayRef) -> Result<ArrayRef, ArrowError> {
+    let DataType::Timestamp(_, zone) = column.data_type() else { return cast(column, &DataType::Utf8) };
+    let microseconds = cast(column, &DataType::Timestamp(TimeUnit::Microsecond, zone.clone()))?;
+    let times = microseconds.as_primitive::<TimestampMicrosecondType>().clone().with_timezone_opt(None::<&str>);
+    cast(&times, &DataType::Utf8)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use arrow_array::{TimestampMillisecondArray, TimestampNanosecondArray};
+
+    use super::*;
+
+    #[test]
+    fn verif_times_with_a_zone_are_read_in_utc() {
+        // 2026-08-14T23:29:05.25Z.
+        const UNIX_MS: i64 = 1_786_750_145_250;
+        for zone in ["UTC", "+00:00", "+02:00", "Europe/Paris"] {
+            let columns: [ArrayRef; 2] = [
+                Arc::new(TimestampMillisecondArray::from(vec![Some(UNIX_MS), None]).with_timezone(zone)),
+                Arc::new(TimestampNanosecondArray::from(vec![Some(UNIX_MS * 1_000_000), None]).with_timezone(zone)),
+            ];
+            for column in columns {
+                let read = cells(&column);
+                assert_eq!(read[0], Cell::from_text("2026-08-14T23:29:05.250Z"), "{zone}");
+                assert_eq!(read[1], Cell::Missing, "{zone}");
+            }
+        }
     }
 }

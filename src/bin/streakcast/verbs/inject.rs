@@ -1,6 +1,5 @@
 //! `inject`: adds streaks of satellites, or random streaks, to frames.
 
-use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,6 +11,7 @@ use streakcast::output::{Section, Table};
 use streakcast::streaks::{InjectedFrame, Injections};
 
 use crate::failure::Outcome;
+use crate::files::check_distinct;
 use crate::notices::Notices;
 use crate::output::{Format, Output, VerbResult, check_whole};
 #[cfg(feature = "plot")]
@@ -73,17 +73,7 @@ impl Outputs {
         }
         let tables = typed.truth.iter().chain(&typed.trails);
         let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).collect();
-        let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
-        if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
-            return Err(anyhow!("output {} is also an input; allowed: another file", both.display()));
-        }
-        let distinct: BTreeSet<PathBuf> =
-            all.iter().map(|path| path.canonicalize().unwrap_or(path.to_path_buf())).collect();
-        if distinct.len() < all.len() {
-            return Err(anyhow!(
-                "two outputs have the same name; allowed: a different file for each frame, --truth, --trails and each picture"
-            ));
-        }
+        check_distinct(inputs, &all)?;
         Ok(outputs)
     }
 

@@ -1,0 +1,53 @@
+//! Files on the command line: no output replaces an input or another output.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf, absolute};
+
+use anyhow::bail;
+use clap::{ArgMatches, Command};
+use streakcast::config::Config;
+
+/// Arguments that are output files in all verbs.
+const OUTPUTS: [&str; 9] =
+    ["output", "picture", "status_file", "light_curves", "truth", "trails", "preview", "preview_marked", "report"];
+
+/// Checks that no output file of a verb is also an input, also one in the configuration file, or another output.
+pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
+    let (mut command, mut matches) = (command, matches);
+    let mut is_plot = false;
+    while let Some((name, inner)) = matches.subcommand() {
+        let Some(subcommand) = command.find_subcommand(name) else { break };
+        is_plot |= name == "plot";
+        (command, matches) = (subcommand, inner);
+    }
+    let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
+    for argument in command.get_arguments() {
+        let id = argument.get_id().as_str();
+        let is_output = OUTPUTS.contains(&id) || is_plot && id == "data";
+        let paths = matches.try_get_raw(id).ok().flatten().into_iter().flatten().map(PathBuf::from);
+        if is_output { &mut outputs } else { &mut inputs }.extend(paths);
+    }
+    let config = matches.try_get_one::<PathBuf>("file").ok().flatten();
+    if let (Some(file), false) = (config, outputs.is_empty()) {
+        // Errors of this file are those of the verb.
+        inputs.extend(Config::read(file).map_or_else(|_| Vec::new(), |config| config.files()));
+    }
+    check_distinct(&inputs, &outputs)
+}
+
+/// Checks that no output is also an input or another output. Devices and pipes may be both.
+pub fn check_distinct(inputs: &[impl AsRef<Path>], outputs: &[impl AsRef<Path>]) -> anyhow::Result<()> {
+    let mut files = BTreeMap::new();
+    for path in inputs.iter().map(AsRef::as_ref).filter(|path| path.is_file()) {
+        files.insert(fs::canonicalize(path)?, "an input");
+    }
+    for path in outputs.iter().map(AsRef::as_ref).filter(|path| path.is_file() || !path.exists()) {
+        // A file that does not exist has no canonical path.
+        let file = fs::canonicalize(path).or_else(|_| absolute(path))?;
+        if let Some(other) = files.insert(file, "another output") {
+            bail!("output {} is also {other}; allowed: another file", path.display());
+        }
+    }
+    Ok(())
+}
