@@ -55,7 +55,7 @@ fn verif_links_are_followed_and_pipes_are_rejected() {
     }
     let same: &[&str] = &["-o", &path(&folder, "store/frame.fits"), "--truth", &truth, "--trails", &truth];
     let (code, _, stderr) = run(&[&["inject", "--synthetic", &description], same, RANDOM]);
-    assert!(code == 2 && stderr.contains("two outputs"), "{stderr}");
+    assert!(code == 2 && stderr.contains("is also another output"), "{stderr}");
 }
 
 #[test]

@@ -260,7 +260,7 @@ fn verif_two_outputs_need_two_files() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     for (output, picture) in [("a.svg", "a.svg"), ("a.svg", "./a.svg"), ("sub/../a.png", "a.png")] {
         let outputs = ["-o", &path(output), "--picture", &path(picture)];
-        fails(&[SKY, &outputs], &["is a picture; allowed: --picture"]);
+        fails(&[SKY, &outputs], &["is also another output; allowed: another file"]);
     }
     fails(
         &[SKY, &["--nside", "8", "--picture", &path("a.png")]],

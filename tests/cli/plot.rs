@@ -383,7 +383,7 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         &[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "--data", &path(&folder, "d.txt")]],
         &["d.txt", "the extension .ecsv"],
     );
-    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["given twice"]);
+    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["is also another output"]);
     fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not state its exposure"]);
     fails(
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],

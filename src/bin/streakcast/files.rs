@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::{ArgMatches, Command};
@@ -15,16 +15,22 @@ const OUTPUTS: [&str; 9] =
 /// Checks that no output file of a verb is also an input, also one in the configuration file, or another output.
 pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
     let (mut command, mut matches) = (command, matches);
-    let mut is_plot = false;
+    let mut verb = "";
     while let Some((name, inner)) = matches.subcommand() {
         let Some(subcommand) = command.find_subcommand(name) else { break };
-        is_plot |= name == "plot";
+        if verb.is_empty() {
+            verb = name;
+        }
         (command, matches) = (subcommand, inner);
     }
     let (mut inputs, mut outputs) = (Vec::new(), Vec::new());
     for argument in command.get_arguments() {
         let id = argument.get_id().as_str();
-        let is_output = OUTPUTS.contains(&id) || is_plot && id == "data";
+        // `annotate` may replace its schedule, in which all cells are kept.
+        if (verb, id) == ("annotate", "schedule") {
+            continue;
+        }
+        let is_output = OUTPUTS.contains(&id) || (verb, id) == ("plot", "data");
         let paths = matches.try_get_raw(id).ok().flatten().into_iter().flatten().map(PathBuf::from);
         if is_output { &mut outputs } else { &mut inputs }.extend(paths);
     }
@@ -43,11 +49,16 @@ pub fn check_distinct(inputs: &[impl AsRef<Path>], outputs: &[impl AsRef<Path>])
         files.insert(fs::canonicalize(path)?, "an input");
     }
     for path in outputs.iter().map(AsRef::as_ref).filter(|path| path.is_file() || !path.exists()) {
-        // A file that does not exist has no canonical path.
-        let file = fs::canonicalize(path).or_else(|_| absolute(path))?;
+        let file = fs::canonicalize(path).unwrap_or_else(|_| new_file(path));
         if let Some(other) = files.insert(file, "another output") {
             bail!("output {} is also {other}; allowed: another file", path.display());
         }
     }
     Ok(())
+}
+
+/// Returns the path of a file that does not exist, with the canonical path of its folder.
+fn new_file(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
 }

@@ -1,6 +1,7 @@
 //! `fit run`: fits a model, and writes the model file with covariance and a report.
 
-use std::path::{Path, PathBuf};
+use std::iter::once;
+use std::path::PathBuf;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
@@ -18,6 +19,7 @@ use super::form::{ChosenForm, form};
 use super::points::{FitInput, read, weights};
 use super::report::{self, FitResults};
 use crate::failure::Outcome;
+use crate::files::check_distinct;
 use crate::output::{Output, check};
 
 pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
@@ -193,7 +195,9 @@ fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<
 /// Checks all flags, and returns the destination of the model file.
 fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
     let output = Output::new(Some("json"), Some(typed.output.clone()))?;
-    check_distinct(typed)?;
+    let reports = typed.report.iter().flat_map(|report| report::files(report));
+    let outputs: Vec<PathBuf> = once(typed.output.clone()).chain(typed.chains.clone()).chain(reports).collect();
+    check_distinct(&typed.photometry.tables.photometry, &outputs)?;
     if let Some(chains) = &typed.chains {
         check(chains)?;
     }
@@ -227,30 +231,6 @@ fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Outpu
     file.provenance.data = typed.data.clone().unwrap_or(file.provenance.data);
     ModelFile::validate(&file, "to be written")?;
     Ok(output)
-}
-
-/// Checks that all output files differ from each other and from the photometry files.
-fn check_distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
-    let reports = typed.report.iter().flat_map(|report| report::files(report));
-    let outputs = std::iter::once(typed.output.clone()).chain(typed.chains.clone()).chain(reports);
-    let mut taken: Vec<PathBuf> = typed.photometry.tables.photometry.iter().map(|path| absolute_path(path)).collect();
-    for path in outputs {
-        let absolute = absolute_path(&path);
-        if taken.contains(&absolute) {
-            return Err(anyhow!(
-                "{} is given twice; allowed: a different file for each input and output",
-                path.display()
-            ));
-        }
-        taken.push(absolute);
-    }
-    Ok(())
-}
-
-/// Returns the path with the canonical path of its folder.
-fn absolute_path(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
 }
 
 /// Returns true for a valid month or day.

@@ -47,9 +47,6 @@ impl Target {
         for path in &typed.output {
             let format = PictureFormat::of(path)?;
             check(path)?;
-            if pictures.iter().any(|(other, _)| other == path) {
-                bail!("picture {} is given twice; allowed: different files", path.display());
-            }
             pictures.push((path.clone(), format));
         }
         let default_path = || typed.output.first().filter(|_| has_data && !typed.no_data).map(|path| data_path(path));
