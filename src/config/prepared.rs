@@ -82,7 +82,7 @@ impl LoadedInputs {
                 .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
             provenance.attach("cut_short", warnings::cut_short(catalogue).collect::<Vec<_>>());
             elements = catalogue.at(middle);
-            let merged = merge_modules(&mut elements);
+            let merged = merge_parts_of_stations(&mut elements);
             if !merged.is_empty() {
                 provenance.attach("modules_merged", merged);
             }
@@ -204,15 +204,36 @@ impl PreparedSky {
     }
 }
 
-/// Removes the modules of space stations whose main object has an element set, because the magnitude of a station
-/// includes its modules. Returns the names of the removed modules.
-fn merge_modules(elements: &mut Vec<ElementSet>) -> Vec<String> {
+/// Removes the parts of space stations whose main object has an element set, because the magnitude of a station includes
+/// them: modules, and docked spacecraft, whose elements are those of the station. Returns the names of the removed parts.
+fn merge_parts_of_stations(elements: &mut Vec<ElementSet>) -> Vec<String> {
     let table = BrightObjects::embedded();
-    let stations: BTreeSet<u32> = elements.iter().map(|set| set.norad_id.0).collect();
-    let is_module = |set: &ElementSet| table.station_of(set.norad_id.0).is_some_and(|id| stations.contains(&id));
-    let modules = elements.iter().filter(|set| is_module(set)).map(|set| set.name.to_string()).collect();
-    elements.retain(|set| !is_module(set));
-    modules
+    let stations: Vec<ElementSet> = elements.iter().filter(|set| table.is_station(set.norad_id.0)).cloned().collect();
+    let is_part = |set: &ElementSet| {
+        stations.iter().any(|station| {
+            let is_module = table.station_of(set.norad_id.0) == Some(station.norad_id.0);
+            is_module || set.norad_id != station.norad_id && is_same_orbit(set, station)
+        })
+    };
+    let parts = elements.iter().filter(|set| is_part(set)).map(|set| set.name.to_string()).collect();
+    elements.retain(|set| !is_part(set));
+    parts
+}
+
+/// Returns true if two element sets give the same positions.
+fn is_same_orbit(one: &ElementSet, other: &ElementSet) -> bool {
+    let numbers = |set: &ElementSet| {
+        [
+            set.mean_motion_rev_day,
+            set.eccentricity,
+            set.inclination_deg,
+            set.right_ascension_of_node_deg,
+            set.argument_of_perigee_deg,
+            set.mean_anomaly_deg,
+            set.bstar_per_earth_radius,
+        ]
+    };
+    one.epoch == other.epoch && numbers(one) == numbers(other)
 }
 
 /// Adds the time scale and the photometry of a request to its provenance.
@@ -376,6 +397,23 @@ mod tests {
         std::fs::write(folder.path().join("a.tle"), text).unwrap();
         let path = folder.path().join("a.tle").display().to_string();
         (folder, Config::from_toml(&format!("elements = '{path}'\nmpc = 'X05'"), "t.toml").unwrap())
+    }
+
+    #[test]
+    fn verif_parts_of_a_station_are_merged() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.tle");
+        let checked = |text: &str| text.lines().map(|line| format!("{}0\n", &line[..68])).collect::<String>();
+        let docked = checked(&GOOD.replace("25544", "66664"));
+        let released = checked(&GOOD.replace("25544", "66665").replace("87.8481", "87.9481"));
+        let module = checked(&GOOD.replace("25544", "49044").replace("87.8481", "87.8482"));
+        std::fs::write(&path, GOOD.to_owned() + &docked + &released + &module).unwrap();
+        let text = format!("elements = '{}'\nmpc = 'X05'\naccept_bad_checksums = true", path.display());
+        let start = utc("2026-07-08T20:00:00Z");
+        let prepared = Config::from_toml(&text, "t.toml").unwrap().prepare(start, start).unwrap();
+        let numbers: Vec<u32> = prepared.sky.elements().iter().map(|set| set.norad_id.0).collect();
+        assert_eq!(numbers, [25_544, 66_665]);
+        assert_eq!(prepared.provenance.get("modules_merged").unwrap().as_array().unwrap().len(), 2);
     }
 
     #[test]

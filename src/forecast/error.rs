@@ -21,7 +21,10 @@ pub enum ForecastError {
         allowed: &'static str,
     },
     /// No satellite matches the selection.
-    #[error("none of the {satellites} satellites has {selection}; allowed: a selection of at least one satellite")]
+    #[error(
+        "none of the {satellites} satellites has {selection}; allowed: a selection of at least one satellite (modules and \
+         docked spacecraft belong to their station: 25544 ISS, 48274 CSS)"
+    )]
     EmptySelection {
         /// Number of satellites.
         satellites: usize,

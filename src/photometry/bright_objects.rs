@@ -67,6 +67,11 @@ impl BrightObjects {
         self.modules.get(&norad_id).copied()
     }
 
+    /// Returns true for the main object of a space station, whose light includes its modules and docked spacecraft.
+    pub fn is_station(&self, norad_id: u32) -> bool {
+        self.modules.values().any(|station| *station == norad_id)
+    }
+
     /// Returns the object with this catalogue number, or the class of this name, without a number of the stage: `SL-12
     /// R/B(2)` is of the class `SL-12 R/B`.
     pub fn get(&self, norad_id: u32, name: &str) -> Option<&BrightObject> {
@@ -128,6 +133,7 @@ mod tests {
         assert_eq!(table.get(1, "SL-12 R/B(AUX MOTOR)").unwrap().name, "SL-12 R/B(AUX MOTOR)");
         assert_eq!(table.get(1, "SL-16 DEB"), None);
         assert_eq!(table.station_of(49_044), Some(25_544));
+        assert!(table.is_station(48_274) && !table.is_station(49_044) && !table.is_station(20_580));
         assert_eq!(table.get(1, "SL-16 R/B").unwrap().model().source().to_string(), "prior:sl-16-rocket-body");
     }
 }
