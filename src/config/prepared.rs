@@ -413,7 +413,8 @@ mod tests {
         let prepared = Config::from_toml(&text, "t.toml").unwrap().prepare(start, start).unwrap();
         let numbers: Vec<u32> = prepared.sky.elements().iter().map(|set| set.norad_id.0).collect();
         assert_eq!(numbers, [25_544, 66_665]);
-        assert_eq!(prepared.provenance.get("modules_merged").unwrap().as_array().unwrap().len(), 2);
+        let (_, merged) = prepared.provenance.attached().find(|(name, _)| *name == "modules_merged").unwrap();
+        assert_eq!(merged.as_array().unwrap().len(), 2);
     }
 
     #[test]
