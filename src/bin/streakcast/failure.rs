@@ -64,26 +64,26 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
                 .filter(|line| !line.is_empty())
                 .collect();
             let mut message = message.join("; ").replace(":; ", ": ");
+            let (verb, path) = innermost(command);
             // clap lists only names that are similar to the unknown one.
-            if let Some(names) = allowed_names(error, command) {
-                message += &format!("; allowed: {names}");
+            if error.kind() == ErrorKind::InvalidSubcommand {
+                let allowed = verb.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name);
+                message += &format!("; allowed: {}", allowed.collect::<Vec<_>>().join(", "));
             }
-            report(&format!("{} (see streakcast --help)", message.trim_start_matches("error: ")));
+            report(&format!("{} (see {path} --help)", message.trim_start_matches("error: ")));
             ExitCode::from(2)
         }
     }
 }
 
-/// Returns the names of the allowed subcommands if a subcommand is unknown.
-fn allowed_names(error: &clap::Error, mut command: Command) -> Option<String> {
-    if error.kind() != ErrorKind::InvalidSubcommand {
-        return None;
-    }
-    // Subcommands come first: the first word that is not a subcommand is the unknown one.
+/// Returns the subcommand in the arguments of this program, and its names with those of the commands that contain it.
+fn innermost(mut command: Command) -> (Command, String) {
+    let mut path = command.get_name().to_owned();
+    // Subcommands come first.
     for word in std::env::args_os().skip(1) {
         let Some(inner) = command.find_subcommand(word) else { break };
+        path += &format!(" {}", inner.get_name());
         command = inner.clone();
     }
-    let names: Vec<&str> = command.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name).collect();
-    Some(names.join(", "))
+    (command, path)
 }

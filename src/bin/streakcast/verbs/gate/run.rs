@@ -122,10 +122,10 @@ fn line(result: &Result<GateVerdict, Fault>, request: &Request) -> String {
     };
     match result {
         Ok(GateVerdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
-            format!("gate: clear after {waited_s:.1} s, starts until {}{others}", format_utc(*until, 0))
+            format!("gate: clear after {waited_s:.1} s, starts until at least {}{others}", format_utc(*until, 0))
         }
         Ok(GateVerdict::Clear { until, .. }) => {
-            format!("gate: clear now, starts until {}{others}", format_utc(*until, 0))
+            format!("gate: clear now, starts until at least {}{others}", format_utc(*until, 0))
         }
         Ok(GateVerdict::NotClear) => {
             format!(
