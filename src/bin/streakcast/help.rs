@@ -72,11 +72,18 @@ const FRAMES: Group = Group {
     usage: "(--image <FILE>... | --synthetic <FILE>)",
     rule: "--image or --synthetic",
 };
+const POINTING: Group = Group {
+    heading: "",
+    marked_heading: "",
+    ids: &["target", "ra", "dec"],
+    usage: "(--target <NAME> | --ra <ANGLE> --dec <ANGLE>)",
+    rule: "--target, or --ra and --dec",
+};
 const GATE_POINTING: Group = Group {
     heading: "",
     marked_heading: "",
     ids: &[],
-    usage: "(--ra <ANGLE> --dec <ANGLE> | --targets <FILE> --target <NAME> | --stdin ekos | --indi <HOST:PORT>)",
+    usage: "(--ra <ANGLE> --dec <ANGLE> | --targets <FILE> --target <NAME> | --indi <HOST:PORT>)",
     rule: "",
 };
 const GATE_EXPOSURE: Group = Group {
@@ -116,8 +123,8 @@ const CAMERA_AND_SKY: &[Group] = &[SATELLITES, SITE, FIELD];
 const VERBS: &[VerbHelp] = &[
     VerbHelp {
         path: "passes",
-        flags: &["start", "exposure", "ra", "dec"],
-        groups: CAMERA_AND_SKY,
+        flags: &["start", "exposure"],
+        groups: &[POINTING, SATELLITES, SITE, FIELD],
         examples: [
             "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 3.5deg",
             "--start 2024-08-14T03:30:00Z --exposure 2min --ra 18h40m --dec=-30d --elements active.tle --site Paranal --telescope vst",
@@ -358,10 +365,10 @@ const VERBS: &[VerbHelp] = &[
     ),
     VerbHelp {
         path: "serve",
-        flags: &["schedule"],
+        flags: &[],
         groups: CAMERA_AND_SKY,
         examples: [
-            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin",
+            "--elements active.tle --mpc X05 --telescope rubin",
             "--schedule night.csv --shells oneweb --mpc X05 --fov 3.5deg --bind 0.0.0.0:8642 --token-file token.txt",
         ],
     },
