@@ -25,10 +25,9 @@ fn measured(data: &Path, frame: &str, elements: &str, more: &[&str]) -> Vec<Valu
 ///
 /// The sum of the pixels within 20, 25 or 30 pixels of the streak, minus the median of the next 25 pixels of the same
 /// column, by hand, is 7,284 to 7,359 counts for each pixel of length: with 10,060 pixels a second 5.47 to 5.48 mag. The
-/// bound set for the difference, 0.2 mag, was missed: the measurement is 0.86 mag brighter, and wrong. A third of the
-/// track in the cutout is on the bright edge and the overscan of the chip, where the background is not a constant and a
-/// slope. They are not omitted because DATASEC is that of the whole chip and ends outside the cutout. The measurement
-/// has the flags `edge` and `pixel_noise`.
+/// bound set for the difference, 0.2 mag, was missed: the measurement is 0.86 mag brighter, and wrong. The
+/// cause is not known. A third of the track in the cutout is on the bright edge and the overscan of the chip; without
+/// these columns the streak is not found. The measurement has the flags `edge` and `pixel_noise`.
 #[test]
 fn valid_starlink_1102_is_measured_where_it_was_seen() {
     const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";

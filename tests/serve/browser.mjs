@@ -713,6 +713,29 @@ try {
     await page.close();
   });
 
+  await step("names with markup are shown as text", async () => {
+    const MARKUP = '<img src="x" onerror="console.error(1)"><b>name</b>';
+    const page = await open();
+    let named = 0;
+    await page.route(/\/api\/v1\/(exposure|dome)/, async (route) => {
+      const response = await route.fetch();
+      const text = (await response.text()).replace(/"name":\s*"[^"]*"/g, () => {
+        named += 1;
+        return `"name":${JSON.stringify(MARKUP)}`;
+      });
+      await route.fulfill({ response, body: text });
+    });
+    // The third exposure has a streak.
+    await page.click("#after");
+    await settled(page);
+    await page.click("#after");
+    await settled(page);
+    const crossings = await page.textContent("#crossings");
+    assert.ok(named > 0 && crossings.includes(MARKUP), `${named}: ${crossings}`);
+    assert.equal(await page.locator('img[src="x"]').count(), 0);
+    await page.close();
+  });
+
   for (const [width, height] of [[1280, 900], [390, 844]]) {
     for (const light of ["dark", "red"]) {
       await step(`${width} px, ${light}: drawn, and no wider than the screen`, async () => {

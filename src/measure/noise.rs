@@ -1,0 +1,79 @@
+//! Errors of a measured streak: scatter of fits beside it, error of its offset, and bias of its flux.
+
+use super::background::median_and_sigma;
+use super::band::Band;
+use super::fit::{Amplitude, Blocks, combined, fit_blocks};
+
+/// Number of control fits on each side of the streak.
+pub(super) const CONTROLS_A_SIDE: usize = 30;
+/// Smallest weight of a control fit relative to that of the streak, and the smallest number of control fits from which
+/// the error is computed.
+const LEAST_CONTROL_WEIGHT: f64 = 0.5;
+const LEAST_CONTROLS: usize = 10;
+/// Control fits beyond this number of robust sigmas are omitted.
+const CONTROL_CLIP: f64 = 5.0;
+/// Share of the control fits that is independent: neighbouring ones overlap.
+const INDEPENDENT: f64 = 0.7;
+/// Smallest signal to noise at which offset and angle are fitted.
+pub(super) const REFINED_FROM: f64 = 3.5;
+
+/// Returns the scatter of fits of the same template beside the streak, multiplied by the square root of their weights;
+/// `None` if there is no space for enough of them.
+///
+/// These fits contain all noise of the background: that of the pixels, correlated or not, of faint stars, of masks and
+/// of the fitted background. Nothing else is added for them to the error.
+#[expect(clippy::too_many_arguments, reason = "parts of one computation")]
+pub(super) fn controls(
+    band: &Band,
+    rest: &[f32],
+    mask: &[bool],
+    template: &[f32],
+    blocks: &Blocks,
+    weight: f64,
+    first: isize,
+    step: isize,
+) -> Option<f64> {
+    let shifts = (0..=CONTROLS_A_SIDE as isize).flat_map(|number| [first + number * step, -first - number * step]);
+    let scaled: Vec<f64> = shifts
+        .filter_map(|shift| combined(&fit_blocks(band, rest, mask, template, shift, blocks)))
+        .filter(|amplitude| amplitude.weight >= LEAST_CONTROL_WEIGHT * weight)
+        .map(|amplitude| amplitude.value * amplitude.weight.sqrt())
+        .collect();
+    if scaled.len() < LEAST_CONTROLS {
+        return None;
+    }
+    let (middle, sigma) = median_and_sigma(&scaled);
+    let kept: Vec<f64> = scaled.into_iter().filter(|value| (value - middle).abs() <= CONTROL_CLIP * sigma).collect();
+    let mean = kept.iter().sum::<f64>() / kept.len() as f64;
+    let variance = kept.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (kept.len() as f64 - 1.0);
+    // Half width of 68.27 % of Student's distribution, to first order in 1 / degrees of freedom.
+    let student = 1.0 + 0.5 / (INDEPENDENT * kept.len() as f64);
+    (variance > 0.0).then(|| student * variance.sqrt())
+}
+
+/// Returns the factor by which a fitted flux is multiplied because offset and tilt, and the delay if an end of the
+/// streak is in the image, are fitted to the same pixels: each follows the noise to a place of more light, which
+/// increases the flux by 1 / (2 S²) at a signal to noise S. For two parameters this is the bias 1 / S² of Portillo,
+/// Speagle & Finkbeiner (2020, AJ 159, 165). The factor is 1 below the signal to noise from which they are fitted.
+pub(super) fn without_fit_bias(signal_to_noise: f64, ends: usize) -> f64 {
+    let parameters = if ends > 0 { 3.0 } else { 2.0 };
+    if signal_to_noise < REFINED_FROM { 1.0 } else { 1.0 - 0.5 * parameters / (signal_to_noise * signal_to_noise) }
+}
+
+/// Error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A ∂m/∂v (1,
+/// u).
+pub(super) fn offset_sigma(band: &Band, mask: &[bool], template: &[f32], amplitude: &Amplitude) -> f64 {
+    let middle = 0.5 * band.len() as f64;
+    let [mut jj, mut ju, mut juu] = [0.0; 3];
+    for at in 1..template.len() - 1 {
+        if !mask[at] && band.values[at].is_finite() {
+            let u = ((at / band.height) as f64 - middle) / band.cos;
+            let square = (f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos)).powi(2);
+            jj += square;
+            ju += square * u;
+            juu += square * u * u;
+        }
+    }
+    let variance = amplitude.squares / amplitude.freedom * juu / (jj * juu - ju * ju);
+    variance.sqrt() / amplitude.value.abs()
+}
