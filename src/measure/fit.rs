@@ -10,13 +10,33 @@ pub struct Blocks {
     pub bounds: Vec<usize>,
     /// Half width of the fit, pixels of the minor axis.
     pub half_width: usize,
+    /// Weight of the pixels of each block: the smallest variance of the residuals in a block divided by that of this
+    /// block. Blocks at a bright edge of the frame or at a bright star have small weights.
+    pub weights: Vec<f64>,
 }
 
 impl Blocks {
     /// Divides a band into blocks of about `length` columns.
     pub fn new(columns: usize, length: usize, half_width: usize) -> Self {
         let count = (columns / length.max(1)).max(1);
-        Self { bounds: (0..=count).map(|block| block * columns / count).collect(), half_width }
+        let bounds = (0..=count).map(|block| block * columns / count).collect();
+        Self { bounds, half_width, weights: vec![1.0; count] }
+    }
+
+    /// Sets the weights by the residuals of the template and the background in each block.
+    pub fn weigh(&mut self, band: &Band, mask: &[bool], template: &[f32]) {
+        self.weights.fill(1.0);
+        let fits = fit_blocks(band, &band.values, mask, template, 0, self);
+        let variances: Vec<f64> = fits.iter().map(BlockFit::variance).collect();
+        let least = variances.iter().copied().filter(|variance| *variance > 0.0).fold(f64::INFINITY, f64::min);
+        for (weight, variance) in self.weights.iter_mut().zip(variances) {
+            *weight = if variance > 0.0 { least / variance } else { 1.0 };
+        }
+    }
+
+    /// Returns the columns and the weight of each block.
+    pub fn weighted(&self) -> impl Iterator<Item = (std::ops::Range<usize>, f64)> + '_ {
+        self.ranges().zip(self.weights.iter().copied())
     }
 
     /// Returns the ranges of columns.
@@ -25,7 +45,8 @@ impl Blocks {
     }
 }
 
-/// Fit of a block: its light after projection on the template without constant and slope.
+/// Fit of a block: its light after projection on the template without constant and slope. The sums include the weight
+/// of the block.
 #[derive(Copy, Clone, Debug, Default)]
 pub struct BlockFit {
     /// Σ m'², the weight of the amplitude; m' is the template minus its fit by a constant and a slope.
@@ -47,6 +68,18 @@ impl BlockFit {
     pub fn amplitude(&self) -> Option<f64> {
         (self.weight > 0.0).then(|| self.signal / self.weight)
     }
+
+    /// Sum of the squared residuals with the amplitude of the block.
+    fn rest(&self) -> f64 {
+        self.squares - if self.weight > 0.0 { self.signal * self.signal / self.weight } else { 0.0 }
+    }
+
+    /// Variance of the residuals; 0 with too few pixels.
+    fn variance(&self) -> f64 {
+        /// Smallest number of pixels whose scatter is a measure of the noise.
+        const LEAST_PIXELS: usize = 30;
+        if self.pixels < LEAST_PIXELS { 0.0 } else { self.rest() / (self.pixels - 3) as f64 }
+    }
 }
 
 /// Fits amplitude, constant and slope in each block. The template is shifted by `shift` pixels along the minor axis,
@@ -65,8 +98,8 @@ pub fn fit_blocks(
     let from = (half + shift - width).clamp(0, height);
     let to = (half + shift + width + 1).clamp(0, height);
     blocks
-        .ranges()
-        .map(|columns| {
+        .weighted()
+        .map(|(columns, of_block)| {
             // Sums of 1, x, x², m, m x, m², d, d x, d m, d².
             let mut sums = [0.0f64; 10];
             for column in columns {
@@ -94,9 +127,9 @@ pub fn fit_blocks(
                 |sum: f64, moment: f64| [(xx * sum - x * moment) / determinant, (n * moment - x * sum) / determinant];
             let (of_template, of_data) = (line(m, mx), line(d, dx));
             BlockFit {
-                weight: (mm - of_template[0] * m - of_template[1] * mx).max(0.0),
-                signal: dm - of_template[0] * d - of_template[1] * dx,
-                squares: (dd - of_data[0] * d - of_data[1] * dx).max(0.0),
+                weight: of_block * (mm - of_template[0] * m - of_template[1] * mx).max(0.0),
+                signal: of_block * (dm - of_template[0] * d - of_template[1] * dx),
+                squares: of_block * (dd - of_data[0] * d - of_data[1] * dx).max(0.0),
                 background: of_data,
                 response: of_template,
                 pixels: n as usize,
@@ -135,6 +168,5 @@ pub fn combined(fits: &[BlockFit]) -> Option<Amplitude> {
 
 /// Sum of the squared residuals with an amplitude for each block.
 pub fn squares_by_block(fits: &[BlockFit]) -> f64 {
-    let of = |fit: &BlockFit| fit.squares - if fit.weight > 0.0 { fit.signal * fit.signal / fit.weight } else { 0.0 };
-    fits.iter().map(of).sum()
+    fits.iter().map(BlockFit::rest).sum()
 }

@@ -62,16 +62,24 @@ pub(super) fn without_fit_bias(signal_to_noise: f64, ends: usize) -> f64 {
 
 /// Error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A ∂m/∂v (1,
 /// u).
-pub(super) fn offset_sigma(band: &Band, mask: &[bool], template: &[f32], amplitude: &Amplitude) -> f64 {
+pub(super) fn offset_sigma(
+    band: &Band,
+    mask: &[bool],
+    template: &[f32],
+    blocks: &Blocks,
+    amplitude: &Amplitude,
+) -> f64 {
     let middle = 0.5 * band.len() as f64;
     let [mut jj, mut ju, mut juu] = [0.0; 3];
-    for at in 1..template.len() - 1 {
-        if !mask[at] && band.values[at].is_finite() {
-            let u = ((at / band.height) as f64 - middle) / band.cos;
-            let square = (f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos)).powi(2);
-            jj += square;
-            ju += square * u;
-            juu += square * u * u;
+    for (columns, weight) in blocks.weighted() {
+        for at in (columns.start * band.height).max(1)..(columns.end * band.height).min(template.len() - 1) {
+            if !mask[at] && band.values[at].is_finite() {
+                let u = ((at / band.height) as f64 - middle) / band.cos;
+                let square = weight * (f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos)).powi(2);
+                jj += square;
+                ju += square * u;
+                juu += square * u * u;
+            }
         }
     }
     let variance = amplitude.squares / amplitude.freedom * juu / (jj * juu - ju * ju);

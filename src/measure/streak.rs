@@ -204,11 +204,12 @@ impl Measuring<'_> {
         let last = first + step * CONTROLS_A_SIDE as isize;
         let half = half_width + last as usize;
         let band = Band::read(self.image.plane, self.image.light_area, corridor, [found.minor_pix, found.slope], half);
-        let blocks = Blocks::new(band.len(), block, half_width);
+        let mut blocks = Blocks::new(band.len(), block, half_width);
         let none = vec![false; band.values.len()];
 
         let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
         let mut mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, true);
+        blocks.weigh(&band, &mask, &drawn.template);
         let is_saturated = self.is_saturated(&band, &drawn.template);
         let mut seeing_arcsec = None;
         for iteration in 0..ITERATIONS {
@@ -217,6 +218,7 @@ impl Measuring<'_> {
             let sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
             if amplitude.value < REFINED_FROM * sigma {
                 mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
+                blocks.weigh(&band, &mask, &drawn.template);
                 break;
             }
             let moved = self.refined(&band, &mask, &drawn.template, &blocks, &fits, &mut shift);
@@ -231,6 +233,7 @@ impl Measuring<'_> {
             // The first steps align the template with the streak.
             if iteration == 1 || iteration == 3 {
                 mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
+                blocks.weigh(&band, &mask, &drawn.template);
             }
             if iteration > 2 && moved < 0.02 {
                 break;
@@ -250,7 +253,7 @@ impl Measuring<'_> {
                 pixel_sigma
             }
         };
-        let photon = self.photon_variance(&band, &mask, &drawn.template, amplitude.value);
+        let photon = self.photon_variance(&band, &mask, &drawn.template, &blocks, amplitude.value);
         if photon.is_none() {
             flags.push(Flag::NoGain);
         }
@@ -293,7 +296,7 @@ impl Measuring<'_> {
         } else {
             None
         };
-        let offset_sigma = offset_sigma(&band, &mask, &drawn.template, &amplitude) * noise_ratio;
+        let offset_sigma = offset_sigma(&band, &mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
         let rate = amplitude.value * without_fit_bias(signal_to_noise, ends);
         Ok(Some(StreakMeasurement {
@@ -335,9 +338,9 @@ impl Measuring<'_> {
         } else {
             self.corridor.motion[1].signum()
         };
-        // Sums of J², J² u, J² u², J r, J r u, with J = ∂m/∂v.
+        // Weighted sums of J², J² u, J² u², J r, J r u, with J = ∂m/∂v.
         let mut sums = [0.0f64; 5];
-        for (columns, fit) in blocks.ranges().zip(fits) {
+        for ((columns, weight), fit) in blocks.weighted().zip(fits) {
             let Some(amplitude) = fit.amplitude() else { continue };
             let amplitude = amplitude.max(0.0);
             let background = [0, 1].map(|term| fit.background[term] - amplitude * fit.response[term]);
@@ -354,12 +357,8 @@ impl Measuring<'_> {
                         - background[1] * x
                         - amplitude * f64::from(template[at]);
                     let slope = amplitude * f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos);
-                    let terms = [1.0, u, u * u].map(|power| slope * slope * power);
-                    sums[0] += terms[0];
-                    sums[1] += terms[1];
-                    sums[2] += terms[2];
-                    sums[3] += slope * rest;
-                    sums[4] += slope * rest * u;
+                    let terms = [slope, slope * u, slope * u * u, rest, rest * u];
+                    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += weight * slope * term);
                 }
             }
         }
@@ -554,16 +553,25 @@ impl Measuring<'_> {
         Ok(1.0 / (1.0 - correlation.clamp(0.0, 0.9)))
     }
 
-    /// Returns the variance of the amplitude due to the photons of the streak: Σ m² A m / g / (Σ m²)². `None` without
-    /// gain.
-    fn photon_variance(&self, band: &Band, mask: &[bool], template: &[f32], amplitude: f64) -> Option<f64> {
+    /// Returns the variance of the amplitude due to the photons of the streak: Σ w² m² A m / g / (Σ w m²)² with the
+    /// weights w of the blocks. `None` without gain.
+    fn photon_variance(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        template: &[f32],
+        blocks: &Blocks,
+        amplitude: f64,
+    ) -> Option<f64> {
         let gain = self.image.electrons_per_unit?;
         let (mut squares, mut cubes) = (0.0, 0.0);
-        for ((light, is_masked), value) in template.iter().zip(mask).zip(&band.values) {
-            if !is_masked && value.is_finite() {
-                let light = f64::from(*light);
-                squares += light * light;
-                cubes += light * light * light;
+        for (columns, weight) in blocks.weighted() {
+            for at in columns.start * band.height..columns.end * band.height {
+                if !mask[at] && band.values[at].is_finite() {
+                    let light = f64::from(template[at]);
+                    squares += weight * light * light;
+                    cubes += weight * weight * light * light * light;
+                }
             }
         }
         Some(if squares > 0.0 { amplitude.max(0.0) * cubes / (gain * squares * squares) } else { 0.0 })
