@@ -26,7 +26,8 @@ pub struct EmptyNight<'a> {
 }
 
 /// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each pass. `made` is the time of
-/// creation; `alarm_s` is the time from an alarm to its event, seconds.
+/// creation; `alarm_s` is the time from an alarm to its event, seconds. Times in descriptions are local;
+/// `utc_offset_s` returns local time minus UTC at a time, seconds.
 ///
 /// Lines end in CR LF and are folded at 75 bytes (section 3.1), and text is escaped (section 3.3.11). The UID of an
 /// event does not depend on `made`. An event starts at the last whole second before the visible part begins, and ends
@@ -38,7 +39,9 @@ pub fn calendar<'a>(
     made: Epoch,
     alarm_s: Option<f64>,
     empty: Option<EmptyNight<'_>>,
+    utc_offset_s: impl Fn(Epoch) -> f64,
 ) -> String {
+    let point = |what: &str, point: &TrackPoint| point_text(what, point, utc_offset_s(point.epoch));
     let mut text = String::new();
     let mut line = |content: String| fold(&mut text, &content);
     line("BEGIN:VCALENDAR".into());
@@ -95,10 +98,22 @@ pub fn calendar<'a>(
     text
 }
 
-fn point(what: &str, point: &TrackPoint) -> String {
+fn point_text(what: &str, point: &TrackPoint, utc_offset_s: f64) -> String {
     let (altitude_rad, azimuth_rad) = (point.altitude_rad.unwrap_or(f64::NAN), point.azimuth_rad.unwrap_or(f64::NAN));
-    let clock = format_utc(point.epoch, 0);
-    format!("{what} {} UTC, altitude {:.0}\u{b0}, {}", &clock[11..19], altitude_rad.to_degrees(), compass(azimuth_rad))
+    let clock = format_utc(seconds_after(point.epoch, utc_offset_s), 0);
+    let zone = utc_offset(utc_offset_s);
+    let direction = compass(azimuth_rad);
+    format!("{what} {} {zone}, altitude {:.0}\u{b0}, {direction}", &clock[11..19], altitude_rad.to_degrees())
+}
+
+/// Formats a time zone as `UTC` or `UTC+05:45`.
+fn utc_offset(utc_offset_s: f64) -> String {
+    let minutes = (utc_offset_s / 60.0).round() as i64;
+    let sign = if minutes < 0 { '-' } else { '+' };
+    match minutes.abs() {
+        0 => "UTC".to_owned(),
+        minutes => format!("UTC{sign}{:02}:{:02}", minutes / 60, minutes % 60),
+    }
 }
 
 /// Formats a time as `20240814T003000Z`; fractions of a second are dropped.

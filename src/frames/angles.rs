@@ -4,14 +4,15 @@ use super::error::FramesError;
 use super::vector::{Direction, Gcrs};
 
 const RIGHT_ASCENSION: &str =
-    "a right ascension; allowed: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
+    "a right ascension; allowed: degrees from -180 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
 const DECLINATION: &str = "a declination; allowed: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
 
 /// Parses a right ascension and returns degrees in [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`,
-/// `12:34:56.7` and `12 34 56.7` are hours; `188.5deg`, `188.5d` and `188d30m` are degrees.
+/// `12:34:56.7` and `12 34 56.7` are hours; `188.5deg`, `188.5d` and `188d30m` are degrees. Degrees can be negative, to
+/// -180, as in schedules.
 ///
 /// # Errors
-/// Text of another form, minutes or seconds of 60 or more, or an angle outside [0, 360].
+/// Text of another form, minutes or seconds of 60 or more, or an angle outside [-180, 360].
 pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
     let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: RIGHT_ASCENSION };
     let angle = parse(text).ok_or_else(bad)?;
@@ -20,9 +21,17 @@ pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
         Unit::Degrees | Unit::Plain => 1.0,
     };
     let degrees = angle.value * factor;
-    if angle.negative && degrees != 0.0 || degrees > 360.0 {
+    let limit_deg = match (angle.negative, factor == 1.0) {
+        (false, _) => 360.0,
+        (true, true) => 180.0,
+        (true, false) => 0.0,
+    };
+    if degrees > limit_deg {
         return Err(bad());
     }
+    let signed = if angle.negative { -degrees } else { degrees };
+    let degrees = signed.rem_euclid(360.0);
+    // The sum of 360 and a very small negative angle is rounded to 360.
     Ok(if degrees == 360.0 { 0.0 } else { degrees })
 }
 
@@ -147,6 +156,9 @@ mod tests {
             ("0", 0.0),
             ("360", 0.0),
             ("24h", 0.0),
+            ("-10", 350.0),
+            ("-180", 180.0),
+            ("-0.00000000000000000001", 0.0),
             ("1e1", f64::NAN),
         ] {
             match parse_right_ascension_deg(text) {
@@ -156,7 +168,8 @@ mod tests {
         }
         for text in [
             "",
-            "-1",
+            "-180.1",
+            "-1h",
             "361",
             "25h",
             "12h60m",

@@ -137,6 +137,16 @@ pub enum ScheduleError {
         /// Format of the file.
         format: String,
     },
+    /// The extension of the output is that of another format than the schedule's.
+    #[error("output {path} has the extension of another format; allowed: .{allowed}, because the schedule is {format}")]
+    OutputExtension {
+        /// Path of the output.
+        path: String,
+        /// Format of the schedule.
+        format: String,
+        /// Extensions of this format.
+        allowed: String,
+    },
     /// The file has an earlier annotation.
     #[error("schedule {path} already has {what}; allowed: --replace, which replaces them")]
     AlreadyThere {

@@ -145,6 +145,20 @@ fn streaks_are_written_where_the_format_allows() {
     assert!(!Path::new(&path(&folder, "obsplan_object.streaks.json")).exists());
 }
 
+/// The extension of the output must not be that of another format, but that of the schedule is always allowed.
+#[test]
+fn extensions_of_the_output_are_checked() {
+    let folder = TempDir::new().unwrap();
+    let output = path(&folder, "out.json");
+    let (code, _, stderr) = run(&[&["annotate", "--schedule", &sample("consdb.csv"), "-o", &output], FLAG, SKY]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("has the extension of another format; allowed: .csv, .tsv, because"), "{stderr}");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    let ecsv = path(&folder, "ecsv.csv");
+    fs::copy(sample("consdb.ecsv"), &ecsv).unwrap();
+    done(&[&["annotate", "--schedule", &ecsv, "-o", &path(&folder, "out.csv")], FLAG, SKY]);
+}
+
 #[test]
 fn unwritable_formats_are_rejected_before_any_work() {
     let folder = tempfile::tempdir().unwrap();

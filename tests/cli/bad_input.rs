@@ -149,6 +149,16 @@ fn errors_for_unknown_values_list_the_allowed_ones() {
 }
 
 #[test]
+fn options_without_effect_on_statistics() {
+    for option in [["--min-probability", "0.5"], ["--rotation", "10"]] {
+        fails(
+            &[&["statistics", "--night", "2024-08-14"], SHELLS, SITE, &option],
+            &[option[0], "no effect on statistics"],
+        );
+    }
+}
+
+#[test]
 fn missing_sites_and_satellites() {
     fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "similar names: "]);
     fails(&[POINTING, SHELLS, &["--site", "Moon"]], &["unknown site \"Moon\"", "streakcast sites", "--lat"]);
@@ -355,6 +365,8 @@ fn invalid_rows_are_kept_with_a_reason_and_the_others_are_evaluated() {
     let schedule = file(&folder, "s.csv", text.as_bytes());
     let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
+    let warning = "warning: 10 exposures cannot be judged; first exposure nan: right ascension is NaN";
+    assert!(stderr.contains(warning), "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();
     assert_eq!(flags.len(), rows.len() + 1);

@@ -175,6 +175,19 @@ fn verif_documents() {
     ids.dedup();
     assert_eq!(ids.len(), passes.len());
 
+    // Events are in UTC. Their descriptions are in the given time zone, which has summer time in August.
+    let described = |zone: &str| {
+        let text = done(&[NIGHT, &sky, &["--format", "ics", "--time-zone", zone]]).replace("\r\n ", "");
+        let times = text.lines().filter(|line| line.starts_with("DTSTART:")).map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(times, starts);
+        text.lines().find(|line| line.starts_with("DESCRIPTION:")).unwrap().to_owned()
+    };
+    let start = |zone: &str| described(zone).split("starts ").nth(1).unwrap().split("\\,").next().unwrap().to_owned();
+    let (utc, local) = (start("Z"), start("America/New_York"));
+    let hour = |text: &str| text[..2].parse::<i32>().unwrap();
+    assert!(utc.ends_with(" UTC") && local.ends_with(" UTC-04:00") && utc[2..8] == local[2..8], "{utc} {local}");
+    assert_eq!((hour(&utc) - 4).rem_euclid(24), hour(&local));
+
     for (angles, first) in [("radec", "REFERENCE_FRAME = ICRF"), ("azel", "ANGLE_TYPE = AZEL")] {
         let message = done(&[NIGHT, &sky, &["--format", "tdm", "--angle-type", angles, "--samples", "11"]]);
         assert!(message.starts_with("CCSDS_TDM_VERS = 2.0\n"));
@@ -333,6 +346,10 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (
             &["--night", "2024-08-14", "--angle-type", "azel"],
             &["--angle-type is given without a tracking data message", "--format tdm"],
+        ),
+        (
+            &["--night", "2024-08-14", "--time-zone", "Europe/Madrid", "--format", "tdm"],
+            &["--time-zone has no effect on the formats tdm and score", "table or ics"],
         ),
         (
             &["--night", "2024-08-14", "--utc-offset", "Atlantis"],

@@ -435,6 +435,8 @@ fn lists_of_models_sites_and_shells() {
     assert_eq!(others, [["v2mini-panels", "mean", "off"]]);
     let sites = records(&done(&[&["sites", "x05", "--format", "csv"]]));
     assert_eq!((sites.len(), &sites[1][0]), (2, "X05"));
+    let (code, _, stderr) = run(&[&["sites", "nosuch", "--format", "csv"]]);
+    assert_eq!((code, stderr.trim()), (1, "no site has 'nosuch' in its name or code"));
     let shells = records(&done(&[&["shells", "--format", "csv"]]));
     assert!(shells.iter().any(|row| &row[0] == "starlink-gen2" && &row[1] == "29988"));
 }

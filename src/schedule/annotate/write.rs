@@ -3,9 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::error::ScheduleError;
-use super::super::formats::ScheduleFormat;
-#[cfg(not(all(feature = "sqlite", feature = "parquet")))]
-use super::super::formats::display;
+use super::super::formats::{ScheduleFormat, display};
 use super::annotation::Annotation;
 use super::{delimited, json, votable};
 
@@ -29,7 +27,8 @@ use super::{delimited, json, votable};
 /// `output` may be the same path as `input`. Each file is replaced as a whole, or not changed if an error occurs.
 ///
 /// # Errors
-/// The format cannot be written, an earlier annotation exists and `replace` is false, the schedule has changed since it
+/// The extension of `output` is that of another format (that of `input` is always allowed), the format cannot be
+/// written, an earlier annotation exists and `replace` is false, the schedule has changed since it
 /// was judged, or the operating system reports an error.
 pub fn annotate(
     input: &Path,
@@ -37,6 +36,14 @@ pub fn annotate(
     output: &Path,
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, ScheduleError> {
+    let is_other = ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
+    if is_other && output.extension() != input.extension() {
+        return Err(ScheduleError::OutputExtension {
+            path: display(output),
+            format: format.to_string(),
+            allowed: format.extensions().join(", ."),
+        });
+    }
     match format {
         ScheduleFormat::Csv => delimited::annotate_csv(input, output, annotation),
         ScheduleFormat::Ecsv => delimited::annotate_ecsv(input, output, annotation),

@@ -160,6 +160,27 @@ pub enum ScheduleFormat {
     Parquet,
 }
 
+impl ScheduleFormat {
+    /// Returns the usual extensions of files in this format, in lower case. CSV is also written as plain text.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            ScheduleFormat::Opsim => &["db", "sqlite", "sqlite3"],
+            ScheduleFormat::Csv => &["csv", "tsv"],
+            ScheduleFormat::Ecsv => &["ecsv"],
+            ScheduleFormat::Json => &["json"],
+            ScheduleFormat::VoTable => &["xml", "vot", "votable"],
+            ScheduleFormat::Parquet => &["parquet"],
+        }
+    }
+
+    /// Returns the format whose usual extension is that of `path`.
+    pub fn by_extension(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        let all = [Self::Opsim, Self::Csv, Self::Ecsv, Self::Json, Self::VoTable, Self::Parquet];
+        all.into_iter().find(|format| format.extensions().contains(&&*extension))
+    }
+}
+
 impl fmt::Display for ScheduleFormat {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(match self {

@@ -150,18 +150,17 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             &notices,
         )?;
     }
+    let utc_offset_s = |epoch| typed.time_zone.as_ref().map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
     match document {
         Some(Document::Calendar) => {
             let empty = why_invisible.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
-            output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty), &notices)?;
+            output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty, utc_offset_s), &notices)?;
         }
         Some(Document::TrackingData) => {
             output.write_text(&tdm(rows(), &site, crate::clock::now(), angles, &prepared.provenance), &notices)?
         }
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry), &notices)?,
         None => {
-            let zone = typed.time_zone.as_ref();
-            let utc_offset_s = |epoch| zone.map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
             let readable = readable_table(rows(), utc_offset_s);
             let columns = PassColumns {
                 p_brighter: request.max_magnitude.is_some(),
@@ -169,7 +168,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
                 samples: output.is_json() && request.samples > 0,
             };
             let passes = pass_table(rows(), columns);
-            let columns = if zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
+            let columns = if typed.time_zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(
                 &VerbResult {
                     sections: vec![
@@ -221,6 +220,11 @@ fn reject_unused(typed: &ForecastArguments, document: Option<Document>) -> anyho
     if typed.alarm.is_some() && document != Some(Document::Calendar) {
         return Err(anyhow!(
             "--alarm is given without a calendar; allowed: with --format ics or an output file with the extension .ics"
+        ));
+    }
+    if typed.time_zone.is_some() && matches!(document, Some(Document::TrackingData | Document::Score)) {
+        return Err(anyhow!(
+            "--time-zone has no effect on the formats tdm and score, which are in UTC; allowed: with table or ics"
         ));
     }
     if typed.angle_type.is_some() && document != Some(Document::TrackingData) {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
-use streakcast::output::{Provenance, Table, format_utc};
+use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
     FlagReport, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow, Verdict,
@@ -244,5 +244,11 @@ pub fn summary(notices: &Notices, report: &FlagReport) {
         .filter(|verdict| count(*verdict) > 0)
         .map(|verdict| format!("{} {verdict}", count(verdict)))
         .collect();
+    if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid) {
+        let number = counted(count(VerdictKind::Invalid), "exposure", "exposures");
+        let reasons = first.reasons.join("; ");
+        let id = &first.exposure_id;
+        notices.info(&format!("warning: {number} cannot be judged; first exposure {id}: {reasons}"));
+    }
     notices.info(&format!("{} exposures: {}", report.flags.len(), counts.join(", ")));
 }

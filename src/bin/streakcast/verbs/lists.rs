@@ -66,7 +66,18 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
         },
         &Notices::new(false),
     )?;
-    Ok(Outcome::Done)
+    Ok(listed(&table, &typed.search, "site"))
+}
+
+/// Returns the result of a list; a search that finds nothing says so, and is a negative result.
+fn listed(table: &Table, search: &Option<String>, what: &str) -> Outcome {
+    match search {
+        Some(search) if table.rows.is_empty() => {
+            Notices::new(false).info(&format!("no {what} has '{search}' in its name or code"));
+            Outcome::No
+        }
+        _ => Outcome::Done,
+    }
 }
 
 pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
@@ -107,5 +118,5 @@ pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
         },
         &Notices::new(false),
     )?;
-    Ok(Outcome::Done)
+    Ok(listed(&table, &typed.search, "constellation"))
 }
