@@ -62,6 +62,8 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Verb {
     /// List the satellites that cross the field during one exposure, with times, tracks and magnitudes
+    ///
+    /// The exit status is 1 if no satellite crosses.
     Passes(Box<PassesArguments>),
     /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
     Flag(Box<FlagArguments>),
@@ -72,10 +74,14 @@ enum Verb {
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
     /// Compute positions, rates, brightness and lateness of chosen satellites at given times
+    ///
+    /// The exit status is 1 if there is no position.
     Ephemeris(Box<EphemerisArguments>),
     /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
+    ///
+    /// The exit status is 1 if there is no candidate, or none that fits.
     Identify(Box<IdentifyArguments>),
     /// Map magnitudes over the sky of a site or over the directions around a satellite
     Map(MapArguments),
@@ -86,6 +92,8 @@ enum Verb {
     #[cfg(all(feature = "fits", unix))]
     Inject(Box<InjectArguments>),
     /// Measure the streaks of predicted satellites in frames: magnitude, lateness, offset, or upper limits
+    ///
+    /// The exit status is 1 if no streak is predicted.
     #[cfg(all(feature = "fits", unix))]
     Measure(Box<MeasureArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
