@@ -4,9 +4,21 @@ use std::io;
 use std::process::ExitCode;
 
 use clap::Command;
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::screen::printable;
+
+/// Verbs that exist only in builds with a Cargo feature, and the feature.
+const FEATURES: [(&str, &str); 8] = [
+    ("alarms", "fit"),
+    ("fetch", "fetch"),
+    ("fit", "fit"),
+    ("inject", "fits"),
+    ("learn", "fit"),
+    ("measure", "fits"),
+    ("plot", "plot"),
+    ("serve", "serve"),
+];
 
 /// Result of a command that had no error.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -56,6 +68,10 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
             ExitCode::from(2)
         }
         _ => {
+            if let Some(message) = missing_feature(error) {
+                report(&message);
+                return ExitCode::from(2);
+            }
             let text = error.render().to_string();
             let message: Vec<&str> = text
                 .lines()
@@ -76,6 +92,14 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
     }
 }
 
+/// Returns the message for a verb that this build lacks; `None` for other errors.
+fn missing_feature(error: &clap::Error) -> Option<String> {
+    let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    let (_, feature) = FEATURES.iter().find(|(verb, _)| verb == name)?;
+    let on_windows = if *feature == "fits" { ", which does not exist on Windows" } else { "" };
+    Some(format!("'{name}' needs a build with the Cargo feature {feature}{on_windows}"))
+}
+
 /// Returns the subcommand in the arguments of this program, and its names with those of the commands that contain it.
 fn innermost(mut command: Command) -> (Command, String) {
     let mut path = command.get_name().to_owned();
@@ -86,4 +110,31 @@ fn innermost(mut command: Command) -> (Command, String) {
         command = inner.clone();
     }
     (command, path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verbs_of_other_builds_name_their_feature() {
+        let message = |verb: &str| {
+            let other = Command::new("streakcast").subcommand(Command::new("passes"));
+            missing_feature(&other.try_get_matches_from(["streakcast", verb]).unwrap_err())
+        };
+        let expected = "'inject' needs a build with the Cargo feature fits, which does not exist on Windows";
+        assert_eq!(message("inject").as_deref(), Some(expected));
+        assert_eq!(message("serve").as_deref(), Some("'serve' needs a build with the Cargo feature serve"));
+        assert_eq!(message("injekt"), None);
+    }
+
+    /// All verbs with a feature exist in a build with all features.
+    #[cfg(all(feature = "fetch", feature = "fit", feature = "fits", feature = "plot", feature = "serve", unix))]
+    #[test]
+    fn verbs_with_a_feature_exist() {
+        let all = <crate::Arguments as clap::CommandFactory>::command();
+        for (verb, _) in FEATURES {
+            assert!(all.find_subcommand(verb).is_some(), "{verb}");
+        }
+    }
 }
