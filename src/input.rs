@@ -98,6 +98,18 @@ fn too_large(limit: u64) -> io::Error {
     io::Error::new(ErrorKind::FileTooLarge, format!("more than {limit} bytes; allowed: at most {limit}"))
 }
 
+/// Formats an error in a TOML text as one line with the line number.
+pub(crate) fn toml_error(error: &toml::de::Error, text: &str) -> String {
+    let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+    match error.span() {
+        Some(span) => {
+            let line = text.get(..span.start.min(text.len())).map_or(1, |before| before.matches('\n').count() + 1);
+            format!("line {line}: {what}")
+        }
+        None => what,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

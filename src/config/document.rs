@@ -280,7 +280,7 @@ impl Config {
     /// The text is not TOML, a key is unknown, or a value is invalid.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ConfigError> {
         let error = |message: String| ConfigError::Toml { path: origin.to_owned(), message };
-        let of_toml = |error: &toml::de::Error| crate::schedule::toml_error_on_one_line(error, text);
+        let of_toml = |error: &toml::de::Error| crate::input::toml_error(error, text);
         let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
         // TOML keys may have hyphens or underscores; the fields have underscores.
         let keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();

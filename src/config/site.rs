@@ -157,7 +157,7 @@ fn site_of(table: &SiteTable) -> Result<Site, ConfigError> {
         }
         (Some(code), None, None) => Ok(Site::from_mpc(code)?),
         (None, Some(latitude), Some(longitude)) => {
-            let name = table.name.as_deref().unwrap_or("site");
+            let name = table.name.as_deref().unwrap_or_default();
             Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
         }
         (None, None, None) => match &table.name {

@@ -114,8 +114,8 @@ pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) ->
     Some(format!(
         "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
          they are early or late by {:.1} s (68 %, median)",
-        old.len(),
-        elements.len(),
+        grouped(old.len()),
+        grouped(elements.len()),
         median(late_s),
     ))
 }

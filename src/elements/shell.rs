@@ -219,7 +219,7 @@ fn days_since_reference(epoch: Epoch) -> f64 {
 
 fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
     let file: File =
-        toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(error.to_string().trim().to_string()))?;
+        toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(crate::input::toml_error(&error, text)))?;
     // Number of blocks up to catalogue number 999,999,999.
     if file.constellation.len() > 49 {
         return Err(ElementsError::ShellSyntax(format!(

@@ -121,9 +121,7 @@ impl Forecast {
         if !self.found.passes.is_empty() {
             return None;
         }
-        // A site given by coordinates has no name.
-        let named = sky.viewpoint().site().map(|observer| observer.site().name.as_str());
-        let site = named.filter(|name| *name != "site").unwrap_or("the site");
+        let site = sky.viewpoint().site().map_or("the site", |observer| observer.site().name.as_str());
         if let Some(why) = self.night.why_never_dark(site).filter(|_| !request.include_dark) {
             return Some(why);
         }
@@ -142,8 +140,8 @@ impl Forecast {
             reasons.push(format!("{} {culminates} below {lowest_deg:.1} deg", passes(count.too_low)));
         }
         if let Some(limit) = request.max_magnitude.filter(|_| count.too_faint > 0) {
-            let stays = verb(count.too_faint, "stays", "stay");
-            reasons.push(format!("{} {stays} fainter than mag {limit}", passes(count.too_faint)));
+            let is = verb(count.too_faint, "is", "are");
+            reasons.push(format!("{} {is} predicted fainter than mag {limit}", passes(count.too_faint)));
         }
         if reasons.is_empty() {
             let lowest_deg = request.min_altitude_rad.to_degrees();

@@ -42,7 +42,7 @@ struct Entry {
 
 impl Site {
     /// Creates a site from coordinates: degrees, east longitude positive (up to 360 is accepted), metres above the
-    /// ellipsoid.
+    /// ellipsoid. If `name` is empty, the name of the site is its latitude and longitude.
     ///
     /// # Errors
     /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not
@@ -60,8 +60,12 @@ impl Site {
             }
         }
         let longitude_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
+        let name = match name {
+            "" => format!("latitude {latitude_deg:.3}, longitude {longitude_deg:.3} deg"),
+            name => name.to_owned(),
+        };
         Ok(Self {
-            name: name.to_owned(),
+            name,
             mpc_code: None,
             latitude_rad: latitude_deg.to_radians(),
             longitude_rad: longitude_deg.to_radians(),

@@ -173,7 +173,7 @@ impl Telescope {
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ImagesError> {
         let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
             origin: format!("telescope file {origin}"),
-            message: error.to_string().trim_end().to_owned(),
+            message: crate::input::toml_error(&error, text),
         })?;
         telescope.validate(origin)?;
         Ok(telescope)

@@ -54,10 +54,10 @@ fn remove(path: &Path) {
     }
 }
 
-/// Removes the temporary files of ended processes from a folder, once in each process.
-#[cfg(unix)]
+/// Removes the temporary files of ended processes from a folder, once in each process. On Windows they are kept, because
+/// there [`lock`] does not mark those in use.
 fn remove_abandoned(folder: &Path) {
-    if !unfinished().cleaned.insert(folder.to_owned()) {
+    if !unfinished().cleaned.insert(folder.to_owned()) || cfg!(not(unix)) {
         return;
     }
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -72,9 +72,6 @@ fn remove_abandoned(folder: &Path) {
         }
     }
 }
-
-#[cfg(not(unix))]
-fn remove_abandoned(_: &Path) {}
 
 /// Locks a file until it is closed. Waits for a process that tests whether the file is in use, and returns false if
 /// that process has removed it.

@@ -28,7 +28,6 @@ pub use error::ScheduleError;
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;
 pub use nights::{Shard, ShardError, evening_mjd, night_of};
-pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{Blocking, MagnitudeLimit, OfTelescope, Policy};
 pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};

@@ -180,8 +180,8 @@ impl Policy {
     /// # Errors
     /// The syntax is invalid, a key is unknown, or a number is out of range.
     pub fn from_toml(text: &str) -> Result<Self, ScheduleError> {
-        let policy: Policy =
-            toml::from_str(text).map_err(|error| ScheduleError::PolicySyntax(one_line(&error, text)))?;
+        let policy: Policy = toml::from_str(text)
+            .map_err(|error| ScheduleError::PolicySyntax(crate::input::toml_error(&error, text)))?;
         policy.validate()?;
         Ok(policy)
     }
@@ -269,18 +269,6 @@ impl Policy {
     /// Returns `max_delay_s` or its default, seconds.
     pub fn max_delay_or_default_s(&self) -> f64 {
         self.max_delay_s.unwrap_or(Self::DEFAULT_MAX_DELAY_S)
-    }
-}
-
-/// Formats a TOML error as one line with the line number.
-pub(crate) fn one_line(error: &toml::de::Error, text: &str) -> String {
-    let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
-    match error.span() {
-        Some(span) => {
-            let line = text.get(..span.start.min(text.len())).map_or(1, |before| before.matches('\n').count() + 1);
-            format!("line {line}: {what}")
-        }
-        None => what,
     }
 }
 

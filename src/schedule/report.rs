@@ -6,6 +6,7 @@ use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::orbit::LeftOut;
+use crate::output::counted;
 use crate::passes::{CrossingProbability, Exposure, Field, Pass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::{Band, PhotometryOptions};
 
@@ -69,6 +70,8 @@ pub struct FlagReport {
     pub left_out: Vec<LeftOut>,
     /// Satellites that cross or may cross; one entry for each exposure and satellite.
     pub may_cross: Vec<SatelliteAge>,
+    /// Number of judged exposures that begin while the Sun's centre is above the horizon of the site.
+    pub by_daylight: usize,
 }
 
 impl FlagReport {
@@ -77,6 +80,7 @@ impl FlagReport {
         self.flags.extend(next.flags);
         self.left_out.extend(next.left_out);
         self.may_cross.extend(next.may_cross);
+        self.by_daylight += next.by_daylight;
         self.sort_left_out();
     }
 
@@ -88,6 +92,17 @@ impl FlagReport {
                 "p_any and the expected loss are lower limits for {limits} of {} exposures: more than 10 % of the delays of a satellite are outside \
                  the range searched (3.5 sigmas without manoeuvres, at most 300 s)",
                 self.flags.len()
+            )
+        })
+    }
+
+    /// Returns a warning if exposures begin while the Sun is above the horizon, as with times in a wrong scale or zone.
+    pub fn daylight_warning(&self) -> Option<String> {
+        (self.by_daylight > 0).then(|| {
+            format!(
+                "{} of {} begin while the Sun is above the horizon; check the times and the site of the schedule",
+                self.by_daylight,
+                counted(self.flags.len(), "exposure", "exposures")
             )
         })
     }
@@ -159,6 +174,9 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let mut counted: Vec<Vec<Pass>> = vec![Vec::new(); rows.len()];
     let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
     let above: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
+
+    let sun_is_up = |epoch| request.sky.sun_altaz(epoch).is_ok_and(|sun| sun.altitude_rad > 0.0);
+    report.by_daylight = above.iter().filter(|(_, exposure)| sun_is_up(exposure.start)).count();
 
     let exposures: Vec<Exposure> = above.iter().map(|(_, exposure)| (*exposure).clone()).collect();
     let options = pass_options(request);

@@ -134,6 +134,8 @@ fn an_argument_that_is_not_utf8_gives_one_line() {
 #[test]
 fn errors_for_unknown_values_list_the_allowed_ones() {
     fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
+    fails(&[&["passes", "--lon", "2.35E"]], &["invalid value '2.35E' for '--lon <DEG>': allowed: a number"]);
+    fails(&[&["passes", "--threads", "two"]], &["'two' for '--threads <N>': allowed: a whole number"]);
     #[cfg(feature = "fit")]
     fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
     #[cfg(feature = "plot")]
@@ -296,6 +298,24 @@ fn unknown_arguments() {
     fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown field `limit`", "limit_mag"]);
     let (_, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
     assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
+    let frame = file(&folder, "s.toml", b"columns = 64\nrow = 64\n");
+    #[cfg(all(feature = "fits", unix))]
+    fails(
+        &[&[
+            "inject",
+            "--synthetic",
+            &frame,
+            "--random-streaks",
+            "1",
+            "--magnitude",
+            "5",
+            "--seeing",
+            "1arcsec",
+            "-o",
+            "x.fits",
+        ]],
+        &["s.toml: line 2: unknown field `row`, expected one of `columns`"],
+    );
     let policy = file(&folder, "r.toml", b"margin_s = -1\n");
     fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1; allowed: 0 to 3600 s"]);
     for (verb, expected) in [
@@ -439,7 +459,7 @@ fn elements_a_year_old_give_a_warning_and_a_large_sigma() {
     let warning = stderr.lines().find(|line| line.contains("more than 14 days")).unwrap_or_default();
     assert!(
         warning.starts_with("warning: ")
-            && warning.contains("of 4870 element sets")
+            && warning.contains("of 4,870 element sets")
             && warning.contains("(the farthest by "),
         "{stderr}"
     );

@@ -143,7 +143,7 @@ fn verif_a_night_without_darkness_has_a_reason() {
     let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
     assert_eq!(code, 0);
     assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
-    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the lowest altitude of the Sun is 11.6 deg";
+    let why = "no passes: it does not get dark at latitude 78.200, longitude 15.600 deg between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the lowest altitude of the Sun is 11.6 deg";
     assert!(stderr.contains(why) && stderr.contains("above the limit of -6.0 deg"), "{stderr}");
     let answer = json(&[&["forecast"], polar]);
     assert!(answer["passes"].as_array().unwrap().is_empty());
@@ -152,7 +152,7 @@ fn verif_a_night_without_darkness_has_a_reason() {
     assert!(night["dark_from_utc"].is_null() && number(&night["lowest_sun_altitude_deg"]) > 11.0);
     // The reason is also printed for a dark night without bright passes.
     let (_, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--max-mag", "-8", "--format", "csv"]]);
-    assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -8"), "{stderr}");
+    assert!(stderr.contains("no passes: ") && stderr.contains("are predicted fainter than mag -8"), "{stderr}");
 }
 
 #[test]
@@ -171,6 +171,9 @@ fn verif_documents() {
         .collect();
     assert_eq!(starting("DTSTART:"), starts);
     assert_eq!(starting("TRIGGER:-PT300S").len(), passes.len());
+    let somewhere: &[&str] = &["--lat=-30.2446", "--lon=-70.7494", "--height", "2663", "--format", "ics"];
+    let of_place = done(&[NIGHT, &SKY[..2], PLANES, somewhere]);
+    assert!(of_place.contains("LOCATION:latitude -30.245\\, longitude -70.749 deg\r\n"), "{of_place}");
     let mut ids = starting("UID:");
     ids.dedup();
     assert_eq!(ids.len(), passes.len());
@@ -252,7 +255,7 @@ fn verif_priors_are_reported() {
     assert!(
         warning.is_some_and(|warning| warning.contains(&format!("({count} passes omitted as fainter than mag -9)")))
     );
-    assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
+    assert!(stderr.contains("no passes: ") && stderr.contains("are predicted fainter than mag -9"), "{stderr}");
     // Satellites with a model are not reported.
     let (code, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--format", "csv"]]);
     assert!(code == 0 && !stderr.contains("prior"), "{stderr}");
@@ -316,7 +319,7 @@ fn messages_use_the_singular_for_one() {
     assert!(stderr.contains("1 pass of 1 satellite"), "{stderr}");
     let (_, _, stderr) =
         run(&[NIGHT, &SKY[..4], PLANES, &["--min-culmination", &just_below, "--max-mag", "-9", "--format", "csv"]]);
-    assert!(stderr.contains("1 pass stays fainter than mag -9"), "{stderr}");
+    assert!(stderr.contains("1 pass is predicted fainter than mag -9"), "{stderr}");
 }
 
 #[test]

@@ -101,6 +101,17 @@ fn required_flags_are_marked() {
     assert!(!help(&["serve"]).contains("any target (required)"));
 }
 
+/// Flags of a camera are not listed where there is none, or where the frame is the field.
+#[test]
+fn rejected_flags_are_not_listed() {
+    for verb in ["forecast", "ephemeris", "identify", "measure", "inject", "statistics"] {
+        let text = help(&[verb]);
+        assert!(!text.contains("--rotation") && !text.contains("--min-probability"), "{text}");
+    }
+    assert!(help(&["statistics"]).contains("--fov") && help(&["inject"]).contains("--telescope"));
+    assert!(help(&["flag"]).contains("--rotation"));
+}
+
 /// Checks that one error lists all of these inputs.
 #[track_caller]
 fn misses(arguments: &str, inputs: &[&str]) {

@@ -307,6 +307,20 @@ fn policies_and_exit_codes() {
     assert_eq!(hurried.matches("\"next_clear_start_utc\": null").count(), count(&hurried, "streaked"));
 }
 
+/// Local noon at the site is 16:43 UTC. A schedule with times in a wrong zone has exposures at daylight.
+#[test]
+fn exposures_by_daylight_give_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = "a,2024-08-14T23:30:00Z,30,217.5,-30\nb,2024-08-14T17:00:00Z,30,150,-30\n";
+    fs::write(path(&folder, "day.csv"), format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+    let warnings = |name: &str| run(&[&["flag", "--schedule", &path(&folder, name), "--fov", "1deg"], &SKY[..4]]).2;
+    let stderr = warnings("day.csv");
+    assert!(stderr.contains("warning: 1 of 2 exposures begin while the Sun is above the horizon"), "{stderr}");
+    fs::write(path(&folder, "night.csv"), evening()).unwrap();
+    let stderr = warnings("night.csv");
+    assert!(!stderr.contains("the Sun is above the horizon"), "{stderr}");
+}
+
 #[test]
 fn bare_dates_use_the_given_scale() {
     let folder = tempfile::tempdir().unwrap();

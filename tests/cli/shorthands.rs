@@ -62,6 +62,8 @@ fn now_and_tonight() {
     // M81 never sets at this latitude. 1: no satellite crosses, which depends on the time of day.
     let (code, _, stderr) = run(&[now, &sky]);
     assert!(code <= 1, "{code}: {stderr}");
+    let (code, _, stderr) = run(&[&["ephemeris", "--times", "now", "--name", "S1"], &sky]);
+    assert!(code <= 1, "{code}: {stderr}");
     let answer = json(&[&["forecast", "--night", "tonight"], &sky]);
     let options = answer["provenance"].to_string();
     assert!(!options.contains("tonight") && options.contains("\"night\":\"20"), "{options}");

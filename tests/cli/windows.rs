@@ -22,6 +22,19 @@ fn utc(text: &str) -> Epoch {
     parse_instant(text, None).unwrap()
 }
 
+/// The Sun does not set at latitude 78 in June.
+#[test]
+fn a_site_without_darkness_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "targets.csv");
+    fs::write(&targets, "name,ra_deg,dec_deg,exposure_s\npole,0,89,30\n").unwrap();
+    let place = ["--shells", "oneweb", "--lat", "78", "--lon", "15", "--fov", "1deg", "--night", "2024-06-21"];
+    let (code, _, stderr) = run(&[&["windows", "--targets", &targets], &place]);
+    assert_eq!(code, 0, "{stderr}");
+    let why = "warning: it does not get dark at latitude 78.000, longitude 15.000 deg between 2024-06-21T";
+    assert!(stderr.contains(why) && stderr.contains("target pole has no window"), "{stderr}");
+}
+
 /// Exposures at random times: inside the windows no satellite crosses; outside a satellite crosses, or the altitude of
 /// target or Sun is not allowed.
 #[test]

@@ -93,6 +93,7 @@ impl Engine {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
             let report = judge(&night_rows, &self.request(field, &prepared)).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
+            warnings.extend(report.daylight_warning());
             warnings.extend(report.lower_limit_warning());
             warnings.extend(report.age_warning());
             for (index, flag) in indices.into_iter().zip(report.flags) {

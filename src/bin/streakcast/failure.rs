@@ -68,7 +68,7 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
             ExitCode::from(2)
         }
         _ => {
-            if let Some(message) = missing_feature(error) {
+            if let Some(message) = missing_feature(error, &command) {
                 report(&message);
                 return ExitCode::from(2);
             }
@@ -80,6 +80,12 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
                 .filter(|line| !line.is_empty())
                 .collect();
             let mut message = message.join("; ").replace(":; ", ": ");
+            // Errors of Rust's own parsers of numbers.
+            for (error, allowed) in
+                [("invalid float literal", "a number"), ("invalid digit found in string", "a whole number")]
+            {
+                message = message.replace(error, &format!("allowed: {allowed}"));
+            }
             let (verb, path) = innermost(command);
             // clap lists only names that are similar to the unknown one.
             if error.kind() == ErrorKind::InvalidSubcommand {
@@ -93,9 +99,9 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
 }
 
 /// Returns the message for a verb that this build lacks; `None` for other errors.
-fn missing_feature(error: &clap::Error) -> Option<String> {
+fn missing_feature(error: &clap::Error, command: &Command) -> Option<String> {
     let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return None };
-    let (_, feature) = FEATURES.iter().find(|(verb, _)| verb == name)?;
+    let (_, feature) = FEATURES.iter().find(|(verb, _)| verb == name && command.find_subcommand(verb).is_none())?;
     let on_windows = if *feature == "fits" { ", which does not exist on Windows" } else { "" };
     Some(format!("'{name}' needs a build with the Cargo feature {feature}{on_windows}"))
 }
@@ -119,8 +125,8 @@ mod tests {
     #[test]
     fn verbs_of_other_builds_name_their_feature() {
         let message = |verb: &str| {
-            let other = Command::new("streakcast").subcommand(Command::new("passes"));
-            missing_feature(&other.try_get_matches_from(["streakcast", verb]).unwrap_err())
+            let mut other = Command::new("streakcast").subcommand(Command::new("passes"));
+            missing_feature(&other.try_get_matches_from_mut(["streakcast", verb]).unwrap_err(), &other)
         };
         let expected = "'inject' needs a build with the Cargo feature fits, which does not exist on Windows";
         assert_eq!(message("inject").as_deref(), Some(expected));

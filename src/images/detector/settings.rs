@@ -74,7 +74,7 @@ impl Detector {
     pub fn from_toml(text: &str) -> Result<Self, ImagesError> {
         let detector: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
             origin: "detector".to_owned(),
-            message: error.to_string().trim().to_owned(),
+            message: crate::input::toml_error(&error, text),
         })?;
         detector.validate()?;
         Ok(detector)

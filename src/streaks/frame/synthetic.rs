@@ -86,7 +86,7 @@ impl SyntheticFrame {
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, StreaksError> {
         let frame: Self = toml::from_str(text).map_err(|error| StreaksError::Toml {
             origin: origin.to_owned(),
-            message: error.to_string().trim_end().to_owned(),
+            message: crate::input::toml_error(&error, text),
         })?;
         frame.validate()?;
         Ok(frame)

@@ -113,9 +113,9 @@ def _names(key: str, value: object) -> Json:
 def _site(key: str, value: object) -> Json:
     if is_of("astropy.coordinates", "EarthLocation", value):
         geodetic = getattr(value, "to_geodetic")("WGS84")
-        name = getattr(getattr(value, "info"), "name", None) or "site"
+        name = getattr(getattr(value, "info"), "name", None)
         return {
-            "name": str(name),
+            **({"name": str(name)} if name else {}),
             "latitude_deg": float(geodetic.lat.to_value("deg")),
             "longitude_deg": float(geodetic.lon.to_value("deg")),
             "height_m": float(geodetic.height.to_value("m")),

@@ -278,8 +278,9 @@ fn summary(found: &Forecast, limit_mag: Option<f64>) -> String {
     let shown = format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"));
     match (limit_mag, found.found.expected_brighter) {
         (Some(limit_mag), Some(expected)) => {
+            let fainter = counted(found.found.not_shown.too_faint, "pass", "passes");
             format!(
-                "{shown}; {expected:.1} passes expected to be brighter than mag {limit_mag}, fainter predictions included"
+                "{shown}; {fainter} predicted fainter than mag {limit_mag}; expected number brighter than it, by the scatter of all these magnitudes: {expected:.1}"
             )
         }
         _ => shown,

@@ -163,6 +163,7 @@ pub fn flag_rows(
     }
     bar.finish_and_clear();
     notices.warn_left_out(prepared, &report.left_out, first)?;
+    notices.warn(&report.daylight_warning());
     notices.warn(&report.lower_limit_warning());
     notices.warn(&report.age_warning());
     Ok(report)

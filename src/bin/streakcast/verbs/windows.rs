@@ -9,6 +9,7 @@ use clap::Args;
 use serde_json::json;
 use streakcast::config::parse_duration_s;
 use streakcast::config::{Config, RulesConfig, state_scales, time_range};
+use streakcast::forecast::Night;
 use streakcast::output::{Section, format_utc};
 use streakcast::schedule::{
     FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
@@ -108,6 +109,10 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     };
     let report = clear_windows(&targets, from, to, &request)?;
     notices.warn_left_out(&prepared, &report.left_out, from)?;
+    if let Some(site) = prepared.sky.viewpoint().site() {
+        let night = Night::over(&prepared.sky, from, to, request.max_sun_altitude_rad)?;
+        notices.warn(&night.why_never_dark(&site.site().name));
+    }
     let found = found(&listed, &report);
     for one in &found {
         if let Some(reason) = one.reason() {

@@ -160,20 +160,14 @@ impl Columns {
     pub fn site(&self) -> Option<Site> {
         let site = self.stated("site")?;
         let number = |name: &str| site.get(name).and_then(Value::as_f64);
-        let name = site.get("name").and_then(Value::as_str).unwrap_or("site");
+        let name = site.get("name").and_then(Value::as_str).unwrap_or_default();
         Site::new_deg(name, number("latitude_deg")?, number("longitude_deg")?, number("height_m")?).ok()
     }
 
-    /// Returns the name of the site or of the telescope in orbit, or the coordinates of a site without a name; `None`
-    /// if the provenance has no observer.
+    /// Returns the name of the site or of the telescope in orbit; `None` if the provenance has no observer.
     pub fn observer_name(&self) -> Option<String> {
         let name = |what: &str| self.stated(what)?.get("name")?.as_str().map(str::to_owned);
-        let site = self.site();
-        let is_named = name("site").is_some_and(|name| name != "site");
-        match site.filter(|_| !is_named) {
-            Some(site) => Some(coordinates(&site)),
-            None => name("site").or_else(|| name("observer")),
-        }
+        self.site().map(|site| site.name).or_else(|| name("observer"))
     }
 
     /// Returns the subtitle of a picture: observer, and the range of times (MJD, UTC; NaN is ignored).
@@ -230,17 +224,6 @@ impl Columns {
         });
         values.collect()
     }
-}
-
-/// Returns the coordinates of a site with the minus sign U+2212.
-fn coordinates(site: &Site) -> String {
-    let [latitude, longitude] = [site.latitude_rad, site.longitude_rad].map(f64::to_degrees);
-    format!("latitude {latitude:.3}°, longitude {longitude:.3}°").replace('-', "−")
-}
-
-/// Returns the name of a site, or its coordinates if it has none.
-pub fn site_name(site: &Site) -> String {
-    if site.name == "site" { coordinates(site) } else { site.name.to_string() }
 }
 
 /// Joins the name of an observer and a range of times (MJD, UTC; NaN is ignored), either of which may be missing.

@@ -10,7 +10,7 @@ use crate::verbs::judged::begin;
 use crate::verbs::map::site_of;
 
 use super::clock::{Clock, sun_over};
-use super::columns::{Columns, place_and_time, site_name};
+use super::columns::{Columns, place_and_time};
 use super::exposures::{Nights, compute, of_flags};
 use super::target::{Target, required};
 
@@ -121,7 +121,7 @@ impl Timeline<'_> {
         };
         let caption = format!("{judged}{}", self.columns.simulation_note());
         let ends = start_mjd.iter().zip(&duration_s).map(|(start, duration_s)| start + duration_s / 86_400.0);
-        let observer = self.site.map(site_name).or_else(|| self.columns.observer_name());
+        let observer = self.site.map(|site| site.name.clone()).or_else(|| self.columns.observer_name());
         let subtitle = place_and_time(observer, start_mjd.iter().copied().chain(ends));
         let drawn = night_timeline(&NightTimeline {
             title: self.title,
