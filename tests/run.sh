@@ -89,6 +89,8 @@ if [ "$mode" = quick ]; then
 else
     # All features are built once.
     step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
+    # Twice as many tests as cores at a time, because many wait for a server, a clock or another process.
+    export RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN)))}
     step "cargo test" cargo test --all-features
     # Uses the binary built by the tests. `cargo build` would build it again, without features that development
     # dependencies enable.
