@@ -81,7 +81,7 @@ pub enum ConfigError {
         allowed: &'static str,
     },
     /// The site is unknown, and no known name is similar.
-    #[error("unknown site {0:?}; allowed: a name listed by streakcast sites, or --lat, --lon and --height")]
+    #[error("unknown site {0:?}; allowed: a name listed by streakcast sites, or --lat and --lon")]
     UnknownSite(String),
     /// The file has no element set of the telescope in orbit.
     #[error(

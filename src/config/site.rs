@@ -13,7 +13,7 @@ use crate::images::SITE_KEYWORDS;
 use crate::orbit::Propagator;
 use crate::passes::{OrbitingObserver, Viewpoint};
 
-const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
+const SITES: &str = "--site NAME, --mpc CODE, or --lat and --lon";
 
 impl Config {
     /// Returns the site.

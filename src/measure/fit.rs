@@ -93,6 +93,18 @@ pub fn fit_blocks(
     shift: isize,
     blocks: &Blocks,
 ) -> Vec<BlockFit> {
+    fit_blocks_where(band, data, |_, at, _| !mask[at], template, shift, blocks)
+}
+
+/// The same with the pixels for which `is_used` is true of the column, the index and the value of the template.
+pub fn fit_blocks_where(
+    band: &Band,
+    data: &[f32],
+    is_used: impl Fn(usize, usize, f32) -> bool,
+    template: &[f32],
+    shift: isize,
+    blocks: &Blocks,
+) -> Vec<BlockFit> {
     let (height, half) = (band.height as isize, band.half() as isize);
     let width = blocks.half_width as isize;
     let from = (half + shift - width).clamp(0, height);
@@ -107,11 +119,11 @@ pub fn fit_blocks(
                 for offset in from..to {
                     let at = (start + offset) as usize;
                     let value = data[at];
-                    if mask[at] || value.is_nan() {
-                        continue;
-                    }
                     let source = offset - shift;
                     let light = if (0..height).contains(&source) { template[(start + source) as usize] } else { 0.0 };
+                    if value.is_nan() || !is_used(column, at, light) {
+                        continue;
+                    }
                     let (x, m, d) = ((offset - half - shift) as f64, f64::from(light), f64::from(value));
                     let terms = [1.0, x, x * x, m, m * x, m * m, d, d * x, d * m, d * d];
                     sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);

@@ -5,10 +5,10 @@
 //!
 //! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
 //! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the
-//! weighted least-squares fit of the drawn streak, `noise` its errors; `streak` combines them into a
-//! [`StreakMeasurement`], which `measurement` defines with the inputs; `cut` returns the pixels along it. `predict`
-//! computes tracks from a sky, `star_table` reads stars of known magnitude, `zero_point` measures them, `frame` measures
-//! whole files, `table` makes the outputs.
+//! weighted least-squares fit of the drawn streak, `width` fits the seeing, `noise` has the errors; `streak` combines
+//! them into a [`StreakMeasurement`], which `measurement` defines with the inputs; `cut` returns the pixels along it.
+//! `predict` computes tracks from a sky, `star_table` reads stars of known magnitude, `zero_point` measures them,
+//! `frame` measures whole files, `table` makes the outputs.
 
 mod background;
 mod band;
@@ -29,6 +29,7 @@ mod stars;
 mod streak;
 #[cfg(all(feature = "fits", unix))]
 mod table;
+mod width;
 #[cfg(all(feature = "fits", unix))]
 mod zero_point;
 

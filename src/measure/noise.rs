@@ -2,7 +2,8 @@
 
 use super::background::median_and_sigma;
 use super::band::Band;
-use super::fit::{Amplitude, Blocks, combined, fit_blocks};
+use super::fit::{Amplitude, Blocks, combined, fit_blocks_where};
+use super::stars::StarMask;
 
 /// Number of control fits on each side of the streak.
 pub(super) const CONTROLS_A_SIDE: usize = 30;
@@ -21,12 +22,13 @@ pub(super) const REFINED_FROM: f64 = 3.5;
 /// `None` if there is no space for enough of them.
 ///
 /// These fits contain all noise of the background: that of the pixels, correlated or not, of faint stars, of masks and
-/// of the fitted background. Nothing else is added for them to the error.
+/// of the fitted background. Nothing else is added for them to the error. Stars that would not be masked under the
+/// streak, because they are fainter than the error of its model, are not masked beside it.
 #[expect(clippy::too_many_arguments, reason = "parts of one computation")]
 pub(super) fn controls(
     band: &Band,
     rest: &[f32],
-    mask: &[bool],
+    stars: &StarMask,
     template: &[f32],
     blocks: &Blocks,
     weight: f64,
@@ -34,8 +36,11 @@ pub(super) fn controls(
     step: isize,
 ) -> Option<f64> {
     let shifts = (0..=CONTROLS_A_SIDE as isize).flat_map(|number| [first + number * step, -first - number * step]);
+    let levels = stars.levels(band);
+    let is_used =
+        |column: usize, at: usize, light: f32| !stars.mask[at] || levels[at] <= stars.threshold(column, light);
     let scaled: Vec<f64> = shifts
-        .filter_map(|shift| combined(&fit_blocks(band, rest, mask, template, shift, blocks)))
+        .filter_map(|shift| combined(&fit_blocks_where(band, rest, is_used, template, shift, blocks)))
         .filter(|amplitude| amplitude.weight >= LEAST_CONTROL_WEIGHT * weight)
         .map(|amplitude| amplitude.value * amplitude.weight.sqrt())
         .collect();

@@ -16,6 +16,32 @@ const CORE: f32 = 0.3;
 const MEDIAN_WIDTHS: f64 = 4.0;
 const MEDIAN_PIX: usize = 15;
 
+/// Mask of stars and defects, which depends on the model of the streak: a star that is fainter than the error of the
+/// model is not marked.
+pub struct StarMask {
+    /// True for pixels with the light of stars or defects.
+    pub mask: Vec<bool>,
+    /// Residuals averaged over 3 by 3 pixels.
+    smooth: Vec<f32>,
+    /// Threshold of each column, and its increase per unit of the template.
+    thresholds: Vec<[f32; 2]>,
+    /// Distance to which the surroundings of a marked pixel are masked, pixels.
+    reach: isize,
+}
+
+impl StarMask {
+    /// Returns the largest residual in the surroundings of each pixel.
+    pub fn levels(&self, band: &Band) -> Vec<f32> {
+        largest_near(band, &self.smooth, self.reach)
+    }
+
+    /// Returns the residual above which a pixel is marked where the template has a value.
+    pub fn threshold(&self, column: usize, template: f32) -> f32 {
+        let [constant, slope] = self.thresholds[column];
+        constant + slope * template
+    }
+}
+
 /// Marks pixels that are brighter than streak and background, with their surroundings.
 ///
 /// 1. The background of a block is the median of its pixels outside the streak.
@@ -27,14 +53,7 @@ const MEDIAN_PIX: usize = 15;
 ///
 /// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked, because the template is not yet aligned with
 /// the streak.
-pub fn mask_stars(
-    band: &Band,
-    mask: &[bool],
-    template: &[f32],
-    blocks: &Blocks,
-    fwhm_pix: f64,
-    keeps_core: bool,
-) -> Vec<bool> {
+pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64, keeps_core: bool) -> StarMask {
     let height = band.height;
     let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
     let peaks: Vec<f32> = (0..band.len()).map(peak_of).collect();
@@ -44,7 +63,7 @@ pub fn mask_stars(
         let pixels =
             columns.clone().flat_map(|column| (0..height).map(move |offset| (column, column * height + offset)));
         let mut values: Vec<f32> = pixels
-            .filter(|(column, at)| !mask[*at] && band.values[*at].is_finite() && template[*at] <= 0.05 * peaks[*column])
+            .filter(|(column, at)| band.values[*at].is_finite() && template[*at] <= 0.05 * peaks[*column])
             .map(|(_, at)| band.values[at])
             .collect();
         if values.is_empty() {
@@ -54,7 +73,7 @@ pub fn mask_stars(
         let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
         background[columns].fill(level);
     }
-    let light = column_light(band, mask, template, &peaks, &background, fwhm_pix);
+    let light = column_light(band, template, &peaks, &background, fwhm_pix);
 
     // Residuals; 0 where the frame has no pixel.
     let mut residual = vec![0.0f32; band.values.len()];
@@ -65,38 +84,37 @@ pub fn mask_stars(
             residual[at] = if value.is_finite() { value } else { 0.0 };
         }
     }
-    subtract_profile(band, mask, &mut residual, &peaks);
+    subtract_profile(band, &mut residual, &peaks);
     let smooth = averaged(band, &residual);
     let sampled = smooth.iter().zip(&band.values).step_by(7).filter(|(_, value)| value.is_finite());
     let sigma = SIGMA_OF_MAD * median(sampled.map(|(value, _)| f64::from(value.abs())).collect());
-    let threshold = (THRESHOLD_SIGMAS * sigma) as f32;
-    let marked: Vec<bool> = (0..smooth.len())
-        .map(|at| {
-            let column = at / height;
-            let model = MODEL_ERROR as f32 * light[column] * template[at]
-                + MODEL_ERROR_OF_PEAK as f32 * light[column] * peaks[column];
-            smooth[at] > threshold + model.max(0.0)
-        })
-        .collect();
-    let mut grown = grown(band, &marked, fwhm_pix.round().max(1.0) as isize);
+    let threshold = |(light, peak): (&f32, &f32)| {
+        [(THRESHOLD_SIGMAS * sigma) as f32 + MODEL_ERROR_OF_PEAK as f32 * light * peak, MODEL_ERROR as f32 * light]
+    };
+    let reach = fwhm_pix.round().max(1.0) as isize;
+    let thresholds = light.iter().zip(&peaks).map(threshold).collect();
+    let mut stars = StarMask { mask: Vec::new(), smooth, thresholds, reach };
+    let excess = |at: usize| stars.smooth[at] - stars.threshold(at / height, template[at]);
+    let excess: Vec<f32> = (0..template.len()).map(excess).collect();
+    stars.mask = largest_near(band, &excess, reach).into_iter().map(|excess| excess > 0.0).collect();
     if keeps_core {
         let core = (1.5 * fwhm_pix / band.cos).ceil() as usize;
-        for column in grown.chunks_exact_mut(height) {
+        for column in stars.mask.chunks_exact_mut(height) {
             column[(height / 2).saturating_sub(core)..=(height / 2 + core).min(height - 1)].fill(false);
         }
     }
-    grown
+    stars
 }
 
 /// Subtracts the median along the streak at each distance across it.
-fn subtract_profile(band: &Band, mask: &[bool], residual: &mut [f32], peaks: &[f32]) {
+fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
     let height = band.height;
     let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
     let mut values: Vec<f32> = Vec::with_capacity(lit.len());
     for offset in 0..height {
         let used = lit.iter().map(|column| column * height + offset);
         values.clear();
-        values.extend(used.filter(|at| !mask[*at] && band.values[*at].is_finite()).map(|at| residual[at]));
+        values.extend(used.filter(|at| band.values[*at].is_finite()).map(|at| residual[at]));
         // Few pixels are no profile.
         if 2 * values.len() < lit.len() || values.is_empty() {
             continue;
@@ -110,21 +128,14 @@ fn subtract_profile(band: &Band, mask: &[bool], residual: &mut [f32], peaks: &[f
 }
 
 /// Returns the light of the streak in each column: a running median of the amplitudes of single columns.
-fn column_light(
-    band: &Band,
-    mask: &[bool],
-    template: &[f32],
-    peaks: &[f32],
-    background: &[f32],
-    fwhm_pix: f64,
-) -> Vec<f32> {
+fn column_light(band: &Band, template: &[f32], peaks: &[f32], background: &[f32], fwhm_pix: f64) -> Vec<f32> {
     let height = band.height;
     let amplitude = |column: usize| -> Option<f64> {
         let (mut signal, mut weight) = (0.0, 0.0);
         for offset in 0..height {
             let at = column * height + offset;
             let is_core = template[at] > CORE * peaks[column] && template[at] > 0.0;
-            if is_core && !mask[at] && band.values[at].is_finite() {
+            if is_core && band.values[at].is_finite() {
                 signal += f64::from(template[at] * (band.values[at] - background[column]));
                 weight += f64::from(template[at] * template[at]);
             }
@@ -168,36 +179,31 @@ fn averaged(band: &Band, values: &[f32]) -> Vec<f32> {
     averaged
 }
 
-/// Marks all pixels within `reach` pixels of a marked one, in a square.
-fn grown(band: &Band, marked: &[bool], reach: isize) -> Vec<bool> {
-    let height = band.height as isize;
-    let mut columns = vec![false; marked.len()];
-    for column in 0..band.len() {
-        let start = column * band.height;
-        let mut last: Option<isize> = None;
-        for offset in 0..height {
-            if marked[start + offset as usize] {
-                let from = (offset - reach).max(last.map_or(0, |last| last + 1)).max(0);
-                let to = (offset + reach).min(height - 1);
-                (from..=to).for_each(|at| columns[start + at as usize] = true);
-                last = Some(to);
-            }
+/// Returns the largest value within `reach` pixels of each pixel, in a square.
+fn largest_near(band: &Band, values: &[f32], reach: isize) -> Vec<f32> {
+    let (height, reach) = (band.height, reach.unsigned_abs());
+    let mut columns = vec![f32::NEG_INFINITY; values.len()];
+    for (largest, own) in columns.chunks_exact_mut(height).zip(values.chunks_exact(height)) {
+        for (offset, largest) in largest.iter_mut().enumerate() {
+            let near = &own[offset.saturating_sub(reach)..(offset + reach + 1).min(height)];
+            *largest = near.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         }
     }
-    let mut grown = vec![false; marked.len()];
-    for column in 0..band.len() {
-        let near = column.saturating_sub(reach as usize)..(column + reach as usize + 1).min(band.len());
-        for other in near {
+    let mut all = vec![f32::NEG_INFINITY; values.len()];
+    for (column, largest) in all.chunks_exact_mut(height).enumerate() {
+        for other in column.saturating_sub(reach)..(column + reach + 1).min(band.len()) {
+            // The offset 0 of one column is the offset `step` of the other.
             let step = band.step(other, column);
-            for offset in 0..height {
-                let source = offset + step;
-                if (0..height).contains(&source) && columns[other * band.height + source as usize] {
-                    grown[column * band.height + offset as usize] = true;
-                }
-            }
+            let (from, to) = (
+                (-step).clamp(0, height as isize) as usize,
+                (height as isize - step).clamp(0, height as isize) as usize,
+            );
+            let first = (from as isize + step).clamp(0, height as isize) as usize;
+            let near = &columns[other * height + first..][..to.saturating_sub(from)];
+            largest[from..].iter_mut().zip(near).for_each(|(largest, near)| *largest = largest.max(*near));
         }
     }
-    grown
+    all
 }
 
 /// Residuals of the fit: the data minus the template with the amplitude of each block.

@@ -1,10 +1,9 @@
 //! Measurement of one streak in one image.
 
-use super::background::median_and_sigma;
 use super::band::Band;
 use super::corridor::Corridor;
 use super::error::MeasureError;
-use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks, squares_by_block};
+use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, controls, offset_sigma, without_fit_bias};
 use super::search::{Extent, Found, search};
@@ -27,13 +26,6 @@ const CONTROL_STEP_WIDTHS: f64 = 0.75;
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which the width is measured.
 const WIDTH_FROM: f64 = 10.0;
-/// Range of fitted widths relative to the given one.
-const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
-/// The width is estimated from the median profile across the track to this distance, FWHM of the given width. The
-/// profile must exceed its noise by a factor, and the width is at most this multiple of the given one.
-const PROFILE_WIDTHS: f64 = 16.0;
-const PROFILE_SIGNAL: f64 = 10.0;
-const MOST_WIDENING: f64 = 8.0;
 /// Smallest number of pixels along the track.
 const LEAST_LENGTH_PIX: usize = 12;
 /// Share of a streak's length with saturated pixels from which the flux is a lower limit.
@@ -50,7 +42,7 @@ const LEAST_BLOCKS: usize = 4;
 
 /// Parameters of a streak relative to its prediction.
 #[derive(Copy, Clone, Debug)]
-struct Shift {
+pub(super) struct Shift {
     offset_pix: f64,
     tilt_rad: f64,
     late_s: f64,
@@ -95,18 +87,18 @@ pub(super) fn profile_of(
 }
 
 /// State of the measurement of one streak.
-struct Measuring<'a> {
-    image: &'a StreakImage<'a>,
-    predicted: &'a PredictedStreak,
-    corridor: Corridor,
-    optics: Optics,
-    profile: RadialProfile,
+pub(super) struct Measuring<'a> {
+    pub image: &'a StreakImage<'a>,
+    pub predicted: &'a PredictedStreak,
+    pub corridor: Corridor,
+    pub optics: Optics,
+    pub profile: RadialProfile,
 }
 
 /// Drawn streak in the pixels of a band.
-struct Drawn {
+pub(super) struct Drawn {
     path: StreakPath,
-    template: Vec<f32>,
+    pub template: Vec<f32>,
 }
 
 impl Measuring<'_> {
@@ -163,7 +155,8 @@ impl Measuring<'_> {
         Ok(Some(StreakPath::new(path)?))
     }
 
-    fn drawn(&self, band: &Band, shift: &Shift) -> Result<Option<Drawn>, MeasureError> {
+    /// Draws the shifted streak in the pixels of a band; `None` if its path is too short.
+    pub fn drawn(&self, band: &Band, shift: &Shift) -> Result<Option<Drawn>, MeasureError> {
         let Some(path) = self.path(shift)? else { return Ok(None) };
         let patch = draw(&path, &self.profile, self.image.plane.rows(), self.image.plane.columns());
         let template = band.template(&patch);
@@ -205,46 +198,45 @@ impl Measuring<'_> {
         let half = half_width + last as usize;
         let band = Band::read(self.image.plane, self.image.light_area, corridor, [found.minor_pix, found.slope], half);
         let mut blocks = Blocks::new(band.len(), block, half_width);
-        let none = vec![false; band.values.len()];
 
         let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
-        let mut mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, true);
-        blocks.weigh(&band, &mask, &drawn.template);
+        let mut stars = mask_stars(&band, &drawn.template, &blocks, fwhm, true);
+        blocks.weigh(&band, &stars.mask, &drawn.template);
         let is_saturated = self.is_saturated(&band, &drawn.template);
         let mut seeing_arcsec = None;
         for iteration in 0..ITERATIONS {
-            let fits = fit_blocks(&band, &band.values, &mask, &drawn.template, 0, &blocks);
+            let fits = fit_blocks(&band, &band.values, &stars.mask, &drawn.template, 0, &blocks);
             let Some(amplitude) = combined(&fits) else { return Ok(None) };
             let sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
             if amplitude.value < REFINED_FROM * sigma {
-                mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
-                blocks.weigh(&band, &mask, &drawn.template);
+                stars = mask_stars(&band, &drawn.template, &blocks, fwhm, false);
+                blocks.weigh(&band, &stars.mask, &drawn.template);
                 break;
             }
-            let moved = self.refined(&band, &mask, &drawn.template, &blocks, &fits, &mut shift);
+            let moved = self.refined(&band, &stars.mask, &drawn.template, &blocks, &fits, &mut shift);
             if iteration == 1 && ends > 0 {
-                self.fit_lateness(&band, &mask, &blocks, extent, &mut shift)?;
+                self.fit_lateness(&band, &stars.mask, &blocks, extent, &mut shift)?;
             }
             if iteration == 2 && options.fit_width && amplitude.value > WIDTH_FROM * sigma {
-                seeing_arcsec = Some(self.fit_width(&band, &mask, &blocks, &shift)?);
+                seeing_arcsec = Some(self.fit_width(&band, &stars.mask, &blocks, &shift)?);
             }
             let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
             drawn = next;
             // The first steps align the template with the streak.
             if iteration == 1 || iteration == 3 {
-                mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
-                blocks.weigh(&band, &mask, &drawn.template);
+                stars = mask_stars(&band, &drawn.template, &blocks, fwhm, false);
+                blocks.weigh(&band, &stars.mask, &drawn.template);
             }
             if iteration > 2 && moved < 0.02 {
                 break;
             }
         }
 
-        let fits = fit_blocks(&band, &band.values, &mask, &drawn.template, 0, &blocks);
+        let fits = fit_blocks(&band, &band.values, &stars.mask, &drawn.template, 0, &blocks);
         let Some(amplitude) = combined(&fits) else { return Ok(None) };
-        let rest = without_streak(&band, &mask, &drawn.template, &blocks);
+        let rest = without_streak(&band, &stars.mask, &drawn.template, &blocks);
         let pixel_sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
-        let controls = controls(&band, &rest, &mask, &drawn.template, &blocks, amplitude.weight, first, step);
+        let controls = controls(&band, &rest, &stars, &drawn.template, &blocks, amplitude.weight, first, step);
         let mut flags = Vec::new();
         let background_sigma = match controls {
             Some(sigma) => sigma / amplitude.weight.sqrt(),
@@ -253,12 +245,12 @@ impl Measuring<'_> {
                 pixel_sigma
             }
         };
-        let photon = self.photon_variance(&band, &mask, &drawn.template, &blocks, amplitude.value);
+        let photon = self.photon_variance(&band, &stars.mask, &drawn.template, &blocks, amplitude.value);
         if photon.is_none() {
             flags.push(Flag::NoGain);
         }
         let inflation =
-            if seeing_arcsec.is_some() { self.width_inflation(&band, &mask, &blocks, &shift)? } else { 1.0 };
+            if seeing_arcsec.is_some() { self.width_inflation(&band, &stars.mask, &blocks, &shift)? } else { 1.0 };
         let sigma = (background_sigma * background_sigma * inflation + photon.unwrap_or(0.0) * inflation).sqrt();
         let noise_ratio = background_sigma / pixel_sigma.max(1e-300);
 
@@ -269,7 +261,7 @@ impl Measuring<'_> {
         let given_width = seeing_arcsec.is_none();
         if given_width && is_detected && signal_to_noise > WIDTH_FROM {
             let optics = self.optics;
-            let measured = self.fit_width(&band, &mask, &blocks, &shift)?;
+            let measured = self.fit_width(&band, &stars.mask, &blocks, &shift)?;
             (self.optics, self.profile) = (optics, profile_of(self.image, self.predicted, &optics)?);
             seeing_arcsec = Some(measured);
             if (measured / optics.seeing_arcsec).ln().abs() > (1.0 + WIDTH_TOLERANCE).ln() {
@@ -279,7 +271,8 @@ impl Measuring<'_> {
         if is_saturated {
             flags.push(Flag::Saturated);
         }
-        let (edge, masked) = shares(&band, &mask, &drawn.template, self.image.light_area, (fwhm / cos).ceil() as usize);
+        let (edge, masked) =
+            shares(&band, &stars.mask, &drawn.template, self.image.light_area, (fwhm / cos).ceil() as usize);
         if edge > EDGE_SHARE {
             flags.push(Flag::Edge);
         }
@@ -291,12 +284,12 @@ impl Measuring<'_> {
         let inside = self.inside(&drawn.path);
         let ends = self.ends(&shift)?;
         let late_s = if is_detected && ends > 0 {
-            let sigma_s = self.lateness_sigma(&band, &mask, &blocks, &shift, &amplitude, noise_ratio)?;
+            let sigma_s = self.lateness_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, noise_ratio)?;
             sigma_s.map(|sigma| Estimate { value: shift.late_s, sigma })
         } else {
             None
         };
-        let offset_sigma = offset_sigma(&band, &mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
+        let offset_sigma = offset_sigma(&band, &stars.mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
         let rate = amplitude.value * without_fit_bias(signal_to_noise, ends);
         Ok(Some(StreakMeasurement {
@@ -438,119 +431,6 @@ impl Measuring<'_> {
         let bend = (before - 2.0 * here + after) / (step_s * step_s);
         let variance = 2.0 * amplitude.squares / amplitude.freedom / bend;
         Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
-    }
-
-    /// Sets the seeing to the width of the median profile across the track, from which the fit of the width starts.
-    ///
-    /// The start matters for streaks that are much wider than the given seeing: their wings would be masked as stars.
-    fn start_width(&mut self, found: &Found, late_s: f64) {
-        let corridor = &self.corridor;
-        let half = (PROFILE_WIDTHS * self.profile.fwhm_pix().max(1.0) / corridor.cos()).ceil() as usize;
-        let line = [found.minor_pix, found.slope];
-        let band = Band::read(self.image.plane, self.image.light_area, corridor, line, half);
-        let is_exposed = |column: &usize| (0.0..=self.image.exposure_s).contains(&(corridor.time_s[*column] + late_s));
-        let exposed: Vec<usize> = (0..band.len()).filter(is_exposed).collect();
-        // Rows with fewer than half of the columns are at the edge of the frame.
-        let row = |offset: usize| -> Option<f64> {
-            let values = exposed.iter().map(|column| f64::from(band.values[column * band.height + offset]));
-            let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
-            (2 * values.len() > exposed.len()).then(|| median(values))
-        };
-        let rows: Vec<Option<f64>> = (0..band.height).map(row).collect();
-        let near = half - half / 8..=half + half / 8;
-        let peak = near.filter_map(|offset| Some((offset, rows[offset]?))).max_by(|a, b| a.1.total_cmp(&b.1));
-        // One side may extend beyond the illuminated pixels: the brighter one is the sky.
-        let sides = [0..half - 2 * half / 3, half + 2 * half / 3 + 1..band.height];
-        let side = |offsets: std::ops::Range<usize>| {
-            let values: Vec<f64> = rows[offsets].iter().flatten().copied().collect();
-            (!values.is_empty()).then(|| median_and_sigma(&values))
-        };
-        let beside = sides.into_iter().filter_map(side).max_by(|a, b| a.0.total_cmp(&b.0));
-        let (Some((peak, light)), Some((sky, noise))) = (peak, beside) else { return };
-        if light - sky < PROFILE_SIGNAL * noise {
-            return;
-        }
-        // Distance from the peak to the half of its light, interpolated between two pixels.
-        let level = sky + 0.5 * (light - sky);
-        let crossing = |step: isize| -> Option<f64> {
-            let mut before = light;
-            for distance in 1..half {
-                let value = (*rows.get(peak.checked_add_signed(step * distance as isize)?)?)?;
-                if value < level {
-                    return Some(distance as f64 - (level - value) / (before - value));
-                }
-                before = value;
-            }
-            None
-        };
-        let (Some(left), Some(right)) = (crossing(-1), crossing(1)) else { return };
-        let ratio = (left + right) * corridor.cos() / self.profile.fwhm_pix();
-        if (1.0 / MOST_WIDENING..=MOST_WIDENING).contains(&ratio) {
-            let given = self.optics;
-            self.optics = Optics { seeing_arcsec: given.seeing_arcsec * ratio, ..given };
-            // A width that cannot be drawn is not used.
-            match profile_of(self.image, self.predicted, &self.optics) {
-                Ok(profile) => self.profile = profile,
-                Err(_) => self.optics = given,
-            }
-        }
-    }
-
-    /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec.
-    fn fit_width(&mut self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<f64, MeasureError> {
-        let given = self.optics;
-        let mut best = (0.0, f64::INFINITY);
-        let mut of = |this: &mut Self, ln_ratio: f64| -> f64 {
-            this.optics = Optics { seeing_arcsec: given.seeing_arcsec * ln_ratio.exp(), ..given };
-            // Widths that cannot be drawn are excluded.
-            let Ok(profile) = profile_of(this.image, this.predicted, &this.optics) else { return f64::NAN };
-            this.profile = profile;
-            let Ok(Some(drawn)) = this.drawn(band, shift) else { return f64::NAN };
-            let squares = squares_by_block(&fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks));
-            if squares < best.1 {
-                best = (ln_ratio, squares);
-            }
-            squares
-        };
-        let [low, high] = WIDTH_RANGE.map(f64::ln);
-        /// Accuracy of the logarithm of the width.
-        const TOLERANCE: f64 = 0.005;
-        let start = (0.0, of(self, 0.0));
-        minimum(|ln_ratio| of(self, ln_ratio), [low, high], start, TOLERANCE);
-        self.optics = Optics { seeing_arcsec: given.seeing_arcsec * best.0.exp(), ..given };
-        self.profile = profile_of(self.image, self.predicted, &self.optics)?;
-        Ok(self.optics.seeing_arcsec)
-    }
-
-    /// Returns the factor by which the variance of the flux is larger because the width is fitted, too:
-    /// 1 / (1 - ρ²) with the correlation ρ of the template and its derivative by the width.
-    fn width_inflation(
-        &mut self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        shift: &Shift,
-    ) -> Result<f64, MeasureError> {
-        const STEP: f64 = 0.02;
-        let given = self.optics;
-        let template = |this: &mut Self, ratio: f64| -> Result<Option<Vec<f32>>, MeasureError> {
-            let optics = Optics { seeing_arcsec: given.seeing_arcsec * ratio, ..given };
-            this.profile = profile_of(this.image, this.predicted, &optics)?;
-            Ok(this.drawn(band, shift)?.map(|drawn| drawn.template))
-        };
-        let (wider, same) = (template(self, 1.0 + STEP)?, template(self, 1.0)?);
-        let (Some(wider), Some(same)) = (wider, same) else { return Ok(1.0) };
-        let change: Vec<f32> = wider.iter().zip(&same).map(|(wider, same)| (wider - same) / STEP as f32).collect();
-        // Blanks of the frame are blanks of the derivative.
-        let change: Vec<f32> = change
-            .iter()
-            .zip(&band.values)
-            .map(|(change, value)| if value.is_nan() { f32::NAN } else { *change })
-            .collect();
-        let fits = fit_blocks(band, &change, mask, &same, 0, blocks);
-        let sum = |of: fn(&BlockFit) -> f64| fits.iter().map(of).sum::<f64>();
-        let correlation = sum(|fit| fit.signal).powi(2) / (sum(|fit| fit.weight) * sum(|fit| fit.squares));
-        Ok(1.0 / (1.0 - correlation.clamp(0.0, 0.9)))
     }
 
     /// Returns the variance of the amplitude due to the photons of the streak: Σ w² m² A m / g / (Σ w m²)² with the

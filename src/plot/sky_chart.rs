@@ -158,7 +158,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
             }
         })
         .collect();
-    let heads = if input.local.is_some() { ["from", "to"] } else { ["from UTC", "to UTC"] };
+    let heads = if input.local.is_some() { ["rise", "set"] } else { ["rise UTC", "set UTC"] };
     list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, heads, &rows);
     picture.set_scales(vec![scale]);
     let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where not visible. Magnitudes in the list are the brightest of each pass. ".to_owned();

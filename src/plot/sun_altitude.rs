@@ -103,6 +103,8 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let mut from = legend(&mut picture, &bands, LEFT, y);
     picture.line(&[(from, y), (from + 30.0, y)], ALL.to_rgba(), 3.0);
     from = picture.legend_text("mean ± its error", from + 38.0, y);
+    picture.rectangle([from + 6.0, y - 1.5, from + 9.0, y + 1.5], DOT.to_rgba());
+    from = picture.legend_text("single exposure", from + 16.0, y);
     if let Some((_, limit)) = input.n_bright {
         picture.dashed(&[(from, y), (from + 30.0, y)], [10.0, 6.0], BRIGHT.to_rgba(), 3.0);
         let decimals = usize::from((limit - limit.round()).abs() > 1e-9);

@@ -120,7 +120,7 @@ pub(super) fn policy(config: &Config) -> Finding {
 pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "site";
     if !config.has_viewpoint() {
-        let remedy = "specify --site, --mpc, or --lat, --lon and --height";
+        let remedy = "specify --site, --mpc, or --lat and --lon";
         let finding = "not given: the site is not checked";
         return vec![Finding::new(Severity::Unchecked, SUBJECT, finding, remedy)];
     }

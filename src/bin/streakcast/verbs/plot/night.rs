@@ -2,6 +2,7 @@
 
 use streakcast::config::Config;
 use streakcast::geometry::Observer;
+use streakcast::output::counted;
 use streakcast::plot::{NightTimeline, Picture, night_timeline};
 
 use super::arguments::PlotNightArguments;
@@ -113,19 +114,22 @@ impl Timeline<'_> {
         let first = start_mjd.iter().copied().fold(f64::INFINITY, f64::min);
         let last = start_mjd.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sun = self.site.map(|site| sun_over(site, self.eop, first, last)).unwrap_or_default();
-        let invalid = self.columns.texts("verdict")?.iter().filter(|verdict| **verdict == "invalid").count();
-        let judged = match invalid {
+        let verdicts = self.columns.texts("verdict")?;
+        let invalid = match verdicts.iter().filter(|verdict| **verdict == "invalid").count() {
             0 => String::new(),
-            1 => "1 row of the schedule is invalid.".to_owned(),
-            many => format!("{many} rows of the schedule are invalid."),
+            1 => " 1 row of the schedule is invalid.".to_owned(),
+            many => format!(" {many} rows of the schedule are invalid."),
         };
-        let caption = format!("{judged}{}", self.columns.simulation_note());
+        // The verdict also depends on the errors of magnitudes and positions.
+        let avoid = verdicts.iter().zip(self.keep).filter(|(verdict, keep)| **keep && **verdict == "avoid").count();
+        let avoid = format!("Verdict avoid: {}.", counted(avoid, "exposure", "exposures"));
+        let caption = format!("{avoid}{invalid}{}", self.columns.simulation_note());
         let ends = start_mjd.iter().zip(&duration_s).map(|(start, duration_s)| start + duration_s / 86_400.0);
         let observer = self.site.map(|site| site.name.clone()).or_else(|| self.columns.observer_name());
         let subtitle = place_and_time(observer, start_mjd.iter().copied().chain(ends));
         let drawn = night_timeline(&NightTimeline {
             title: self.title,
-            caption: caption.trim_start(),
+            caption: &caption,
             start_mjd: &start_mjd,
             duration_s: &duration_s,
             n_streaks: &n_streaks,
