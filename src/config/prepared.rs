@@ -204,8 +204,9 @@ impl PreparedSky {
     }
 }
 
-/// Removes the parts of space stations whose main object has an element set, because the magnitude of a station includes
-/// them: modules, and docked spacecraft, whose elements are those of the station. Returns the names of the removed parts.
+/// Removes the parts of space stations whose main object has an element set, because the magnitude of a station
+/// includes them: modules, and docked spacecraft, whose elements are those of the station. Returns the names of the
+/// removed parts.
 fn merge_parts_of_stations(elements: &mut Vec<ElementSet>) -> Vec<String> {
     let table = BrightObjects::embedded();
     let stations: Vec<ElementSet> = elements.iter().filter(|set| table.is_station(set.norad_id.0)).cloned().collect();

@@ -54,8 +54,8 @@ fn remove(path: &Path) {
     }
 }
 
-/// Removes the temporary files of ended processes from a folder, once in each process. On Windows they are kept, because
-/// there [`lock`] does not mark those in use.
+/// Removes the temporary files of ended processes from a folder, once in each process. On Windows they are kept,
+/// because there [`lock`] does not mark those in use.
 fn remove_abandoned(folder: &Path) {
     if !unfinished().cleaned.insert(folder.to_owned()) || cfg!(not(unix)) {
         return;

@@ -25,8 +25,8 @@ fn measured(data: &Path, frame: &str, elements: &str, more: &[&str]) -> Vec<Valu
 ///
 /// The sum of the pixels within 20, 25 or 30 pixels of the streak, minus the median of the next 25 pixels of the same
 /// column, by hand, is 7,284 to 7,359 counts for each pixel of length: with 10,060 pixels a second 5.47 to 5.48 mag. A
-/// third of the track in the cutout is on the bright edge and the overscan of the chip, whose blocks have small weights.
-/// The measurement has the flags `edge` and `pixel_noise`.
+/// third of the track in the cutout is on the bright edge and the overscan of the chip, whose blocks have small
+/// weights. The measurement has the flags `edge` and `pixel_noise`.
 #[test]
 fn valid_starlink_1102_is_measured_where_it_was_seen() {
     const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";

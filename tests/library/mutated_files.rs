@@ -1,7 +1,7 @@
 //! Readers of files: mutated copies of valid files give an error or are accepted; nothing panics.
 //!
-//! `STREAKCAST_MUTATIONS=1000000 cargo test --release --all-features --test library mutated_files` reads a million files
-//! per reader.
+//! `STREAKCAST_MUTATIONS=1000000 cargo test --release --all-features --test library mutated_files` reads a million
+//! files per reader.
 
 use std::fs;
 use std::path::Path;

@@ -236,7 +236,8 @@ fn valid_reliability_of_crossing_probabilities() {
 
 /// Prints the table docs/tables/reliability.md for six nights: the lines that begin with `|`.
 ///
-/// `cargo test --release --test library reliability_of_many -- --ignored --nocapture | grep '^|' > docs/tables/reliability.md`
+/// `cargo test --release --test library reliability_of_many -- --ignored --nocapture | grep '^|' >
+/// docs/tables/reliability.md`
 #[test]
 #[ignore = "takes seven minutes of a core; writes a table of the documentation"]
 fn reliability_of_many_fields() {

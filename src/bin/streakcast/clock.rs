@@ -17,8 +17,8 @@ pub fn now() -> Epoch {
     Epoch::from_unix_seconds(since_1970.as_secs_f64())
 }
 
-/// Replaces `now` after `--start`, `--end` and `--times` by the present time in whole seconds, and `-` after `--schedule` by the
-/// path of standard input.
+/// Replaces `now` after `--start`, `--end` and `--times` by the present time in whole seconds, and `-` after
+/// `--schedule` by the path of standard input.
 pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsString> {
     let value_of = |flag: &str, value: &str| match (flag, value) {
         ("--start" | "--end" | "--times", "now") => Some(format_utc(now, 0)),

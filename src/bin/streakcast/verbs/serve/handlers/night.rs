@@ -1,4 +1,5 @@
-//! `/api/v1/night`: returns the exposures of the schedule in one night, their verdicts, the Sun, the field and the site.
+//! `/api/v1/night`: returns the exposures of the schedule in one night, their verdicts, the Sun, the field and the
+//! site.
 
 use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
