@@ -19,8 +19,9 @@ const LAUNCHES: &str = include_str!("launches.txt");
 /// Last day of the table of Starlink launches.
 pub const STARLINK_TABLE_DATE: &str = "14 April 2025";
 
-/// Launches that also carried other satellites: without a name, the generation is unknown. 2021-006 and 2021-059
-/// carried few Starlink satellites, 2018-047 GRACE-FO, and 2023-068 OneWeb.
+/// Launches shared by satellites of several kinds: for an object without a name, the launch does not determine the
+/// generation. 2021-006 and 2021-059 carried only a few Starlink satellites. 2018-047, a launch of Iridium NEXT, also
+/// carried GRACE-FO, and 2023-068 also carried OneWeb satellites.
 const SHARED_LAUNCHES: [Launch; 4] = [Launch(2018, 47), Launch(2021, 6), Launch(2021, 59), Launch(2023, 68)];
 
 /// Lowest number in the names of Iridium NEXT; the first generation has numbers below 100.

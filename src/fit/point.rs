@@ -73,8 +73,8 @@ fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
 /// Returns one point per kept pixel: its mode, with the interquartile range as its error. Each pixel is its own group.
 ///
 /// With fewer than five points the interquartile range is not informative (it is 0 for one point). The error of such
-/// pixels is the median range of the other pixels, or the usual scatter of single measurements (0.5 mag) if there are
-/// no others.
+/// pixels is the median interquartile range of the other pixels, or the usual scatter of single measurements (0.5 mag)
+/// if there are no others.
 pub fn points_of_pixels(reduction: &Reduction) -> Vec<FitPoint> {
     let has_range = |pixel: &Pixel| pixel.count >= LEAST_FOR_RANGE;
     let mut ranges_mag: Vec<f64> =

@@ -6,8 +6,8 @@
 //! 3. A part of each pass with a random length becomes a track, until the night has enough tracks.
 //! 4. Along a track the law gives the magnitudes, to which noise, scatter and the effect of other attitudes are
 //!    added.
-//! 5. Some tracks are recorded as another satellite: with its number, range and phase angle, and the magnitudes of the
-//!    observed one.
+//! 5. Some tracks are attributed to a wrong satellite: their records have its number, range and phase angle, but the
+//!    magnitudes of the observed one.
 //!
 //! Every night and every track has its own stream of random numbers, so that the result does not depend on the number
 //! of threads.

@@ -37,9 +37,9 @@ impl EarthOrientationParameters {
 /// Origin and accuracy of the values that [`EopTable::at`] returns.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum EopStatus {
-    /// Measured: UT1 to 0.1 ms (5 mm at the equator) from a file, to 0.5 ms (0.2 m) from the embedded table.
+    /// Measured: UT1 to 0.1 ms (5 cm at the equator) from a file, to 0.5 ms (0.2 m) from the embedded table.
     Measured,
-    /// Predicted: a few ms (a metre) after a month, some 30 ms (14 m) after a year.
+    /// Predicted: the error of UT1 is a few ms (a metre at the equator) after a month, some 30 ms (14 m) after a year.
     Predicted,
     /// Time after the last row of the table: UT1 = UTC and no polar motion are used.
     Expired {

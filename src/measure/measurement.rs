@@ -141,6 +141,6 @@ pub struct StreakMeasurement {
     pub path: StreakPath,
     /// Remarks, in order.
     pub flags: Vec<Flag>,
-    /// Largest distance from the predicted track that was searched, pixels.
+    /// Largest distance from the predicted track at which the streak was searched for, pixels.
     pub corridor_pix: f64,
 }

@@ -1,4 +1,5 @@
-//! Errors of a measured streak: scatter of fits beside it, error of its offset, and bias of its flux.
+//! Errors of a measured streak: the scatter of control fits, which are fits of the same template at both sides of the
+//! streak; the error of its offset across the track; and the bias of its flux because its position is fitted.
 
 use super::background::median_and_sigma;
 use super::band::Band;

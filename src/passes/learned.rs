@@ -127,7 +127,8 @@ pub struct LearnedMagnitude {
     pub pass_scale_mag: f64,
     /// One sigma of the measurements within a pass, mag.
     pub point_sigma_mag: f64,
-    /// One sigma of a measurement of a satellite of this kind that is not in the file, mag.
+    /// One sigma of a single measurement about the learned magnitude, mag, for satellites of this kind that have no
+    /// entry of their own in the file.
     pub sigma_mag: f64,
 }
 

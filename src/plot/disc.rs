@@ -20,7 +20,8 @@ use super::scale::{ColourScale, Quantity};
 /// Side of the squares of the contour lines, pixels.
 const SQUARE: usize = 2;
 
-/// Magnitude by which directions in the Earth's shadow are taken to be fainter than the level of a contour line, mag.
+/// When a contour line is computed, directions in the Earth's shadow count as fainter than the level of the line by
+/// this difference, mag.
 const SHADOW_BELOW_MAG: f64 = 2.0;
 
 /// What is shown in one direction.

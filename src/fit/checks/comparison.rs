@@ -15,7 +15,8 @@ use super::published::{PublishedCurve, PublishedMean, Subject};
 /// type of satellite by as much, and the geometries of a survey are not those of the population.
 pub const SURVEY_ERROR_MAG: f64 = 0.2;
 
-/// Largest mean difference with which a model is accepted, in units of its error.
+/// Largest mean difference between model and reference with which a model is accepted, in units of the error of this
+/// difference.
 const DIFFERENCE_TOLERANCE: f64 = 2.0;
 
 /// Accepted ratios of the half width that holds 68.3 % of the differences from measurements, and of the sigma in the

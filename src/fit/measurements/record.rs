@@ -89,7 +89,7 @@ pub struct Record {
 
 /// Source of records in chunks, such as files or memory.
 pub trait RecordSource {
-    /// Returns the next rows in order, possibly none; `None` after the last row.
+    /// Returns the next chunk of rows, in order. A chunk may be empty; `None` means that all rows have been read.
     ///
     /// # Errors
     /// Errors after which the rest of a file cannot be used.

@@ -28,7 +28,7 @@ pub(super) struct Layout {
     norad_id: Option<NoradId>,
     /// Site of all rows, if the columns do not contain it.
     site: Option<Site>,
-    /// Selected filters in lower case. If empty, the only filter of the file is accepted.
+    /// Selected filters in lower case. If empty, any filter is accepted, but all rows of the file must have the same.
     filters: Vec<String>,
     file: String,
 }

@@ -93,8 +93,9 @@ impl Selection {
         (self.drop_penumbra_flag && record.in_penumbra).then_some(DropReason::PenumbraFlag)
     }
 
-    /// Returns the reason to drop a record with its geometry; `None` if it is kept. `stations` is given if a station
-    /// rule is set.
+    /// Returns the reason to drop a record with its geometry; `None` if it is kept. `stations` has the mission phases
+    /// of the satellites, from which it is known whether a satellite is on station; it is `None` if
+    /// `Selection::station` is `None`.
     pub(super) fn drop_placed(
         &self,
         record: &Record,

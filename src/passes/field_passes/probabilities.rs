@@ -45,7 +45,8 @@ const PIECE_S: f64 = 10.0;
 const SEARCHED_S: f64 = 60.0;
 /// Longest delay, seconds, up to which the exposure is not divided into pieces.
 const ON_TIME_S: f64 = 10.5;
-/// Number of steps along a path in the search for points that are lit.
+/// Number of equal steps into which a satellite's path through the field is divided to find the intervals in which it
+/// is lit.
 const LIGHT_STEPS: usize = 24;
 /// Smallest probability with which near misses are included for a telescope in orbit.
 const LEAST_IN_FLIGHT: f64 = 0.01;
@@ -300,9 +301,10 @@ impl ExposedField<'_> {
         pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus)
     }
 
-    /// Returns the probability of a satellite in one piece. `None` if it cannot be in the field, or if no part of its
-    /// predicted crossing is visible. `visible_share` returns the visible part of the crossing as a fraction of its
-    /// time; it also receives the satellite's aspect where it is nearest to the centre of the field.
+    /// Returns the probability that a satellite crosses the field in one piece of the exposure. `None` if it cannot be
+    /// in the field, or if no part of its predicted crossing is visible. `visible_share` returns the visible part of
+    /// the crossing as a fraction of its time; it also receives the satellite's aspect where it is nearest to the
+    /// centre of the field.
     fn probability_in(
         &self,
         piece: &Piece,

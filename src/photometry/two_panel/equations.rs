@@ -89,8 +89,9 @@ pub(crate) struct OpenSail<const N: usize> {
     pub lit_and_seen_m2: [f64; N],
 }
 
-/// Quantities that depend on the geometry but not on the coefficients: open areas times cosines, m², and logarithms of
-/// mirror cosines.
+/// Quantities that depend on the geometry but not on the coefficients: for each surface, the unblocked area times the
+/// cosines of incidence and reflection, m², and ln cos θ of the angle θ between the observer and the direction of
+/// mirror reflection.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(crate) struct LitPanels<const N: usize> {
     /// Front of the sail: cos φ_i cos φ_r A (1 - BF).

@@ -40,7 +40,7 @@ impl Annotation<'_> {
         Err(ScheduleError::Changed { path: display(input), rows, flags: expected })
     }
 
-    /// Returns the verdict columns, without the exposure identifier if the schedule has such a column.
+    /// Returns the verdict columns, without the exposure identifier if the schedule has a column of identifiers.
     pub(super) fn flags_for<'a>(&self, mut names: impl Iterator<Item = &'a str>) -> Table {
         if names.any(|name| ID.contains(&name)) { self.flags.without(&[ID_COLUMN]) } else { self.flags.clone() }
     }

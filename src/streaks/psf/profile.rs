@@ -26,8 +26,9 @@ const MOST_REACH_PARTS: f64 = 500.0;
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialProfile {
     blur: Blur,
-    /// Brightness per pixel of a line of unit light, averaged over the square, as a function of the distance from the
-    /// line in pixels of the mean scale.
+    /// Light per area of a mean pixel from a long straight line that emits unit light per mean pixel of length,
+    /// averaged over the square described above, as a function of the distance from the line in mean pixels. A mean
+    /// pixel is a square with the area of a pixel.
     line: Curve,
     /// Width and height of a pixel in pixels of the mean scale.
     sides_pix: [f64; 2],
