@@ -99,7 +99,7 @@ fn too_large(limit: u64) -> io::Error {
 }
 
 /// Formats an error in a TOML text as one line with the line number.
-pub(crate) fn toml_error(error: &toml::de::Error, text: &str) -> String {
+pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
     let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
     match error.span() {
         Some(span) => {

@@ -188,6 +188,6 @@ mod tests {
         assert!(message(config("").site()).contains("specify --site NAME, --mpc CODE"));
         assert!(message(config("lat = 3").site()).contains("complete coordinates"));
         assert!(message(config("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
-        assert!(message(config("site = 'Nowhere at all'").site()).contains("streakcast sites, or --lat, --lon and"));
+        assert!(message(config("site = 'Nowhere at all'").site()).contains("streakcast sites, or --lat and --lon"));
     }
 }

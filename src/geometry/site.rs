@@ -48,6 +48,12 @@ impl Site {
     /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not
     /// finite.
     pub fn new_deg(name: &str, latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeometryError> {
+        // The sum with 0 has no negative zero.
+        let rounded = |angle_deg: f64| (1e3 * angle_deg).round() / 1e3 + 0.0;
+        let name = match name {
+            "" => format!("latitude {:.3}, longitude {:.3} deg", rounded(latitude_deg), rounded(longitude_deg)),
+            name => name.to_owned(),
+        };
         let checks = [
             ("latitude", latitude_deg, "deg", -90.0, 90.0),
             ("longitude", longitude_deg, "deg", -180.0, 360.0),
@@ -55,15 +61,10 @@ impl Site {
         ];
         for (what, value, unit, first, last) in checks {
             if !(first..=last).contains(&value) {
-                let site = name.to_owned();
-                return Err(GeometryError::CoordinateOutOfRange { site, what, value, unit, first, last });
+                return Err(GeometryError::CoordinateOutOfRange { site: name, what, value, unit, first, last });
             }
         }
         let longitude_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
-        let name = match name {
-            "" => format!("latitude {latitude_deg:.3}, longitude {longitude_deg:.3} deg"),
-            name => name.to_owned(),
-        };
         Ok(Self {
             name,
             mpc_code: None,

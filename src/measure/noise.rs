@@ -24,7 +24,8 @@ pub(super) const REFINED_FROM: f64 = 3.5;
 ///
 /// These fits contain all noise of the background: that of the pixels, correlated or not, of faint stars, of masks and
 /// of the fitted background. Nothing else is added for them to the error. Stars that would not be masked under the
-/// streak, because they are fainter than the error of its model, are not masked beside it.
+/// streak, because they are fainter than the error of its model, are not masked beside it; the mask is approximate,
+/// because it compares the largest residual near a pixel with the threshold at this pixel.
 #[expect(clippy::too_many_arguments, reason = "parts of one computation")]
 pub(super) fn controls(
     band: &Band,

@@ -23,7 +23,7 @@ mod window_table;
 mod windows;
 
 pub use age_effect::AgeEffect;
-pub use annotate::{Annotation, annotate};
+pub use annotate::{Annotation, annotate, check_extension};
 pub use error::ScheduleError;
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;

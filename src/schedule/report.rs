@@ -99,11 +99,8 @@ impl FlagReport {
     /// Returns a warning if exposures begin while the Sun is above the horizon, as with times in a wrong scale or zone.
     pub fn daylight_warning(&self) -> Option<String> {
         (self.by_daylight > 0).then(|| {
-            format!(
-                "{} of {} begin while the Sun is above the horizon; check the times and the site of the schedule",
-                self.by_daylight,
-                counted(self.flags.len(), "exposure", "exposures")
-            )
+            let number = counted(self.by_daylight, "exposure begins", "exposures begin");
+            format!("{number} while the Sun is above the horizon; check the times and the site of the schedule")
         })
     }
 

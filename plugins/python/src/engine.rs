@@ -87,19 +87,21 @@ impl Engine {
         let field = self.field()?;
         let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
         let mut warnings = Vec::new();
+        let mut sums = FlagReport::default();
         let starts: Vec<Epoch> =
             rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
         for Night { prepared, indices } in self.nights(starts.iter().copied())? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
             let report = judge(&night_rows, &self.request(field, &prepared)).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
-            warnings.extend(report.daylight_warning());
+            sums.by_daylight += report.by_daylight;
             warnings.extend(report.lower_limit_warning());
             warnings.extend(report.age_warning());
             for (index, flag) in indices.into_iter().zip(report.flags) {
                 flags[index] = Some(flag);
             }
         }
+        warnings.extend(sums.daylight_warning());
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
 }

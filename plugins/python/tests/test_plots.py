@@ -75,7 +75,7 @@ def test_a_light_curve_of_samples(model, tmp_path):
 def test_a_forecast_over_the_sky_and_in_time(model, output):
     passes = model.forecast("2026-08-14", max_mag=5, min_culmination=86, samples=41, output=output).passes
     svg = rendered_svg(plots.sky_chart(passes, title="A night"))
-    assert "A night" in svg and "from UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
+    assert "A night" in svg and "rise UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
     assert "The 22 brightest" not in svg and len(passes["name"]) == 10
     one = passes[:1] if output == "qtable" else {name: cells[:1] for name, cells in passes.items()}
     # A single pass is labelled in whole minutes.

@@ -27,7 +27,10 @@ pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsSt
     };
     let mut expanded: Vec<OsString> = Vec::new();
     for word in words {
-        let flag = expanded.last().and_then(|flag| flag.to_str());
+        let is_flag = |word: &&OsString| word.to_str().is_some_and(|word| word.starts_with('-'));
+        // `--times` takes several values.
+        let times = expanded.iter().rfind(is_flag).filter(|flag| *flag == "--times");
+        let flag = times.or(expanded.last()).and_then(|flag| flag.to_str());
         let other = word.to_str().and_then(|text| match text.split_once('=') {
             Some((flag, value)) => value_of(flag, value).map(|value| format!("{flag}={value}")),
             None => value_of(flag?, text),
@@ -85,15 +88,14 @@ mod tests {
     #[test]
     fn verif_words_for_the_time_and_standard_input() {
         let now = Epoch::from_gregorian_utc_hms(2026, 11, 25, 13, 5, 7);
-        let words =
-            "streakcast passes --start now --end=now --schedule - --schedule=- --name now -o - --start 2026-01-01";
+        let words = "streakcast passes --start now --end=now --schedule - --schedule=- --name now -o - --start 2026-01-01 --times 2026-01-01 now -o now";
         let expanded = expand(words.split(' ').map(OsString::from), now);
         let text = expanded.iter().map(|word| word.to_str().unwrap()).collect::<Vec<_>>().join(" ");
         let at = "2026-11-25T13:05:07Z";
         assert_eq!(
             text,
             format!(
-                "streakcast passes --start {at} --end={at} --schedule /dev/stdin --schedule=/dev/stdin --name now -o - --start 2026-01-01"
+                "streakcast passes --start {at} --end={at} --schedule /dev/stdin --schedule=/dev/stdin --name now -o - --start 2026-01-01 --times 2026-01-01 {at} -o now"
             )
         );
     }

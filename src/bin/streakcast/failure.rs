@@ -81,9 +81,10 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
                 .collect();
             let mut message = message.join("; ").replace(":; ", ": ");
             // Errors of Rust's own parsers of numbers.
-            for (error, allowed) in
-                [("invalid float literal", "a number"), ("invalid digit found in string", "a whole number")]
-            {
+            for (error, allowed) in [
+                ("invalid float literal", "a number"),
+                ("invalid digit found in string", "a whole number of 0 or more"),
+            ] {
                 message = message.replace(error, &format!("allowed: {allowed}"));
             }
             let (verb, path) = innermost(command);

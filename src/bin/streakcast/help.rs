@@ -103,17 +103,6 @@ const STREAK: Group = Group {
     rule: "",
 };
 
-/// Verbs without a camera, or with the frame as the field, and the ids of the flags that they reject. The help omits
-/// these flags, which are part of the flags that all verbs share.
-const REJECTED: [(&str, &[&str]); 6] = [
-    ("forecast", &["fov", "field", "rotation", "telescope", "min_probability"]),
-    ("ephemeris", &["fov", "field", "rotation", "telescope", "min_probability"]),
-    ("identify", &["fov", "field", "rotation", "telescope", "min_probability"]),
-    ("measure", &["fov", "field", "rotation", "min_probability"]),
-    ("inject", &["fov", "field", "rotation", "min_probability"]),
-    ("statistics", &["field", "rotation", "min_probability"]),
-];
-
 /// Additional help of a verb.
 struct VerbHelp {
     /// Names of the verb and of its subcommand, separated by blanks.
@@ -417,17 +406,9 @@ const VERBS: &[VerbHelp] = &[
 /// Adds required flags and examples to the help of all verbs.
 pub fn complete(command: Command) -> Command {
     // Lines are not wrapped, so that examples can be copied.
-    let command = VERBS.iter().fold(command.term_width(0), |command, help| {
+    VERBS.iter().fold(command.term_width(0), |command, help| {
         let names: Vec<&str> = help.path.split(' ').collect();
         at(command, &names, help)
-    });
-    // A build without a feature lacks some verbs.
-    let is_known = |command: &Command, verb: &str| command.find_subcommand(verb).is_some();
-    REJECTED.iter().fold(command, |command, (verb, ids)| match is_known(&command, verb) {
-        true => command.mut_subcommand(verb, |inner| {
-            inner.mut_args(|arg| if ids.contains(&arg.get_id().as_str()) { arg.hide(true) } else { arg })
-        }),
-        false => command,
     })
 }
 

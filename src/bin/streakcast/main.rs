@@ -9,6 +9,7 @@ mod help;
 mod local_time;
 mod notices;
 mod output;
+mod rejected;
 mod required;
 mod screen;
 mod signals;
@@ -120,8 +121,12 @@ enum Verb {
     /// Check the setup: element ages, Earth orientation, clock, site, models, cache
     Doctor(Box<DoctorArguments>),
     /// List the observatories by name and MPC code
+    ///
+    /// The exit status is 1 if a search finds nothing.
     Sites(ListArguments),
     /// List the simulated constellations for --shells
+    ///
+    /// The exit status is 1 if a search finds nothing.
     Shells(ListArguments),
     /// Write the completions of a shell to standard output
     Completions(CompletionsArguments),
@@ -130,13 +135,13 @@ enum Verb {
 }
 
 fn main() -> ExitCode {
-    let command = help::complete(Arguments::command());
+    let command = rejected::hide(help::complete(Arguments::command()));
     let matches = command.clone().try_get_matches_from(clock::expand(std::env::args_os(), clock::now()));
     let matches = match matches {
         Ok(matches) => matches,
         Err(error) => return report_usage(&error, command),
     };
-    if let Err(error) = files::check(&command, &matches) {
+    if let Err(error) = rejected::check(&matches).and_then(|()| files::check(&command, &matches)) {
         return exit_code(Err(error));
     }
     let arguments = match Arguments::from_arg_matches(&matches) {

@@ -150,9 +150,8 @@ pub struct Comparison {
 ///
 /// * a published mean if the difference is at most twice its error;
 /// * a published curve if, in addition, the RMS of the differences does not exceed the standard deviation of the
-///   survey,
-///   because the survey scatters as much about its own curve, and a model that depends on more angles than the phase
-///   angle differs from it;
+///   survey, because the survey scatters as much about its own curve, and a model that depends on more angles than the
+///   phase angle differs from it;
 /// * measurements if the difference is at most twice its error, the ratio of sigmas is within [`SIGMA_RATIOS`], and the
 ///   RMS is at most twice the sigma in the model's file. Measurements in grazing sunlight are compared separately with
 ///   the same tolerances.

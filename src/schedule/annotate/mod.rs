@@ -11,4 +11,4 @@ mod votable;
 mod write;
 
 pub use annotation::Annotation;
-pub use write::annotate;
+pub use write::{annotate, check_extension};

@@ -27,23 +27,15 @@ use super::{delimited, json, votable};
 /// `output` may be the same path as `input`. Each file is replaced as a whole, or not changed if an error occurs.
 ///
 /// # Errors
-/// The extension of `output` is that of another format (that of `input` is always allowed), the format cannot be
-/// written, an earlier annotation exists and `replace` is false, the schedule has changed since it
-/// was judged, or the operating system reports an error.
+/// Those of [`check_extension`]; or the format cannot be written, an earlier annotation exists and `replace` is false,
+/// the schedule has changed since it was judged, or the operating system reports an error.
 pub fn annotate(
     input: &Path,
     format: ScheduleFormat,
     output: &Path,
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, ScheduleError> {
-    let is_other = ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
-    if is_other && output.extension() != input.extension() {
-        return Err(ScheduleError::OutputExtension {
-            path: display(output),
-            format: format.to_string(),
-            allowed: format.extensions().join(", ."),
-        });
-    }
+    check_extension(input, format, output)?;
     match format {
         ScheduleFormat::Csv => delimited::annotate_csv(input, output, annotation),
         ScheduleFormat::Ecsv => delimited::annotate_ecsv(input, output, annotation),
@@ -56,4 +48,20 @@ pub fn annotate(
         #[cfg(not(all(feature = "sqlite", feature = "parquet")))]
         unwritten => Err(ScheduleError::AnnotateFormat { path: display(input), format: unwritten.to_string() }),
     }
+}
+
+/// Checks the name of an annotated file, which has the format of the schedule.
+///
+/// # Errors
+/// The extension of `output` is that of another format; that of `input` is always allowed.
+pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> Result<(), ScheduleError> {
+    let is_other = ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
+    if is_other && output.extension() != input.extension() {
+        return Err(ScheduleError::OutputExtension {
+            path: display(output),
+            format: format.to_string(),
+            allowed: format.extensions().join(", ."),
+        });
+    }
+    Ok(())
 }

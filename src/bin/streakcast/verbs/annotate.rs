@@ -44,7 +44,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
     // The output is checked before the computation, which may be long.
     check_whole(&output)?;
-    let judged = judge(&config, &schedule, typed.shard)?;
+    let judged = judge(&config, &schedule, typed.shard, Some(&output))?;
     let annotation = Annotation {
         flags: &flag_table(&judged.report.flags),
         streaks: &judged.streaks,

@@ -112,7 +112,7 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
     const SUBJECT: &str = "schedule";
     // The thread pool exists already, and warnings about inputs are reported as findings.
     let run = RunConfig { threads: None, quiet: Some(true), ..config.run.clone() };
-    let judged = match judge(&Config { run, ..config.clone() }, schedule, None) {
+    let judged = match judge(&Config { run, ..config.clone() }, schedule, None, None) {
         Ok(judged) => judged,
         Err(error) => {
             let remedy = "specify the inputs of streakcast flag";

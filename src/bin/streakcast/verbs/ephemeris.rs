@@ -1,6 +1,6 @@
 //! `ephemeris`: positions of chosen satellites at given times.
 
-use crate::arguments::{OutputArguments, reject_camera};
+use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{Config, EphemerisConfig, PreparedSky, state_scales};
@@ -44,7 +44,6 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
-    reject_camera(&typed.config, "an ephemeris")?;
     let config = typed.config.with_file()?;
     let EphemerisConfig { times, times_file, start, norad, name, generation, .. } = &typed.ephemeris;
     let has_times = !times.is_empty() || times_file.is_some() || start.is_some();

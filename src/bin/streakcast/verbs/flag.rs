@@ -84,7 +84,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
-    let judged = judge(&config, &schedule, typed.shard)?;
+    let judged = judge(&config, &schedule, typed.shard, None)?;
     let flags = flag_table_with_exposures(&judged.report.flags, &judged.schedule.exposures);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(

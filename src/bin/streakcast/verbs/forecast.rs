@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::arguments::{OutputArguments, reject_camera};
+use crate::arguments::OutputArguments;
 use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
@@ -36,7 +36,7 @@ pub struct ForecastArguments {
     /// Additional file of light curves, one row per point; format by extension (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Local time of the table: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); UTC if omitted
+    /// Local time of the table and of the calendar's descriptions: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); UTC if omitted
     #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Output")]
     pub time_zone: Option<LocalTime>,
     /// Alarm in the calendar this long before each pass, for example 5min
@@ -99,7 +99,6 @@ impl Document {
 }
 
 pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
-    reject_camera(&typed.config, "passes over a site")?;
     let config = typed.config.clone().with_file()?;
     let has_range = typed.forecast.night.is_some() || typed.forecast.start.is_some();
     let range = "--night DATE, or --start TIME and --end TIME";

@@ -1,6 +1,6 @@
 //! `identify`: lists the candidates for a measured streak, in order of decreasing probability.
 
-use crate::arguments::{OutputArguments, reject_camera};
+use crate::arguments::OutputArguments;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -57,7 +57,6 @@ const ON_SCREEN: &[Shown] = &[
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
-    reject_camera(&typed.config, "the identification of a streak")?;
     if typed.top == 0 {
         return Err(anyhow!("top is 0; allowed: 1 or more"));
     }

@@ -201,16 +201,10 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags that have no effect: those of a field and, with random streaks, those of satellites. The same keys in
-/// a configuration file are accepted, because other verbs use them.
+/// Rejects flags of satellites with random streaks, on which they have no effect. The same keys in a configuration file
+/// are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);
-    let of_fields = [
-        ("--fov", flags.fov.is_some()),
-        ("--field", flags.field.is_some()),
-        ("--rotation", flags.rotation.is_some()),
-        ("--min-probability", flags.min_probability.is_some()),
-    ];
     let of_satellites = [
         ("--extinction", flags.extinction.is_some()),
         ("--sun-distance", flags.sun_distance.is_some()),
@@ -228,15 +222,9 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
         ("--observer-norad", flags.observer_norad.is_some()),
         ("--limb-height-km", flags.limb_height_km.is_some()),
     ];
-    let given =
-        |options: &[(&'static str, bool)]| options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name);
-    if let Some(option) = given(&of_fields) {
-        return Err(anyhow::anyhow!(
-            "{option} has no effect on inject, where the frame is the field; allowed: the command without it"
-        ));
-    }
-    match given(&of_satellites).filter(|_| typed.injection.is_random()) {
-        Some(option) => {
+    let given = of_satellites.iter().find(|(_, is_given)| *is_given);
+    match given.filter(|_| typed.injection.is_random()) {
+        Some((option, _)) => {
             Err(anyhow::anyhow!("{option} has no effect on random streaks; allowed: with streaks of satellites"))
         }
         None => Ok(()),

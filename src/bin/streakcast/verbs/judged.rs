@@ -12,7 +12,7 @@ use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
     FlagReport, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow, Verdict,
-    VerdictKind, flag_exposures, streak_table,
+    VerdictKind, check_extension, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -47,11 +47,15 @@ pub fn begin(config: &Config) -> anyhow::Result<Notices> {
     Ok(Notices::of(config))
 }
 
-/// Reads and judges a schedule, or a batch share of it.
-pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Result<Judged> {
+/// Reads and judges a schedule, or a batch share of it. `annotated` is the name of the annotated file, if one is written;
+/// it is checked before the computation.
+pub fn judge(config: &Config, path: &Path, shard: Option<Shard>, annotated: Option<&Path>) -> anyhow::Result<Judged> {
     let notices = begin(config)?;
     let plan = config.observation()?;
     let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
+    if let Some(annotated) = annotated {
+        check_extension(path, schedule.format, annotated)?;
+    }
     // The sky is prepared for the whole schedule, so that all batch shares use the same element sets.
     let judgeable = span(&schedule);
     let all_rows = schedule.exposures.len();
@@ -245,11 +249,12 @@ pub fn summary(notices: &Notices, report: &FlagReport) {
         .filter(|verdict| count(*verdict) > 0)
         .map(|verdict| format!("{} {verdict}", count(verdict)))
         .collect();
-    if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid) {
-        let number = counted(count(VerdictKind::Invalid), "exposure", "exposures");
+    let (all, invalid) = (report.flags.len(), count(VerdictKind::Invalid));
+    // If no row has a valid time, `none_judged` has the reason.
+    if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid).filter(|_| invalid < all) {
+        let number = counted(invalid, "exposure", "exposures");
         let reasons = first.reasons.join("; ");
-        let id = &first.exposure_id;
-        notices.info(&format!("warning: {number} cannot be judged; first exposure {id}: {reasons}"));
+        notices.warn(&[format!("{number} cannot be judged; first exposure {}: {reasons}", first.exposure_id)]);
     }
-    notices.info(&format!("{} exposures: {}", report.flags.len(), counts.join(", ")));
+    notices.info(&format!("{}: {}", counted(all, "exposure", "exposures"), counts.join(", ")));
 }

@@ -66,14 +66,14 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
         },
         &Notices::new(false),
     )?;
-    Ok(listed(&table, &typed.search, "site"))
+    Ok(listed(&table, &typed.search, "site", "name or code"))
 }
 
 /// Returns the result of a list; a search that finds nothing says so, and is a negative result.
-fn listed(table: &Table, search: &Option<String>, what: &str) -> Outcome {
+fn listed(table: &Table, search: &Option<String>, what: &str, names: &str) -> Outcome {
     match search {
         Some(search) if table.rows.is_empty() => {
-            Notices::new(false).info(&format!("no {what} has '{search}' in its name or code"));
+            Notices::new(false).info(&format!("no {what} has '{search}' in its {names}"));
             Outcome::No
         }
         _ => Outcome::Done,
@@ -118,5 +118,5 @@ pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
         },
         &Notices::new(false),
     )?;
-    Ok(listed(&table, &typed.search, "constellation"))
+    Ok(listed(&table, &typed.search, "constellation", "name"))
 }

@@ -77,7 +77,6 @@ enum Upload {
 
 pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
-    reject_unused(&typed.config)?;
     Required::of(&config)
         .input(!typed.measure.image.is_empty(), "frames", "FRAME..., FITS files")
         .satellites()
@@ -216,22 +215,6 @@ fn upload_table(done: &Measurements, observer: &ScoreObserver, upload: Upload) -
         table.rows.retain(|row| row[magnitude] != streakcast::output::Value::Null);
     }
     Ok(table)
-}
-
-/// Rejects flags of a field of view: the frame is the field.
-fn reject_unused(flags: &Config) -> anyhow::Result<()> {
-    let given = [
-        ("--fov", flags.fov.is_some()),
-        ("--field", flags.field.is_some()),
-        ("--rotation", flags.rotation.is_some()),
-        ("--min-probability", flags.min_probability.is_some()),
-    ];
-    match given.iter().find(|(_, is_given)| *is_given) {
-        Some((flag, _)) => Err(anyhow!(
-            "{flag} has no effect on measure, where the frame is the field; allowed: the command without it"
-        )),
-        None => Ok(()),
-    }
 }
 
 fn summary(notices: &Notices, done: &Measurements) {

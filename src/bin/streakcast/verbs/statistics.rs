@@ -78,13 +78,6 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
-    for (flag, is_given) in
-        [("--min-probability", typed.config.min_probability.is_some()), ("--rotation", typed.config.rotation.is_some())]
-    {
-        if is_given {
-            return Err(anyhow!("{flag} has no effect on statistics; allowed: the command without it"));
-        }
-    }
     let config = typed.config.with_file()?;
     let has_night = !typed.night.is_empty();
     Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;

@@ -39,7 +39,7 @@ const COLUMNS: [Column; 9] = [
 
 /// Judges a schedule.
 pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
-    let judged = judge(config, schedule, None)?;
+    let judged = judge(config, schedule, None, None)?;
     let observer = site.map(|site| Observer::new(site.clone()));
     let limit = config.policy()?.limit_mag;
     let rows = judged.schedule.exposures.iter().zip(&judged.report.flags);

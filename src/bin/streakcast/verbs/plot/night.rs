@@ -122,14 +122,17 @@ impl Timeline<'_> {
         };
         // The verdict also depends on the errors of magnitudes and positions.
         let avoid = verdicts.iter().zip(self.keep).filter(|(verdict, keep)| **keep && **verdict == "avoid").count();
-        let avoid = format!("Verdict avoid: {}.", counted(avoid, "exposure", "exposures"));
+        let avoid = match self.limit {
+            Some(_) => format!("Verdict avoid: {}.", counted(avoid, "exposure", "exposures")),
+            None => String::new(),
+        };
         let caption = format!("{avoid}{invalid}{}", self.columns.simulation_note());
         let ends = start_mjd.iter().zip(&duration_s).map(|(start, duration_s)| start + duration_s / 86_400.0);
         let observer = self.site.map(|site| site.name.clone()).or_else(|| self.columns.observer_name());
         let subtitle = place_and_time(observer, start_mjd.iter().copied().chain(ends));
         let drawn = night_timeline(&NightTimeline {
             title: self.title,
-            caption: &caption,
+            caption: caption.trim_start(),
             start_mjd: &start_mjd,
             duration_s: &duration_s,
             n_streaks: &n_streaks,
