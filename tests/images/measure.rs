@@ -197,19 +197,17 @@ fn bias_and_share<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (f64, f64,
     (mean, scatter / count.sqrt(), within as f64 / count, found.len())
 }
 
+/// Prints the table of docs/explanation/measuring.md: the lines that begin with `|`, which docs/tables.sh collects.
 #[test]
 fn verif_flux_is_unbiased_and_errors_are_honest() {
     let outcomes = grid();
     let mut failures = Vec::new();
+    println!("| streaks | bias of the flux | within one sigma | found |\n|---|---|---|---|");
     let mut check = |name: String, selected: Vec<&Outcome>| {
         let all = selected.len();
         let (bias, error, share, found) = bias_and_share(selected.into_iter());
-        println!(
-            "{name}: bias {:+.2} % +- {:.2}, within one sigma {:.1} %, found {found} of {all}",
-            100.0 * bias,
-            100.0 * error,
-            100.0 * share
-        );
+        let [bias_percent, error_percent, share_percent] = [bias, error, share].map(|value| 100.0 * value);
+        println!("| {name} | {bias_percent:+.1} ± {error_percent:.1} % | {share_percent:.1} % | {found} of {all} |");
         if bias.abs() >= FLUX_BIAS || !WITHIN_ONE_SIGMA.contains(&share) {
             failures.push(name);
         }
@@ -217,14 +215,14 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
     type Key = fn(&Case) -> f64;
     let keys: [(&str, &[f64], Key); 4] = [
         ("signal to noise", &BRIGHTNESS, |case| case.signal_to_noise),
-        ("angle", &ANGLES_DEG, |case| case.angle_deg),
-        ("seeing", &SEEING_PIX, |case| case.seeing_pix),
-        ("stars per megapixel", &STARS, |case| case.stars_per_megapixel),
+        ("angle to the rows, deg:", &ANGLES_DEG, |case| case.angle_deg),
+        ("seeing, pixels:", &SEEING_PIX, |case| case.seeing_pix),
+        ("stars per megapixel:", &STARS, |case| case.stars_per_megapixel),
     ];
     check("all".to_owned(), outcomes.iter().collect());
-    check("gaussian".to_owned(), outcomes.iter().filter(|one| one.case.form == SeeingForm::Gaussian).collect());
-    check("moffat".to_owned(), outcomes.iter().filter(|one| one.case.form != SeeingForm::Gaussian).collect());
-    check("with an end".to_owned(), outcomes.iter().filter(|one| one.case.has_end).collect());
+    check("Gaussian profile".to_owned(), outcomes.iter().filter(|one| one.case.form == SeeingForm::Gaussian).collect());
+    check("Moffat profile".to_owned(), outcomes.iter().filter(|one| one.case.form != SeeingForm::Gaussian).collect());
+    check("with an end in the frame".to_owned(), outcomes.iter().filter(|one| one.case.has_end).collect());
     for (name, values, key) in keys {
         for value in values {
             check(format!("{name} {value}"), outcomes.iter().filter(|one| key(&one.case) == *value).collect());
