@@ -1,9 +1,12 @@
-"""Tables of the differences that tests measured, as Markdown on standard output: `tables.py FIGURES`.
+"""Tables of the documentation as Markdown on standard output, for docs/tables.sh.
 
-docs/tables.sh runs the tests and calls this script. FIGURES has one line per comparison, written by
-tests/common/agreement.rs: subject, quantity, authority, number, largest difference, bound, unit.
+    tables.py FIGURES           differences that tests measured; FIGURES has one line per comparison, written by
+                                tests/common/agreement.rs: subject, quantity, authority, number, largest difference,
+                                bound, unit
+    tables.py --lu2024 TABLE    numbers of `streakcast reproduce lu2024`, from its table.csv
 """
 
+import csv
 import sys
 import textwrap
 from datetime import date
@@ -35,7 +38,7 @@ TABLES = [
         "Positions of satellites",
         "SGP4 agrees with the reference code within a millimetre, and directions agree with JPL Horizons within an arcsecond. "
         "The errors of the element sets, which are a kilometre or more, are not included.",
-        ["ephemerides", "ephemeris", "horizons", "sgp4_verification", "space_observers"],
+        ["ephemeris", "horizons", "operator_ephemerides", "sgp4_verification", "space_observers"],
     ),
     (
         "Crossings, passes, shadow",
@@ -105,5 +108,20 @@ def accuracy(path):
             print(f"| {quantity} | {authority}, {numbers} | {in_unit(measured, unit)} | {in_unit(allowed, unit)} |")
 
 
+def lu2024(path):
+    def text(number):
+        value = float(number) if number else None
+        return "" if value is None else f"{value:.0f}" if abs(value) >= 1000 or value == int(value) else f"{value:.3g}"
+
+    print("| section | quantity | unit | paper | ours | +- |\n|---|---|---|---:|---:|---:|")
+    lines = [line for line in Path(path).read_text().splitlines() if not line.startswith("#")]
+    for row in csv.DictReader(lines):
+        numbers = [text(row[column]) for column in ("paper", "ours", "ours_sigma")]
+        print("| " + " | ".join([row["section"], row["quantity"], row["unit"], *numbers]) + " |")
+
+
 if __name__ == "__main__":
-    accuracy(sys.argv[1])
+    if sys.argv[1] == "--lu2024":
+        lu2024(sys.argv[2])
+    else:
+        accuracy(sys.argv[1])

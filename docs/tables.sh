@@ -1,21 +1,39 @@
 #!/usr/bin/env bash
-# Measures the tables of docs/explanation/accuracy.md, measuring.md and speed.md again.
-#   docs/tables.sh                       accuracy: runs the tests that compare with authorities, and those of measured
-#                                        fluxes; needs STREAKCAST_DATA
-#   docs/tables.sh speed                 speed: runs all benches, also with other programs; takes an hour
-#   docs/tables.sh speed --only streaks  speed: runs only the named benches and keeps the other sections
+# Measures tables of the documentation again.
+#   docs/tables.sh                       accuracy: runs the tests that compare with authorities; needs STREAKCAST_DATA
+#   docs/tables.sh measuring             runs the tests of measured fluxes
+#   docs/tables.sh lu2024                runs `streakcast reproduce lu2024`; needs STREAKCAST_DATA
+#   docs/tables.sh speed                 runs all benches, also with other programs; takes an hour
+#   docs/tables.sh speed --only streaks  runs only the named benches and keeps the other sections
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-case "${1:-accuracy}" in
-    accuracy) [ $# -le 1 ] || { echo "usage: docs/tables.sh accuracy" >&2; exit 2; } ;;
-    speed) shift; exec "${PYTHON:-python3}" docs/speed.py "$@" ;;
-    *) echo "usage: docs/tables.sh [accuracy | speed [--only NAME,...] [--rounds N]]" >&2; exit 2 ;;
-esac
+usage="usage: docs/tables.sh [accuracy | measuring | lu2024 | speed [--only NAME,...] [--rounds N]]"
+python=${PYTHON:-python3}
+mode=${1:-accuracy}
+if [ "$mode" = speed ]; then shift; exec "$python" docs/speed.py "$@"; fi
+if [ $# -gt 1 ]; then echo "$usage" >&2; exit 2; fi
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
-STREAKCAST_FIGURES=$work/figures.tsv cargo test --quiet --tests valid_ >"$work/tests" 2>&1 || { cat "$work/tests"; exit 1; }
-"${PYTHON:-python3}" docs/tables.py "$work/figures.tsv" >"$work/accuracy.md"
-cargo test --quiet --test images measure::verif_flux_is_unbiased -- --nocapture | grep '^|' >"$work/measuring.md"
-mv "$work/accuracy.md" "$work/measuring.md" docs/tables/
+case "$mode" in
+    accuracy)
+        STREAKCAST_FIGURES=$work/figures.tsv cargo test --quiet --tests valid_ >"$work/tests" 2>&1 || { cat "$work/tests"; exit 1; }
+        "$python" docs/tables.py "$work/figures.tsv" >"$work/$mode.md"
+        ;;
+    measuring)
+        for name in measure::verif_flux_is_unbiased measure::verif_flux_at_a_low measure::verif_a_fitted_width \
+            measure::verif_false_detections measure_stars::verif_zero_points; do
+            cargo test --quiet --test images "$name" -- --nocapture | grep '^|' >>"$work/$mode.md"
+        done
+        ;;
+    lu2024)
+        # Satellites of table 1: element sets of six years, because many satellites have reentered.
+        tle=${STREAKCAST_DATA:-../shared/data}/tle
+        cargo run --quiet --release -- reproduce lu2024 --quiet -o "$work/lu2024" --elements "$tle"/fullcat/* \
+            "$tle"/mmt_2021/* "$tle"/pomenis_2022/* "$tle"/active/* >"$work/log"
+        "$python" docs/tables.py --lu2024 "$work/lu2024/table.csv" >"$work/$mode.md"
+        ;;
+    *) echo "$usage" >&2; exit 2 ;;
+esac
+mv "$work/$mode.md" docs/tables/

@@ -245,8 +245,8 @@ const COLUMNS: [Column; 7] = [
     Column::new("quantity", Kind::Text, "Description of the quantity."),
     Column::new("unit", Kind::Text, "Unit; empty for counts, criteria and probabilities."),
     Column::real("paper", "", 4, "Printed number; empty if the paper prints none."),
-    Column::real("ours", "", 4, "Computed number; empty if the data for it are not given."),
-    Column::real("ours_sigma", "", 4, "One sigma of the computed number."),
+    Column::real("ours", "", 5, "Computed number; empty if the data for it are not given."),
+    Column::real("ours_sigma", "", 6, "One sigma of the computed number."),
     Column::new("reason", Kind::Text, "Reason for the difference, or for which there is no computed number."),
 ];
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::header::Header;
-use super::plane::PixelPosition;
+use super::pixels::PixelPosition;
 
 /// Range of illuminated pixels of a frame, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]

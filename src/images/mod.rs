@@ -9,7 +9,7 @@ mod fits;
 mod header;
 mod light_area;
 mod patch;
-mod plane;
+mod pixels;
 #[cfg(feature = "plot")]
 mod preview;
 mod telescope;
@@ -33,7 +33,7 @@ pub use fits::{
 pub use header::Header;
 pub use light_area::LightArea;
 pub use patch::{Patch, PatchRows, PatchSpan};
-pub use plane::{PixelPosition, Plane};
+pub use pixels::{PixelPosition, Plane};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, preview_png};
 pub use telescope::{

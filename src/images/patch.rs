@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::light_area::LightArea;
-use super::plane::PixelPosition;
-use super::plane::Plane;
+use super::pixels::PixelPosition;
+use super::pixels::Plane;
 
 /// Adjacent pixels in one row of a patch.
 #[derive(Copy, Clone, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 use image::{ImageFormat, Rgb, RgbImage};
 
 use super::error::ImagesError;
-use super::plane::{PixelPosition, Plane};
+use super::pixels::{PixelPosition, Plane};
 
 /// Streak marked in a preview by two parallel lines.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,8 @@
 //! Magnitude maps: all directions below a satellite, and all directions of the sky above a site.
 //!
 //! `grid` holds the directions of a map; `body` and `sky` compute one direction or a whole grid, with magnitudes from
-//! `light`; `tables` and `healpix_file` write maps; `shadow_edge` computes the edge of the Earth's shadow; and `paper`
-//! lists the panels of figures 6 to 9 of Lu (2024).
+//! `light`; `tables` and `healpix_file` write maps; `shadow_edge` computes the edge of the Earth's shadow; and
+//! `lu2024_figures` lists the panels of figures 6 to 9 of Lu (2024).
 
 mod body;
 mod error;
@@ -10,7 +10,7 @@ mod grid;
 #[cfg(all(feature = "fits", unix))]
 mod healpix_file;
 mod light;
-mod paper;
+mod lu2024_figures;
 mod shadow_edge;
 mod sky;
 mod tables;
@@ -19,6 +19,6 @@ pub use body::{BodyMap, BodyPoint, BodyView};
 pub use error::MapError;
 pub use grid::{DEFAULT_NSIDE, DEFAULT_STEP_DEG, Grid};
 pub use light::{Fact, FactValue};
-pub use paper::{FigurePanel, PAPER_FIGURES, PaperFigure};
+pub use lu2024_figures::{FigurePanel, PAPER_FIGURES, PaperFigure};
 pub use shadow_edge::ShadowEdgePoint;
 pub use sky::{Earth, SkyMap, SkyPoint, SkyView};

@@ -4,10 +4,10 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-use super::disc::{AZIMUTHS, Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
+use super::sky_disk::{AZIMUTHS, Disc, DiscContent, DiscSheet};
 use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, SkyView};
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 use crate::photometry::{BrightnessModel, PhotometryOptions};

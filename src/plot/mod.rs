@@ -1,8 +1,8 @@
 //! Maps and charts as PNG, SVG and PDF pictures.
 //!
 //! A [`Picture`] is a list of lines, texts and pixels, which `encode` and `pdf` convert to a file. `scale` assigns
-//! colours to values, `contour` computes lines of equal value, and `disc` projects a hemisphere. `maps` draws the maps
-//! of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
+//! colours to values, `contour` computes lines of equal value, and `sky_disk` projects a hemisphere. `maps` draws the
+//! maps of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
 //! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
 //! and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and
 //! `sun_altitude` for observers; `alarms` and `streak_cuts` for measurements.
@@ -14,7 +14,6 @@ mod contour;
 mod corner;
 mod counts_and_spread;
 mod density;
-mod disc;
 mod encode;
 mod error;
 mod field_chart;
@@ -30,6 +29,7 @@ mod picture;
 mod residuals;
 mod scale;
 mod sky_chart;
+mod sky_disk;
 mod sky_rate;
 mod statistics;
 mod streak_cuts;

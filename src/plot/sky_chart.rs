@@ -8,11 +8,11 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::colour_bar;
-use super::disc::{AZIMUTHS, disc_position};
 use super::error::PlotError;
 use super::labels::Labels;
 use super::picture::{INK, Picture, around, half_size};
 use super::scale::{ColourScale, Quantity};
+use super::sky_disk::{AZIMUTHS, disc_position};
 use super::statistics::check;
 use super::time_axis::LocalClock;
 use super::tracks::{

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::disc::{AZIMUTHS, Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::numbers::{fixed, many};
 use super::picture::Picture;
 use super::scale::{ColourScale, Quantity};
+use super::sky_disk::{AZIMUTHS, Disc, DiscContent, DiscSheet};
 use super::statistics::check;
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 

@@ -10,7 +10,6 @@ mod annotate;
 mod error;
 mod formats;
 mod horizon;
-mod judge;
 mod nights;
 mod policy;
 mod report;

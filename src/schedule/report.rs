@@ -11,10 +11,10 @@ use crate::passes::{CrossingProbability, Exposure, Field, Pass, PassOptions, Sky
 use crate::photometry::{Band, PhotometryOptions};
 
 use super::horizon::{last_starts_s, lowest_altitudes_over};
-use super::judge::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
 use super::policy::{Blocking, LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
+use super::verdict::rules::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
 use super::verdict::{Verdict, VerdictKind};
 
 /// Time between a clear start and the entry or exit of a satellite, seconds. Entries and exits are accurate to 1 ms.

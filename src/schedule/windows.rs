@@ -8,10 +8,10 @@ use crate::orbit::LeftOut;
 use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::horizon::{altitude_rad, sampling_interval_s};
-use super::judge::{CameraLimits, Rules, blocks};
 use super::policy::Blocking;
 use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
+use super::verdict::rules::{CameraLimits, Rules, blocks};
 
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {

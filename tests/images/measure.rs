@@ -197,7 +197,14 @@ fn bias_and_share<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (f64, f64,
     (mean, scatter / count.sqrt(), within as f64 / count, found.len())
 }
 
-/// Prints the table of docs/explanation/measuring.md: the lines that begin with `|`, which docs/tables.sh collects.
+/// Prints a line of the table of docs/explanation/measuring.md, which docs/tables.sh collects: bias of the flux, its
+/// standard error and the share within one sigma as fractions, and the number of detected streaks of all.
+fn print_row(name: &str, fractions: [f64; 3], found: usize, all: usize) {
+    let [bias, error, share] = fractions.map(|fraction| 100.0 * fraction);
+    println!("| {name} | {bias:+.1} ± {error:.1} % | {share:.1} % | {found} of {all} |");
+}
+
+/// Prints the head of the table of docs/explanation/measuring.md, and most of its lines.
 #[test]
 fn verif_flux_is_unbiased_and_errors_are_honest() {
     let outcomes = grid();
@@ -206,8 +213,7 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
     let mut check = |name: String, selected: Vec<&Outcome>| {
         let all = selected.len();
         let (bias, error, share, found) = bias_and_share(selected.into_iter());
-        let [bias_percent, error_percent, share_percent] = [bias, error, share].map(|value| 100.0 * value);
-        println!("| {name} | {bias_percent:+.1} ± {error_percent:.1} % | {share_percent:.1} % | {found} of {all} |");
+        print_row(&name, [bias, error, share], found, all);
         if bias.abs() >= FLUX_BIAS || !WITHIN_ONE_SIGMA.contains(&share) {
             failures.push(name);
         }
@@ -253,14 +259,8 @@ fn verif_flux_at_a_low_signal_to_noise_is_unbiased() {
     let uncorrected = |one: &Outcome| one.measured.signal_to_noise * one.measured.rate.sigma / one.truth - 1.0;
     let detected = outcomes.iter().filter(|one| one.measured.is_detected);
     let before = detected.map(uncorrected).sum::<f64>() / found as f64;
-    println!(
-        "signal to noise 10: bias {:+.2} % +- {:.2}, uncorrected {:+.2} %, within one sigma {:.1} %, found {found} of {}",
-        100.0 * bias,
-        100.0 * error,
-        100.0 * before,
-        100.0 * share,
-        2 * COUNT
-    );
+    print_row("signal to noise 10, 0 and 100 stars", [bias, error, share], found, 2 * COUNT);
+    println!("| the same without the correction for the fitted position | {:+.1} % | | |", 100.0 * before);
     assert!(bias.abs() < FLUX_BIAS && before > UNCORRECTED_ERRORS * error, "{bias}, {before}, {error}");
     assert!(found as f64 >= FOUND_AT_10 * 2.0 * COUNT as f64, "{found}");
 }
@@ -281,7 +281,7 @@ fn verif_false_detections_are_rare() {
         .collect();
     let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
     let found = outcomes.iter().filter(|one| one.measured.is_detected).count() as f64 / outcomes.len() as f64;
-    println!("false detections: {:.2} %", 100.0 * found);
+    println!("| no streak | | | {:.1} % of {} |", 100.0 * found, outcomes.len());
     assert!(found <= FALSE_ALARMS, "{found}");
     // Upper limits are above the rate, which is 0.
     assert!(outcomes.iter().all(|one| one.measured.rate_limit > 0.0));
@@ -343,8 +343,8 @@ fn verif_a_fitted_width_replaces_a_wrong_seeing() {
         .into_par_iter()
         .map(|case| measured(case, &fitted, Optics { seeing_arcsec: 1.2 * case.seeing_pix, ..optics(&case) }))
         .collect();
-    let (bias, _, _, found) = bias_and_share(outcomes.iter());
-    println!("fitted width: bias {:.2} %", 100.0 * bias);
+    let (bias, error, share, found) = bias_and_share(outcomes.iter());
+    print_row("given seeing 20 % too large, width fitted", [bias, error, share], found, outcomes.len());
     assert!(found == 60 && bias.abs() < FLUX_BIAS, "{bias}");
     assert!(outcomes.iter().all(|one| (one.measured.seeing_arcsec.unwrap() / 4.0 - 1.0).abs() < 0.05));
 }

@@ -24,7 +24,7 @@
 
 use std::sync::LazyLock;
 
-use super::disk::strip;
+use super::penumbra::strip;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::math::quadrature::gauss_legendre;
 
@@ -204,7 +204,7 @@ fn ray_at(rays: &[Ray], height_km: f64) -> Ray {
 /// Quadrature rule for an interval of heights: share of the interval and weight. Heights are low + (high - low)
 /// sin²(πs/2), which removes the roots at the ends of the disk.
 static AIR_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| {
-    gauss_legendre(32)
+    gauss_legendre(20)
         .into_iter()
         .map(|(s, weight)| {
             let (sin, cos) = (std::f64::consts::FRAC_PI_2 * s).sin_cos();
@@ -231,32 +231,34 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
     // For a satellite inside the atmosphere, no ray has its lowest point above the satellite.
     let top_km = TOP_KM.min(radius_km - EARTH_EQUATORIAL_RADIUS_KM - 1e-3);
     let sine_separation = separation_rad.sin().max(1e-6);
-    // Position on the Sun's disk from which a ray comes.
-    let disk_position = |ray: &Ray| {
-        let arrival_rad = (ray.impact_km / radius_km).min(1.0).asin();
-        (arrival_rad - ray.bending_rad - separation_rad) / sun_rad
-    };
     let mut lit = 0.0;
-    let (mut edge, edge_ray) = (-1.0_f64, ray_at(rays, top_km.max(0.0)));
+    // Position on the Sun's disk, from -1 to 1, from which the highest ray comes.
+    let mut edge = -1.0_f64;
     if top_km > 0.0 {
-        edge = disk_position(&edge_ray).clamp(-1.0, 1.0);
-        let [low, high] = [-1.0, 1.0].map(|limb| height_where(rays, &disk_position, limb, top_km));
+        let highest = ray_at(rays, top_km);
+        let arrival_rad = (highest.impact_km / radius_km).min(1.0).asin();
+        edge = ((arrival_rad - highest.bending_rad - separation_rad) / sun_rad).clamp(-1.0, 1.0);
+        let [low, high] =
+            [-sun_rad, sun_rad].map(|limb_rad| height_from(rays, radius_km, separation_rad + limb_rad, top_km));
         if high > low {
             for &(share, weight) in AIR_RULE.iter() {
                 let height_km = low + (high - low) * share;
                 let dh = (high - low) * weight;
                 let ray = ray_at(rays, height_km);
                 let sine_arrival = (ray.impact_km / radius_km).min(1.0);
-                let origin_rad = sine_arrival.asin() - ray.bending_rad;
+                let cosine_arrival = (1.0 - sine_arrival * sine_arrival).max(1e-16).sqrt();
                 // dθ' = dp / (r cos θ')
-                let darrival =
-                    ray.impact_per_km * dh / (radius_km * radius_km - ray.impact_km * ray.impact_km).max(1e-9).sqrt();
-                let sine = origin_rad.sin().max(1e-6);
-                lit += strip((origin_rad - separation_rad) / sun_rad) * ray.transmission * sine_arrival
-                    / (sine * sine_separation).sqrt()
-                    * darrival
-                    / sun_rad;
+                let darrival = ray.impact_per_km * dh / (radius_km * cosine_arrival);
+                // sin(θ' - β), with β at most 0.02
+                let bending = ray.bending_rad;
+                let sine = sine_arrival * (1.0 - bending * bending / 2.0)
+                    - cosine_arrival * bending * (1.0 - bending * bending / 6.0);
+                lit +=
+                    strip((sine_arrival.asin() - bending - separation_rad) / sun_rad) * ray.transmission * sine_arrival
+                        / sine.max(1e-6).sqrt()
+                        * darrival;
             }
+            lit /= sun_rad * sine_separation.sqrt();
         }
     }
     // Light of the part of the disk that is seen above the atmosphere.
@@ -271,16 +273,25 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
     lit.clamp(0.0, 1.0)
 }
 
-/// Returns the height in [0, `top_km`] at which a function of the ray that increases with height reaches a value, or
-/// the nearer end of the interval. The function is linear between two rays of the table.
-fn height_where(rays: &[Ray], function: &impl Fn(&Ray) -> f64, value: f64, top_km: f64) -> f64 {
-    let above = rays.partition_point(|ray| function(ray) < value);
+/// Returns the lowest height, km, of the ray that comes from the angle θ from the Earth's centre, or the nearer end of
+/// the interval [0, `top_km`].
+///
+/// The ray fulfils θ' - β = θ, therefore p = r sin(θ + β), with β at most 0.02. The difference of the two sides increases
+/// with the height, and is taken as linear between two rays of the table.
+fn height_from(rays: &[Ray], radius_km: f64, origin_rad: f64, top_km: f64) -> f64 {
+    let (sin, cos) = origin_rad.sin_cos();
+    let excess_km = |ray: &Ray| {
+        let bending = ray.bending_rad;
+        let sine = sin * (1.0 - bending * bending / 2.0) + cos * bending * (1.0 - bending * bending / 6.0);
+        ray.impact_km - radius_km * sine
+    };
+    let above = rays.partition_point(|ray| excess_km(ray) < 0.0);
     if above == 0 {
         return 0.0;
     }
     let Some(upper) = rays.get(above) else { return top_km };
-    let (low, high) = (function(&rays[above - 1]), function(upper));
-    ((above as f64 - (high - value) / (high - low)) * RAY_STEP_KM).min(top_km)
+    let (low, high) = (excess_km(&rays[above - 1]), excess_km(upper));
+    ((above as f64 - high / (high - low)) * RAY_STEP_KM).min(top_km)
 }
 
 #[cfg(test)]

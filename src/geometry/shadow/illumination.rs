@@ -27,7 +27,7 @@
 
 use nalgebra::Vector3;
 
-use super::{atmosphere, disk};
+use super::{atmosphere, penumbra};
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, SUN_RADIUS_KM};
 use crate::frames::{Gcrs, Position};
 
@@ -114,7 +114,7 @@ impl ShadowModel {
     /// is treated as the surface point above it.
     ///
     /// The result is quick to compute far from the shadow's boundary. Near the boundary the sum covers two dozen rings
-    /// of the Sun's disk, or three dozen rays through the atmosphere.
+    /// of the Sun's disk, or two dozen rays through the atmosphere.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
         let radius = EARTH_EQUATORIAL_RADIUS_KM;
         let position = stretch(satellite.vector());
@@ -154,7 +154,7 @@ impl ShadowModel {
         if above >= 1.0 {
             return Illumination::Sunlit;
         }
-        match disk::lit_fraction(above, limb.limb_radius_in_suns()) {
+        match penumbra::lit_fraction(above, limb.limb_radius_in_suns()) {
             lit if lit <= 0.0 => Illumination::Umbra,
             lit if lit >= 1.0 => Illumination::Sunlit,
             lit_fraction => Illumination::Penumbra { lit_fraction },
@@ -283,7 +283,7 @@ mod tests {
             assert!(kinds.iter().all(|&count| count > 100), "{radius_km}: {kinds:?}");
             // The steepest slope is in the middle: w(0) = 0.74 per solar radius.
             assert!(
-                largest_step < 1.1 * disk::strip(0.0) / 0.00465 * 0.012 / f64::from(steps),
+                largest_step < 1.1 * penumbra::strip(0.0) / 0.00465 * 0.012 / f64::from(steps),
                 "{radius_km}: {largest_step}"
             );
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::error::ImagesError;
 use super::super::header::Header;
-use super::super::plane::Plane;
+use super::super::pixels::Plane;
 use super::cfitsio::{CPixel, Handle};
 use super::hdu::{HduInfo, HduKind, scan};
 use super::tile_header::columns;

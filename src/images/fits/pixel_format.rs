@@ -4,7 +4,7 @@ use super::super::error::ImagesError;
 use super::cfitsio::{CPixel, Handle, Rice};
 use super::deltas::Outcome;
 use crate::images::card::Card;
-use crate::images::plane::Plane;
+use crate::images::pixels::Plane;
 
 /// Type of a stored number, given by BITPIX.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

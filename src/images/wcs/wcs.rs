@@ -10,7 +10,7 @@ use super::super::header::Header;
 use super::header_terms::HeaderTerms;
 use super::projection::NativePole;
 use super::projection::Projection;
-use crate::images::plane::PixelPosition;
+use crate::images::pixels::PixelPosition;
 
 /// Number of arcseconds in a radian.
 const ARCSEC: f64 = 648_000.0 / std::f64::consts::PI;

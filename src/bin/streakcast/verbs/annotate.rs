@@ -7,7 +7,7 @@ use streakcast::config::{Config, RulesConfig};
 use streakcast::schedule::Shard;
 use streakcast::schedule::{Annotation, annotate, flag_table};
 
-use super::judged::judge;
+use super::schedule_verdicts::judge;
 use crate::failure::Outcome;
 use crate::output::check_whole;
 use crate::required::Required;

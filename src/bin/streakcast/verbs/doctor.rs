@@ -15,7 +15,7 @@ use streakcast::frames::seconds_between;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, format_utc};
 use streakcast::schedule::AgeEffect;
 
-use super::judged::{begin, judge};
+use super::{begin, schedule_verdicts::judge};
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};

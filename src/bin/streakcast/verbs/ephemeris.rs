@@ -7,7 +7,7 @@ use streakcast::config::{Config, EphemerisConfig, PreparedSky, state_scales};
 use streakcast::forecast::{EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
 use streakcast::output::{Section, format_utc};
 
-use super::judged::begin;
+use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::VerbResult;

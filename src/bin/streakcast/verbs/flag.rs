@@ -10,8 +10,8 @@ use streakcast::output::{Section, counted};
 use streakcast::schedule::Shard;
 use streakcast::schedule::{FlagReport, Verdict, VerdictKind, flag_table_with_exposures};
 
-use super::judged::judge;
 use super::passes::left_out_table;
+use super::schedule_verdicts::judge;
 use crate::failure::Outcome;
 use crate::output::VerbResult;
 use crate::required::Required;

@@ -16,7 +16,7 @@ use streakcast::geometry::Site;
 use streakcast::output::{Section, counted, format_utc};
 use streakcast::passes::SkyError;
 
-use super::judged::begin;
+use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::local_time::{LocalTime, local_time};

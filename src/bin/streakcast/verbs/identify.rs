@@ -11,7 +11,7 @@ use streakcast::identify::{
 };
 use streakcast::output::{Section, counted};
 
-use super::judged::begin;
+use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::notices::Notices;

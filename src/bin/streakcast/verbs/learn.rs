@@ -14,8 +14,8 @@ use streakcast::output::{Provenance, Section, counted};
 use streakcast::passes::ModelChoice;
 use streakcast::photometry::Earthshine;
 
+use super::begin;
 use super::fit::{PhotometryArguments, config_of, history_of_flags, measured, state_photometry};
-use super::judged::begin;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};

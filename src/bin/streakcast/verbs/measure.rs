@@ -14,7 +14,7 @@ use streakcast::measure::{ScoreObserver, measurement_table, score_table};
 use streakcast::output::format_utc;
 use streakcast::output::{Provenance, Section, Table, counted};
 
-use super::judged::begin;
+use super::begin;
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;

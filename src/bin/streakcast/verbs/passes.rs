@@ -113,7 +113,7 @@ pub struct Prediction {
 /// Computes the passes of the exposure in the configuration.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     Required::of(config).times().pointing().satellites().site().field().check()?;
-    let notices = super::judged::begin(config)?;
+    let notices = super::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;
     let options = PassOptions {
@@ -180,7 +180,7 @@ fn state(
             "ra_deg": round_deg(exposure.pointing.longitude_rad()),
             "dec_deg": round_deg(exposure.pointing.latitude_rad()),
             "rotation_deg": round_deg(exposure.rotation_rad),
-            "field": super::judged::given_field(config),
+            "field": super::schedule_verdicts::given_field(config),
             "telescope": telescope,
             "include_dark": options.include_dark,
             "min_probability": options.min_probability,

@@ -16,8 +16,8 @@ use streakcast::schedule::{
     read_targets, window_table, window_target_table,
 };
 
-use super::judged::{begin, given_field};
 use super::passes::left_out_table;
+use super::{begin, schedule_verdicts::given_field};
 use crate::failure::Outcome;
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;

@@ -15,7 +15,7 @@ use super::points::{provenance, read};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::verbs::judged::begin;
+use crate::verbs::begin;
 
 const PIXELS_ON_SCREEN: &[Shown] = &[
     shown("layer", "layer"),

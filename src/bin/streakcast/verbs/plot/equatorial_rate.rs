@@ -16,7 +16,7 @@ use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
 use super::arguments::PlotSkyRateArguments;
 use super::columns::Columns;
 use crate::notices::Notices;
-use crate::verbs::judged::given_field;
+use crate::verbs::schedule_verdicts::given_field;
 
 const FRAME: &str = "equatorial";
 const SHORTEST_STEP_S: f64 = 30.0;

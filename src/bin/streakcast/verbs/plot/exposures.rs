@@ -9,7 +9,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Column, Kind, Provenance, Table, Value};
 use streakcast::schedule::{Schedule, ScheduledExposure, Verdict};
 
-use crate::verbs::judged::judge;
+use crate::verbs::schedule_verdicts::judge;
 
 use super::clock::sun_altitude_deg;
 use super::columns::Columns;

@@ -13,7 +13,7 @@ use streakcast::plot::{Picture, SkyRate, sky_rate};
 
 use super::arguments::PlotSkyRateArguments;
 use crate::failure::Outcome;
-use crate::verbs::judged::{begin, given_field};
+use crate::verbs::{begin, schedule_verdicts::given_field};
 
 use super::columns::Columns;
 use super::equatorial_rate;

@@ -12,7 +12,7 @@ use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::schedule::{FlagReport, Schedule};
 
-use super::super::judged;
+use super::super::{begin, schedule_verdicts};
 use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
 use super::router::{App, router};
@@ -30,7 +30,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let token = Token::of(&typed)?;
     Required::of(&config).satellites().site().field().check()?;
-    let notices = judged::begin(&config)?;
+    let notices = begin(&config)?;
     let plan = config.observation()?;
     // The port is opened before the computation, so that an error such as an address in use is reported at once.
     let listener =
@@ -40,7 +40,9 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let started = clock::now();
     let schedule = typed.schedule.as_deref().map(|path| read_schedule(path, &config)).transpose()?;
     let (first, last) = match &schedule {
-        Some((path, schedule)) => judged::span(schedule).ok_or_else(|| anyhow!(judged::none_judged(schedule, path)))?,
+        Some((path, schedule)) => {
+            schedule_verdicts::span(schedule).ok_or_else(|| anyhow!(schedule_verdicts::none_judged(schedule, path)))?
+        }
         None => (started, started),
     };
     let prepared = config.prepare(first, last)?;
@@ -55,7 +57,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     };
     notices.warn(&prepared.warnings);
     let report = match &schedule {
-        Some((_, schedule)) => judged::flag_rows(&prepared, schedule, first, &plan, &notices)?,
+        Some((_, schedule)) => schedule_verdicts::flag_rows(&prepared, schedule, first, &plan, &notices)?,
         None => FlagReport::default(),
     };
     let left_out = prepared.left_out_warning(&report.left_out, first)?;
@@ -64,10 +66,10 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let scale = schedule.as_ref().map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
     state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
     if let Some((path, schedule)) = &schedule {
-        let of_schedule = judged::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
+        let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
         notices.warn(&of_schedule);
         warnings.extend(of_schedule);
-        judged::summary(&notices, &report);
+        schedule_verdicts::summary(&notices, &report);
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         provenance.state(
             "schedule",
@@ -81,7 +83,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         );
     }
     let telescope = plan.telescope.as_ref().map(|telescope| telescope.name.clone());
-    provenance.state("options", judged::options_json(&config, &plan.policy, telescope.as_deref()));
+    provenance.state("options", schedule_verdicts::options_json(&config, &plan.policy, telescope.as_deref()));
     let exposures = schedule.map(|(_, schedule)| schedule.exposures).unwrap_or_default();
     let state = ServerState {
         library: config.model_library()?,

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::anyhow;
 use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
@@ -15,13 +14,11 @@ use streakcast::schedule::{
     VerdictKind, check_extension, flag_exposures, streak_table,
 };
 
+use super::begin;
 use crate::notices::Notices;
 
 /// Number of rows judged between two updates of the progress bar. Rows of one night in a chunk share computations.
 const ROWS_AT_A_TIME: usize = 1000;
-
-/// Largest number of threads. More threads take minutes to start.
-const MAX_THREADS: usize = 1024;
 
 /// Schedule with its verdicts.
 pub struct Judged {
@@ -34,17 +31,6 @@ pub struct Judged {
     pub streaks: Table,
     /// For a batch share: for each row of the file, true if it is in `schedule`.
     pub keep: Option<Vec<bool>>,
-}
-
-/// Sets the number of threads, and returns the writer of messages.
-pub fn begin(config: &Config) -> anyhow::Result<Notices> {
-    if let Some(threads) = config.run.threads {
-        if !(1..=MAX_THREADS).contains(&threads) {
-            return Err(anyhow!("threads is {threads}; allowed: 1 to {MAX_THREADS}"));
-        }
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
-    Ok(Notices::of(config))
 }
 
 /// Reads and judges a schedule, or a batch share of it. `annotated` is the name of the annotated file, if one is written;

@@ -16,6 +16,26 @@ const DARKENING: [f64; 6] = [0.269_80, 1.340_25, -1.642_88, 2.082_24, -1.473_53,
 /// Integrals ∫ (1 - v²)^(n/2) dv over [-1, 1] for n = 0 to 5.
 const CHORD: [f64; 6] = [2.0, FRAC_PI_2, 4.0 / 3.0, 3.0 * PI / 8.0, 16.0 / 15.0, 5.0 * PI / 16.0];
 
+/// Light of the whole disk, 2π Σ aₙ/(n + 2).
+const DISK_LIGHT: f64 = {
+    let (mut sum, mut n) = (0.0, 0);
+    while n < 6 {
+        sum += DARKENING[n] / (n as f64 + 2.0);
+        n += 1;
+    }
+    2.0 * PI * sum
+};
+
+/// Coefficients aₙ kₙ of a strip, as fractions of the disk's light.
+const STRIP: [f64; 6] = {
+    let (mut coefficients, mut n) = (DARKENING, 0);
+    while n < 6 {
+        coefficients[n] *= CHORD[n] / DISK_LIGHT;
+        n += 1;
+    }
+    coefficients
+};
+
 /// Quadrature rule, accurate to 10⁻⁵ of the disk's light.
 static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(24));
 
@@ -43,8 +63,7 @@ fn light_within(r: f64) -> f64 {
 /// w(u) = Σ aₙ ∫ (1 - u² - v²)^(n/2) dv = Σ aₙ kₙ c^(n+1), c = √(1 - u²).
 pub(super) fn strip(u: f64) -> f64 {
     let c = (1.0 - u * u).max(0.0).sqrt();
-    let sum = (0..6).rev().fold(0.0, |sum, n| sum * c + DARKENING[n] * CHORD[n]) * c;
-    sum / light_within(1.0)
+    STRIP.iter().rev().fold(0.0, |sum, coefficient| sum * c + coefficient) * c
 }
 
 /// Returns the fraction of the Sun's light above the limb of the Earth, seen as a disk of radius `limb`, when the Sun's
@@ -78,7 +97,7 @@ pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
             covered += weight * PI * width * sin * cos * 2.0 * r * beta * intensity(r);
         }
     }
-    (1.0 - covered / light_within(1.0)).clamp(0.0, 1.0)
+    (1.0 - covered / DISK_LIGHT).clamp(0.0, 1.0)
 }
 
 #[cfg(test)]
