@@ -18,6 +18,7 @@ mod shift;
 mod tables;
 mod targets;
 mod verdict;
+mod verdict_rules;
 mod window_table;
 mod windows;
 

@@ -14,8 +14,8 @@ use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::policy::{Blocking, LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
-use super::verdict::rules::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
 use super::verdict::{Verdict, VerdictKind};
+use super::verdict_rules::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
 
 /// Time between a clear start and the entry or exit of a satellite, seconds. Entries and exits are accurate to 1 ms.
 pub(super) const GUARD_S: f64 = 0.002;

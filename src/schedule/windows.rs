@@ -11,7 +11,7 @@ use super::horizon::{altitude_rad, sampling_interval_s};
 use super::policy::Blocking;
 use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
-use super::verdict::rules::{CameraLimits, Rules, blocks};
+use super::verdict_rules::{CameraLimits, Rules, blocks};
 
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {

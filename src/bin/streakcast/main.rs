@@ -13,6 +13,7 @@ mod rejected;
 mod required;
 mod screen;
 mod signals;
+mod start;
 mod verbs;
 
 use std::process::ExitCode;

@@ -7,12 +7,12 @@ use streakcast::config::{Config, EphemerisConfig, PreparedSky, state_scales};
 use streakcast::forecast::{EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
 use streakcast::output::{Section, format_utc};
 
-use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::VerbResult;
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::start::begin;
 
 #[derive(Args)]
 pub struct EphemerisArguments {

@@ -16,13 +16,13 @@ use streakcast::geometry::Site;
 use streakcast::output::{Section, counted, format_utc};
 use streakcast::passes::SkyError;
 
-use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::local_time::{LocalTime, local_time};
 use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::start::begin;
 
 /// Help of `--format`, with the additional formats of a forecast.
 const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet; \

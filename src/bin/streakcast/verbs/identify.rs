@@ -11,13 +11,13 @@ use streakcast::identify::{
 };
 use streakcast::output::{Section, counted};
 
-use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::VerbResult;
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::start::begin;
 
 #[derive(Args)]
 pub struct IdentifyArguments {

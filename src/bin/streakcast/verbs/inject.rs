@@ -178,7 +178,7 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
         )
         .input(injection.seeing.is_some() || config.telescope.is_some(), "seeing", "--seeing ANGLE or --telescope NAME")
         .check()?;
-    let notices = crate::verbs::begin(&config)?;
+    let notices = crate::start::begin(&config)?;
     let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
     reject_unused(&typed)?;
     let done = inject_frames(&typed.injection, &config, None, &outputs.frames)?;

@@ -14,12 +14,12 @@ use streakcast::output::{Provenance, Section, counted};
 use streakcast::passes::ModelChoice;
 use streakcast::photometry::Earthshine;
 
-use super::begin;
 use super::fit::{PhotometryArguments, config_of, history_of_flags, measured, state_photometry};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::start::begin;
 
 /// Photometry, with the kinds and models of its satellites.
 #[derive(Args)]

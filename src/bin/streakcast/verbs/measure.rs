@@ -14,7 +14,6 @@ use streakcast::measure::{ScoreObserver, measurement_table, score_table};
 use streakcast::output::format_utc;
 use streakcast::output::{Provenance, Section, Table, counted};
 
-use super::begin;
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
@@ -24,6 +23,7 @@ use crate::output::write_bytes;
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::start::begin;
 
 #[derive(Args)]
 pub struct MeasureArguments {

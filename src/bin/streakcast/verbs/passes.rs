@@ -113,7 +113,7 @@ pub struct Prediction {
 /// Computes the passes of the exposure in the configuration.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     Required::of(config).times().pointing().satellites().site().field().check()?;
-    let notices = super::begin(config)?;
+    let notices = crate::start::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;
     let options = PassOptions {

@@ -14,8 +14,8 @@ use streakcast::schedule::{
     VerdictKind, check_extension, flag_exposures, streak_table,
 };
 
-use super::begin;
 use crate::notices::Notices;
+use crate::start::begin;
 
 /// Number of rows judged between two updates of the progress bar. Rows of one night in a chunk share computations.
 const ROWS_AT_A_TIME: usize = 1000;

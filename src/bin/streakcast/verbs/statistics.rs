@@ -9,12 +9,12 @@ use streakcast::config::{Config, Quantity, SiteConfig, parse_duration_s, parse_s
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Section, format_utc};
 
-use super::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::start::begin;
 
 #[derive(Args)]
 pub struct StatisticsArguments {

@@ -14,7 +14,7 @@ use streakcast::photometry::Band;
 use super::arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};
 use super::photometry;
 use crate::notices::Notices;
-use crate::verbs::begin;
+use crate::start::begin;
 
 /// Photometry with its geometry.
 pub struct FitInput {

@@ -15,7 +15,7 @@ use super::points::{provenance, read};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::verbs::begin;
+use crate::start::begin;
 
 const PIXELS_ON_SCREEN: &[Shown] = &[
     shown("layer", "layer"),

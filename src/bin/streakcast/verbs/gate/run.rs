@@ -51,7 +51,7 @@ enum GateVerdict {
 
 pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     let request = Request::new(typed)?;
-    let notices = super::super::begin(&request.config)?;
+    let notices = crate::start::begin(&request.config)?;
     let began = request.clock.now();
     let before = status_file::read(request.status_file.as_deref());
     let mut status = Map::new();

@@ -14,7 +14,7 @@ use super::arguments::{MapOutputArguments, MapPaperArguments, PictureName};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{check, write_bytes};
-use crate::verbs::begin;
+use crate::start::begin;
 use crate::verbs::plot::json_of;
 
 /// Returns the bytes of a picture in the format of its path; `None` if there is no path.

@@ -23,7 +23,7 @@ use super::pictures;
 use super::target::Target;
 #[cfg(all(feature = "fits", unix))]
 use super::target::fits_bytes;
-use crate::verbs::begin;
+use crate::start::begin;
 
 const BODY_ON_SCREEN: &[Shown] = &[
     rounded("observer_longitude_deg", "longitude deg", 2),

@@ -9,7 +9,7 @@ use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
 
 use super::arguments::PlotFieldArguments;
 use crate::failure::Outcome;
-use crate::verbs::begin;
+use crate::start::begin;
 use crate::verbs::passes::predict;
 
 use super::columns::Columns;

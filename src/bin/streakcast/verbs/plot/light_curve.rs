@@ -12,7 +12,7 @@ use streakcast::plot::{LightCurve, Picture, light_curve};
 
 use super::arguments::PlotLightCurveArguments;
 use crate::failure::Outcome;
-use crate::verbs::begin;
+use crate::start::begin;
 use crate::verbs::map::site_of;
 use crate::verbs::passes::{Prediction, predict};
 

@@ -7,7 +7,7 @@ use streakcast::plot::{NightTimeline, Picture, night_timeline};
 
 use super::arguments::PlotNightArguments;
 use crate::failure::Outcome;
-use crate::verbs::begin;
+use crate::start::begin;
 use crate::verbs::map::site_of;
 
 use super::clock::{Clock, sun_over};

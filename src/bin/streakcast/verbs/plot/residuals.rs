@@ -11,7 +11,7 @@ use streakcast::plot::{
 
 use super::arguments::PlotResidualsArguments;
 use crate::failure::Outcome;
-use crate::verbs::begin;
+use crate::start::begin;
 use crate::verbs::map::model_of;
 
 use super::columns::Columns;

@@ -5,7 +5,7 @@ use streakcast::plot::{Picture, SkyChart, SkyTrack, sky_chart};
 
 use super::arguments::PlotSkyChartArguments;
 use crate::failure::Outcome;
-use crate::verbs::begin;
+use crate::start::begin;
 
 use super::clock::Clock;
 use super::columns::Columns;

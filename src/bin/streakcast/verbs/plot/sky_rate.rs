@@ -13,7 +13,8 @@ use streakcast::plot::{Picture, SkyRate, sky_rate};
 
 use super::arguments::PlotSkyRateArguments;
 use crate::failure::Outcome;
-use crate::verbs::{begin, schedule_verdicts::given_field};
+use crate::start::begin;
+use crate::verbs::schedule_verdicts::given_field;
 
 use super::columns::Columns;
 use super::equatorial_rate;

@@ -12,8 +12,9 @@ use streakcast::plot::{Picture, SunAltitude, sun_altitude};
 use super::arguments::PlotSunAltitudeArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
+use crate::start::begin;
 use crate::verbs::map::site_of;
-use crate::verbs::{begin, schedule_verdicts::given_field};
+use crate::verbs::schedule_verdicts::given_field;
 
 use super::columns::Columns;
 use super::exposures::compute;

@@ -28,7 +28,7 @@ use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::verbs::begin;
+use crate::start::begin;
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum Paper {

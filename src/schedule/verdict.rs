@@ -1,4 +1,4 @@
-//! Verdict on one exposure, with the numbers that it is based on. The module `rules` computes it.
+//! Verdict on one exposure, with the numbers that it is based on. The module `verdict_rules` computes it.
 
 use std::fmt;
 
@@ -9,8 +9,6 @@ use crate::output::format_utc;
 use crate::passes::Pass;
 
 use super::policy::Blocking;
-
-pub(in crate::schedule) mod rules;
 
 /// Kind of a verdict on an exposure.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -99,7 +97,7 @@ impl Verdict {
     }
 
     /// Sets the earliest start that no satellite of `blocking` blocks, with its delay in seconds.
-    pub(in crate::schedule) fn set_next_start(&mut self, blocking: Blocking, start: Option<(Epoch, f64)>) {
+    pub(super) fn set_next_start(&mut self, blocking: Blocking, start: Option<(Epoch, f64)>) {
         let (epoch, delay_s) = match blocking {
             Blocking::Any => (&mut self.next_clear_start, &mut self.delay_s),
             Blocking::Avoid => (&mut self.next_acceptable_start, &mut self.acceptable_delay_s),

@@ -3,14 +3,14 @@
 use crate::passes::{CrossingProbability, Exposure, Pass};
 use crate::photometry::Brightness;
 
-use super::super::policy::{Blocking, LimitKind, MagnitudeLimit, Policy};
-use super::{Verdict, VerdictKind};
+use super::policy::{Blocking, LimitKind, MagnitudeLimit, Policy};
+use super::verdict::{Verdict, VerdictKind};
 
 /// Largest number of satellites listed as reasons of one verdict.
 const MAX_REASONS: usize = 5;
 
 /// Policy and camera limits that determine a verdict.
-pub(in crate::schedule) struct Rules<'a> {
+pub(super) struct Rules<'a> {
     /// The policy.
     pub policy: &'a Policy,
     /// Magnitude limits of the camera; used if the policy has the word `telescope` as a limit.
@@ -19,7 +19,7 @@ pub(in crate::schedule) struct Rules<'a> {
 
 /// Brightness and motion of one satellite in the field of an exposure.
 #[derive(Copy, Clone)]
-pub(in crate::schedule) struct Light<'a> {
+pub(super) struct Light<'a> {
     /// Index of the element set in the catalogue of the sky.
     pub element_index: usize,
     /// Distance from the observer, km.
@@ -43,7 +43,7 @@ impl<'a> Light<'a> {
 }
 
 /// Magnitude limits of a camera, read from its telescope file. They hold for a satellite at a range of 550 km.
-pub(in crate::schedule) trait CameraLimits {
+pub(super) trait CameraLimits {
     /// Returns the limit of a kind in a band, magnitudes; `None` if the file has none.
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
     /// Returns the magnitude, in this band, of a satellite at a range of 550 km whose streak has the same signal per
@@ -104,7 +104,7 @@ impl Rules<'_> {
 
 /// Crossing probabilities and expected loss of an exposure for all satellites together, including near misses.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub(in crate::schedule) struct ExpectedLoss {
+pub(super) struct ExpectedLoss {
     /// Probability that at least one lit satellite crosses and is brighter than a limit of the policy; equal to
     /// `p_crossing` if no limit applies.
     pub p_any: f64,
@@ -146,7 +146,7 @@ impl ExpectedLoss {
 /// crossing probability is at least that. The verdict is `avoid` if, for one pass that counts, the probability that it
 /// crosses and is brighter at its peak than a limit is at least `min_probability` (0.5 if omitted), or if the expected
 /// loss exceeds `max_lost_fraction`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
-pub(in crate::schedule) fn judge_exposure(
+pub(super) fn judge_exposure(
     exposure: &Exposure,
     band: Option<&str>,
     passes: &[Pass],
@@ -269,13 +269,13 @@ fn percent(probability: f64) -> String {
 
 /// Returns true for a lit crossing, and for a lit near miss whose probability is at least the `min_probability` of the
 /// policy.
-pub(in crate::schedule) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
+pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
 /// Returns true if a pass blocks the start of an exposure: it counts, and for [`Blocking::Avoid`] the probability that
 /// it crosses and is brighter than a limit is at least that of the policy, unless no limit applies to the band.
-pub(in crate::schedule) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, rules: &Rules<'_>) -> bool {
+pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, rules: &Rules<'_>) -> bool {
     let exceeds_limit = || {
         rules
             .probability_brighter(Light::of(pass), band)
