@@ -110,8 +110,12 @@ def accuracy(path):
 
 def lu2024(path):
     def text(number):
-        value = float(number) if number else None
-        return "" if value is None else f"{value:.0f}" if abs(value) >= 1000 or value == int(value) else f"{value:.3g}"
+        if not number:
+            return ""
+        value = float(number)
+        if abs(value) >= 1000 or value == int(value):
+            return f"{value:.0f}"
+        return f"{value:.5g}" if abs(value) >= 0.001 else f"{value:.6f}".rstrip("0")
 
     print("| section | quantity | unit | paper | ours | +- |\n|---|---|---|---:|---:|---:|")
     lines = [line for line in Path(path).read_text().splitlines() if not line.startswith("#")]

@@ -109,10 +109,8 @@ else
     step "default features" cargo check --quiet
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
-    step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
-    step "cli and fit" cargo check --quiet --no-default-features --features cli,fit
-    step "serve alone" cargo check --quiet --no-default-features --features serve
-    step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
+    step "serve and fit" cargo check --quiet --no-default-features --features serve,fit
+    step "fits, plot and sqlite" cargo check --quiet --no-default-features --features fits,plot,sqlite
     step "example flag_exposures" cargo run --quiet --all-features --example flag_exposures
     step "example forecast_night" cargo run --quiet --all-features --example forecast_night
     step "example identify_streak" cargo run --quiet --all-features --example identify_streak

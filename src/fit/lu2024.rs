@@ -283,7 +283,7 @@ pub fn lu2024_rows(found: &Lu2024, posterior: Option<&Posterior>, data: Lu2024Da
     let kept = found.pixels.kept().count();
     add("section 3", "measurements".into(), "", Some(4e6), of(found.measurements), None, FEWER);
     add("section 3", "pixels before thresholds".into(), "", Some(2e4), of(found.pixels.pixels.len()), None, FEWER);
-    let implied = "the paper prints no number: 4651 follows from both pairs of its RMS and AIC; fewer measurements";
+    let implied = "the paper prints no number: 4651 follows from both pairs of its RMS and AIC; other measurements";
     add("section 4.2", "pixels fitted".into(), "", Some(4651.0), of(kept), None, implied);
     for published in &PUBLISHED_LAYERS {
         let from = f64::from(published.from_deg);

@@ -20,9 +20,9 @@ use crate::geometry::ViewingGeometry;
 /// Uncertainty that is added in quadrature if a magnitude is converted from the model's band to another one with the
 /// Sun's colour, mag.
 ///
-/// Assumed. STARLINK-1113 (V1.0) in single images through Sloan r, i and 2MASS J, Ks (Tregloan-Reed et al. 2021, A&A
-/// 647, A54, abstract) differs from the Sun's colours by 0.2 mag RMS. Geostationary satellites are redder than the Sun,
-/// by 0 to 0.5 mag in V - R.
+/// Assumed. STARLINK-1113 (V1.0) in single images on two nights through r, i, J and Ks (Tregloan-Reed et al. 2021, A&A
+/// 647, A54, abstract) differs from the Sun's colours by 0.2 mag RMS. Geostationary satellites are in general redder than
+/// the Sun, by up to 0.55 mag in V - R.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
 /// One sigma of a magnitude from an object's standard magnitude, mag. Assumed, for shapes, aspects, and magnitudes

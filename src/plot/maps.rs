@@ -7,12 +7,12 @@ use std::f64::consts::FRAC_PI_2;
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
-use super::sky_disk::{AZIMUTHS, Disc, DiscContent, DiscSheet};
+use super::sky_disk::{AZIMUTHS, Disk, DiskContent, DiskSheet};
 use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, SkyView};
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
-/// Radius of a single disc, and of each of three discs, pixels.
+/// Radius of a single disk, and of each of three disks, pixels.
 const ALONE: usize = 270;
 const OF_THREE: usize = 210;
 
@@ -40,17 +40,17 @@ pub fn sky_picture(view: &SkyView<'_>) -> Picture {
     };
     let caption = format!("{SKY_CAPTION}{site}{}", conditions(&facts));
     let (altitude, azimuth) = (degrees(view.sun_altitude_rad()), degrees(view.sun_azimuth_rad()));
-    let disc = sky_disc(view.clone(), format!("Sun at altitude {altitude}°, azimuth {azimuth}°"));
-    drawn(title, caption, vec![disc], ALONE, sky_limit())
+    let disk = sky_disk(view.clone(), format!("Sun at altitude {altitude}°, azimuth {azimuth}°"));
+    drawn(title, caption, vec![disk], ALONE, sky_limit())
 }
 
 /// Draws a map of the directions below a satellite.
 pub fn body_picture(view: &BodyView<'_>) -> Picture {
     let facts = view.facts();
-    let disc = body_disc(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
+    let disk = body_disk(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
     let title = format!("{}, {}", standard(&facts), text_of(&facts, "model"));
     let caption = format!("{BODY_CAPTION}{}", conditions(&facts));
-    drawn(title, caption, vec![disc], ALONE, body_limit(view.height_km()))
+    drawn(title, caption, vec![disk], ALONE, body_limit(view.height_km()))
 }
 
 /// Draws a figure of Lu (2024): three maps with a common colour scale, the Sun in the north, and a spherical Earth.
@@ -62,7 +62,7 @@ pub fn paper_picture(
     model: &BrightnessModel,
     options: PhotometryOptions,
 ) -> Result<Picture, PlotError> {
-    let mut discs = Vec::new();
+    let mut disks = Vec::new();
     let mut labels = (String::new(), "", String::new());
     let mut limit = sky_limit();
     for (panel, letter) in figure.panels.iter().zip(["a", "b", "c"]) {
@@ -73,7 +73,7 @@ pub fn paper_picture(
                 labels = (standard(&facts), BODY_CAPTION, conditions(&facts));
                 limit = body_limit(height_km);
                 let title = format!("({letter}) Sun at latitude {}°", degrees(view.sun_latitude_rad()));
-                discs.push(body_disc(view, title));
+                disks.push(body_disk(view, title));
             }
             FigurePanel::Sky { sun_altitude_deg, height_km } => {
                 let sun_altitude_rad = sun_altitude_deg.to_radians();
@@ -81,21 +81,21 @@ pub fn paper_picture(
                 let facts = view.facts();
                 labels = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, conditions(&facts));
                 let title = format!("({letter}) Sun at altitude {}°", degrees(view.sun_altitude_rad()));
-                discs.push(sky_disc(view, title));
+                disks.push(sky_disk(view, title));
             }
         }
     }
     let title = format!("{}, {}", labels.0, model.source());
     let caption = format!("{} After figure {} of Lu (2024).{}", labels.1, figure.number, labels.2);
-    Ok(drawn(title, caption, discs, OF_THREE, limit))
+    Ok(drawn(title, caption, disks, OF_THREE, limit))
 }
 
-/// Draws discs with a contour line at a magnitude limit.
-fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize, limit: (f64, String)) -> Picture {
-    DiscSheet {
+/// Draws disks with a contour line at a magnitude limit.
+fn drawn(title: String, caption: String, disks: Vec<Disk<'_>>, radius: usize, limit: (f64, String)) -> Picture {
+    DiskSheet {
         title,
         caption,
-        discs,
+        disks,
         radius,
         discs_per_row: 3,
         contour_mag: Some(limit),
@@ -118,19 +118,19 @@ fn body_limit(height_km: f64) -> (f64, String) {
     (at_1000_km, format!("{at_1000_km:.1} mag: {LIMIT_MAG} mag from straight below"))
 }
 
-fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
+fn sky_disk(view: SkyView<'_>, title: String) -> Disk<'_> {
     let sun_longitude_rad = view.sun_azimuth_rad();
     let has_air = view.extinction_mag_per_airmass().is_some();
-    Disc {
+    Disk {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
         content: Box::new(move |azimuth, from_zenith| {
             let point = view.at(azimuth, (FRAC_PI_2 - from_zenith).max(RIM_RAD));
             match point.magnitude {
-                Some(magnitude) => DiscContent::Value(magnitude.0),
-                None if point.lit_fraction <= 0.0 => DiscContent::Shadow,
-                None => DiscContent::Empty,
+                Some(magnitude) => DiskContent::Value(magnitude.0),
+                None if point.lit_fraction <= 0.0 => DiskContent::Shadow,
+                None => DiskContent::Empty,
             }
         }),
         scaled_within_rad: if has_air { FRAC_PI_2 - LOW_DEG.to_radians() } else { FRAC_PI_2 },
@@ -141,15 +141,15 @@ fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
     }
 }
 
-fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
+fn body_disk(view: BodyView<'_>, title: String) -> Disk<'_> {
     let limb_rad = Some(FRAC_PI_2 + view.limb_latitude_rad());
-    Disc {
+    Disk {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
         content: Box::new(move |longitude, from_nadir| {
             view.at(longitude, from_nadir - FRAC_PI_2)
-                .map_or(DiscContent::Empty, |magnitude| DiscContent::Value(magnitude.0))
+                .map_or(DiskContent::Empty, |magnitude| DiskContent::Value(magnitude.0))
         }),
         scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: Some(0.0),
@@ -221,13 +221,13 @@ pub struct Layers<'a> {
     pub caption: &'a str,
     /// HEALPix nside, 1 to 1024; the 12 nside² pixels are in RING order.
     pub nside: u32,
-    /// If true, longitudes are folded to 0 to 180° and half discs are drawn.
+    /// If true, longitudes are folded to 0 to 180° and half disks are drawn.
     pub is_folded: bool,
-    /// Panels, 1 to 12, in rows of four half discs or three discs.
+    /// Panels, 1 to 12, in rows of four half disks or three disks.
     pub panels: Vec<LayerPanel<'a>>,
 }
 
-/// One disc, for one latitude of the Sun or for one quantity.
+/// One disk, for one latitude of the Sun or for one quantity.
 #[derive(Clone, Debug)]
 pub struct LayerPanel<'a> {
     /// Title, for example `(a) Sun at latitude −14°`.
@@ -257,7 +257,7 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
     if input.panels.iter().all(|panel| panel.cells.is_empty()) {
         return Err(PlotError::Empty { what: "cells in any panel".to_owned() });
     }
-    let discs = input.panels.iter().map(|panel| disc(input, panel)).collect::<Result<Vec<_>, _>>()?;
+    let disks = input.panels.iter().map(|panel| disk(input, panel)).collect::<Result<Vec<_>, _>>()?;
     let is_mixed = input.panels.iter().any(|panel| panel.quantity != input.panels[0].quantity);
     let discs_per_row = if input.is_folded { 4 } else { 3 };
     let meaning = match input.panels.iter().any(|panel| panel.quantity == Quantity::Residual) {
@@ -269,12 +269,12 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
         "{} Nadir in the middle, plane of the chassis at the rim; longitudes from the Sun{fold}. HEALPix cells, nside {}.{meaning}",
         input.caption, input.nside
     );
-    let columns = discs_per_row.min(discs.len());
-    let sheet = DiscSheet {
+    let columns = discs_per_row.min(disks.len());
+    let sheet = DiskSheet {
         title: input.title.to_owned(),
         caption: caption.trim().to_owned(),
-        radius: radius(columns, discs.len().div_ceil(columns), input.is_folded, is_mixed),
-        discs,
+        radius: radius(columns, disks.len().div_ceil(columns), input.is_folded, is_mixed),
+        disks,
         discs_per_row,
         contour_mag: None,
         nothing: "no cell",
@@ -291,7 +291,7 @@ fn radius(columns: usize, rows: usize, is_folded: bool, is_mixed: bool) -> usize
     across.min(down).min(270)
 }
 
-fn disc<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disc<'a>, PlotError> {
+fn disk<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disk<'a>, PlotError> {
     let mut value_of = HashMap::with_capacity(panel.cells.len());
     for (index, &(cell, value)) in panel.cells.iter().enumerate() {
         let what = || format!("cell {cell} of panel {}", panel.title);
@@ -314,13 +314,13 @@ fn disc<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disc<'a>, Plot
     if !input.is_folded {
         rim.push((270.0, "270°"));
     }
-    Ok(Disc {
+    Ok(Disk {
         title: panel.title.to_owned(),
         quantity: panel.quantity,
         is_half: input.is_folded,
         content: Box::new(move |longitude, from_nadir| {
             let cell = ring_cell(nside, longitude, from_nadir - FRAC_PI_2);
-            cell.and_then(|cell| value_of.get(&cell)).map_or(DiscContent::Empty, |value| DiscContent::Value(*value))
+            cell.and_then(|cell| value_of.get(&cell)).map_or(DiskContent::Empty, |value| DiskContent::Value(*value))
         }),
         scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: Some(0.0),

@@ -84,7 +84,7 @@ pub(super) struct Underlay {
 enum Mark {
     Line { points: Vec<(f64, f64)>, colour: RGBAColor, width: f64 },
     Circle { middle: (f64, f64), radius: f64, colour: RGBAColor, width: f64 },
-    Disc { middle: (f64, f64), radius: f64, colour: RGBColor },
+    Disk { middle: (f64, f64), radius: f64, colour: RGBColor },
     Patch { points: Vec<(f64, f64)>, colour: RGBAColor },
     Text { text: String, position: (f64, f64), size: f64, horizontal: HPos, is_upright: bool },
 }
@@ -113,7 +113,7 @@ impl Picture {
 
     /// Draws a line of text below the title of a chart: site, and range of times.
     ///
-    /// Pictures of discs have a line of their own there.
+    /// Pictures of disks have a line of their own there.
     pub fn with_subtitle(mut self, text: &str) -> Self {
         self.text(text, (self.width as f64 / 2.0, SUBTITLE), 16.0, HPos::Center);
         self
@@ -175,9 +175,9 @@ impl Picture {
         self.marks.push(Mark::Circle { middle, radius, colour, width });
     }
 
-    /// Draws a filled disc without a rim.
-    pub(super) fn disc(&mut self, middle: (f64, f64), radius: f64, colour: RGBColor) {
-        self.marks.push(Mark::Disc { middle, radius, colour });
+    /// Draws a filled disk without a rim.
+    pub(super) fn disk(&mut self, middle: (f64, f64), radius: f64, colour: RGBColor) {
+        self.marks.push(Mark::Disk { middle, radius, colour });
     }
 
     /// Draws a filled area.
@@ -231,7 +231,7 @@ impl Picture {
         }
     }
 
-    /// Draws a filled disc with a thin rim.
+    /// Draws a filled disk with a thin rim.
     pub(super) fn dot(&mut self, (x, y): (f64, f64), colour: RGBColor) {
         const RADIUS: f64 = 4.6;
         let corner = |part: u8| {
@@ -243,7 +243,7 @@ impl Picture {
         self.line(&corners, INK.mix(0.8), 0.9);
     }
 
-    /// Draws a sun: a disc with rays.
+    /// Draws a sun: a disk with rays.
     pub(super) fn sun(&mut self, (x, y): (f64, f64)) {
         for ray in 0..8 {
             let (sin, cos) = (f64::from(ray) * std::f64::consts::FRAC_PI_4).sin_cos();
@@ -311,7 +311,7 @@ impl Picture {
                     let radius = (radius * scale).round() as i32;
                     area.draw(&Circle::new(at(middle), radius, thin(*colour, *width)))
                 }
-                Mark::Disc { middle, radius, colour } => {
+                Mark::Disk { middle, radius, colour } => {
                     let radius = (radius * scale).round().max(1.0) as i32;
                     area.draw(&Circle::new(at(middle), radius, colour.filled()))
                 }

@@ -12,7 +12,7 @@ use super::error::PlotError;
 use super::labels::Labels;
 use super::picture::{INK, Picture, around, half_size};
 use super::scale::{ColourScale, Quantity};
-use super::sky_disk::{AZIMUTHS, disc_position};
+use super::sky_disk::{AZIMUTHS, disk_position};
 use super::statistics::check;
 use super::time_axis::LocalClock;
 use super::tracks::{
@@ -198,7 +198,7 @@ impl SkyTrack {
 
 /// Returns the position of a direction in the picture, right and down.
 fn at(azimuth_deg: f64, altitude_deg: f64) -> (f64, f64) {
-    let (right, below) = disc_position(azimuth_deg.to_radians(), FRAC_PI_2 - altitude_deg.to_radians());
+    let (right, below) = disk_position(azimuth_deg.to_radians(), FRAC_PI_2 - altitude_deg.to_radians());
     (MIDDLE.0 + RADIUS * right, MIDDLE.1 + RADIUS * below)
 }
 
@@ -246,7 +246,7 @@ fn draw_stars(picture: &mut Picture, site: &Site, mjd: f64) -> bool {
         let seen = horizon * star.direction;
         if seen.latitude_rad() > 0.0 {
             let radius = STAR_RADIUS + STAR_RADIUS_PER_MAG * (FAINTEST_STAR_MAG - star.v_mag);
-            picture.disc(at(seen.longitude_rad().to_degrees(), seen.latitude_rad().to_degrees()), radius, STAR);
+            picture.disk(at(seen.longitude_rad().to_degrees(), seen.latitude_rad().to_degrees()), radius, STAR);
         }
     }
     true

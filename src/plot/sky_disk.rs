@@ -1,4 +1,4 @@
-//! Projection of a hemisphere onto a disc: the pole is in the middle, the equator at the rim, and the distance from the
+//! Projection of a hemisphere onto a disk: the pole is in the middle, the equator at the rim, and the distance from the
 //! middle is proportional to the angle from the pole.
 //!
 //! Longitude 0 is up and longitudes increase anticlockwise. For azimuths this is the sky as seen from below, with north
@@ -26,7 +26,7 @@ const SHADOW_BELOW_MAG: f64 = 2.0;
 
 /// What is shown in one direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub enum DiscContent {
+pub enum DiskContent {
     /// Magnitude of a satellite, or the value of another quantity.
     Value(f64),
     /// A satellite in the Earth's shadow.
@@ -35,16 +35,16 @@ pub enum DiscContent {
     Empty,
 }
 
-/// One disc with its labels.
-pub struct Disc<'a> {
-    /// Title above the disc.
+/// One disk with its labels.
+pub struct Disk<'a> {
+    /// Title above the disk.
     pub title: String,
     /// Quantity that the values represent.
     pub quantity: Quantity,
-    /// If true, only the left half of the disc is drawn, with longitudes 0 to π.
+    /// If true, only the left half of the disk is drawn, with longitudes 0 to π.
     pub is_half: bool,
     /// Content as a function of the longitude and of the angle from the middle in [0, π/2], radians.
-    pub content: Box<dyn Fn(f64, f64) -> DiscContent + Sync + 'a>,
+    pub content: Box<dyn Fn(f64, f64) -> DiskContent + Sync + 'a>,
     /// Values within this angle from the middle, radians, determine the colour scale.
     pub scaled_within_rad: f64,
     /// Longitude of the Sun, radians; `None` if the Sun has no single position.
@@ -57,17 +57,17 @@ pub struct Disc<'a> {
     pub limb_rad: Option<f64>,
 }
 
-/// Content of a disc, pixel by pixel.
+/// Content of a disk, pixel by pixel.
 #[derive(Clone, Debug)]
 pub(super) struct Raster {
     /// Pixels along each side.
     pub side: usize,
-    /// Pixels row by row from the top; `None` outside the disc.
-    pub pixels: Vec<Option<DiscContent>>,
+    /// Pixels row by row from the top; `None` outside the disk.
+    pub pixels: Vec<Option<DiskContent>>,
 }
 
-impl Disc<'_> {
-    /// Evaluates every pixel of a disc of this radius (pixels). The raster extends one pixel beyond the rim on every
+impl Disk<'_> {
+    /// Evaluates every pixel of a disk of this radius (pixels). The raster extends one pixel beyond the rim on every
     /// side, so that the rim is smooth.
     pub(super) fn raster(&self, radius: usize) -> Raster {
         let side = 2 * radius + 2;
@@ -91,8 +91,8 @@ impl Disc<'_> {
     }
 }
 
-/// Returns the position of a direction, to the right of and below the middle of a disc of radius 1.
-pub(super) fn disc_position(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
+/// Returns the position of a direction, to the right of and below the middle of a disk of radius 1.
+pub(super) fn disk_position(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
     let (sin, cos) = longitude_rad.sin_cos();
     let distance = from_middle_rad / FRAC_PI_2;
     (-distance * sin, -distance * cos)
@@ -104,11 +104,11 @@ impl Raster {
         let middle = self.side as f64 / 2.0;
         let angle = move |index: usize| {
             let (right, below) = ((index % self.side) as f64 + 0.5 - middle, (index / self.side) as f64 + 0.5 - middle);
-            // The raster extends one pixel beyond the disc on every side.
+            // The raster extends one pixel beyond the disk on every side.
             FRAC_PI_2 * right.hypot(below) / (middle - 1.0)
         };
         self.pixels.iter().enumerate().filter_map(move |(index, pixel)| match pixel {
-            Some(DiscContent::Value(value)) => Some((angle(index), *value)),
+            Some(DiskContent::Value(value)) => Some((angle(index), *value)),
             _ => None,
         })
     }
@@ -117,10 +117,10 @@ impl Raster {
     /// Directions in the Earth's shadow count as fainter than any level.
     pub fn contours(&self, level: f64) -> Vec<Vec<(f64, f64)>> {
         let value = |column: usize, row: usize| match self.pixels.get(row * self.side + column)? {
-            Some(DiscContent::Value(value)) => Some(*value),
+            Some(DiskContent::Value(value)) => Some(*value),
             // Shadow counts as fainter than any level, so that lines enclose bright regions also along the edge of the
             // shadow.
-            Some(DiscContent::Shadow) => Some(level + SHADOW_BELOW_MAG),
+            Some(DiskContent::Shadow) => Some(level + SHADOW_BELOW_MAG),
             _ => None,
         };
         let mut lines = contours((self.side, self.side), SQUARE, level, value);
@@ -130,7 +130,7 @@ impl Raster {
     }
 
     /// Returns true if any pixel has this content.
-    pub fn shows(&self, content: DiscContent) -> bool {
+    pub fn shows(&self, content: DiskContent) -> bool {
         self.pixels.contains(&Some(content))
     }
 }
@@ -140,7 +140,7 @@ const SHADOW: [u8; 3] = [150, 150, 150];
 const UNKNOWN: [u8; 3] = [205, 205, 205];
 const WHITE: RGBColor = RGBColor(255, 255, 255);
 
-/// Labels outside the horizon of a disc of azimuths, with their azimuths in degrees.
+/// Labels outside the horizon of a disk of azimuths, with their azimuths in degrees.
 pub(super) const AZIMUTHS: [(f64, &str); 8] = [
     (0.0, "N"),
     (45.0, "45°"),
@@ -152,7 +152,7 @@ pub(super) const AZIMUTHS: [(f64, &str); 8] = [
     (315.0, "315°"),
 ];
 
-/// Margin between the rim of a disc and the border of its part of the picture, pixels.
+/// Margin between the rim of a disk and the border of its part of the picture, pixels.
 const MARGIN: usize = 66;
 const TITLE: usize = 46;
 const DISC_TITLE: usize = 32;
@@ -161,45 +161,45 @@ const BAR_SHARE: usize = 120;
 const BAR_WIDTH: usize = 26;
 const CAPTION_SIZE: f64 = 16.0;
 
-/// Content of a picture of discs.
-pub struct DiscSheet<'a> {
+/// Content of a picture of disks.
+pub struct DiskSheet<'a> {
     /// Title.
     pub title: String,
-    /// Caption below all discs.
+    /// Caption below all disks.
     pub caption: String,
-    /// Discs, evaluated on all threads of the current pool. If all discs show the same quantity they share one colour
-    /// bar; otherwise each disc has its own bar, with the same scale for discs of the same quantity.
-    pub discs: Vec<Disc<'a>>,
-    /// Radius of each disc, pixels.
+    /// Disks, evaluated on all threads of the current pool. If all disks show the same quantity they share one colour
+    /// bar; otherwise each disk has its own bar, with the same scale for disks of the same quantity.
+    pub disks: Vec<Disk<'a>>,
+    /// Radius of each disk, pixels.
     pub radius: usize,
-    /// Number of discs in a row, 1 or more.
+    /// Number of disks in a row, 1 or more.
     pub discs_per_row: usize,
-    /// Magnitude of the contour line in every disc, and its label in the legend.
+    /// Magnitude of the contour line in every disk, and its label in the legend.
     pub contour_mag: Option<(f64, String)>,
     /// Label in the legend for directions without content.
     pub nothing: &'static str,
-    /// Colour scale of all discs; `None` for one that contains nearly all values.
+    /// Colour scale of all disks; `None` for one that contains nearly all values.
     pub scale: Option<ColourScale>,
 }
 
-/// Evaluated discs and their layout.
+/// Evaluated disks and their layout.
 struct Layout<'a> {
-    sheet: DiscSheet<'a>,
+    sheet: DiskSheet<'a>,
     rasters: Vec<Raster>,
     scales: Vec<ColourScale>,
 }
 
-impl DiscSheet<'_> {
-    /// Evaluates the discs, lays them out and returns the picture.
+impl DiskSheet<'_> {
+    /// Evaluates the disks, lays them out and returns the picture.
     pub fn picture(self) -> Picture {
-        let rasters: Vec<Raster> = self.discs.iter().map(|disc| disc.raster(self.radius)).collect();
+        let rasters: Vec<Raster> = self.disks.iter().map(|disk| disk.raster(self.radius)).collect();
         let mut scales: Vec<ColourScale> = self.scale.into_iter().collect();
-        for disc in &self.discs {
-            if scales.iter().all(|scale| scale.quantity != disc.quantity) {
-                let alike = self.discs.iter().zip(&rasters).filter(|(other, _)| other.quantity == disc.quantity);
-                let shown = || alike.clone().flat_map(|(disc, raster)| raster.values().map(move |value| (disc, value)));
-                let counted = shown().filter(|(disc, (angle, _))| *angle <= disc.scaled_within_rad);
-                let scale = ColourScale::of(disc.quantity, counted.map(|(_, (_, value))| value));
+        for disk in &self.disks {
+            if scales.iter().all(|scale| scale.quantity != disk.quantity) {
+                let alike = self.disks.iter().zip(&rasters).filter(|(other, _)| other.quantity == disk.quantity);
+                let shown = || alike.clone().flat_map(|(disk, raster)| raster.values().map(move |value| (disk, value)));
+                let counted = shown().filter(|(disk, (angle, _))| *angle <= disk.scaled_within_rad);
+                let scale = ColourScale::of(disk.quantity, counted.map(|(_, (_, value))| value));
                 scales.push(scale.showing(shown().map(|(_, (_, value))| value)));
             }
         }
@@ -218,12 +218,12 @@ impl Layout<'_> {
         let mut picture = Picture::new(width, height);
         picture.set_scales(self.scales.clone());
         picture.set_title(&sheet.title, (width as f64 / 2.0, 26.0), 23.0, HPos::Center);
-        for (index, (disc, raster)) in sheet.discs.iter().zip(&self.rasters).enumerate() {
+        for (index, (disk, raster)) in sheet.disks.iter().zip(&self.rasters).enumerate() {
             let middle = self.middle(index);
-            self.draw_disc(&mut picture, disc, raster, middle);
+            self.draw_disk(&mut picture, disk, raster, middle);
             if self.is_mixed() {
                 let left = (index % columns * (self.share() + BAR_SHARE) + self.share()) as f64;
-                self.draw_bar(&mut picture, self.scale_of(disc.quantity), left, middle.1);
+                self.draw_bar(&mut picture, self.scale_of(disk.quantity), left, middle.1);
             }
         }
         if let (false, Some(scale)) = (self.is_mixed(), self.scales.first()) {
@@ -238,27 +238,27 @@ impl Layout<'_> {
         self.scales.len() > 1
     }
 
-    /// Returns the numbers of columns and rows of discs.
+    /// Returns the numbers of columns and rows of disks.
     fn grid(&self) -> (usize, usize) {
-        let columns = self.sheet.discs_per_row.clamp(1, self.sheet.discs.len().max(1));
-        (columns, self.sheet.discs.len().div_ceil(columns).max(1))
+        let columns = self.sheet.discs_per_row.clamp(1, self.sheet.disks.len().max(1));
+        (columns, self.sheet.disks.len().div_ceil(columns).max(1))
     }
 
     fn has_halves(&self) -> bool {
-        self.sheet.discs.iter().all(|disc| disc.is_half)
+        self.sheet.disks.iter().all(|disk| disk.is_half)
     }
 
-    /// Returns the width of a disc with its margins, pixels.
+    /// Returns the width of a disk with its margins, pixels.
     fn share(&self) -> usize {
         2 * MARGIN + self.sheet.radius * if self.has_halves() { 1 } else { 2 }
     }
 
-    /// Returns the height of a row of discs, pixels.
+    /// Returns the height of a row of disks, pixels.
     fn row(&self) -> usize {
         DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
     }
 
-    /// Returns the position of the middle of a disc; for a half disc, the middle of its straight side.
+    /// Returns the position of the middle of a disk; for a half disk, the middle of its straight side.
     fn middle(&self, index: usize) -> (f64, f64) {
         let (columns, _) = self.grid();
         let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };
@@ -270,21 +270,21 @@ impl Layout<'_> {
         self.scales.iter().find(|scale| scale.quantity == quantity).unwrap_or(&self.scales[0])
     }
 
-    fn colour(&self, quantity: Quantity, content: DiscContent) -> [u8; 3] {
+    fn colour(&self, quantity: Quantity, content: DiskContent) -> [u8; 3] {
         match content {
-            DiscContent::Value(value) => self.scale_of(quantity).colour(value),
-            DiscContent::Shadow => SHADOW,
-            DiscContent::Empty if self.sheet.contour_mag.is_none() => UNKNOWN,
-            DiscContent::Empty => PAPER,
+            DiskContent::Value(value) => self.scale_of(quantity).colour(value),
+            DiskContent::Shadow => SHADOW,
+            DiskContent::Empty if self.sheet.contour_mag.is_none() => UNKNOWN,
+            DiskContent::Empty => PAPER,
         }
     }
 
-    fn draw_disc(&self, picture: &mut Picture, disc: &Disc<'_>, raster: &Raster, middle: (f64, f64)) {
+    fn draw_disk(&self, picture: &mut Picture, disk: &Disk<'_>, raster: &Raster, middle: (f64, f64)) {
         let radius = self.sheet.radius as f64;
         let at = |(right, below): (f64, f64)| (middle.0 + radius * right, middle.1 + radius * below);
         let corner = (middle.0 - raster.side as f64 / 2.0, middle.1 - raster.side as f64 / 2.0);
         let colours =
-            raster.pixels.iter().map(|pixel| pixel.map(|content| self.colour(disc.quantity, content))).collect();
+            raster.pixels.iter().map(|pixel| pixel.map(|content| self.colour(disk.quantity, content))).collect();
         let within = Some((middle, radius));
         picture.paint(Pixels { corner, each: (1.0, 1.0), columns: raster.side, colours, within });
         let contours = self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level));
@@ -294,10 +294,10 @@ impl Layout<'_> {
             picture.line(line, INK.to_rgba(), 4.0);
             picture.line(line, WHITE.to_rgba(), 2.0);
         }
-        if let Some(limb) = disc.limb_rad {
+        if let Some(limb) = disk.limb_rad {
             for dash in 0..60 {
                 let part =
-                    |part: u8| at(disc_position((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
+                    |part: u8| at(disk_position((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
                 let dash: Vec<_> = (0..=4).map(part).collect();
                 picture.line(&dash, INK.mix(0.8), 1.5);
                 lines.push(dash);
@@ -305,9 +305,9 @@ impl Layout<'_> {
         }
         // Draws a circle about the middle, or half of it.
         let round = |picture: &mut Picture, angle: f64, colour, width| {
-            if disc.is_half {
+            if disk.is_half {
                 let arc: Vec<_> =
-                    (0..=90).map(|part| at(disc_position(f64::from(2 * part).to_radians(), angle))).collect();
+                    (0..=90).map(|part| at(disk_position(f64::from(2 * part).to_radians(), angle))).collect();
                 picture.line(&arc, colour, width);
             } else {
                 picture.circle(middle, radius * angle / FRAC_PI_2, colour, width);
@@ -315,19 +315,19 @@ impl Layout<'_> {
         };
         let mut labels = Labels::new([middle.0 - radius, middle.1 - radius, middle.0 + radius, middle.1 + radius]);
         lines.iter().for_each(|line| labels.add_line(0, line));
-        for (angle_deg, _) in &disc.circles {
+        for (angle_deg, _) in &disk.circles {
             // A light and a dark line are visible on all colours.
             round(picture, angle_deg.to_radians(), WHITE.mix(0.35), 3.0);
             round(picture, angle_deg.to_radians(), INK.mix(0.6), 1.0);
         }
-        for (angle_deg, text) in &disc.circles {
+        for (angle_deg, text) in &disk.circles {
             // Labels are at a longitude away from the Sun, from contour lines and from other labels, if there is one.
-            let sun_deg = disc.sun_longitude_rad.unwrap_or(0.0).to_degrees();
+            let sun_deg = disk.sun_longitude_rad.unwrap_or(0.0).to_degrees();
             let longitudes = (0..16).map(|part| (sun_deg + 112.5 + 22.5 * f64::from(part)).rem_euclid(360.0));
-            let longitudes = longitudes.filter(|longitude| !disc.is_half || (20.0..=160.0).contains(longitude));
+            let longitudes = longitudes.filter(|longitude| !disk.is_half || (20.0..=160.0).contains(longitude));
             let position = |longitude: f64, aside: f64| {
                 let angle = angle_deg.to_radians() + FRAC_PI_2 * aside / radius;
-                at(disc_position(longitude.to_radians(), angle))
+                at(disk_position(longitude.to_radians(), angle))
             };
             // A label that does not fit on its circle is next to it.
             let asides = [0.0, 24.0, -24.0].into_iter();
@@ -337,35 +337,35 @@ impl Layout<'_> {
             picture.note(text, free.unwrap_or_else(|| position(sun_deg + 112.5, 0.0)));
         }
         round(picture, FRAC_PI_2, INK.to_rgba(), 1.6);
-        if disc.is_half {
+        if disk.is_half {
             picture.line(&[at((0.0, -1.0)), at((0.0, 1.0))], INK.to_rgba(), 1.6);
         }
-        for (longitude_deg, text) in &disc.rim {
-            let (right, below) = disc_position(longitude_deg.to_radians(), FRAC_PI_2);
+        for (longitude_deg, text) in &disk.rim {
+            let (right, below) = disk_position(longitude_deg.to_radians(), FRAC_PI_2);
             let margin = 17.0 + 1.6 * (text.chars().count() as f64 - 1.0) * right.abs() * 3.0;
             let label_position = (middle.0 + (radius + margin) * right, middle.1 + (radius + 17.0) * below);
             picture.text(text, label_position, 19.0, HPos::Center);
         }
-        if let Some(sun_rad) = disc.sun_longitude_rad {
-            picture.sun(at(disc_position(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
+        if let Some(sun_rad) = disk.sun_longitude_rad {
+            picture.sun(at(disk_position(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
         }
-        let across = match (disc.is_half, self.sheet.discs.len()) {
-            // The title of a single disc is below that of the picture.
+        let across = match (disk.is_half, self.sheet.disks.len()) {
+            // The title of a single disk is below that of the picture.
             (false, 1) => picture.size().0 as f64 / 2.0,
             (false, _) => middle.0,
             (true, _) => middle.0 - radius / 2.0,
         };
         let above = middle.1 - radius - MARGIN as f64 - 16.0;
         // A long title becomes smaller, so that it fits.
-        let room = if self.sheet.discs.len() == 1 { picture.size().0 } else { self.share() } as f64 - 16.0;
-        let size = 20.0 * (room / width_of(&disc.title, 20.0).max(1.0)).min(1.0);
-        picture.text(&disc.title, (across, above), size, HPos::Center);
+        let room = if self.sheet.disks.len() == 1 { picture.size().0 } else { self.share() } as f64 - 16.0;
+        let size = 20.0 * (room / width_of(&disk.title, 20.0).max(1.0)).min(1.0);
+        picture.text(&disk.title, (across, above), size, HPos::Center);
     }
 
     /// Draws a colour bar in the part of the picture that begins at `left`.
     fn draw_bar(&self, picture: &mut Picture, scale: &ColourScale, left: f64, middle: f64) {
         let half = 0.85 * self.sheet.radius as f64;
-        // Bars of half discs are next to the straight side.
+        // Bars of half disks are next to the straight side.
         let left = left + 8.0 - if self.has_halves() { 30.0 } else { 0.0 };
         let (top, right, bottom) = (middle - half, left + BAR_WIDTH as f64, middle + half);
         colour_bar(picture, scale, [left, top, right, bottom], &scale.label());
@@ -380,7 +380,7 @@ impl Layout<'_> {
     /// Draws the legend and the caption.
     fn draw_legend(&self, picture: &mut Picture, y: f64) {
         let mut x = 24.0;
-        if self.sheet.discs.iter().any(|disc| disc.sun_longitude_rad.is_some()) {
+        if self.sheet.disks.iter().any(|disk| disk.sun_longitude_rad.is_some()) {
             picture.sun((x + 12.0, y));
             x = picture.legend_text("Sun", x + 32.0, y);
         }
@@ -391,7 +391,7 @@ impl Layout<'_> {
             picture.line(&[(x, y), (x + 30.0, y)], WHITE.to_rgba(), 2.0);
             x = picture.legend_text(text, x + 38.0, y);
         }
-        for (content, text) in [(DiscContent::Shadow, "Earth's shadow"), (DiscContent::Empty, self.sheet.nothing)] {
+        for (content, text) in [(DiskContent::Shadow, "Earth's shadow"), (DiskContent::Empty, self.sheet.nothing)] {
             if self.rasters.iter().any(|raster| raster.shows(content)) {
                 let [red, green, blue] = self.colour(Quantity::Magnitude, content);
                 picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], RGBColor(red, green, blue).to_rgba());
@@ -399,7 +399,7 @@ impl Layout<'_> {
                 x = picture.legend_text(text, x + 32.0, y);
             }
         }
-        if self.sheet.discs.iter().any(|disc| disc.limb_rad.is_some()) {
+        if self.sheet.disks.iter().any(|disk| disk.limb_rad.is_some()) {
             picture.dashed(&[(x, y), (x + 30.0, y)], [5.0, 3.0], INK.mix(0.8), 1.5);
             picture.legend_text("Earth's limb", x + 38.0, y);
         }
@@ -413,10 +413,10 @@ mod tests {
 
     #[test]
     fn verif_pixels_are_evaluated_at_their_direction() {
-        let disc = Disc {
+        let disk = Disk {
             title: String::new(),
             // Longitude and angle encoded in one number.
-            content: Box::new(|longitude, angle| DiscContent::Value(longitude + 10.0 * angle)),
+            content: Box::new(|longitude, angle| DiskContent::Value(longitude + 10.0 * angle)),
             scaled_within_rad: FRAC_PI_2,
             sun_longitude_rad: Some(0.0),
             quantity: Quantity::Magnitude,
@@ -425,12 +425,12 @@ mod tests {
             circles: Vec::new(),
             limb_rad: None,
         };
-        let raster = disc.raster(100);
+        let raster = disk.raster(100);
         let middle = raster.side as f64 / 2.0;
         for (longitude, angle) in [(0.1, 0.5), (1.6, 1.2), (3.0, 0.9), (5.0, 0.3)] {
-            let (right, down) = disc_position(longitude, angle);
+            let (right, down) = disk_position(longitude, angle);
             let (column, row) = ((middle + 100.0 * right) as usize, (middle + 100.0 * down) as usize);
-            let Some(DiscContent::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
+            let Some(DiskContent::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
             // Half a pixel is 0.008 rad of angle, and 0.03 rad of longitude at 0.3 rad.
             assert!((shown - longitude - 10.0 * angle).abs() < 0.2, "{longitude} {angle}: {shown}");
         }
@@ -440,13 +440,13 @@ mod tests {
             assert!((-1e-9..=TAU).contains(&longitude), "{angle} {value}");
         }
         // East is left.
-        assert!(disc_position(FRAC_PI_2, 0.5).0 < 0.0);
+        assert!(disk_position(FRAC_PI_2, 0.5).0 < 0.0);
         assert!(raster.pixels[0].is_none());
     }
 
     #[test]
     fn verif_a_line_runs_along_the_shadow() {
-        let half = |index: usize| Some(if index / 101 < 60 { DiscContent::Value(6.0) } else { DiscContent::Shadow });
+        let half = |index: usize| Some(if index / 101 < 60 { DiskContent::Value(6.0) } else { DiskContent::Shadow });
         let lines = Raster { side: 101, pixels: (0..101 * 101).map(half).collect() }.contours(7.0);
         assert_eq!(lines.len(), 1);
         assert!(lines[0].len() > 45 && lines[0].iter().all(|(_, y)| (y - 60.0).abs() < 1.5), "{:?}", lines[0]);

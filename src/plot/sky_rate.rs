@@ -6,7 +6,7 @@ use super::error::PlotError;
 use super::numbers::{fixed, many};
 use super::picture::Picture;
 use super::scale::{ColourScale, Quantity};
-use super::sky_disk::{AZIMUTHS, Disc, DiscContent, DiscSheet};
+use super::sky_disk::{AZIMUTHS, Disk, DiskContent, DiskSheet};
 use super::statistics::check;
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
@@ -17,9 +17,9 @@ const SKY_RADIUS: usize = 270;
 pub struct SkyRate<'a> {
     /// Title.
     pub title: &'a str,
-    /// Subtitle above the disc, which states the position of the Sun.
+    /// Subtitle above the disk, which states the position of the Sun.
     pub subtitle: &'a str,
-    /// Caption below the disc.
+    /// Caption below the disk.
     pub caption: &'a str,
     /// HEALPix nside, 1 to 1024; the 12 nside² pixels are in RING order.
     pub nside: u32,
@@ -48,9 +48,9 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
     let nside = input.nside;
     let content = move |azimuth_rad: f64, from_zenith_rad: f64| {
         let cell = ring_cell(nside, azimuth_rad, std::f64::consts::FRAC_PI_2 - from_zenith_rad);
-        cell.and_then(|cell| by_cell[cell as usize]).map_or(DiscContent::Empty, DiscContent::Value)
+        cell.and_then(|cell| by_cell[cell as usize]).map_or(DiskContent::Empty, DiskContent::Value)
     };
-    let disc = Disc {
+    let disk = Disk {
         title: input.subtitle.to_owned(),
         quantity: Quantity::Rate,
         is_half: false,
@@ -67,10 +67,10 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         input.caption,
         clipping(&scale, input.rate)
     );
-    let sheet = DiscSheet {
+    let sheet = DiskSheet {
         title: input.title.to_owned(),
         caption,
-        discs: vec![disc],
+        disks: vec![disk],
         radius: SKY_RADIUS,
         discs_per_row: 1,
         contour_mag: None,
@@ -126,7 +126,7 @@ const EQUATORIAL_RADIUS: usize = 230;
 pub struct EquatorialRate<'a> {
     /// Title.
     pub title: &'a str,
-    /// Caption below the discs.
+    /// Caption below the disks.
     pub caption: &'a str,
     /// HEALPix nside, 1 to 1024; the 12 nside² pixels are in RING order.
     pub nside: u32,
@@ -152,10 +152,10 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
         let content = move |angle_rad: f64, from_pole_rad: f64| {
             let right_ascension_rad = (pole * angle_rad).rem_euclid(TAU);
             let cell = ring_cell(nside, right_ascension_rad, pole * (FRAC_PI_2 - from_pole_rad));
-            cell.and_then(|cell| by_cell[cell as usize]).map_or(DiscContent::Empty, DiscContent::Value)
+            cell.and_then(|cell| by_cell[cell as usize]).map_or(DiskContent::Empty, DiskContent::Value)
         };
         let sign = if pole > 0.0 { "+" } else { "−" };
-        Disc {
+        Disk {
             title: title.to_owned(),
             quantity: Quantity::Rate,
             is_half: false,
@@ -170,14 +170,14 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
         }
     };
     let scale = ColourScale::of(Quantity::Rate, input.rate.iter().copied());
-    let sheet = DiscSheet {
+    let sheet = DiskSheet {
         title: input.title.to_owned(),
         caption: format!(
             "ICRS; the poles in the middle, the equator at the rims, as seen from within. {}{}",
             input.caption,
             clipping(&scale, input.rate)
         ),
-        discs: vec![half(1.0, "North of the equator"), half(-1.0, "South of the equator")],
+        disks: vec![half(1.0, "North of the equator"), half(-1.0, "South of the equator")],
         radius: EQUATORIAL_RADIUS,
         discs_per_row: 2,
         contour_mag: None,

@@ -281,7 +281,7 @@ fn verif_false_detections_are_rare() {
         .collect();
     let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
     let found = outcomes.iter().filter(|one| one.measured.is_detected).count() as f64 / outcomes.len() as f64;
-    println!("| no streak | | | {:.1} % of {} |", 100.0 * found, outcomes.len());
+    println!("| no streak | | | {:.0} of {} |", found * outcomes.len() as f64, outcomes.len());
     assert!(found <= FALSE_ALARMS, "{found}");
     // Upper limits are above the rate, which is 0.
     assert!(outcomes.iter().all(|one| one.measured.rate_limit > 0.0));

@@ -18,11 +18,11 @@ mod forecast_reference;
 mod frames;
 mod horizons;
 mod identify;
+mod lu2024_figures;
 mod magnitude_sigma;
 mod maps;
 #[cfg(any(all(feature = "fits", unix), feature = "plot"))]
 mod maps_files;
-mod maps_paper;
 mod model_files;
 mod mutated_files;
 mod next_clear_start;

@@ -9,7 +9,7 @@ light is the sum over the solid angle of the image that the satellite sees: the 
 same along a ray except for extinction, so no formula for spreading or focusing is needed. The pressure of the air is
 integrated through the layers of the standard atmosphere, and the density follows from the gas law.
 
-The constants are those of the sources named in src/geometry/shadow/atmosphere.rs and disk.rs: they are the model, which
+The constants are those of the sources named in src/geometry/shadow/atmosphere.rs and penumbra.rs: they are the model, which
 this script does not test. The Earth is a sphere of 6378.137 km, the Sun a sphere of 695700 km at 1 au.
 
 Python 3 without packages; takes some minutes.

@@ -114,7 +114,7 @@ impl ShadowModel {
     /// is treated as the surface point above it.
     ///
     /// The result is quick to compute far from the shadow's boundary. Near the boundary the sum covers two dozen rings
-    /// of the Sun's disk, or two dozen rays through the atmosphere.
+    /// of the Sun's disk, or 20 rays through the atmosphere.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
         let radius = EARTH_EQUATORIAL_RADIUS_KM;
         let position = stretch(satellite.vector());

@@ -115,7 +115,8 @@ mod tests {
         for (r, low, high) in [(0.3, 0.96, 0.98), (0.75, 0.78, 0.83), (0.98, 0.42, 0.52)] {
             assert!((low..high).contains(&intensity(r)), "{r}: {}", intensity(r));
         }
-        assert!((light_within(1.0) / PI - 0.80).abs() < 0.01, "{}", light_within(1.0) / PI);
+        assert!((DISK_LIGHT / PI - 0.80).abs() < 0.01, "{DISK_LIGHT}");
+        assert!((light_within(1.0) / DISK_LIGHT - 1.0).abs() < 1e-15);
     }
 
     #[test]

@@ -15,12 +15,12 @@ use streakcast::frames::seconds_between;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, format_utc};
 use streakcast::schedule::AgeEffect;
 
+use super::schedule_verdicts::judge;
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Style, printable};
 use crate::start::begin;
-use crate::verbs::schedule_verdicts::judge;
 
 #[derive(Args)]
 pub struct DoctorArguments {

@@ -17,12 +17,12 @@ use streakcast::schedule::{
 };
 
 use super::passes::left_out_table;
+use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
-use crate::verbs::schedule_verdicts::given_field;
 
 #[derive(Args)]
 pub struct WindowsArguments {

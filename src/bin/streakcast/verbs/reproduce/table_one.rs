@@ -16,6 +16,9 @@ const PRINTED: [(&str, f64, &[Generation]); 4] = [
 ];
 /// Last launch up to 12 January 2024.
 const LAST_LAUNCH: &str = "2024-010";
+/// Catalogue numbers of supplemental element sets of satellites that are not catalogued yet. The same satellites have
+/// other numbers in later files.
+const TEMPORARY_IDS: [u32; 2] = [70_000, 79_999];
 
 /// Counts the satellites of table 1 in a SATCAT (CSV of CelesTrak), else in element sets; neither gives rows without
 /// numbers.
@@ -24,7 +27,7 @@ pub fn rows(satcat: Option<&Path>, elements: &[PathBuf]) -> anyhow::Result<Vec<L
         Some(path) => (Some(of_satcat(path)?), "the paper counts in Jonathan's Space Report and Wikipedia"),
         None if !elements.is_empty() => (
             Some(of_elements(elements)?),
-            "element sets hold only satellites that are still in orbit; a SATCAT (--satcat) holds all that were launched",
+            "element sets hold only satellites that were in orbit at their dates; a SATCAT (--satcat) holds all that were launched",
         ),
         None => (None, "needs a catalogue: --satcat FILE, or --elements FILE for those still in orbit"),
     };
@@ -48,8 +51,12 @@ pub fn rows(satcat: Option<&Path>, elements: &[PathBuf]) -> anyhow::Result<Vec<L
 fn of_elements(paths: &[PathBuf]) -> anyhow::Result<BTreeSet<(NoradId, Generation)>> {
     let table = GenerationTable::embedded();
     let sets = Satellites::read(paths, &Default::default())?.element_sets;
-    let launched = sets.iter().filter(|set| is_launched(&set.international_designator));
-    Ok(launched.map(|set| (set.norad_id, table.of(set))).collect())
+    let [first, last] = TEMPORARY_IDS;
+    Ok(sets
+        .iter()
+        .filter(|set| is_launched(&set.international_designator) && !(first..=last).contains(&set.norad_id.0))
+        .map(|set| (set.norad_id, table.of(set)))
+        .collect())
 }
 
 fn is_launched(designator: &str) -> bool {
@@ -81,4 +88,27 @@ fn of_satcat(path: &Path) -> anyhow::Result<BTreeSet<(NoradId, Generation)>> {
         }
     }
     Ok(objects)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A satellite, the same one with a temporary number, and a later launch.
+    #[test]
+    fn temporary_numbers_and_later_launches_are_left_out() {
+        let orbit = "2022-08-31T00:00:00,15.06,0.0001,53.2,10,20,30,0";
+        let text = [
+            "OBJECT_NAME,OBJECT_ID,NORAD_CAT_ID,CLASSIFICATION_TYPE,EPOCH,MEAN_MOTION,ECCENTRICITY,INCLINATION,RA_OF_ASC_NODE,ARG_OF_PERICENTER,MEAN_ANOMALY,EPHEMERIS_TYPE,ELEMENT_SET_NO,REV_AT_EPOCH,BSTAR,MEAN_MOTION_DOT,MEAN_MOTION_DDOT".to_owned(),
+            format!("STARLINK-4357,2022-104A,53662,U,{orbit},999,1,0.0001,0,0"),
+            format!("STARLINK-4357,2022-104A,74357,C,{orbit},999,1,0.0001,0,0"),
+            format!("STARLINK-31000,2024-100A,60000,U,{orbit},999,1,0.0001,0,0"),
+        ]
+        .join("\n");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sets.csv");
+        std::fs::write(&path, text).unwrap();
+        let found = of_elements(&[path]).unwrap();
+        assert_eq!(found.into_iter().collect::<Vec<_>>(), [(NoradId(53_662), Generation::StarlinkV15)]);
+    }
 }

@@ -12,7 +12,6 @@ use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::schedule::{FlagReport, Schedule};
 
-use super::super::schedule_verdicts;
 use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
 use super::router::{App, router};
@@ -23,6 +22,7 @@ use crate::clock;
 use crate::failure::Outcome;
 use crate::required::Required;
 use crate::start::begin;
+use crate::verbs::schedule_verdicts;
 
 /// Largest number of exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
