@@ -3,13 +3,15 @@
 # Python 3.11 or newer and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the
 # command line itself.
 #   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
+#   docs/build.sh --install   only creates the Python environment
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 python=${PYTHON:-python3}
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "docs/build.sh: $python is older than 3.11" >&2; exit 2; }
-mkdir -p "${CARGO_TARGET_DIR:-target}"
-target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+. tests/environment.sh
+environment docs docs/requirements.txt
+if [ "${1:-}" = --install ]; then exit; fi
 if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet --bin streakcast
     STREAKCAST_BIN=$target/debug/streakcast
@@ -17,16 +19,6 @@ fi
 export STREAKCAST_BIN STREAKCAST_ROOT=$PWD
 
 site=${1:-$target/site}
-
-# The environment is kept while the pins and Python stay the same.
-venv=$target/docs-venv
-made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat docs/requirements.txt; } | sha256sum)
-if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
-    rm -rf "$venv"
-    "$python" -m venv "$venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check --requirement docs/requirements.txt
-    echo "$made_of" >"$venv/made-of"
-fi
 
 # The pictures of README.md: one exposure of examples/night.csv as `plot field` and as the page of `serve`.
 if [ "${1:-}" = --images ]; then
@@ -42,7 +34,7 @@ if [ "${1:-}" = --images ]; then
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
     "$python" docs/completeness.py docs/tables/completeness.md docs/images/completeness.svg
     # 256 colours keep the files small.
-    "$venv/bin/python" -c 'import sys; from PIL import Image
+    "$target/venv-docs/bin/python" -c 'import sys; from PIL import Image
 for name in ("field", "serve"):
     Image.open(f"{sys.argv[1]}/{name}.png").convert("RGB").quantize(256, dither=0).save(f"docs/images/{name}.png", optimize=True)' "$work"
     ls -l docs/images
@@ -54,5 +46,5 @@ rm -rf "$source"
 cp -a docs "$source"
 "$python" docs/generate.py "$STREAKCAST_BIN" "$source"
 "$python" tests/docs.py --pictures "$source/pictures" docs/index.md docs/*/*.md
-"$venv/bin/sphinx-build" --quiet --fail-on-warning --keep-going -d "$target/site-doctrees" "$source" "$site"
+"$target/venv-docs/bin/sphinx-build" --quiet --fail-on-warning --keep-going -d "$target/site-doctrees" "$source" "$site"
 echo "$site/index.html"

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Tests the plugins, each in its own virtual environment: builds the command line program and the wheel, then runs the
-# tests of each plugin. `plugins/test.sh [NAME...]`; without a name all plugins. Requires cargo, Python 3.11 or newer
-# (for the pinned tools) and a package index for the pinned requirements. The wheel supports Python 3.10 and newer: if
-# there is a Python 3.10 (in the PATH or in pyenv), the tests that need only NumPy are also run with it. STREAKCAST_BIN
-# is the command line program with which results are compared; by default it is built.
+# tests of each plugin. `plugins/test.sh [NAME...]`; without a name all plugins. `--install` only creates the
+# environments. Requires cargo, Python 3.11 or newer (for the pinned tools) and a package index for the pinned
+# requirements. The wheel supports Python 3.10 and newer: if there is a Python 3.10 (in the PATH or in pyenv), the tests
+# that need only NumPy are also run with it. STREAKCAST_BIN is the command line program with which results are compared;
+# by default it is built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -13,11 +14,12 @@ for folder in plugins/*/; do
     name=$(basename "$folder")
     if [ "$name" != python ] && [ -f "$folder/requirements.txt" ]; then all+=("$name"); fi
 done
-usage="usage: plugins/test.sh [$(IFS='|'; echo "${all[*]}")]..."
-names=()
+usage="usage: plugins/test.sh [--install] [$(IFS='|'; echo "${all[*]}")]..."
+names=() install=no
 for name in "$@"; do
     case "$name" in
         -h | --help) echo "$usage"; exit 0 ;;
+        --install) install=yes ;;
         *) if [[ " ${all[*]} " == *" $name "* ]]; then names+=("$name"); else echo "$usage" >&2; exit 2; fi ;;
     esac
 done
@@ -27,21 +29,8 @@ command -v cargo >/dev/null || { echo "plugins/test.sh: cargo is not installed (
 python=${PYTHON:-python3}
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "plugins/test.sh: $python is older than 3.11" >&2; exit 2; }
 
-target=$(cd "${CARGO_TARGET_DIR:-target}" 2>/dev/null && pwd || { mkdir -p "${CARGO_TARGET_DIR:-target}" && cd "${CARGO_TARGET_DIR:-target}" && pwd; })
+. tests/environment.sh
 export CARGO_TARGET_DIR=$target PIP_DISABLE_PIP_VERSION_CHECK=1
-
-# environment NAME [PYTHON [PINS]]: creates the virtual environment of a plugin, or uses it again if pins and Python are
-# unchanged.
-environment() {
-    local venv=$target/plugins-venv-$1 interpreter=${2:-$python} requirements=${3:-plugins/$1/requirements.txt} made_of
-    made_of=$({ "$interpreter" -VV; "$interpreter" -c 'import sys; print(sys.base_prefix)'; cat "$requirements"; } | sha256sum)
-    if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
-        rm -rf "$venv"
-        "$interpreter" -m venv "$venv"
-        "$venv/bin/pip" install --quiet --requirement "$requirements"
-        echo "$made_of" >"$venv/made-of"
-    fi
-}
 
 # Finds a Python 3.10 that can create virtual environments. A pyenv shim may be in the PATH although this version is not
 # installed.
@@ -56,6 +45,16 @@ python_3_10() {
     done
 }
 
+for name in python "${names[@]}"; do
+    environment "$name" "plugins/$name/requirements.txt"
+done
+oldest=""
+if [[ " ${names[*]} " == *" python "* ]]; then
+    oldest=$(python_3_10)
+    if [ -n "$oldest" ]; then environment python-3.10 plugins/python/requirements-3.10.txt "$oldest"; fi
+fi
+if [ "$install" = yes ]; then exit; fi
+
 # Command line program with which results are compared.
 if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet --bin streakcast
@@ -63,18 +62,16 @@ if [ -z "${STREAKCAST_BIN:-}" ]; then
 fi
 export STREAKCAST_BIN
 
-environment python
 wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
 # Built with the profile of the tests, to use their compiled dependencies. A release build takes four minutes more.
-PATH=$target/plugins-venv-python/bin:$PATH \
+PATH=$target/venv-python/bin:$PATH \
     maturin build --quiet --locked --manifest-path plugins/python/Cargo.toml --out "$wheels"
 
 for name in "${names[@]}"; do
     echo "plugins/$name"
-    environment "$name"
     (
-        export PATH=$target/plugins-venv-$name/bin:$PATH
+        export PATH=$target/venv-$name/bin:$PATH
         pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
         if [ "$name" != python ]; then
             # Built from a copy (no build folders in the source tree; links to the licences become files), with the
@@ -90,14 +87,12 @@ for name in "${names[@]}"; do
 done
 
 if [[ " ${names[*]} " == *" python "* ]]; then
-    oldest=$(python_3_10)
     if [ -z "$oldest" ]; then
         echo "***** SKIPPED the wheel under Python 3.10: not found with venv in the PATH or among pyenv's versions ***"
     else
         echo "plugins/python under $("$oldest" -V)"
-        environment python-3.10 "$oldest" plugins/python/requirements-3.10.txt
         (
-            export PATH=$target/plugins-venv-python-3.10/bin:$PATH
+            export PATH=$target/venv-python-3.10/bin:$PATH
             pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
             cd plugins/python
             # NumPy and the last astropy for this Python. The other tests need packages that are not available for it.

@@ -80,6 +80,16 @@ counts() {
          }' "$log/all"
 }
 
+# Installs the programs of later steps, which mostly waits for the network.
+install_programs() {
+    if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
+        plugins/test.sh --install
+        tests/independent.sh --install
+        docs/build.sh --install
+    fi
+    if [ "${STREAKCAST_SERVE:-yes}" != no ]; then tests/serve.sh --install; fi
+}
+
 lint=(-- -D warnings)
 step "cargo fmt --check" cargo fmt --check
 step "cargo fmt --check (plugins/python)" cargo fmt --check --manifest-path plugins/python/Cargo.toml
@@ -87,11 +97,13 @@ if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports
 else
+    start_beside install_programs
     # All features are built once.
     step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
     # Twice as many tests as cores at a time, because many wait for a server, a clock or another process.
     export RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN)))}
     step "cargo test" cargo test --all-features
+    step "programs of the next steps (the rest of it)" finish_beside
     # Uses the binary built by the tests. `cargo build` would build it again, without features that development
     # dependencies enable.
     target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)

@@ -1,14 +1,16 @@
 #!/usr/bin/env bash
 # Tests `streakcast serve` in a browser, under load, and with schemathesis: `tests/serve.sh [--load SECONDS]`. Installs
 # pinned versions of chromium (apt), playwright-core (npm) and schemathesis (pip); prints what is skipped if that is not
-# possible. STREAKCAST is the program (default: it is built), SERVE_PICTURES a folder for screenshots.
+# possible. `--install` only installs them. STREAKCAST is the program (default: it is built), SERVE_PICTURES a folder for
+# screenshots.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: tests/serve.sh [--load SECONDS]"
-load_s=3
+usage="usage: tests/serve.sh [--install | --load SECONDS]"
+load_s=3 install=no
 while [ $# -gt 0 ]; do
     case "$1" in
+        --install) install=yes; shift ;;
         --load) load_s=${2:?$usage}; shift 2 ;;
         -h | --help) echo "$usage"; exit 0 ;;
         *) echo "$usage" >&2; exit 2 ;;
@@ -32,14 +34,7 @@ if [ -z "$CHROMIUM" ]; then
 fi
 export CHROMIUM
 
-target=${CARGO_TARGET_DIR:-target}
-mkdir -p "$target"
-target=$(cd "$target" && pwd)
-if [ -z "${STREAKCAST:-}" ]; then
-    cargo build --quiet
-    STREAKCAST=$target/debug/streakcast
-fi
-
+. tests/environment.sh
 # Installed in the build folder, and used again while the pinned versions are unchanged.
 tools=$target/serve-tools
 mkdir -p "$tools"
@@ -48,15 +43,13 @@ if ! sha256sum --check --status "$tools/lock.sha256" 2>/dev/null; then
     (cd "$tools" && npm ci --silent --no-audit --no-fund --ignore-scripts) || skip "npm cannot install playwright-core"
     (cd "$tools" && sha256sum "$tools/package-lock.json" >lock.sha256)
 fi
-python=${PYTHON:-python3}
-if ! (cd "$tools" && sha256sum --check --status requirements.sha256 2>/dev/null && cmp -s requirements.txt "$OLDPWD/tests/serve/requirements.txt"); then
-    cp tests/serve/requirements.txt "$tools"
-    rm -rf "$tools/venv"
-    "$python" -m venv "$tools/venv" && "$tools/venv/bin/pip" install --quiet --disable-pip-version-check --requirement "$tools/requirements.txt" \
-        || skip "pip cannot install schemathesis"
-    (cd "$tools" && sha256sum requirements.txt >requirements.sha256)
-fi
+environment serve tests/serve/requirements.txt || skip "pip cannot install schemathesis"
+if [ "$install" = yes ]; then exit; fi
 
+if [ -z "${STREAKCAST:-}" ]; then
+    cargo build --quiet
+    STREAKCAST=$target/debug/streakcast
+fi
 work=$(mktemp -d)
 "$STREAKCAST" serve --bind 127.0.0.1:0 --rate 100000 --shells starlink-gen1 --schedule examples/night.csv --mpc X05 --fov 3.5deg \
     --limit-mag 7 --telescope rubin --quiet >"$work/address" 2>"$work/log" &
@@ -73,7 +66,7 @@ url=$(head -n 1 "$work/address")
 node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
 node "$tools/load.mjs" "$url" "$server" "$load_s"
 # schemathesis sends valid and invalid values of every parameter. No response may be a server error or undocumented.
-(cd "$work" && "$tools/venv/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
+(cd "$work" && "$target/venv-serve/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
     --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
     --request-timeout 300) | tail -n 60
 
