@@ -142,7 +142,6 @@ fn verif_the_papers_figures_in_another_band() {
         "{}",
         &figure[..900]
     );
-    assert_eq!(run(&[&paper, &["--quiet"]]).2, "");
     fails(&[&paper, &["--threads", "0"]], &["threads is 0"]);
 }
 

@@ -80,17 +80,23 @@ fn rubins_night_is_flagged() {
 #[test]
 fn tai_read_as_utc_finds_other_satellites() {
     let Some(data) = crate::common::data_dir() else { return };
-    let path = |name: &str| data.join(name).display().to_string();
-    let (schedule, elements) = (path("schedules/baseline_10klines_2.0.db"), path("tle/active/starlink_2023-10-16.txt"));
+    // A quarter of the visits of a survey.
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = path(&folder, "survey.db");
+    fs::copy(data.join("schedules/baseline_10klines_2.0.db"), &schedule).unwrap();
+    let database = rusqlite::Connection::open(&schedule).unwrap();
+    database.execute_batch("DELETE FROM observations WHERE rowid % 4 != 0").unwrap();
+    drop(database);
+    let elements = data.join("tle/active/starlink_2023-10-16.txt").display().to_string();
     let flags = |scale: &str| {
         let words = ["flag", "--elements", &elements, "--schedule", &schedule, "--time-scale", scale, "--mpc", "X05"];
         json(&[&words, &["--fov", "3.5deg", "--limit-mag", "7", "--quiet"]])["flags"].as_array().unwrap().clone()
     };
     let (right, wrong) = (flags("utc"), flags("tai"));
-    assert_eq!(right.len(), 10_000);
+    assert_eq!(right.len(), 2_500);
     let pairs: Vec<(&Value, &Value)> = right.iter().zip(&wrong).filter(|(flag, _)| flag["n_streaks"] == 1).collect();
     let same = pairs.iter().filter(|(flag, wrong)| flag["norad_ids"] == wrong["norad_ids"]).count();
-    assert!(pairs.len() > 100 && same * 10 < pairs.len(), "{same} of {}", pairs.len());
+    assert!(pairs.len() > 30 && same * 10 < pairs.len(), "{same} of {}", pairs.len());
 }
 
 #[test]

@@ -46,3 +46,24 @@ pub fn data_dir() -> Option<PathBuf> {
 pub fn golden_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("data")
 }
+
+/// Requires that a table of `docs/tables` is current: the same words, and numbers that differ by at most two units of
+/// their last digit, because the last digits of fits depend on the machine.
+pub fn assert_is_documented(name: &str, table: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tables").join(name);
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let words =
+        |text: &str| text.split_whitespace().map(|word| word.trim_end_matches(',').to_owned()).collect::<Vec<_>>();
+    let (documented, computed) = (words(&text), words(table));
+    assert_eq!(documented.len(), computed.len(), "number of words in {name}; computed:\n{table}");
+    for (documented, computed) in documented.iter().zip(&computed) {
+        let is_same = match (documented.parse::<f64>(), computed.parse::<f64>()) {
+            (Ok(a), Ok(b)) => {
+                let decimals = documented.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+                (a - b).abs() < 2.5 * 0.1_f64.powi(decimals as i32)
+            }
+            _ => documented == computed,
+        };
+        assert!(is_same, "{name} has {documented}, computed {computed}:\n{table}");
+    }
+}

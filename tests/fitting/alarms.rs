@@ -16,9 +16,6 @@ use super::learning::{mmt, simulated_with};
 
 /// Probability below which an alarm is raised.
 const P: f64 = 1e-4;
-/// Largest number of alarms of each kind in the second half of the passes of MMT-9. Nothing is known of changes of
-/// attitude among them, and some satellites flare.
-const MOST_REAL: usize = 2;
 
 fn learned(passes: &[Pass]) -> LearnedFile {
     learn(passes, &BTreeMap::new(), &ModelChoice::default(), serde_json::Map::new()).unwrap().file
@@ -138,8 +135,10 @@ fn valid_quiet_tracks_of_mmt9_raise_few_alarms() {
     let found = find_alarms(&after, &learned(&all), P);
     println!("{} passes, {} searched for periods", found.passes, found.searched);
     found.alarms.iter().for_each(|one| println!("{one:?}"));
-    assert!(found.passes > 50 && found.searched > 50, "{found:?}");
-    for kind in [AlarmKind::Brightness, AlarmKind::Trend, AlarmKind::Period] {
-        assert!(of_kind(&found.alarms, kind).len() <= MOST_REAL, "{:?}", found.alarms);
-    }
+    assert!(found.searched > 50, "{found:?}");
+    let counts =
+        [AlarmKind::Brightness, AlarmKind::Trend, AlarmKind::Period].map(|kind| of_kind(&found.alarms, kind).len());
+    // Nothing is known of changes of attitude among these passes, and some satellites flare. The bound named before the
+    // first run was two alarms of each kind.
+    assert_eq!((found.passes, counts), (61, [0, 0, 1]), "{:?}", found.alarms);
 }

@@ -27,9 +27,6 @@ const TABLES: [&str; 3] = ["brightness", "brightness-distributions", "brightness
 const FOLDS: usize = 5;
 /// Magnitude limits at 1000 km for which probabilities are compared, in quarters of a magnitude: 3 to 10 mag.
 const LIMITS: std::ops::RangeInclusive<i32> = 12..=40;
-/// Largest number of measurements of a survey. Of larger surveys every second, third, ... measurement is used; tracks
-/// are sampled at 10 Hz, so that successive measurements differ little.
-const MOST_POINTS: usize = 12_000;
 /// Number of evenly spaced quantiles of the residuals that represent a model in the distribution of all models
 /// together.
 const QUANTILES: usize = 1000;
@@ -103,9 +100,17 @@ fn pooled(all: &[HeldOut], without: Option<&str>) -> ErrorDistribution {
 fn measurements(data: &Path, set: DataSet, height_km: Option<f64>) -> Measurements {
     let mut reader = RecordReader::open(&[data.join(set.path())], &PhotometryOptions::default()).unwrap();
     let mut measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default()).unwrap();
-    let step = measured.points.len().div_ceil(MOST_POINTS);
-    measured.points = measured.points.into_iter().step_by(step).collect();
+    thin(&mut measured);
     measured
+}
+
+/// Leaves every second, third, ... measurement of a large survey, at most 12,000: tracks are sampled at 10 Hz, so that
+/// successive measurements differ little.
+pub(crate) fn thin(measured: &mut Measurements) {
+    const MOST_POINTS: usize = 12_000;
+    let step = measured.points.len().div_ceil(MOST_POINTS);
+    let points = std::mem::take(&mut measured.points);
+    measured.points = points.into_iter().step_by(step).collect();
 }
 
 fn fitted(model: &BrightnessModel, (loss, held): FitOf, measurements: &Measurements) -> Vec<HeldOutPoint> {
@@ -319,6 +324,9 @@ fn valid_stated_probabilities_to_be_brighter_hold_on_unseen_points() {
     let all = held_out(&data);
     let rows = rows(&all);
     print(&rows);
+    for (name, table) in TABLES.into_iter().zip(tables(&rows)) {
+        crate::common::assert_is_documented(&format!("{name}.md"), &table);
+    }
     let [own, others, normal] = [
         pooled_reliability(&rows, |row| &row.own),
         pooled_reliability(&rows, |row| &row.others),

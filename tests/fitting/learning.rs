@@ -255,13 +255,25 @@ fn valid_unseen_passes_with_fitted_models_have_a_narrower_core() {
 }
 
 #[test]
+fn valid_the_table_of_the_documentation_is_current() {
+    let Some(data) = crate::common::data_dir() else { return };
+    crate::common::assert_is_documented("learning.md", &table(&data));
+}
+
+#[test]
 #[ignore = "writes docs/tables/learning.md"]
 fn write_learning_table() {
     let data = crate::common::data_dir().expect("the data folder");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tables/learning.md");
+    std::fs::write(path, table(&data)).unwrap();
+}
+
+/// Returns the table of docs/explanation/learning.md.
+fn table(data: &Path) -> String {
     let mut rows: Vec<(&str, &str, LeaveOutRow)> = Vec::new();
     for (model, published) in [("Published models", true), ("Models fitted to the same passes", false)] {
         let of = |row: LeaveOutRow| (model, row.kind.map_or("**all**", Generation::name), row);
-        rows.extend(shared_rows(&data, published).into_iter().map(of));
+        rows.extend(shared_rows(data, published).into_iter().map(of));
     }
     let (simulated, _) = simulated(30, 11, 2);
     let simulated = leave_passes_out(&simulated, &ModelChoice::default(), &[0, 1, 3, 10]);
@@ -289,6 +301,5 @@ fn write_learning_table() {
         )
         .unwrap();
     }
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tables/learning.md");
-    std::fs::write(path, text).unwrap();
+    text
 }

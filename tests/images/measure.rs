@@ -1,5 +1,7 @@
 //! Forced photometry of drawn streaks with known brightness, among random stars.
 
+use std::ops::{Range, RangeInclusive};
+
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -14,10 +16,12 @@ use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath,
 
 /// Largest bias of the flux.
 const FLUX_BIAS: f64 = 0.02;
-/// Share of fluxes within one sigma.
-const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.63..=0.73;
-/// Probability of a false detection in a corridor, an option of the measurement, and the largest observed share in 600
-/// corridors: 2.4 sigmas more.
+/// Share of fluxes within one sigma: of the sample of the table and its parts, and of its fifth, where two standard
+/// errors of 288 streaks are added.
+const WITHIN_ONE_SIGMA: RangeInclusive<f64> = 0.63..=0.73;
+const WITHIN_ONE_SIGMA_OF_A_FIFTH: RangeInclusive<f64> = 0.575..=0.785;
+/// Probability of a false detection in a corridor, an option of the measurement, and the largest observed share: 2.4
+/// sigmas more in 600 corridors.
 const FALSE_ALARM: f64 = 0.01;
 const FALSE_ALARMS: f64 = 0.02;
 /// Smallest share of streaks found at a signal to noise of 10, and of 30.
@@ -154,16 +158,15 @@ const BRIGHTNESS: [f64; 4] = [10.0, 30.0, 100.0, 400.0];
 const ANGLES_DEG: [f64; 4] = [3.0, 30.0, 52.0, 88.0];
 const SEEING_PIX: [f64; 3] = [2.2, 4.0, 7.0];
 const STARS: [f64; 3] = [0.0, 100.0, 1000.0];
-const REPEATS: u64 = 10;
 
-/// All combinations of brightness, angle, seeing and crowding.
-fn grid() -> Vec<Outcome> {
+/// All combinations of brightness, angle, seeing and crowding. Repeats differ in form and end.
+fn grid(repeats: Range<u64>) -> Vec<Outcome> {
     let mut cases = Vec::new();
     for signal_to_noise in BRIGHTNESS {
         for angle_deg in ANGLES_DEG {
             for (number, seeing_pix) in SEEING_PIX.into_iter().enumerate() {
                 for stars_per_megapixel in STARS {
-                    for repeat in 0..REPEATS {
+                    for repeat in repeats.clone() {
                         let form =
                             if repeat % 2 == 0 { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } };
                         let seed = 1000 * cases.len() as u64 + number as u64;
@@ -197,27 +200,20 @@ fn bias_and_share<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (f64, f64,
     (mean, scatter / count.sqrt(), within as f64 / count, found.len())
 }
 
-/// Prints a line of the table of docs/explanation/measuring.md, which docs/tables.sh collects: bias of the flux, its
-/// standard error and the share within one sigma as fractions, and the number of detected streaks of all.
-fn print_row(name: &str, fractions: [f64; 3], found: usize, all: usize) {
-    let [bias, error, share] = fractions.map(|fraction| 100.0 * fraction);
-    println!("| {name} | {bias:+.1} ± {error:.1} % | {share:.1} % | {found} of {all} |");
-}
+/// A name, and streaks whose fluxes are within the bounds.
+type Sample<'a> = (String, Vec<&'a Outcome>);
 
-/// Prints the head of the table of docs/explanation/measuring.md, and most of its lines.
-#[test]
-fn verif_flux_is_unbiased_and_errors_are_honest() {
-    let outcomes = grid();
-    let mut failures = Vec::new();
-    println!("| streaks | bias of the flux | within one sigma | found |\n|---|---|---|---|");
-    let mut check = |name: String, selected: Vec<&Outcome>| {
-        let all = selected.len();
-        let (bias, error, share, found) = bias_and_share(selected.into_iter());
-        print_row(&name, [bias, error, share], found, all);
-        if bias.abs() >= FLUX_BIAS || !WITHIN_ONE_SIGMA.contains(&share) {
-            failures.push(name);
-        }
+/// The whole sample and parts of it.
+fn parts(outcomes: &[Outcome]) -> Vec<Sample<'_>> {
+    let part = |name: &str, is_in: &dyn Fn(&Case) -> bool| {
+        (name.to_owned(), outcomes.iter().filter(|one| is_in(&one.case)).collect::<Vec<_>>())
     };
+    let mut parts = vec![
+        part("all", &|_| true),
+        part("Gaussian profile", &|case| case.form == SeeingForm::Gaussian),
+        part("Moffat profile", &|case| case.form != SeeingForm::Gaussian),
+        part("with an end in the frame", &|case| case.has_end),
+    ];
     type Key = fn(&Case) -> f64;
     let keys: [(&str, &[f64], Key); 4] = [
         ("signal to noise", &BRIGHTNESS, |case| case.signal_to_noise),
@@ -225,50 +221,89 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
         ("seeing, pixels:", &SEEING_PIX, |case| case.seeing_pix),
         ("stars per megapixel:", &STARS, |case| case.stars_per_megapixel),
     ];
-    check("all".to_owned(), outcomes.iter().collect());
-    check("Gaussian profile".to_owned(), outcomes.iter().filter(|one| one.case.form == SeeingForm::Gaussian).collect());
-    check("Moffat profile".to_owned(), outcomes.iter().filter(|one| one.case.form != SeeingForm::Gaussian).collect());
-    check("with an end in the frame".to_owned(), outcomes.iter().filter(|one| one.case.has_end).collect());
     for (name, values, key) in keys {
-        for value in values {
-            check(format!("{name} {value}"), outcomes.iter().filter(|one| key(&one.case) == *value).collect());
-        }
+        parts.extend(values.iter().map(|value| part(&format!("{name} {value}"), &|case| key(case) == *value)));
     }
-    // Among 1,000 stars per megapixel the search is not complete at these signals: docs/explanation/measuring.md.
-    let is_sparse = |case: &Case| case.stars_per_megapixel < 1000.0;
-    for (signal_to_noise, least) in [(10.0, FOUND_AT_10), (30.0, FOUND_AT_30)] {
-        let is_selected = |one: &&Outcome| one.case.signal_to_noise == signal_to_noise && is_sparse(&one.case);
-        let of: Vec<&Outcome> = outcomes.iter().filter(is_selected).collect();
-        let found = of.iter().filter(|one| one.measured.is_detected).count() as f64 / of.len() as f64;
-        assert!(found >= least, "found {found} at {signal_to_noise}");
+    parts
+}
+
+/// Checks the bounds of samples, and prints the lines of the table of docs/explanation/measuring.md.
+fn check_fluxes(samples: &[Sample], within_one_sigma: &RangeInclusive<f64>) {
+    let mut failures = Vec::new();
+    for (name, outcomes) in samples {
+        let (bias, error, share, found) = bias_and_share(outcomes.iter().copied());
+        print_row(name, [bias, error, share], found, outcomes.len());
+        if bias.abs() >= FLUX_BIAS || !within_one_sigma.contains(&share) {
+            failures.push(name);
+        }
     }
     assert!(failures.is_empty(), "{failures:?}");
 }
 
+/// Prints a line of the table of docs/explanation/measuring.md: bias of the flux, its standard error and the share
+/// within one sigma as fractions, and the number of detected streaks of all.
+fn print_row(name: &str, fractions: [f64; 3], found: usize, all: usize) {
+    let [bias, error, share] = fractions.map(|fraction| 100.0 * fraction);
+    println!("| {name} | {bias:+.1} ± {error:.1} % | {share:.1} % | {found} of {all} |");
+}
+
+/// Among 1,000 stars per megapixel the search is not complete at these signals: docs/explanation/measuring.md.
+fn check_completeness(outcomes: &[Outcome]) {
+    for (signal_to_noise, least) in [(10.0, FOUND_AT_10), (30.0, FOUND_AT_30)] {
+        let is_selected = |case: &Case| case.signal_to_noise == signal_to_noise && case.stars_per_megapixel < 1000.0;
+        let of: Vec<&Outcome> = outcomes.iter().filter(|one| is_selected(&one.case)).collect();
+        let found = of.iter().filter(|one| one.measured.is_detected).count() as f64 / of.len() as f64;
+        assert!(found >= least, "found {found} at {signal_to_noise}");
+    }
+}
+
+/// `fluxes_of_many` has more streaks.
+#[test]
+fn verif_flux_is_unbiased_and_errors_are_honest() {
+    let outcomes = grid(1..3);
+    check_fluxes(&parts(&outcomes)[..1], &WITHIN_ONE_SIGMA_OF_A_FIFTH);
+    check_completeness(&outcomes);
+}
+
+/// Prints the table of docs/explanation/measuring.md, which docs/tables.sh collects.
+#[test]
+#[ignore = "some 2,500 streaks"]
+fn fluxes_of_many() {
+    println!("| streaks | bias of the flux | within one sigma | found |\n|---|---|---|---|");
+    let outcomes = grid(0..10);
+    check_fluxes(&parts(&outcomes), &WITHIN_ONE_SIGMA);
+    check_completeness(&outcomes);
+    check_a_low_signal_to_noise();
+    check_a_fitted_width();
+    check_false_detections(600);
+}
+
 /// At a low signal to noise the fitted position follows the noise, for which the flux is corrected. Nearly all of these
 /// streaks are found, so that the selection by detection does not bias the mean.
-#[test]
-fn verif_flux_at_a_low_signal_to_noise_is_unbiased() {
-    const COUNT: usize = 240;
+fn check_a_low_signal_to_noise() {
+    const COUNT: usize = 480;
     /// Smallest difference of the uncorrected flux from the truth, in standard errors: the correction is needed.
     const UNCORRECTED_ERRORS: f64 = 2.0;
-    let cases = [0.0, 100.0].into_iter().flat_map(|stars| cases_at(10.0, stars, COUNT));
-    let cases: Vec<Case> = cases.collect();
+    let cases: Vec<Case> = [0.0, 100.0].into_iter().flat_map(|stars| cases_at(10.0, stars, COUNT / 2)).collect();
     let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
     let (bias, error, share, found) = bias_and_share(outcomes.iter());
     let uncorrected = |one: &Outcome| one.measured.signal_to_noise * one.measured.rate.sigma / one.truth - 1.0;
     let detected = outcomes.iter().filter(|one| one.measured.is_detected);
     let before = detected.map(uncorrected).sum::<f64>() / found as f64;
-    print_row("signal to noise 10, 0 and 100 stars", [bias, error, share], found, 2 * COUNT);
+    print_row("signal to noise 10, 0 and 100 stars", [bias, error, share], found, COUNT);
     println!("| the same without the correction for the fitted position | {:+.1} % | | |", 100.0 * before);
     assert!(bias.abs() < FLUX_BIAS && before > UNCORRECTED_ERRORS * error, "{bias}, {before}, {error}");
-    assert!(found as f64 >= FOUND_AT_10 * 2.0 * COUNT as f64, "{found}");
+    assert!(found as f64 >= FOUND_AT_10 * COUNT as f64, "{found}");
+}
+
+#[test]
+fn verif_flux_at_a_low_signal_to_noise_is_unbiased() {
+    check_a_low_signal_to_noise();
 }
 
 /// Corridors without a streak, a third of them among 1,000 stars per megapixel.
-#[test]
-fn verif_false_detections_are_rare() {
-    let cases: Vec<Case> = (0..600)
+fn check_false_detections(count: usize) {
+    let cases: Vec<Case> = (0..count)
         .map(|number: usize| Case {
             signal_to_noise: 0.0,
             angle_deg: ANGLES_DEG[number % 4],
@@ -280,11 +315,16 @@ fn verif_false_detections_are_rare() {
         })
         .collect();
     let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
-    let found = outcomes.iter().filter(|one| one.measured.is_detected).count() as f64 / outcomes.len() as f64;
-    println!("| no streak | | | {:.0} of {} |", found * outcomes.len() as f64, outcomes.len());
-    assert!(found <= FALSE_ALARMS, "{found}");
+    let found = outcomes.iter().filter(|one| one.measured.is_detected).count();
+    println!("| no streak | | | {found} of {count} |");
+    assert!(found as f64 <= FALSE_ALARMS * count as f64, "{found}");
     // Upper limits are above the rate, which is 0.
     assert!(outcomes.iter().all(|one| one.measured.rate_limit > 0.0));
+}
+
+#[test]
+fn verif_false_detections_are_rare() {
+    check_false_detections(200);
 }
 
 /// Offset and delay agree with the truth within their errors.
@@ -324,9 +364,13 @@ fn verif_offsets_and_delays_are_measured() {
     assert!(delays_within >= WITHIN_THREE_SIGMAS && offsets_within >= WITHIN_THREE_SIGMAS);
 }
 
-/// With a given seeing that is wrong by 20 %, the fit of the width restores the flux.
 #[test]
 fn verif_a_fitted_width_replaces_a_wrong_seeing() {
+    check_a_fitted_width();
+}
+
+/// With a given seeing that is wrong by 20 %, the fit of the width restores the flux.
+fn check_a_fitted_width() {
     let cases: Vec<Case> = (0..60)
         .map(|number: usize| Case {
             signal_to_noise: 150.0,
