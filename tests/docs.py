@@ -19,7 +19,7 @@ fence change this:
     <!-- not run: REASON -->    shown only
 
 Python blocks are run by plugins/python/tests/test_readme.py. For numbers in the text that occur in a test, a table or a
-source file, comments of the following form are checked:
+source file, comments of the following form are checked, also in CHANGELOG.md and the READMEs of the plugins:
 
     <!-- figure: TEXT in FILE -->   the text must occur in this file of the repository
 
@@ -228,11 +228,7 @@ class Run:
         except PageError as error:
             self.failures.append(f"{name}:{error}")
             return
-        for number, line in enumerate(lines, 1):
-            for figure in FIGURE.finditer(line):
-                self.figures += 1
-                if figure["text"] not in (ROOT / figure["file"]).read_text():
-                    self.failures.append(f"{name}:{number}: {figure['file']} does not contain '{figure['text']}'")
+        self.check_figures(name, lines)
         shown = [(number, found) for number, line in enumerate(lines, 1) for found in PICTURE.finditer(line)]
         if not (shown if self.pictures else blocks):
             return
@@ -267,6 +263,13 @@ class Run:
                 lines[command.first : command.last] = [(" " * indent + line).rstrip() for line in actual]
             path.write_text("\n".join(lines) + "\n")
             print(f"{name}: {len(replacements)} outputs updated")
+
+    def check_figures(self, name, lines):
+        for number, line in enumerate(lines, 1):
+            for figure in FIGURE.finditer(line):
+                self.figures += 1
+                if figure["text"] not in (ROOT / figure["file"]).read_text():
+                    self.failures.append(f"{name}:{number}: {figure['file']} does not contain '{figure['text']}'")
 
     def block(self, name, block, work, environment, replacements, servers):
         if block.reason:
@@ -319,6 +322,9 @@ def main():
     run = Run(binary, data if (data / "INDEX.md").is_file() else None, options.update, options.pictures)
     for page in options.pages or [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         run.page(page.resolve())
+    if not options.pages:
+        for text in [ROOT / "CHANGELOG.md", *sorted((ROOT / "plugins").glob("*/README.md"))]:
+            run.check_figures(text.relative_to(ROOT), text.read_text().splitlines())
     for failure in run.failures:
         print(f"FAILED {failure}\n")
     print(f"{run.ran} commands run, {run.shown} blocks shown only, {run.skipped} skipped, {run.figures} figures compared, {len(run.failures)} failed")
