@@ -104,6 +104,7 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
                 pass.min_separation_rad.to_degrees()
             );
             separation.add(pass.min_separation_rad.to_degrees() - separation_deg);
+            assert_eq!(pass.chords.len(), chords.len(), "{} {}", golden.exposure.id, pass.norad_id);
             for (chord, (enter_s, exit_s)) in pass.chords.iter().zip(chords) {
                 let tolerance_s = TIME_TOLERANCE_S + ANGLE_TOLERANCE_DEG / pass.angular_rate_rad_s.to_degrees();
                 assert!(

@@ -231,5 +231,6 @@ fn valid_passes_and_shadow_against_skyfield() {
         }
     }
     println!("events, worst s, worst deg: {worst:?}");
-    assert!(worst["border"].0 > 200 && worst["fades"].0 + worst["back"].0 > 20, "{worst:?}");
+    let counts = (worst["border"].0, worst["culmination"].0, worst["fades"].0 + worst["back"].0);
+    assert_eq!(counts, (510, 255, 67), "{worst:?}");
 }
