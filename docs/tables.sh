@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Measures tables of the documentation again.
 #   docs/tables.sh                       accuracy: runs the tests that compare with authorities; needs STREAKCAST_DATA
-#   docs/tables.sh measuring             runs the test of measured fluxes, with more streaks than `cargo test`
+#   docs/tables.sh measuring             runs the ignored test `fluxes_of_many` (some 2,600 streaks)
 #   docs/tables.sh lu2024                runs `streakcast reproduce lu2024`; needs STREAKCAST_DATA
 #   docs/tables.sh speed                 runs all benches, also with other programs; takes an hour
 #   docs/tables.sh speed --only streaks  runs only the named benches and keeps the other sections
@@ -23,7 +23,7 @@ case "$mode" in
         ;;
     measuring)
         cargo test --quiet --all-features --test images fluxes_of_many -- --ignored --nocapture >"$work/log"
-        grep '^|' "$work/log" >"$work/$mode.md"
+        grep '^|' "$work/log" >"$work/$mode.md" || { echo "docs/tables.sh: fluxes_of_many prints no table" >&2; exit 1; }
         ;;
     lu2024)
         # Satellites of table 1: element sets with names (debris has names) of six years, because many have reentered.

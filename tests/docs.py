@@ -265,11 +265,18 @@ class Run:
             print(f"{name}: {len(replacements)} outputs updated")
 
     def check_figures(self, name, lines):
+        """Checks the comments that tie numbers of a text to a file."""
         for number, line in enumerate(lines, 1):
-            for figure in FIGURE.finditer(line):
-                self.figures += 1
-                if figure["text"] not in (ROOT / figure["file"]).read_text():
-                    self.failures.append(f"{name}:{number}: {figure['file']} does not contain '{figure['text']}'")
+            if "<!-- figure" not in line:
+                continue
+            figure = FIGURE.search(line)
+            self.figures += 1
+            if not figure:
+                self.failures.append(f"{name}:{number}: not of the form <!-- figure: TEXT in FILE --> in one line")
+            elif not (ROOT / figure["file"]).is_file():
+                self.failures.append(f"{name}:{number}: there is no {figure['file']}")
+            elif figure["text"] not in (ROOT / figure["file"]).read_text():
+                self.failures.append(f"{name}:{number}: {figure['file']} does not contain '{figure['text']}'")
 
     def block(self, name, block, work, environment, replacements, servers):
         if block.reason:
@@ -323,8 +330,8 @@ def main():
     for page in options.pages or [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
         run.page(page.resolve())
     if not options.pages:
-        for text in [ROOT / "CHANGELOG.md", *sorted((ROOT / "plugins").glob("*/README.md"))]:
-            run.check_figures(text.relative_to(ROOT), text.read_text().splitlines())
+        for path in [ROOT / "CHANGELOG.md", *sorted((ROOT / "plugins").glob("*/README.md"))]:
+            run.check_figures(path.relative_to(ROOT), path.read_text().splitlines())
     for failure in run.failures:
         print(f"FAILED {failure}\n")
     print(f"{run.ran} commands run, {run.shown} blocks shown only, {run.skipped} skipped, {run.figures} figures compared, {len(run.failures)} failed")

@@ -12,7 +12,7 @@ environment() {
     if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
         rm -rf "$venv"
         "$interpreter" -m venv "$venv" || return
-        # Modules are compiled when they are imported, not here: this takes half of the CPU time.
+        # Modules are compiled when they are imported: to compile all of them takes half of the time of an installation.
         "$venv/bin/pip" install --quiet --disable-pip-version-check --no-compile --requirement "$requirements" || return
         echo "$made_of" >"$venv/made-of"
     fi

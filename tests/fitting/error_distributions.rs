@@ -100,17 +100,8 @@ fn pooled(all: &[HeldOut], without: Option<&str>) -> ErrorDistribution {
 fn measurements(data: &Path, set: DataSet, height_km: Option<f64>) -> Measurements {
     let mut reader = RecordReader::open(&[data.join(set.path())], &PhotometryOptions::default()).unwrap();
     let mut measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default()).unwrap();
-    thin(&mut measured);
+    crate::common::thin(&mut measured);
     measured
-}
-
-/// Leaves every second, third, ... measurement of a large survey, at most 12,000: tracks are sampled at 10 Hz, so that
-/// successive measurements differ little.
-pub(crate) fn thin(measured: &mut Measurements) {
-    const MOST_POINTS: usize = 12_000;
-    let step = measured.points.len().div_ceil(MOST_POINTS);
-    let points = std::mem::take(&mut measured.points);
-    measured.points = points.into_iter().step_by(step).collect();
 }
 
 fn fitted(model: &BrightnessModel, (loss, held): FitOf, measurements: &Measurements) -> Vec<HeldOutPoint> {

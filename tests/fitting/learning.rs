@@ -255,7 +255,7 @@ fn valid_unseen_passes_with_fitted_models_have_a_narrower_core() {
 }
 
 #[test]
-fn valid_the_table_of_the_documentation_is_current() {
+fn the_table_of_the_documentation_is_current() {
     let Some(data) = crate::common::data_dir() else { return };
     crate::common::assert_is_documented("learning.md", &table(&data));
 }

@@ -7,7 +7,7 @@ use hifitime::Epoch;
 use streakcast::elements::{Generation, ReadOptions, Satellites};
 use streakcast::fit::{ResidualStatistics, sigma_68_mag};
 use streakcast::frames::EopTable;
-use streakcast::geometry::{Observer, Site};
+use streakcast::geometry::{Illumination, Observer, Site};
 use streakcast::passes::{ModelChoice, Sky};
 use streakcast::photometry::{Band, MagSystem, Magnitude, PhotometryOptions};
 
@@ -50,6 +50,7 @@ fn valid_sigma_on_another_survey() {
     {
         let mut residuals = Vec::new();
         let mut within = Vec::new();
+        let mut observed: Vec<(String, Magnitude, bool)> = Vec::new();
         for (name, epoch, magnitude) in plaskett(&folder) {
             let index = sky.elements().iter().position(|set| &*set.name == name.as_str());
             let Some(index) = index else { panic!("{name}") };
@@ -68,6 +69,8 @@ fn valid_sigma_on_another_survey() {
             );
             within.push(residual.abs() <= brightness.sigma_mag);
             residuals.push(residual);
+            let is_in_penumbra = matches!(points[0].point.illumination, Illumination::Penumbra { .. });
+            observed.push((name, magnitude, is_in_penumbra));
         }
         let statistics = ResidualStatistics::of(&residuals).unwrap();
         let share = within.iter().filter(|within| **within).count();
@@ -77,6 +80,16 @@ fn valid_sigma_on_another_survey() {
         // The magnitudes depend on the models, and on SGP4 through the positions of the satellites.
         for (found, expected) in found_mag.iter().zip(expected_mag) {
             assert!((found - expected).abs() < 0.02, "{kind}: {found_mag:?}");
+        }
+        if kind == Generation::StarlinkV10 {
+            // In the penumbra satellites are fainter than the mean of the others by these magnitudes.
+            let expected = [("STARLINK-1012", 3.3), ("STARLINK-1498", 4.8)];
+            let (dark, sunlit): (Vec<_>, Vec<_>) = observed.iter().partition(|(_, _, is_in_penumbra)| *is_in_penumbra);
+            let mean = sunlit.iter().map(|(_, magnitude, _)| magnitude.0).sum::<f64>() / sunlit.len() as f64;
+            assert_eq!(dark.len(), expected.len(), "{observed:?}");
+            for ((name, magnitude, _), (expected_name, fainter_mag)) in dark.into_iter().zip(expected) {
+                assert!(name == expected_name && (magnitude.0 - mean - fainter_mag).abs() < 0.05, "{observed:?}");
+            }
         }
     }
 }

@@ -16,17 +16,19 @@ use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath,
 
 /// Largest bias of the flux.
 const FLUX_BIAS: f64 = 0.02;
-/// Share of fluxes within one sigma: of the sample of the table and its parts, and of its fifth, where two standard
-/// errors of 288 streaks are added.
+/// Share of fluxes within one sigma, of the sample of the table and its parts.
 const WITHIN_ONE_SIGMA: RangeInclusive<f64> = 0.63..=0.73;
-const WITHIN_ONE_SIGMA_OF_A_FIFTH: RangeInclusive<f64> = 0.575..=0.785;
 /// Probability of a false detection in a corridor, an option of the measurement, and the largest observed share: 2.4
-/// sigmas more in 600 corridors.
+/// sigmas more in 600 corridors, 1.4 sigmas more in 200.
 const FALSE_ALARM: f64 = 0.01;
 const FALSE_ALARMS: f64 = 0.02;
 /// Smallest share of streaks found at a signal to noise of 10, and of 30.
 const FOUND_AT_10: f64 = 0.95;
 const FOUND_AT_30: f64 = 0.99;
+
+/// Share of the fluxes of the smaller sample of `cargo test`: the bounds above, and two standard errors of 288 streaks
+/// (2.75 % each) more. Set when this sample was made.
+const WITHIN_ONE_SIGMA_OF_288: RangeInclusive<f64> = 0.575..=0.785;
 
 const ROWS: usize = 320;
 const COLUMNS: usize = 400;
@@ -200,7 +202,7 @@ fn bias_and_share<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (f64, f64,
     (mean, scatter / count.sqrt(), within as f64 / count, found.len())
 }
 
-/// A name, and streaks whose fluxes are within the bounds.
+/// Name of a sample, and its streaks.
 type Sample<'a> = (String, Vec<&'a Outcome>);
 
 /// The whole sample and parts of it.
@@ -260,14 +262,14 @@ fn check_completeness(outcomes: &[Outcome]) {
 /// `fluxes_of_many` has more streaks.
 #[test]
 fn verif_flux_is_unbiased_and_errors_are_honest() {
+    // Moffat profiles without an end in the frame, and Gaussian ones with an end.
     let outcomes = grid(1..3);
-    check_fluxes(&parts(&outcomes)[..1], &WITHIN_ONE_SIGMA_OF_A_FIFTH);
-    check_completeness(&outcomes);
+    check_fluxes(&[("all".to_owned(), outcomes.iter().collect())], &WITHIN_ONE_SIGMA_OF_288);
 }
 
 /// Prints the table of docs/explanation/measuring.md, which docs/tables.sh collects.
 #[test]
-#[ignore = "some 2,500 streaks"]
+#[ignore = "some 2,600 streaks"]
 fn fluxes_of_many() {
     println!("| streaks | bias of the flux | within one sigma | found |\n|---|---|---|---|");
     let outcomes = grid(0..10);

@@ -334,7 +334,8 @@ fn valid_interpolation_against_the_states_of_a_starlink() {
         write_state(&mut text, state.epoch, &state.position_km, &state.velocity_km_s);
     }
     let half = read("half.oem", &text).expect("readable").ephemerides;
-    let gp = Satellites::from_files([folder.join("gp_48430.txt")]).expect("element sets").element_sets;
+    let options = ReadOptions { keep: Keep::Nearest(states[0].epoch), ..ReadOptions::default() };
+    let gp = Satellites::read(&[folder.join("gp_48430.txt")], &options).expect("element sets").element_sets;
     let (all, half) = (propagator(&gp, &full.ephemerides), propagator(&gp, &half));
     let mut distance = Agreement::new(
         "Ephemeris of a Starlink, every second state",
