@@ -334,7 +334,7 @@ fn invalid(what: &'static str, given: &str, allowed: &'static str) -> ConfigErro
     ConfigError::Value { what, given: given.to_owned(), allowed }
 }
 
-/// Parses the name of a time scale: `utc`, `tai` or `tt`, in any case.
+/// Parses the name of a time scale: `utc`, `tai` or `tt`; case is ignored.
 ///
 /// # Errors
 /// The name is unknown.

@@ -1,7 +1,7 @@
 //! OMM as CSV: a line of column titles, then one record per line; also tables with the two lines of a TLE in columns.
 //!
 //! The text is read line by line: element sets contain no line breaks, and an unclosed quotation mark must not affect
-//! the rest of the file. Titles may be in any case and order, unknown columns are ignored, `;` and tabs are accepted as
+//! the rest of the file. Titles may be in upper or lower case and in any order, unknown columns are ignored, `;` and tabs are accepted as
 //! separators.
 
 use std::borrow::Cow;

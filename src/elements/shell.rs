@@ -108,7 +108,7 @@ impl Constellation {
         parse(EMBEDDED, FIRST_SYNTHETIC_ID).unwrap_or_default()
     }
 
-    /// Returns the bundled constellation with this name, in any case.
+    /// Returns the bundled constellation with this name; case is ignored.
     ///
     /// # Errors
     /// The name is unknown. The error lists the known names.

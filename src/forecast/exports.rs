@@ -163,7 +163,7 @@ pub enum AngleType {
 }
 
 impl AngleType {
-    /// Returns the angle type with this name: `radec` or `azel`, in any case.
+    /// Returns the angle type with this name: `radec` or `azel`; case is ignored.
     pub fn by_name(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
             "radec" => Some(Self::RaDec),

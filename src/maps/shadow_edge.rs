@@ -1,4 +1,4 @@
-//! Edge of the Earth's shadow on the sky of a site, for satellites of one height.
+//! Edge of the Earth's shadow on the sky of a site, for satellites at one height.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Apparent magnitude over the sky of a site, for satellites of one height and one position of the Sun.
+//! Apparent magnitude over the sky of a site, for satellites at one height and one position of the Sun.
 //!
 //! ```text
 //!            satellite ·---- ρ = -b + √(b² + r² - q²)          q  observer's distance from the Earth's centre
@@ -36,7 +36,7 @@ pub enum Earth {
     Ellipsoid(Site),
 }
 
-/// Brightness of satellites of one height, in any direction of the sky of a site.
+/// Brightness of satellites at one height, in any direction of the sky of a site.
 ///
 /// Azimuths are measured from north through east, altitudes from the horizon. The Sun is at 1 au.
 #[derive(Clone, Debug)]

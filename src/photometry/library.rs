@@ -69,7 +69,7 @@ impl ModelLibrary {
         self.models.get(name).cloned()
     }
 
-    /// Returns the model with this name or alias, in any case.
+    /// Returns the model with this name or alias; case is ignored.
     ///
     /// # Errors
     /// [`PhotometryError::UnknownModel`] with the known names.

@@ -222,7 +222,7 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
     rows
 }
 
-/// Returns true if a provenance contains the name of a survey or a publication, in any case.
+/// Returns true if a provenance contains the name of a survey or a publication; case is ignored.
 fn is_named(name: &str, provenance: &str) -> bool {
     provenance.to_lowercase().contains(&name.to_lowercase())
 }

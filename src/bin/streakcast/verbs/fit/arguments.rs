@@ -223,7 +223,7 @@ pub struct FitRunArguments {
     /// Source of the data, for the provenance of the model
     #[arg(long, value_name = "TEXT", help_heading = "Output")]
     pub data: Option<String>,
-    /// Month of the fit for the provenance of the model, for example 2026-11; this month if omitted
+    /// Month of the fit for the provenance of the model, for example 2026-11; the current month if omitted
     #[arg(long, value_name = "DATE", help_heading = "Output")]
     pub date: Option<String>,
     /// Output model file

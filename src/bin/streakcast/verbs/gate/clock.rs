@@ -31,7 +31,7 @@ impl Clock {
         matches!(self, Clock::Machine)
     }
 
-    /// Waits until a given time. If the system clock is changed, the wait may be shorter, but not longer.
+    /// Waits until a given time. If the system clock is changed, the wait may end earlier, but not later.
     pub fn sleep_until(&self, moment: Epoch) {
         match self {
             Clock::Machine => {

@@ -17,7 +17,7 @@ pub struct MapArguments {
 pub enum MapVerb {
     /// Map the magnitude at 1000 km over the directions below a satellite
     Body(Box<MapBodyArguments>),
-    /// Map the apparent magnitude over the sky of a site, for satellites of one height
+    /// Map the apparent magnitude over the sky of a site, for satellites at one height
     Sky(Box<MapSkyArguments>),
     /// Draw the twelve maps of figures 6 to 9 of Lu (2024) as four pictures
     #[cfg(feature = "plot")]

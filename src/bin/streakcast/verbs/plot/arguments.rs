@@ -34,7 +34,7 @@ pub enum PlotVerb {
     SkyRate(Box<PlotSkyRateArguments>),
     /// Plot trails per exposure against the Sun's altitude, for a schedule or for a grid over the sky during a night
     SunAltitude(Box<PlotSunAltitudeArguments>),
-    /// Plot magnitudes over the sky of a site, for satellites of one height
+    /// Plot magnitudes over the sky of a site, for satellites at one height
     Sky(Box<PlotSkyArguments>),
     /// Plot magnitudes at 1000 km over the directions around a satellite
     Body(Box<PlotBodyArguments>),

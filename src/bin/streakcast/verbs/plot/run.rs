@@ -1,4 +1,4 @@
-//! Calls the plots, prints `plot --list`, and draws the plots that `map` also draws.
+//! Runs the verb of each plot, prints the list of plots (`plot --list`), and draws the plots that `map` also draws.
 
 use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
