@@ -8,13 +8,13 @@ from pathlib import Path
 
 WIDTH, HEIGHT = 560, 400
 LEFT, TOP, ACROSS, UP = 70, 50, 460, 290
-#: Half of the range of differences that is drawn, and of the band.
+#: Largest drawn difference, and largest difference in the grey band, as fractions.
 LARGEST, BAND = 0.07, 0.05
 CORE_AND_WING, OTHERS, NORMAL = "#1f6fb4", "#4d9a5b", "#c8501e"
 
 
 def read(path):
-    """Pairs (stated, observed) of each tenth, for three distributions: core and wing, of the other models, normal."""
+    """Pairs (stated, observed) of each tenth, for three distributions: core and wing, pooled from others, normal."""
     rows = [line.strip("|").split("|")[1:] for line in Path(path).read_text().splitlines()[2:]]
     share = lambda cell: tuple(float(part.strip(" %")) / 100.0 for part in cell.split(","))
     return [[share(row[column]) for row in rows] for column in range(3)]

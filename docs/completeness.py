@@ -1,4 +1,4 @@
-"""Curves of the streaks found against signal to noise: `completeness.py TABLE PICTURE.svg`.
+"""Chart of the share of streaks that are found against signal to noise: `completeness.py TABLE PICTURE.svg`.
 
 TABLE is docs/tables/completeness.md, the output of the ignored test `completeness_of_many`.
 """
@@ -16,7 +16,10 @@ COLOURS = ["#1f6fb4", "#c8501e", "#3a7d44"]
 
 
 def read(path):
-    """Names of the columns, and rows of (signal to noise, [(found, elsewhere), ...]) in percent."""
+    """Names of the columns, and rows of (signal to noise, [(found, elsewhere), ...]).
+
+    `found` is the percentage of streaks that are found, `elsewhere` that with a detection at another place.
+    """
     lines = Path(path).read_text().splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     names = [name.split(": ")[1] for name in cells[0][1:]]
@@ -40,7 +43,7 @@ def main(table, picture):
         parts.append(f'<line x1="{x(value):.1f}" x2="{x(value):.1f}" y1="{TOP + DOWN}" y2="{TOP + DOWN + 5}" stroke="#444444"/>')
         parts.append(f'<text x="{x(value):.1f}" y="{TOP + DOWN + 18}" text-anchor="middle">{value}</text>')
     parts.append(f'<rect x="{LEFT}" y="{TOP}" width="{ACROSS}" height="{DOWN}" fill="none" stroke="#444444"/>')
-    # The row without a streak has no place on a logarithmic axis.
+    # The row without a streak has the signal to noise 0, which a logarithmic axis does not have.
     seen = [row for row in rows if row[0] > 0.0]
     for index, (name, colour) in enumerate(zip(names, COLOURS, strict=True)):
         for which, dashes in ((0, ""), (1, ' stroke-dasharray="5 4"')):

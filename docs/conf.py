@@ -17,7 +17,7 @@ copyright = author  # noqa: A001 - Sphinx requires this name
 release = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE).group(1)
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx_copybutton"]
-# Tables are included by pages.
+# These folders have no pages of their own; other pages include the tables, the generated parts and the pictures.
 exclude_patterns = ["_build", "paper", "tables", "generated", "pictures"]
 html_theme = "furo"
 html_title = f"streakcast {release}"

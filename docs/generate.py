@@ -56,13 +56,13 @@ def run(*arguments, **options):
 
 
 def commands_of(text):
-    """Verbs in a help text, with what each does."""
+    """Names of the verbs that a help text lists."""
     listed = text.partition("Commands:\n")[2].split("\n\n")[0]
     return [name for name in re.findall(r"^  ([a-z][a-z0-9-]*)(?: |$)", listed, re.MULTILINE) if name != "help"]
 
 
 def help_sections(words, level):
-    """Help of a verb and of those below it."""
+    """Markdown sections with the help of a verb and of its subcommands."""
     text = run(*words, "--help")
     about, _, rest = text.partition("\n\n")
     about = " ".join(about.split())

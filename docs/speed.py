@@ -51,7 +51,7 @@ def interpreter(requirements):
         return python
     try:
         subprocess.run([os.environ.get("PYTHON", sys.executable), "-m", "venv", "--clear", folder], check=True)
-        # Files with --no-deps install without dependencies: these would be older releases.
+        # Files that mention --no-deps list all packages, because pip would install older releases as dependencies.
         flags = ["--no-deps"] if "--no-deps" in required else []
         subprocess.run([python, "-m", "pip", "install", "--quiet", *flags, "--requirement", ROOT / PEERS / requirements], check=True)
     except subprocess.CalledProcessError as error:
@@ -93,7 +93,7 @@ def machine():
 
 def section(name, command, text):
     """Returns a section of the file: heading, command, date, machine, and the output unchanged."""
-    lines = "\n".join(line.rstrip() for line in text.strip().splitlines())
+    lines = "\n".join(line.rstrip() for line in text.strip("\n").splitlines())
     today = f"{date.today():%-d %B %Y}"
     return f"## {name}\n\n`{command}`, {today}, {machine()}:\n\n```text\n{lines}\n```\n"
 
@@ -114,7 +114,7 @@ def main():
         try:
             output = printed(name, options.rounds)
         except subprocess.CalledProcessError as error:
-            print(f"*** LEFT OUT: {name}: {error} ***", file=sys.stderr)
+            print(f"{error.stdout or ''}*** LEFT OUT: {name}: {error} ***", file=sys.stderr)
             output = None
         if output is None:
             left_out.append(name)

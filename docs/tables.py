@@ -26,7 +26,7 @@ SMALLER = {
 #: Digits of an exponent.
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
-#: Tables: title, text, and the subjects (names of files of tests).
+#: Tables: title, text, and the subjects (names of test files).
 TABLES = [
     (
         "Frames, Earth orientation, Sun",

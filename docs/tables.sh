@@ -26,7 +26,8 @@ case "$mode" in
         grep '^|' "$work/log" >"$work/$mode.md" || { echo "docs/tables.sh: fluxes_of_many prints no table" >&2; exit 1; }
         ;;
     lu2024)
-        # Satellites of table 1: element sets with names (debris has names) of six years, because many have reentered.
+        # Table 1 counts satellites in element sets of six years, because many have reentered. The sets have names, by
+        # which debris is recognised.
         tle=${STREAKCAST_DATA:-../shared/data}/tle
         cargo run --quiet --release -- reproduce lu2024 --quiet -o "$work/lu2024" --elements "$tle"/fullcat/TLE3_2023-04-07.txt \
             "$tle"/mmt_2021/* "$tle"/pomenis_2022/* "$tle"/active/* >/dev/null

@@ -11,7 +11,7 @@ use streakcast::plot::{
     residual_panels, streak_cuts,
 };
 
-/// Generator of reproducible quasi-random numbers: the fractional parts of multiples of an irrational number.
+/// Generator of reproducible pseudo-random numbers: the fractional parts of large multiples of sines.
 struct Spread(f64);
 
 impl Spread {

@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let nights = (0..8).flat_map(|night| (1..=3).map(move |satellite| point(satellite, night, 0.3)));
     let passes = group_passes(nights);
 
-    // 2. Offsets, which are shrunk towards the kind, and its offset towards the model.
+    // 2. Offsets: that of a satellite is shrunk towards that of its kind, and that of the kind towards 0 (the model).
     let models = ModelChoice::default();
     let learned = learn(&passes, &BTreeMap::new(), &models, serde_json::Map::new())?.file;
     for one in &learned.satellites {

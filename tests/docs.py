@@ -2,7 +2,7 @@
 """Runs the commands in the README and the documentation, and compares their output with that shown on the pages.
 
     tests/docs.py [--update] [PAGE ...]       default: README.md and all pages of docs/
-    tests/docs.py --pictures FOLDER           the pictures that pages show, by the commands of the same pages
+    tests/docs.py --pictures FOLDER           writes the pictures that pages show, with the commands of these pages
 
 STREAKCAST_BIN is the command line program (default: target/debug/streakcast), STREAKCAST_DATA the folder of real data
 (default: ../shared/data).
@@ -158,7 +158,10 @@ def matches(expected, actual):
 
 
 def updated(expected, actual):
-    """Returns the actual output with the wildcard of the expected one, and as many lines before and after it."""
+    """Returns the actual output with the wildcard of the expected output.
+
+    It has as many lines before and after the wildcard as the expected output.
+    """
     if WILDCARD not in expected:
         return actual
     before = expected.index(WILDCARD)

@@ -46,8 +46,8 @@ until_property() {
 mount="Telescope Simulator"
 gate=("$STREAKCAST" gate --shells starlink-gen1 --fov 3deg --exposure 10s --limit-mag=-20 --indi "localhost:$port" --timeout 20s --strict)
 
-# The gate waits less than a second for the site after the pointing, which may be too short on a loaded machine: it is
-# run again.
+# When the gate has received the pointing, it waits less than a second for the site. This may be too short on a loaded
+# machine, so the gate is run again.
 gate_passes() {
     for _ in $(seq 20); do
         if "${gate[@]}" "$@" 2>"$work/error"; then return 0; fi
@@ -70,7 +70,7 @@ gate_fails "check its connection" --mpc X05
 
 set_property "$mount.CONNECTION.CONNECT=On"
 until_property "$mount.CONNECTION.CONNECT" On
-# Position of 5 h, +80 deg: it does not set there.
+# The position 5 h, +80 deg never sets at this latitude.
 set_property "$mount.GEOGRAPHIC_COORD.LAT;LONG;ELEV=50;10;300"
 set_property "$mount.TELESCOPE_PARK.UNPARK=On" || true
 set_property "$mount.ON_COORD_SET.TRACK=On"

@@ -98,7 +98,7 @@ if [ "$mode" = quick ]; then
     step "cargo test --lib, import rules" cargo test --lib --test imports
 else
     start_beside install_programs
-    # All features are built once.
+    # Tests are built with all features only. Other sets of features are only checked, further below.
     step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
     # Twice as many tests as cores at a time, because many wait for a server, a clock or another process.
     export RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN)))}

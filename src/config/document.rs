@@ -16,8 +16,7 @@ use crate::schedule::MagnitudeLimit;
 #[cfg(feature = "cli")]
 const MOST_NORAD: u32 = 999_999_999;
 
-/// Satellites, site, camera, policy and run options of a request. `None`, `false` and an empty list mean an omitted
-/// key.
+/// Satellites, site, camera, policy and run options of a request. `None` and an empty list mean an omitted key.
 ///
 /// The command line fills it from flags, [`Config::read`] from TOML, and plugins from JSON. [`Config::over`] fills
 /// omitted keys from another configuration. In TOML, keys may have hyphens or underscores, and `site`, `telescope`,
@@ -452,8 +451,8 @@ mod tests {
 
     #[test]
     fn every_listed_key_is_a_key() {
-        // No key accepts a table inside a list, so every accepted key gives an error of its type; a key that is missing
-        // in the list gives the error of an unknown key.
+        // No key accepts a table inside a list, so every key of `Config` gives an error about the type of its value. A
+        // listed key that `Config` lacks gives the error of an unknown key.
         for key in KEYS {
             let error = Config::from_toml(&format!("{key} = [[{{}}]]"), "t.toml").expect_err(key).to_string();
             assert!(!error.contains("unknown"), "{key}: {error}");

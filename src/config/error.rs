@@ -19,7 +19,7 @@ use crate::schedule::ScheduleError;
 #[cfg(all(feature = "fits", unix))]
 use crate::streaks::StreaksError;
 
-/// Error of a configuration, or of a forecast, identification or injection request.
+/// Error of a configuration, or of a forecast, identification, injection or measurement request.
 ///
 /// Each message contains the invalid value and the accepted values.
 #[derive(Debug, Error)]
@@ -158,7 +158,7 @@ pub enum ConfigError {
         satellites: usize,
         /// Time of the request.
         moment: String,
-        /// Reason for the first element set.
+        /// Reason why the first element set cannot be propagated.
         first: String,
     },
     /// The generation of satellites is unknown.
@@ -188,7 +188,7 @@ pub enum ConfigError {
     #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Frame(ImagesError),
-    /// The learned file is invalid, or relative to other models.
+    /// The learned file is invalid, or its offsets are relative to other models.
     #[error(transparent)]
     Learned(#[from] LearnedError),
     /// Error in bands, model files or standard magnitudes.
@@ -224,8 +224,8 @@ impl ConfigError {
         Self::Invalid(message.into())
     }
 
-    /// Returns true if the error occurred in a forecast, identification or injection, and false if the configuration is
-    /// invalid.
+    /// Returns true if the error occurred in a forecast, identification, injection or measurement, and false if the
+    /// configuration is invalid.
     pub fn is_of_request(&self) -> bool {
         let is_general = matches!(
             self,

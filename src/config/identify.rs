@@ -198,8 +198,8 @@ impl IdentifyConfig {
         Ok(IdentifyPlan { streak, source })
     }
 
-    /// Returns the configuration. If it has no site, the site of the frame's header is set, and a message that states
-    /// it is returned.
+    /// Returns the configuration. If it has no site, sets the site of the frame's header, and also returns a message
+    /// with that site.
     ///
     /// # Errors
     /// The frame cannot be read or has no site.

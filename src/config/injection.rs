@@ -118,8 +118,7 @@ pub struct InjectionConfig {
     )]
     pub magnitude: Option<Numbers>,
     /// Angular rate of random streaks, deg/s: one value, or the lowest and the highest; the rate also sets the
-    /// distance;
-    /// 0.2,0.8 if omitted
+    /// distance; 0.2,0.8 if omitted
     #[cfg_attr(
         feature = "cli",
         arg(

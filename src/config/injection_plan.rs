@@ -88,8 +88,8 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
     InjectionSky { sky: &prepared.sky, eop: &prepared.eop, provenance: &prepared.provenance }
 }
 
-/// Returns the configuration. If it has no site, the site of the headers is set, and a message that states it is
-/// returned.
+/// Returns the configuration. If it has no site, sets the site of the headers, and also returns a message with that
+/// site.
 fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
     if config.has_viewpoint() {
         return Ok((config.clone(), None));

@@ -148,7 +148,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::model_library`]; a generation or model is unknown; the table of standard magnitudes is
-    /// invalid; the learned file is invalid or relative to other models.
+    /// invalid; the learned file is invalid, or its offsets are relative to other models.
     pub fn model_choice(&self) -> Result<ModelChoice, ConfigError> {
         let library = self.model_library()?;
         let mut choice = ModelChoice::new(&library)?;

@@ -23,9 +23,9 @@ use crate::output::Provenance;
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 
-/// Seeing from which the width is fitted if none is given, pixels.
+/// Initial seeing of the fit of the width if no seeing is given, pixels.
 const SEEING_PIX: f64 = 4.0;
-/// Relative difference of the given seeing and that of the stars from which there is a warning.
+/// Relative difference between the given seeing and that of the stars above which there is a warning.
 const SEEING_TOLERANCE: f64 = 0.1;
 
 /// Frames and options of a measurement, in addition to [`Config`].
@@ -90,7 +90,7 @@ pub struct Measurements {
     pub site: Option<Site>,
     /// Provenance of the result.
     pub provenance: Provenance,
-    /// Remarks about values from headers.
+    /// Remarks about the site from the header and zero points from stars.
     pub remarks: Vec<String>,
     /// Warnings.
     pub warnings: Vec<String>,
@@ -121,7 +121,7 @@ impl MeasureConfig {
             Some(sky) => sky(first)?,
             None => Arc::new(config.prepare(first, last)?),
         };
-        // A given sky has its own list of warnings.
+        // The warnings of a given sky are not repeated here.
         let mut warnings = if sky.is_some() { Vec::new() } else { of_all.warnings.clone() };
         let mut remarks: Vec<String> = remark.into_iter().collect();
         let (mut passes, mut left_out) = (Vec::new(), Vec::new());
@@ -260,7 +260,8 @@ fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
     Ok(false)
 }
 
-/// Returns the configuration, with the site of the first frame's header and a remark if it has none.
+/// Returns the configuration. If it has no site, sets the site of the first frame's header, and also returns a remark
+/// with that site.
 fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config, Option<String>), ConfigError> {
     let Some((frame, _)) = frames.first().filter(|_| !config.has_viewpoint()) else {
         return Ok((config.clone(), None));

@@ -317,8 +317,8 @@ mod tests {
             assert_eq!(size(text).unwrap(), rectangle, "{text}");
         }
         assert_eq!(size("3.5deg").unwrap(), Field::circle(3.5_f64.to_radians()).unwrap());
-        // A sensor sees the angle arctan(d / 2f) on each side of the axis: 19.799 and 13.496 deg for 36 mm by 24 mm and
-        // 50 mm, 45 deg for a circle of twice the focal length.
+        // A sensor covers the angle arctan(d / 2f) on each side of the axis: 19.799 and 13.496 deg for 36 mm by 24 mm
+        // at 50 mm, 45 deg for a circular sensor with a diameter of twice the focal length.
         let is_inside = |field: &Field, [x_deg, y_deg]: [f64; 2]| {
             let pointing = Direction::from_lon_lat_rad(1.0, 0.0);
             let direction = Direction::from_lon_lat_rad(1.0 + x_deg.to_radians(), y_deg.to_radians());

@@ -53,7 +53,7 @@ fn names(satellites: impl Iterator<Item = usize>, elements: &[ElementSet]) -> Ve
 impl Config {
     /// Reads all inputs and prepares the sky for requests from `first` to `last`.
     ///
-    /// Of each object the element set closest to the middle of the interval is used. Simulated constellations are
+    /// For each object, the element set closest to the middle of the interval is used. Simulated constellations are
     /// generated for the start of the UTC day of `first`.
     ///
     /// # Errors
@@ -150,11 +150,11 @@ impl LoadedInputs {
 }
 
 impl PreparedSky {
-    /// Returns the warnings about the files, and those about the age of the elements for a request from `first` to
-    /// `last`.
+    /// Returns the warnings about the files, and those about inputs that are too old for a request from `first` to
+    /// `last` or do not cover it.
     ///
-    /// They equal `warnings` for the interval of [`LoadedInputs::prepare`], but a cached sky is also used at other
-    /// times.
+    /// For the interval of [`LoadedInputs::prepare`] the field `warnings` has the same warnings. This method is for
+    /// cached skies, which are also used at other times.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, part)| *part != EphemerisCoverage::Whole);
@@ -204,8 +204,8 @@ impl PreparedSky {
     }
 }
 
-/// Removes the parts of space stations whose main object has an element set, because the magnitude of a station
-/// includes them: modules, and docked spacecraft, whose elements are those of the station. Returns the names of the
+/// Removes modules and docked spacecraft of space stations whose main object has an element set, because the magnitude
+/// of a station includes them. Docked spacecraft have the same elements as their station. Returns the names of the
 /// removed parts.
 fn merge_parts_of_stations(elements: &mut Vec<ElementSet>) -> Vec<String> {
     let table = BrightObjects::embedded();

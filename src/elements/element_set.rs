@@ -16,7 +16,8 @@ impl fmt::Display for NoradId {
     }
 }
 
-/// Mean elements for SGP4 in their published units (degrees, revolutions a day), TEME of epoch.
+/// Mean elements for SGP4 in their published units (degrees, revolutions a day), in TEME (true equator and mean
+/// equinox) of the epoch.
 ///
 /// Numbers are stored as read, so that the same record in another format gives a bit-identical ephemeris.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Satellite generations, which determine the brightness model.
 //!
 //! The generation of a Starlink satellite is determined from its launch if that is in the table
-//! ([`STARLINK_TABLE_DATE`]), else from the name, else by the most likely generation. For other constellations the name
-//! determines it, or the launch for an object without a name. [`Certainty`] states which was used. Names are those of
-//! CelesTrak and Space-Track.
+//! ([`STARLINK_TABLE_DATE`]), else from its name, else from its launch date or catalogue number. For other
+//! constellations the name determines the generation, or for an object without a name, its launch or catalogue number.
+//! [`Certainty`] states which of these was used. Names are those of CelesTrak and Space-Track.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -144,9 +144,9 @@ impl fmt::Display for Generation {
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Certainty {
-    /// The launch or the catalogue number is in the table.
+    /// The launch or the catalogue number is in a bundled table.
     Table,
-    /// The name contains that of a constellation, or its number.
+    /// The name of the object, or the number in the name, determines the generation.
     Name,
     /// Only the launch date or the catalogue number makes the generation likely, or the satellite is simulated.
     Guess,
@@ -200,7 +200,8 @@ impl GenerationTable {
     }
 
     /// Returns true for a real satellite whose generation is assumed: a Starlink satellite launched after the end of
-    /// the table, which may be of a new generation, or an object whose generation follows only from its launch or date.
+    /// the table, which may be of a new generation, or an object whose generation follows only from its launch, launch
+    /// date or catalogue number.
     pub fn is_assumed(&self, set: &ElementSet) -> bool {
         let (generation, certainty) = self.classify(set);
         let is_later = || Launch::of(&set.international_designator).is_some_and(|launch| launch > self.last_starlink);
@@ -222,7 +223,7 @@ impl GenerationTable {
     pub fn classify_object(&self, name: &str, designator: &str, norad_id: NoradId) -> (Generation, Certainty) {
         let name = name.trim();
         let launch = Launch::of(designator);
-        // Debris and rocket bodies contain the name of their parent object in their names.
+        // The names of debris and rocket bodies contain the name of their parent object.
         if name.ends_with(" DEB") || name.contains(" DEB ") || name.contains("R/B") {
             return (Generation::Other, Certainty::Name);
         }
@@ -264,7 +265,8 @@ impl GenerationTable {
     /// Determines the generation of a satellite whose name starts with STARLINK; `rest` is the text after it.
     fn starlink(&self, rest: &str, launch: Option<Launch>, norad_id: u32) -> (Generation, Certainty) {
         let number = number_at_start(rest);
-        // These are launched together with V2 Mini satellites.
+        // Direct-to-Cell satellites are launched together with V2 Mini satellites, so their launch does not determine
+        // the generation.
         if rest.contains("[DTC]") || matches!(number, Some(11_000..=11_999)) {
             return (Generation::StarlinkDirectToCell, Certainty::Name);
         }
@@ -313,7 +315,7 @@ fn number_at_start(rest: &str) -> Option<u32> {
     digits[..end].parse().ok()
 }
 
-/// Returns the generation launched at that time, for launches that are not in the table.
+/// Returns the generation of the Starlink satellites of that time, for a launch that is not in the table.
 fn by_date(launch: Launch) -> Generation {
     match launch {
         _ if launch < Launch(2019, 74) => Generation::StarlinkV09,
@@ -324,7 +326,8 @@ fn by_date(launch: Launch) -> Generation {
     }
 }
 
-/// Returns the generation catalogued at that time. Numbers after the table are of the latest generation.
+/// Returns the generation of Starlink that was launched when a catalogue number was assigned. Numbers beyond the last
+/// limit give the latest generation.
 fn by_norad_id(norad_id: u32) -> Generation {
     match norad_id {
         ..=44_700 => Generation::StarlinkV09,

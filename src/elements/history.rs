@@ -6,7 +6,8 @@ use hifitime::Epoch;
 
 use super::element_set::{ElementSet, NoradId};
 
-/// Element sets sorted by object, then by epoch. Of equal epochs the record read last is the last one and is preferred.
+/// Element sets sorted by object, then by epoch. Records with equal epochs stay in reading order, and the one read last
+/// is preferred.
 ///
 /// Exact duplicates (same object, same epoch, same seven numbers for SGP4) are stored once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -119,7 +120,8 @@ fn nearest_index(sets: &[ElementSet], epoch: Epoch) -> Option<usize> {
     }
 }
 
-/// Keeps the first of exact duplicates in sorted records. If it has no name, it takes that of a removed duplicate.
+/// Keeps the first of several exact duplicates in sorted records. If it lacks a name or a designator, that of a removed
+/// duplicate is used.
 fn drop_duplicates(sets: &mut Vec<ElementSet>) {
     let same_instant = |a: &ElementSet, b: &ElementSet| a.norad_id == b.norad_id && a.epoch == b.epoch;
     if !sets.windows(2).any(|pair| same_instant(&pair[0], &pair[1])) {
@@ -145,7 +147,7 @@ fn drop_duplicates(sets: &mut Vec<ElementSet>) {
     *sets = kept;
 }
 
-/// Returns the bits of the numbers for SGP4; minus zero equals zero.
+/// Returns the bits of the seven numbers for SGP4; a minus zero is converted to zero.
 fn elements(set: &ElementSet) -> [u64; 7] {
     [
         set.mean_motion_rev_day,

@@ -113,7 +113,7 @@ impl<'a> Fields<'a> {
         self.texts.iter().all(|text| text.is_empty())
     }
 
-    /// Returns true if the texts describe an orbit. An object with only a name may be that of a list.
+    /// Returns true if the texts describe an orbit. A JSON object with only a name may describe a list of records.
     pub fn is_record(&self) -> bool {
         let describing =
             [Keyword::NoradCatId, Keyword::Epoch, Keyword::MeanMotion, Keyword::TleLine1, Keyword::TleLine2];

@@ -1,8 +1,8 @@
 //! OMM as CSV: a line of column titles, then one record per line; also tables with the two lines of a TLE in columns.
 //!
 //! The text is read line by line: element sets contain no line breaks, and an unclosed quotation mark must not affect
-//! the rest of the file. Titles may be in upper or lower case and in any order, unknown columns are ignored, `;` and tabs are accepted as
-//! separators.
+//! the rest of the file. Titles may be in upper or lower case and in any order, and unknown columns are ignored. `;`
+//! and tabs are also accepted as separators.
 
 use std::borrow::Cow;
 
@@ -39,7 +39,7 @@ fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksu
             continue;
         }
         let cells = split(line, separator);
-        // A line of titles; concatenated files contain several.
+        // This is a line of titles. Concatenated files contain several.
         if cells
             .iter()
             .zip(columns)

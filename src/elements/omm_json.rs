@@ -172,7 +172,7 @@ impl<'a> Scanner<'a> {
         Some(serde_json::from_str(&self.text[start - 1..at + 1]).map_or(Cow::Borrowed(raw), Cow::Owned))
     }
 
-    /// Continues after an error at the next object that starts a line or follows another object.
+    /// Continues after an error at the next opening brace.
     fn skip_to_next_object(&mut self) {
         let start = (self.at + 1..=self.text.len()).find(|&at| self.text.is_char_boundary(at));
         let rest = start.map_or("", |start| &self.text[start..]);

@@ -47,8 +47,9 @@ fn next_start(text: &str, from: usize) -> Option<usize> {
         at += text.get(at..)?.find("omm")?;
         let (before, after) = (&text[..at], &text[at + 3..]);
         if after.starts_with(|c: char| c == '>' || c == '/' || c.is_whitespace()) {
-            // The opening bracket of this element, not that of an end tag. Prefixes are short; the limit on the search
-            // keeps the running time linear for malicious input.
+            // The search goes back to the opening bracket of this element. An end tag does not match, because `/`
+            // follows its bracket. Prefixes are short; the limit on the search keeps the running time linear for
+            // malicious input.
             let window = &before.as_bytes()[before.len().saturating_sub(64)..];
             let start = window.iter().rposition(|&byte| byte == b'<').map(|back| at - window.len() + back);
             let start = start.filter(|start| *start >= from);

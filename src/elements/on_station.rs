@@ -56,7 +56,8 @@ pub fn semi_major_axis_km(set: &ElementSet) -> f64 {
 /// over a revolution, so that the semi-major axis a differs from the radius by up to 5 km. Accurate to one metre.
 pub(super) fn mean_motion_for_radius(radius_km: f64, inclination_rad: f64) -> f64 {
     let radius = radius_km / EARTH_RADIUS_KM;
-    // For a circular orbit, δ equals this difference: r = a (1 − δ(a)). Each iteration adds three digits.
+    // For a circular orbit, δ is the relative difference of semi-major axis and radius: r = a (1 − δ(a)). Each
+    // iteration adds three digits.
     let mut a = radius;
     for _ in 0..6 {
         a = radius / (1.0 - delta(a, 0.0, inclination_rad));
@@ -144,8 +145,8 @@ const LEAST_INTERVAL_DAY: f64 = 0.05;
 /// as returned by [`History::of`](super::History::of).
 ///
 /// All runs of `consecutive_sets` sets that contain a set are examined. If all rates of one run are below the limit,
-/// the height is constant; otherwise all rates of the sets around it must have the same sign. Sets less than 72 minutes
-/// apart are treated as one.
+/// the height is constant. Otherwise the orbit is raising if all rates of at least one run are positive and no run has
+/// only negative rates, and decaying in the opposite case. Sets less than 72 minutes apart are treated as one.
 pub fn orbit_phases(sets: &[ElementSet], rule: &StationRule) -> Vec<OrbitPhase> {
     // 1. Element sets at distinct times, with their semi-major axes.
     let mut distinct: Vec<(Epoch, f64)> = Vec::with_capacity(sets.len());

@@ -26,7 +26,7 @@ pub enum RejectReason {
         /// Last column.
         last: u8,
     },
-    /// The catalogue number of a TLE is neither digits nor Alpha-5.
+    /// The catalogue number of a TLE is neither digits nor Alpha-5 (a letter and four digits).
     #[error(
         "line {line}: invalid catalogue number {text:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O"
     )]
@@ -101,7 +101,7 @@ pub enum RejectReason {
         /// Keyword.
         field: &'static str,
     },
-    /// The catalogue number of an OMM is not a number of one to nine digits.
+    /// The catalogue number of an OMM is neither a number of one to nine digits nor Alpha-5.
     #[error("invalid NORAD_CAT_ID {text:?}: expected 1 to 999999999, or Alpha-5")]
     BadId {
         /// Text of the field.
@@ -213,7 +213,7 @@ pub(super) struct Parsed {
 }
 
 impl Parsed {
-    /// Adds a valid record, or the reason for its rejection.
+    /// Adds a valid record, or the reason why a record is rejected.
     pub fn take(&mut self, offset: usize, record: Result<ElementSet, RejectReason>) {
         match record {
             Ok(set) => {

@@ -1,17 +1,18 @@
 //! Simulated constellations: Walker shells as element sets for any epoch, marked as synthetic.
 //!
-//! A shell of T = P·S satellites in P planes (Walker 1984: i: T/P/F) has
+//! A shell of P planes with S satellites each (T = P·S satellites) and phasing F, in Walker's notation i: T/P/F (1984),
+//! has
 //!
 //! ```text
 //! Ω_p  = Ω₀ + p · spread / P                                  p = 0 … P−1
 //! u_ps = u₀ + 360° · s / S + 360° · F · p / T                 s = 0 … S−1
 //! ```
 //!
-//! where u is the mean argument of latitude and `spread` is 360° (Walker delta) or 180° (Walker star, polar shells).
-//! The orbits are circular, without drag (B* = 0), and their mean radius in SGP4 is the Earth's equatorial radius
-//! (6378.137 km) plus the altitude of the shell. Ω₀ and u₀ hold at 2000-01-01T12:00:00 UTC, and both angles change with
-//! SGP4's secular rates. Element sets of one constellation for two epochs therefore describe the same satellites:
-//! propagated to a common time, they agree within kilometres.
+//! where Ω is the right ascension of the ascending node, u the mean argument of latitude, and `spread` is 360° (Walker
+//! delta) or 180° (Walker star, polar shells). The orbits are circular, without drag (B* = 0), and their mean radius in
+//! SGP4 is the Earth's equatorial radius (6378.137 km) plus the altitude of the shell. Ω₀ and u₀ hold at
+//! 2000-01-01T12:00:00 UTC, and both angles change with SGP4's secular rates. Element sets of one constellation for two
+//! epochs therefore describe the same satellites: propagated to a common time, they agree within kilometres.
 //!
 //! The positions do not correspond to real satellites: counts and statistics are meaningful, single crossings are not.
 
@@ -104,7 +105,7 @@ struct Entry {
 impl Constellation {
     /// Returns the bundled constellations.
     pub fn embedded() -> Vec<Self> {
-        // The text is part of the library and parsed by a test.
+        // Parsing cannot fail: the text is part of the library, and a test parses it.
         parse(EMBEDDED, FIRST_SYNTHETIC_ID).unwrap_or_default()
     }
 
@@ -209,7 +210,8 @@ impl Constellation {
     }
 }
 
-/// Returns the days of 86,400 s UTC since 2000-01-01T12:00:00, counted as by SGP4.
+/// Returns the time from 2000-01-01T12:00:00 UTC to an epoch in days of 86,400 s. Leap seconds are not counted, as in
+/// SGP4.
 fn days_since_reference(epoch: Epoch) -> f64 {
     // 36,524.5 days from 1900-01-01T00:00:00, the zero of hifitime's UTC, to the reference.
     let reference = i128::from(DAY_NS) * 73_049 / 2;
@@ -220,7 +222,7 @@ fn days_since_reference(epoch: Epoch) -> f64 {
 fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
     let file: File =
         toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(crate::input::toml_error(&error, text)))?;
-    // Number of blocks up to catalogue number 999,999,999.
+    // The blocks of catalogue numbers must end below 1,000,000,000.
     if file.constellation.len() > 49 {
         return Err(ElementsError::ShellSyntax(format!(
             "{} constellations; allowed: at most 49",

@@ -140,7 +140,7 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
         ElementFormat::OmmXml => omm_xml::parse(&text, checksums),
         ElementFormat::OmmKvn => omm_kvn::parse(&text),
     };
-    // An NDM may contain both OMM and OEM messages.
+    // A CCSDS navigation data message (NDM) may contain both OMM and OEM messages.
     let has_ephemerides = format == ElementFormat::OmmXml && ephemeris::looks_like_oem_xml(&text);
     let ephemerides = match has_ephemerides {
         true => ephemeris::parse_oem_xml(&text).map_err(with_name)?,

@@ -230,7 +230,8 @@ impl<'a> Line<'a> {
         let day = epoch::digits(&field[..point]).ok_or_else(bad)?;
         let mut nanosecond = 0;
         if let Some(fraction) = field.get(point + 1..).filter(|fraction| !fraction.is_empty()) {
-            // The field has at most ten digits of the fraction; 1e-8 day is 864,000 ns, so the product is exact.
+            // The field has space for at most ten digits of the fraction. 1e-10 day is 8,640 ns, so the quotient is a
+            // whole number of nanoseconds.
             let scale = 10_i64.pow(fraction.len() as u32);
             let whole = fraction
                 .iter()

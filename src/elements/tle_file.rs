@@ -11,7 +11,7 @@ use super::tle_fields::{ALPHA5, BODY, checksum};
 /// Line without trailing blanks, with its offset in the text.
 type Placed<'a> = (usize, &'a [u8]);
 
-/// Smallest length of a data line. Shorter lines that begin with "1 " or "2 " may be names.
+/// Smallest length of a data line, characters. Shorter lines that begin with "1 " or "2 " may be names.
 const DATA_LENGTH: usize = 60;
 
 /// Parses two-line, three-line and "0 NAME" sets, also mixed.
@@ -76,7 +76,7 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
     parsed
 }
 
-/// Returns true if the text contains a line 1 followed by a line 2, or a line that can only be a data line.
+/// Returns true if a line of the text can be a data line by its length, line number and catalogue number.
 pub(super) fn looks_like(text: &str) -> bool {
     Lines { text: text.as_bytes(), at: 0 }.any(|(_, line)| {
         line.len() >= DATA_LENGTH
@@ -125,7 +125,7 @@ impl<'a> Iterator for Lines<'a> {
 ///
 /// # Errors
 /// * the catalogue number is above 339,999;
-/// * a derivative, B*, or the epoch's year (1957-2056) does not fit its columns.
+/// * a derivative, B*, the mean motion or the year of the epoch (1957-2056) does not fit its columns.
 pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
     let id = format_id(set.norad_id)?;
     let misfit = |field, value| ElementsError::TleColumns { norad_id: set.norad_id, field, value };
@@ -193,7 +193,7 @@ fn format_designator(designator: &str) -> String {
     }
 }
 
-/// Formats a number in the form ` 10370-3`; `None` if its magnitude is outside 1e-10 to 1e9.
+/// Formats a number in the form ` 10370-3`; `None` if its magnitude is 1e9 or more. Magnitudes below 1e-10 give 0.
 fn format_exponential(value: f64) -> Option<String> {
     let sign = if value < 0.0 { '-' } else { ' ' };
     // Rust formats d.dddde-n; the decimal point is moved one digit to the left.

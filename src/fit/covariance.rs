@@ -29,7 +29,7 @@ pub enum CovarianceKind {
     Grouped,
     /// From the curvature of the cost, scaled by χ²/(n - k).
     Scaled,
-    /// From fits without one set of tracks each ([`jackknife`](super::jackknife())).
+    /// From fits that each omit one set of tracks ([`jackknife`](super::jackknife())).
     Jackknife,
 }
 
@@ -162,8 +162,8 @@ mod tests {
     /// True line in the phase angle: value at its beginning, and change over a radian.
     const TRUTH: [f64; 2] = [6.0, 1.5];
 
-    /// Groups of points with a common offset of 0.3 mag (one sigma) and a common interval of phase angles; a fraction
-    /// `far_share` of the points has an additional error of 3 mag (one sigma).
+    /// Groups of points with a common offset of `offset_mag` (one sigma) and a common interval of phase angles. The
+    /// error of a point is 0.1 mag (one sigma), or 3 mag for a fraction `far_share` of the points.
     fn seen(seed: u64, offset_mag: f64, far_share: f64) -> Vec<FitPoint> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut points = Vec::new();
@@ -182,7 +182,7 @@ mod tests {
         points
     }
 
-    /// True scatter of both coefficients, the root mean square of their sigmas, and of those from H⁻¹ without groups.
+    /// For each coefficient: its scatter, and the root mean square of its sigmas with and without groups.
     fn sigmas(offset_mag: f64, far_share: f64, loss: Loss) -> [[f64; 3]; 2] {
         let settings = FitSettings { loss, ..FitSettings::free(&["a0", "a1"]) };
         let one = |seed: u64| {
@@ -210,8 +210,8 @@ mod tests {
         })
     }
 
-    /// Relative tolerance: the scatter of 300 simulations has an error of 4 %, three of these, plus a bias of a few per
-    /// cent for 60 groups.
+    /// Relative tolerance: three times the error of the scatter of 300 simulations, which is 4 %, plus a bias of a few
+    /// per cent for 60 groups.
     const MONTE_CARLO: f64 = 0.16;
 
     #[test]

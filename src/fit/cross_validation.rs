@@ -119,7 +119,7 @@ pub fn compare_forms(
 }
 
 /// Returns simple forms for comparison: a diffuse sphere, a quadratic in the phase angle, and, for satellites with
-/// chassis and solar array, two Phong panels without mutual blocking, transmission and earthshine.
+/// chassis and solar array, two Phong panels without mutual blocking, transmission or earthshine.
 pub fn baseline_forms(of: Option<&TwoPanelForm>) -> Vec<CompetingForm> {
     let form = |name: &str, form: Box<dyn Form>, free: &[&str]| CompetingForm {
         name: name.to_owned(),
@@ -284,8 +284,8 @@ mod tests {
     use crate::geometry::ViewingGeometry;
     use crate::photometry::StandardMagnitude;
 
-    /// Six tracks of 200 points, each with its own range of phase angles and an offset of 0.5 mag up or down: tracks
-    /// only, without a law.
+    /// Six tracks of 200 points, each with its own range of phase angles and an offset of 0.5 mag up or down. The
+    /// magnitudes follow no brightness law.
     fn tracks() -> Measurements {
         let mut seen = Measurements::default();
         for group in 0..6_u32 {
@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn verif_pixels_of_a_track_that_is_held_out_are_not_seen() {
         let seen = tracks();
-        // Six coefficients follow six tracks.
+        // Six coefficients can reproduce the offsets of six tracks.
         let form = PhaseForm { degree: 5 };
         let settings = FitSettings::free(&["a0", "a1", "a2", "a3", "a4", "a5"]);
         let points = points_of_pixels(&reduce(&seen.points, options()).expect("pixels"));
@@ -355,7 +355,7 @@ mod tests {
     #[test]
     fn verif_thresholds_on_numbers_are_divided() {
         let seen = tracks();
-        // 1,200 points in some 70 pixels: no pixel of a sixth of them reaches the threshold for all.
+        // 1,200 points are in some 70 pixels. With a sixth of the points, no pixel reaches the undivided threshold.
         let most =
             reduce(&seen.points, options()).expect("pixels").pixels.iter().map(|p| p.count).max().expect("a pixel");
         let strict = ReduceOptions { least_count: most, ..options() };

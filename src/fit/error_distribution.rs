@@ -11,13 +11,14 @@ const LEAST_POINTS: f64 = 50.0;
 const MOST_WING: f64 = 0.5;
 /// Least width of either part, in sigmas: a part cannot shrink to a single residual.
 const LEAST_SIGMA: f64 = 0.1;
-/// Largest number of iterations. They stop before if no parameter changes by more than [`CONVERGED`].
+/// Largest number of iterations. They stop earlier if no parameter changes by more than [`CONVERGED`].
 const MOST_ITERATIONS: usize = 2000;
 const CONVERGED: f64 = 1e-5;
 /// Sigma of a normal distribution over its median absolute deviation.
 const SIGMA_OF_MAD: f64 = 1.4826;
 
-/// Returns the most probable distribution of residuals in units of sigma, each with its weight.
+/// Returns the most probable distribution of `residuals`, which are pairs of a residual in units of sigma and its
+/// weight.
 ///
 /// Residuals or weights that are not finite are left out. `None` with fewer than 50 residuals.
 pub fn error_distribution(residuals: &[(f64, f64)]) -> Option<ErrorDistribution> {
@@ -70,12 +71,12 @@ pub fn error_distribution(residuals: &[(f64, f64)]) -> Option<ErrorDistribution>
 /// One step of the iteration.
 fn improved(now: &ErrorDistribution, residuals: &[(f64, f64)]) -> ErrorDistribution {
     let density = |x: f64, shift: f64, sigma: f64| (-0.5 * ((x - shift) / sigma).powi(2)).exp() / (sigma * TAU.sqrt());
-    // Weight, mean and variance of the parts, each residual shared by the probabilities that it belongs to them.
+    // Each residual is divided between core and wing in proportion to the probabilities that it belongs to them.
     let (mut core, mut wing) = (Moments::default(), Moments::default());
     for &(x, weight) in residuals {
         let of_core = (1.0 - now.wing_share) * density(x, now.core_shift, now.core_sigma);
         let of_wing = now.wing_share * density(x, now.wing_shift, now.wing_sigma);
-        // Where both underflow, the residual is of the wider part.
+        // If both densities underflow, the residual is assigned to the wing.
         let share = if of_core + of_wing > 0.0 { of_wing / (of_core + of_wing) } else { 1.0 };
         core.add(x, weight * (1.0 - share));
         wing.add(x, weight * share);

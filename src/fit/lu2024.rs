@@ -221,7 +221,7 @@ pub enum Lu2024Data {
     Measured,
 }
 
-/// Number of the paper beside the computed one.
+/// Number printed in the paper, and the number computed here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lu2024Row {
     /// Table, figure or section of the paper.

@@ -3,15 +3,15 @@
 //! - `measurements`, `point`: measured magnitudes, and the points of a fit made from them
 //! - `form`, `two_panel_form`, `two_panel_kernel`, `panels_form`, `log_nodes`, `phase`: brightness laws with free
 //!   parameters: the trait, the two panels of Lu (2024), any panels, and the baselines
-//! - `objective`, `solve`, `linear_starts`: the cost of a law under a loss function, and its least squares from
-//!   several starts
+//! - `objective`, `solve`, `linear_starts`: the cost of a law under a loss function, and least-squares fits from
+//!   several starting points
 //! - `covariance`, `jackknife`: errors of the parameters, from groups of points or, for pixels, from sets of tracks
 //! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on held-out points, the tests
 //!   of Lu (2024)
 //! - `error_distribution`: core and wing of residuals
 //! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with
 //!   the same numbers computed from photometry
-//! - `posterior`: draws with walkers, and the files of their chains
+//! - `posterior`: samples of the posterior, drawn by an ensemble of walkers, and the files of their chains
 //! - `model_of_fit`, `report`: model file and report of a fit
 //! - `inference`: numerical methods without astronomy
 //! - `checks`: comparison of models with published results

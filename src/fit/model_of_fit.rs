@@ -37,9 +37,9 @@ pub struct ModelDescription {
     pub sigma_origin: String,
 }
 
-/// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
+/// Returns a model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
 /// covariance, the range of the points, and sigma and distribution of the residuals of single measurements
-/// (`singles_mag`, at best held-out ones).
+/// (`singles_mag`, preferably of held-out points).
 ///
 /// # Errors
 /// [`PhotometryError`] if a number is outside the limits of model files.

@@ -2,7 +2,7 @@
 //!
 //! Cosines, areas and obstruction do not depend on the parameters and are computed once for each point, as is the
 //! earthshine by each reflection law. The laws are then evaluated for each set of parameters. Derivatives are
-//! differences.
+//! finite differences.
 //!
 //! The light of a law is proportional to its weight, so that earthshine by a law of weight 1 is computed once for each
 //! point. If a parameter changes the shape of the law (an exponent, a width, a slope), earthshine is computed for
@@ -193,8 +193,8 @@ struct EarthLaw {
 }
 
 impl PanelEarth {
-    /// Returns `None` if a law depends on its parameters in another way; earthshine is then computed for each set of
-    /// parameters.
+    /// Returns `None` if one weight and one shape parameter do not describe a law; earthshine is then computed for each
+    /// set of parameters.
     pub fn new(spec: &PanelsSpec, points: &[FitPoint]) -> Option<Self> {
         let mut laws = Vec::new();
         for (number, panel) in spec.panels.iter().enumerate().filter(|(_, panel)| panel.earthshine) {

@@ -24,7 +24,7 @@ pub struct FitPoint {
     pub group: u32,
 }
 
-/// How single measurements are weighted.
+/// Weights of single measurements.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct RawWeights {
     /// Scatter in addition to the measurement errors, mag, positive, because satellites of one type differ and change
@@ -58,8 +58,8 @@ pub fn points_of_measurements(measurements: &Measurements, weights: &RawWeights)
     points
 }
 
-/// Returns factors for the errors by which each group is weighted by the square root of its number of points instead of
-/// that number. They leave Σ 1/σ² unchanged.
+/// Returns factors for the errors of the points, such that each group is weighted by the square root of its number of
+/// points instead of by that number. They leave Σ 1/σ² unchanged.
 fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
     let groups = points.iter().map(|point| point.group as usize + 1).max().unwrap_or(0);
     let mut counts = vec![0.0_f64; groups];
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::photometry::StandardMagnitude;
 
-    /// Points at one position each, so that each is a pixel.
+    /// Returns the errors of pixels, each given by its magnitudes, which are all at one position.
     fn sigmas_mag(pixels: &[&[f64]]) -> Vec<f64> {
         let points: Vec<Measurement> = pixels
             .iter()

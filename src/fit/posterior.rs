@@ -35,7 +35,7 @@ pub struct PosteriorSettings {
     pub steps: usize,
     /// Number of steps at the beginning that are not used.
     pub burn_in: usize,
-    /// Number of walkers; it must be even and at least twice the number of free parameters.
+    /// Number of walkers; it must be even, at least 4, and at least twice the number of free parameters.
     pub walkers: usize,
     /// Seed of all random numbers.
     pub seed: u64,

@@ -53,7 +53,7 @@ const OUTLIER_MAG: f64 = 1.0;
 pub struct SimulationOptions {
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Any time in the day (by the Sun at the site) of the first night's evening.
+    /// Any time in the local solar day in whose evening the first night begins.
     pub first_night: Epoch,
     /// Number of nights.
     pub nights: u32,
@@ -65,7 +65,7 @@ pub struct SimulationOptions {
     pub cadence_s: f64,
     /// Shortest and longest track, s.
     pub track_s: [f64; 2],
-    /// Standard deviation of the photometry, mag.
+    /// Standard deviation of the photometric errors, mag.
     pub noise_mag: f64,
     /// Standard deviation of other differences between points, mag.
     pub point_scatter_mag: f64,
@@ -80,8 +80,8 @@ pub struct SimulationOptions {
 }
 
 impl SimulationOptions {
-    /// MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to track; 3 % of the tracks
-    /// misidentified, 5 % of tracks and points in another attitude (Lu 2024, section 3).
+    /// Returns the options for MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to
+    /// track; 3 % of the tracks misidentified, 5 % of tracks and points in another attitude (Lu 2024, section 3).
     pub fn mmt9(first_night: Epoch, nights: u32) -> Self {
         Self {
             seed: 1,
@@ -336,7 +336,8 @@ impl<'o> Night<'o> {
         (truth, points)
     }
 
-    /// Returns another satellite above the horizon; `None` if none is drawn within the largest number of draws.
+    /// Returns another satellite: the first of at most [`DRAWS`] draws that is above the horizon, or else the last one
+    /// drawn. `None` if no draw gives another satellite.
     fn another(
         &self,
         objects: &[&[ElementSet]],

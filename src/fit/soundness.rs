@@ -100,7 +100,7 @@ impl fmt::Display for Fault {
                 write!(f, "{name} is not constrained by the data ({value:.3e} +- {sigma:.3e})")
             }
             Self::Singular { names } => write!(f, "the points do not constrain {}", names.join(", ")),
-            Self::FewPoints { name, points } => write!(f, "{name} matters at {points} points only"),
+            Self::FewPoints { name, points } => write!(f, "only {points} points depend on {name}"),
             Self::Coverage(PoorAxis { name, thin, narrow }) => {
                 let narrow = narrow.map(|[from, to]| format!("only {from:.1} to {to:.1} deg"));
                 let thin = thin.iter().map(|([from, to], n)| format!("{n} points at {from} to {to} deg"));
@@ -124,7 +124,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
         faults.push(Fault::Singular { names: fit.uncertainty.undetermined.iter().map(|&i| name(i)).collect() });
     }
     for (k, &i) in fit.free.iter().enumerate() {
-        // The value of an angle is not a measure for its error.
+        // The error of an angle is not compared with its value, which may be near 0.
         let has_size = fit.parameters[i].least >= 0.0;
         if let Some(sigma) = fit.uncertainty.sigma(i).filter(|sigma| has_size && *sigma > fit.parameters[i].value) {
             faults.push(Fault::Unconstrained { name: name(i), value: fit.parameters[i].value, sigma });

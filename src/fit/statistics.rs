@@ -23,8 +23,8 @@ pub struct ResidualStatistics {
     pub sd_mag: f64,
     /// Root mean square, that is the deviation from zero.
     pub rms_mag: f64,
-    /// 1.4826 times the median absolute deviation from the median. It is the sigma of a normal core, whatever the
-    /// wings.
+    /// 1.4826 times the median absolute deviation from the median. It is close to the sigma of a normal core even if
+    /// the distribution has wings.
     pub core_mag: f64,
 }
 

@@ -18,7 +18,7 @@ const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "pan
 /// Index of the panel offset.
 const OFFSET: usize = 7;
 /// Bounds of the exponents. Below the lower bound a lobe resembles a second diffuse law; above the upper bound it is
-/// narrower than attitudes are stable.
+/// narrower than the variation of attitudes.
 const EXPONENTS: [f64; 2] = [0.5, 200.0];
 /// Bounds of the panel offset, degrees.
 const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];

@@ -281,8 +281,8 @@ fn calendar_time(epoch: Epoch) -> String {
 /// Header line of a SCORE file.
 const SCORE_HEADER: &str = "satellite_name,norad_cat_id,observation_time_utc,observation_time_uncertainty_sec,apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,observer_longitude_deg,observer_altitude_m,limiting_magnitude,instrument,observing_mode,observing_filter,observer_email,observer_orcid,satellite_right_ascension_deg,satellite_declination_deg,sigma_2_ra,sigma_ra_sigma_dec,sigma_2_dec,range_to_satellite_km,range_to_satellite_uncertainty_km,range_rate_of_satellite_km_per_sec,range_rate_of_satellite_uncertainty_km_per_sec,comments,data_archive_link,mpc_code";
 
-/// Returns the passes in the columns of SCORE, the archive of satellite photometry of the IAU CPS, for comparison with
-/// measurements.
+/// Returns the passes in the columns of SCORE, the archive of satellite photometry of the IAU's Centre for the
+/// Protection of the Dark and Quiet Sky (CPS), for comparison with measurements.
 ///
 /// Each pass with a magnitude has one row, at its brightest point. Passes without a magnitude are omitted, because in
 /// SCORE a row without a magnitude is a non-detection.

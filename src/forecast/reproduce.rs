@@ -214,7 +214,8 @@ pub fn bassa2022(
 /// ```
 ///
 /// Satellites above the altitude h are within the angle ψ = acos(R cos h / r) - h of the site, seen from the Earth's
-/// centre. With sin δ = sin i sin u the density cancels, and the number above h at latitude φ is
+/// centre, for the Earth's radius R and the radius r of the orbits. With sin δ = sin i sin u, where u is the argument
+/// of latitude from -π/2 to π/2, the square root cancels, and the number above h at latitude φ is
 ///
 /// ```text
 /// N(h) = N / π² ∫ Δλ(u) du,   cos Δλ = (cos ψ - sin φ sin δ) / (cos φ cos δ)

@@ -11,8 +11,8 @@
 //! trails = Σ (π D²/4 + ω t D) / 2π (1 - sin h)
 //! ```
 //!
-//! with the angular rate ω of each satellite: the mean over uniform pointings above h, for a circular field of diameter
-//! D and an exposure of length t.
+//! with the angular rate ω of each satellite, a circular field of diameter D and an exposure of length t. This is the
+//! mean over uniform pointings above h.
 
 use std::f64::consts::{PI, TAU};
 
@@ -51,7 +51,7 @@ pub struct StatisticsRequest {
     pub moments: usize,
     /// Interval over which each count is averaged, seconds, centred on the time of the Sun's altitude.
     pub spread_s: f64,
-    /// Magnitude for which brighter satellites and their trails are counted in addition.
+    /// If given, satellites brighter than this magnitude and their trails are counted, too.
     pub limit_mag: Option<f64>,
     /// Band, magnitude system and extinction of the magnitudes.
     pub photometry: PhotometryOptions,

@@ -11,8 +11,8 @@
 //! let dusk = Epoch::from_gregorian_utc_hms(2026, 4, 25, 23, 0, 0);
 //! let table = OrientationTable::new(dusk, seconds_after(dusk, 36_000.0), &EopTable::embedded());
 //! let site = Position::<Itrs>::new(1819.0, -5209.0, -3195.0);
-//! let among_the_stars: Position<Gcrs> = table.at_s(3600.0).itrs_to_gcrs * site;
-//! # assert!((among_the_stars.norm_km() - site.norm_km()).abs() < 1e-5);
+//! let site_gcrs: Position<Gcrs> = table.at_s(3600.0).itrs_to_gcrs * site;
+//! # assert!((site_gcrs.norm_km() - site.norm_km()).abs() < 1e-5);
 //! ```
 
 mod angles;

@@ -1,6 +1,6 @@
 //! Rotations between Earth-fixed, TEME and celestial axes at an epoch.
 //!
-//! Two chains of rotations. They agree with those of astropy, and with those of Skyfield within millimetres:
+//! There are two chains of rotations. They agree with those of astropy, and with those of Skyfield within millimetres:
 //!
 //! ```text
 //! GCRS ── IAU 2006/2000A precession-nutation, Earth rotation angle, polar motion ── ITRS      (SOFA c2t06a)
@@ -8,9 +8,9 @@
 //! ```
 //!
 //! The rotation from TEME to GCRS is the second chain followed by the inverse of the first. Polar motion cancels in
-//! this product, and UT1 enters only through the slowly changing difference of GMST 1982 and the Earth rotation angle.
-//! Hence the GCRS positions of satellites hardly depend on the Earth orientation parameters (1 cm), while those of
-//! observers do (46 m for 0.1 s of UT1).
+//! this product, and UT1 enters only through the slowly changing difference of Greenwich mean sidereal time (GMST 1982)
+//! and the Earth rotation angle (ERA). Hence the GCRS positions of satellites hardly depend on the Earth orientation
+//! parameters (1 cm), while those of observers do (46 m for 0.1 s of UT1).
 
 use std::f64::consts::TAU;
 
@@ -62,9 +62,10 @@ impl Orientation {
 
 /// Returns the rotation from TEME to GCRS, C⁻¹(X, Y, s) R₃(GMST82 - ERA - s'), which contains no polar motion.
 ///
-/// W' = W R₃(s') is the polar motion of c2t06a, and W the polar motion of the TEME chain. Then (W' R₃(ERA) C)⁻¹ · W
-/// R₃(GMST)
-///  C⁻¹ R₃(-ERA) R₃(-s') R₃(GMST).
+/// C is the celestial-to-intermediate matrix, W' = W R₃(s') the polar motion of c2t06a, and W the polar motion of the
+/// TEME chain. Then
+///
+/// (W' R₃(ERA) C)⁻¹ W R₃(GMST) = C⁻¹ R₃(-ERA) R₃(-s') R₃(GMST).
 fn slow_matrix(epoch: Epoch, ut1_minus_utc_s: f64) -> Matrix3<f64> {
     let (tt_day, tt_fraction) = tt_jd(epoch);
     let (ut1_day, ut1_fraction) = ut1_jd(epoch, ut1_minus_utc_s);

@@ -20,7 +20,8 @@ const GPS_LAG_NS: i128 = 19_000_000_000;
 const BEIDOU_LAG_NS: i128 = 33_000_000_000;
 /// Nanoseconds from 1900-01-01T00:00:00 to 2000-01-01T12:00:00.
 const J2000_NS: i128 = 36_524 * DAY_NS + DAY_NS / 2;
-/// Accepted dates, 1900-01-01 to 2199-12-31. A number outside this range is almost certainly in another unit.
+/// Accepted modified Julian dates, 1900-01-01 to 2199-12-31. A number outside this range is almost certainly in another
+/// unit.
 const MJD_RANGE: (f64, f64) = (15_020.0, 124_593.0);
 /// Julian date of MJD 0.
 const MJD_ZERO_JD: f64 = 2_400_000.5;

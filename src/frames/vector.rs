@@ -25,7 +25,8 @@ macro_rules! frame {
 }
 
 frame!(
-    /// True equator, mean equinox of date: the frame of SGP4's output. Only the module `orbit` uses it.
+    /// True equator, mean equinox of date: the frame of SGP4's output. Only the module `orbit` has positions of
+    /// satellites in this frame.
     Teme, "TEME"
 );
 frame!(

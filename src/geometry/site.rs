@@ -48,7 +48,7 @@ impl Site {
     /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not
     /// finite.
     pub fn new_deg(name: &str, latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeometryError> {
-        // The sum with 0 has no negative zero.
+        // Adding 0 changes a negative zero to 0.
         let rounded = |angle_deg: f64| (1e3 * angle_deg).round() / 1e3 + 0.0;
         let name = match name {
             "" => format!("latitude {:.3}, longitude {:.3} deg", rounded(latitude_deg), rounded(longitude_deg)),
@@ -76,8 +76,8 @@ impl Site {
 
     /// Creates a site from its Earth-fixed position (ITRS), metres.
     ///
-    /// tan φ = (z + e'² b sin³ β) / (p - e² a cos³ β),  tan β = z / ((1 - f) p): Bowring 1976, Survey Review 23, 323;
-    /// below 0.1 mm near the ground.
+    /// tan φ = (z + e'² b sin³ β) / (p - e² a cos³ β),  tan β = z / ((1 - f) p): Bowring 1976, Survey Review 23, 323.
+    /// The error is below 0.1 mm near the ground.
     ///
     /// # Errors
     /// A height beyond -11 km..100 km, or a number that is not finite.

@@ -133,8 +133,8 @@ impl ViewingGeometry {
     /// observer's geocentric radius, radians.
     ///
     /// It follows from the triangle of Earth's centre, observer and satellite. It differs from the altitude above a
-    /// site's horizon by at most 0.19°, the angle between the radius and the normal of the ellipsoid. `None` for angles
-    /// whose line of sight does not reach the observer.
+    /// site's horizon by at most 0.19°, the angle between the radius and the normal of the ellipsoid. `None` for an
+    /// observer at the Earth's centre.
     pub fn geocentric_altitude_rad(&self) -> Option<f64> {
         let radius_km = self.height_km + EARTH_EQUATORIAL_RADIUS_KM;
         let (up, across) = self.observer_latitude_rad.sin_cos();

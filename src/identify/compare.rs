@@ -19,8 +19,9 @@
 //! σ_θ² = (n σ_cross/(ω ρ))² + σ_angle²            σ_L² = 2 σ_pos² + 2 (ω σ_clock)² + (L σ_cross/ρ)²
 //! ```
 //!
-//! with angular rate ω, range ρ and mean motion n. An orbital plane that is tilted so that the cross-track error is
-//! σ_cross crosses the predicted plane at the angle n σ_cross / v, with the orbital speed v.
+//! for the delay δ, the cross-track offset x, the angle θ and the length L, with angular rate ω, range ρ and mean
+//! motion n. An orbital plane that is tilted so that the cross-track error is σ_cross crosses the predicted plane at
+//! the angle n σ_cross / v, with the orbital speed v.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 

@@ -7,8 +7,9 @@
 //! across = ĥ · P          Δu = atan2(P · (ĥ × r̂), P · r̂)          δ = -Δu r² / |r × v|
 //! ```
 //!
-//! This requires one SGP4 propagation for each satellite. A few in a thousand satellites remain, which `compare`
-//! compares with the streak.
+//! Here r and v are the position and the velocity of the satellite, ĥ is the normal of its orbital plane, Δu is the
+//! angle along the orbit from the satellite to P, and δ is the delay. Hats denote unit vectors. This requires one SGP4
+//! propagation for each satellite. A few in a thousand satellites remain, which `compare` compares with the streak.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -103,7 +104,8 @@ pub fn identify_streak(
     Ok(Identified { candidates, unknown_probability, left_out })
 }
 
-/// Returns the best passage of one satellite; `None` if it does not pass near the streak.
+/// Returns the best passage of one satellite, which is missing if it does not pass near the streak, and the reason if
+/// SGP4 cannot propagate it.
 fn one_satellite(
     interval: &ExposureInterval<'_>,
     element_index: usize,
@@ -147,7 +149,7 @@ const CLOSE_S: f64 = 1.0;
 const MOST_STEPS: usize = 30;
 
 /// Returns first estimates of the delays with which a satellite passes the streak, seconds; empty if it does not pass.
-/// Seen from orbit, one line of sight may intersect the orbit at two points.
+/// The line of sight of an observer in orbit may intersect the orbit at two points.
 fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
     let mid_s = 0.5 * interval.duration_s();
     let Some(propagator) = interval.propagator(element_index) else { return Vec::new() };

@@ -57,8 +57,8 @@ impl MeasuredStreak {
     /// radians; `time_sigma_s` is that of the clock, seconds.
     ///
     /// # Errors
-    /// The ends are at the same position or more than 115° apart, an error is not positive, or the duration is not
-    /// valid for the timing.
+    /// The ends are at the same position or more than 2 rad (114.6°) apart, an error is not positive, or the duration
+    /// is not valid for the timing.
     pub fn from_ends(
         ends: [Direction<Gcrs>; 2],
         (start, duration_s): (Epoch, f64),

@@ -44,8 +44,9 @@ impl LightArea {
         }
     }
 
-    /// Returns the illuminated area of a frame that IRAF cut out of a raw frame whose sections it still has. `None` if
-    /// no part of it is illuminated, or if the header does not give its position in the raw frame.
+    /// Returns the illuminated area of a frame that IRAF cut out of a raw frame, if the header still has the sections
+    /// of the raw frame. `None` if no part of the cutout is illuminated, or if the header does not give its position in
+    /// the raw frame.
     ///
     /// IRAF defines x = LTM1_1 x₀ + LTV1 for a position x₀ in the raw frame. Cutting reduces LTV1 by the number of
     /// columns left of the cutout, so that a negative LTV1 indicates a cutout. Mosaic cameras use the same keywords for
@@ -140,15 +141,15 @@ mod tests {
 
     #[test]
     fn verif_sections_are_used_if_the_frame_has_its_overscan() {
-        // The chip of a raw DECam frame: sections of amplifiers.
+        // Chip of a raw DECam frame, with the bias section of one amplifier.
         let decam = "BIASSECA= '[7:56,51:4146]'\nDATASEC = '[57:2104,51:4146]'\nTRIMSEC = '[57:2104,51:4146]'";
         assert_eq!(area(decam, 4146, 2160), "[57:2104,51:4146]");
-        // Trimmed later, or cut: the sections of the raw frame do not apply.
+        // If the frame was trimmed or cut later, the sections of the raw frame do not apply.
         assert_eq!(area(decam, 4096, 2048), "[1:2048,1:4096]");
         assert_eq!(area(decam, 400, 400), "[1:400,1:400]");
         // A data section alone does not prove that the frame has dark pixels.
         assert_eq!(area("DATASEC = '[5:90,1:100]'", 100, 100), "[1:100,1:100]");
-        // The bias section is missing, so the data were moved.
+        // The bias section is outside the frame, so the frame was trimmed and the data were moved.
         assert_eq!(area("DATASEC = '[11:100,1:100]'\nBIASSEC = '[101:110,1:100]'", 100, 100), "[1:100,1:100]");
         assert_eq!(area("DATASEC = '[100:11, 1:100]'\nBIASSEC = '[1:10,1:100]'", 100, 100), "[11:100,1:100]");
         assert_eq!(area("TRIMSEC = '[11:100,2:99]'", 100, 100), "[11:100,2:99]");
@@ -168,7 +169,8 @@ mod tests {
         assert_eq!(cut(-2028, -100, ""), "[1:76,1:100]");
         assert_eq!(cut(-2028, -100, "LTM1_1  =                  1.0\nCCDSEC  = '[57:2104,51:4146]'"), "[1:76,1:100]");
         assert_eq!(cut(-20, 0, ""), "[37:100,51:100]");
-        // DECam cutouts give LTV of the chip, the same as in the raw frame; LBC cutouts give no shift.
+        // DECam cutouts keep LTV1 and LTV2 of the raw frame, which transform from the chip to the raw frame; LBC
+        // cutouts give no shift.
         for (ltv1, ltv2) in [(56, 50), (0, 0)] {
             assert_eq!(cut(ltv1, ltv2, "CCDSEC  = '[1:2048,1:4096]'"), "[1:100,1:100]");
         }

@@ -17,22 +17,23 @@ pub struct Overlay {
 
 /// Longest side of the picture, pixels. Larger frames are reduced by an integer factor.
 const LONGEST_SIDE: usize = 1600;
-/// Shortest side of the picture, pixels. Smaller frames are enlarged by an integer factor.
-const SHORTEST_SIDE: usize = 400;
-/// Fractions of the pixels that are darker than black and darker than white.
+/// Longest side of an enlarged picture, pixels. Small frames are enlarged by the largest integer factor with which they
+/// fit.
+const ENLARGED_SIDE: usize = 400;
+/// Fractions of the pixels with values below the level shown as black and below the level shown as white.
 const BLACK_SHARE: f64 = 0.02;
 const WHITE_SHARE: f64 = 0.997;
 /// Strength of the asinh stretch, chosen so that the noise of the sky is as visible as the stars.
 const SOFTENING: f64 = 8.0;
-/// Number of pixels from which the values of black and white are determined.
+/// Approximate number of pixels from which the values of black and white are determined.
 const SAMPLED: usize = 200_000;
 const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 
 /// Returns the frame as a PNG in grey, with the first row at the bottom and `overlays` in orange. The brightness is an
 /// asinh stretch between the 2nd and the 99.7th percentile of the pixels.
 ///
-/// Frames with sides above 1600 pixels are averaged down, and frames below 400 pixels are enlarged. NaN pixels are dark
-/// blue.
+/// Frames with a longest side above 1600 pixels are averaged down. Frames with a longest side of at most 200 pixels are
+/// enlarged to at most 400 pixels. NaN pixels are dark blue.
 ///
 /// # Errors
 /// The frame has no pixels.
@@ -74,7 +75,7 @@ impl Scale {
         if longest > LONGEST_SIDE {
             Self::Down(longest.div_ceil(LONGEST_SIDE))
         } else {
-            Self::Up((SHORTEST_SIDE / longest).max(1))
+            Self::Up((ENLARGED_SIDE / longest).max(1))
         }
     }
 

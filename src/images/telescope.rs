@@ -106,10 +106,10 @@ impl Telescope {
     /// Returns the magnitude at which a satellite 550 km overhead would have a streak of the same surface brightness.
     /// This can be compared with the limits of a camera.
     ///
-    /// `magnitude` is the apparent magnitude of the satellite, irrespective of its motion. A pixel receives its light,
-    /// spread over the width of the streak, during the time in which the satellite crosses the pixel. A more distant
+    /// `magnitude` is the apparent magnitude of the satellite, irrespective of its motion. A pixel receives the light
+    /// of the satellite, spread over the width of the streak, while the satellite crosses the pixel. A more distant
     /// satellite moves more slowly and is more in focus, so that at the same magnitude its streak is brighter. Without
-    /// defocus this is the rule of SATCON1, 2.5 log10(h / 550 km).
+    /// defocus, the difference is that of the rule of SATCON1, 2.5 log10(h / 550 km).
     pub fn equivalent_mag_at_550_km(
         &self,
         magnitude: f64,

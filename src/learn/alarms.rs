@@ -14,7 +14,7 @@ use crate::math::quantile::median;
 use crate::output::{Column, Kind, Table, Value};
 use crate::passes::{LEARNED_ERRORS, LearnedFile, LearnedMagnitude, LearnedSatellite};
 
-/// Half width that contains 68.27 % of Student's t with four degrees of freedom, in its scale.
+/// Half width that contains 68.27 % of Student's t with four degrees of freedom, in units of its scale.
 const HALF_WIDTH: f64 = 1.1416;
 /// Fewest passes, and shortest interval, from which a trend is computed.
 const LEAST_FOR_TREND: usize = 5;
@@ -27,12 +27,12 @@ const LEAST_PERIODS: usize = 4;
 const DEGREE: usize = 3;
 /// Smallest and largest number of frequencies on each side from which the background of a frequency is computed.
 const BACKGROUND: [usize; 2] = [16, 32];
-/// Nearest frequencies that do not count for the background: those of the same signal.
+/// Frequencies nearer than this number of steps contain the same signal and are not used for the background.
 const OWN: usize = 3;
 /// The variance of the median of n exponential values is 1/(0.48 n) of its square.
 const MEDIAN_COUNT: f64 = 0.48;
 
-/// What an alarm is about.
+/// Kind of alarm.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AlarmKind {
     /// The light of a pass is improbable.
@@ -57,7 +57,7 @@ impl AlarmKind {
 /// Improbable light of a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alarm {
-    /// What is improbable.
+    /// Kind of alarm.
     pub alarm: AlarmKind,
     /// NORAD catalogue number.
     pub norad_id: NoradId,
@@ -78,9 +78,9 @@ pub struct Alarm {
     pub period_s: Option<f64>,
     /// Probability of a value as far from 0 or farther.
     pub p_value: f64,
-    /// Number of passes, satellites, or frequencies of all passes among which this one was found.
+    /// Number of passes (brightness), satellites (trend) or frequencies of all passes (period) that were tested.
     pub looks: usize,
-    /// Probability that any of these has such a value: at most `p_value` times `looks`.
+    /// Upper limit of the probability that any of these has such a value: `p_value` times `looks`, at most 1.
     pub p_after_looks: f64,
 }
 
@@ -184,7 +184,7 @@ fn alarm(alarm: AlarmKind, pass: &Pass, value: f64, sigma: f64) -> Alarm {
     }
 }
 
-/// Light of one pass.
+/// Returns the alarm for the brightness of one pass.
 fn brightness(one: &Difference) -> Alarm {
     alarm(AlarmKind::Brightness, one.pass, one.mag, (one.offset_mag2 + one.pass_mag2).sqrt())
 }
@@ -212,8 +212,8 @@ fn trend(differences: &[&Difference]) -> Option<Alarm> {
 /// Strongest period of a pass. `None` with few measurements.
 ///
 /// The power at each frequency is that of Lomb (1976) and Scargle (1982) after subtraction of a cubic polynomial in
-/// time, divided by the median power of frequencies around it: slow differences from the model have more power at low
-/// frequencies, as noise has not.
+/// time, divided by the median power of frequencies around it, because slow differences from the model, unlike noise,
+/// have more power at low frequencies.
 fn period(pass: &Pass) -> Option<Alarm> {
     let n = pass.points().len();
     let span_s = seconds_between(pass.first(), pass.last());

@@ -5,10 +5,10 @@ use thiserror::Error;
 /// Errors of learning from measurements.
 #[derive(Debug, Error)]
 pub enum LearnError {
-    /// Neither magnitudes nor delays can be used.
+    /// No magnitude can be used.
     #[error("nothing to learn from: {reason}; allowed: {allowed}")]
     Nothing {
-        /// Numbers of measurements that were left out, with reasons.
+        /// Description of what is missing.
         reason: String,
         /// What is required of measurements.
         allowed: &'static str,

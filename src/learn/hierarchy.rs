@@ -18,12 +18,12 @@ use crate::math::quantile::median;
 
 /// Degrees of freedom of the differences between passes.
 const FREEDOM: f64 = 4.0;
-/// Half width that contains 68.27 % of Student's t with four degrees of freedom, in its scale.
+/// Half width that contains 68.27 % of Student's t with four degrees of freedom, in units of its scale.
 const HALF_WIDTH: f64 = 1.1416;
-/// Number of satellites, and of passes, that the model's sigma counts for in τ² and ω². With few measurements the sigma
+/// Weight of the model's sigma in τ² and ω², as a number of satellites and of passes. With few measurements the sigma
 /// of the model is thus shared by satellites, passes and measurements.
 const PRIOR_COUNT: f64 = 2.0;
-/// Number of iterations. They stop before if τ and ω change by less than [`CONVERGED`] of themselves.
+/// Number of iterations. They stop earlier if τ and ω change by less than [`CONVERGED`] of themselves.
 const MOST_ITERATIONS: usize = 5000;
 const CONVERGED: f64 = 1e-7;
 /// Smallest scatter of the measurements of a pass, mag: the rounding of magnitudes.
@@ -155,6 +155,6 @@ fn point_sigma_mag(passes: &[&Pass]) -> f64 {
     let scatters: Vec<f64> = passes.iter().filter_map(|pass| pass.scatter_mag()).collect();
     let stated = || passes.iter().flat_map(|pass| pass.points()).filter_map(|point| point.sigma_mag);
     let found = if scatters.is_empty() { median(stated().collect()) } else { median(scatters) };
-    // NaN, without either, gives the smallest scatter.
+    // Without scatters and stated errors, `found` is NaN, and `max` returns the smallest scatter.
     found.max(LEAST_POINT_SIGMA_MAG)
 }

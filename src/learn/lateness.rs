@@ -7,14 +7,14 @@ use crate::elements::NoradId;
 use crate::input;
 use crate::passes::LearnedLateness;
 
-/// Degrees of freedom of the delays, which have wings.
+/// Degrees of freedom of Student's t, which describes the delays because they have wings.
 const FREEDOM: f64 = 4.0;
-/// Variance of Student's t with four degrees of freedom whose central 68.27 % are within one sigma, over the square of
-/// its scale: 1 / 1.1416².
+/// Square of the scale of Student's t with four degrees of freedom, in units of the square of the half width that
+/// contains 68.27 % (one sigma): 1 / 1.1416².
 const SCALE2: f64 = 0.7673;
-/// Number of delays that the usual error (a factor of 1) counts for.
+/// Weight of the usual error (a factor of 1), as a number of delays.
 const PRIOR_COUNT: f64 = 10.0;
-/// Number of iterations of the weights, which converge by a factor of two or more each.
+/// Number of iterations of the weights; each reduces their error by a factor of two or more.
 const ITERATIONS: usize = 100;
 /// Smallest and largest factor.
 const FACTORS: [f64; 2] = [0.1, 10.0];

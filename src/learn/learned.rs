@@ -88,7 +88,7 @@ pub fn learn(
             satellite_sigma_mag: rounded(fit.satellite_sigma_mag),
             pass_scale_mag: rounded(fit.pass_scale_mag),
             point_sigma_mag: rounded(fit.point_sigma_mag),
-            // No satellite has the number 0.
+            // Prediction for a satellite without measurements: no satellite has the number 0.
             sigma_mag: rounded(fit.predict(NoradId(0)).sigma_mag),
         };
         let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });

@@ -1,4 +1,4 @@
-//! Predictions of each pass from the other passes, which state how much learning improves.
+//! Predictions of each pass from the other passes, which show by how much learning improves predictions.
 
 use rayon::prelude::*;
 

@@ -68,7 +68,8 @@ mod tests {
     use crate::maps::Earth;
     use crate::photometry::{ModelLibrary, PhotometryOptions};
 
-    /// A degree on either side of the line; the penumbra is 0.5 deg wide seen from the satellite, some 50 km there.
+    /// Distance from the edge at which the light is compared, about one degree. The penumbra is some 50 km wide at the
+    /// satellites, because the Sun has a diameter of 0.5 degrees.
     const ASIDE_RAD: f64 = 0.02;
 
     #[test]

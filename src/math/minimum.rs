@@ -98,7 +98,7 @@ mod tests {
     fn verif_smooth_minima_take_few_steps() {
         for (start, least) in [(0.3, 0.7), (1.0, 0.7), (0.69, 0.7), (1.9, 1.2)] {
             let (x, _, evaluations) = searched(|x| (x - least).powi(2) * (1.0 + 0.1 * x), [0.0, 2.0], start, 1e-5);
-            // Slightly off the vertex of the square: the cubic term has no effect where the square is 0.
+            // The minimum is at the vertex of the square: the other factor has no effect where the square is 0.
             assert!((x - least).abs() <= 2e-5 && evaluations <= 12, "{start}: {x} in {evaluations}");
         }
         // Golden sections alone would take 22 steps.

@@ -12,7 +12,7 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
 }
 
-/// Returns the median of a sample, the mean of both middle values of an even number; NaN without samples.
+/// Returns the median of a sample; for an even number of values, the mean of the middle two. NaN without samples.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     quantile(&values, 0.5)

@@ -3,8 +3,8 @@
 use super::corridor::Corridor;
 use crate::images::{LightArea, Patch, PixelPosition, Plane};
 
-/// Band of pixels around a straight line: for each pixel of the major axis, the pixels within a distance along the
-/// minor axis. Pixels are those of the frame, without interpolation.
+/// Band of pixels around a line along the track: for each pixel of the major axis, the pixels within a distance along
+/// the minor axis. Pixels are those of the frame, without interpolation.
 #[derive(Clone, Debug)]
 pub struct Band {
     is_along_rows: bool,

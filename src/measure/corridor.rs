@@ -6,10 +6,11 @@ use crate::streaks::StreakPath;
 /// Number of points of the path between two of its nodes.
 const SAMPLES: usize = 8;
 
-/// Track across a frame, with one position for each column of the frame (or each row, for a track nearer to the
-/// columns).
+/// Track across a frame, with one position for each column of the frame (or for each row, if the direction of the track
+/// is nearer to that of the columns).
 ///
-/// The axis of the frame that is nearer to the track is the major axis, the other one the minor axis.
+/// The axis of the frame whose direction is nearer to that of the track is the major axis, the other one the minor
+/// axis.
 #[derive(Clone, Debug)]
 pub struct Corridor {
     /// True if the major axis is the x axis.
@@ -18,7 +19,7 @@ pub struct Corridor {
     pub first: usize,
     /// Position on the minor axis at the centre of each pixel of the major axis, pixels.
     pub centre: Vec<f64>,
-    /// Time of the predicted satellite there, seconds after the shutter opened.
+    /// Time at which the predicted satellite is at this position, seconds after the shutter opened.
     pub time_s: Vec<f64>,
     /// Unit vector of the motion at the middle, pixels.
     pub motion: [f64; 2],
@@ -43,7 +44,7 @@ impl Corridor {
         if line[0].0 > line[line.len() - 1].0 {
             line.reverse();
         }
-        // Only the part in which the track advances on the major axis.
+        // Only the part in which the track advances on the major axis is kept.
         let mut farthest = f64::NEG_INFINITY;
         line.retain(|(major, ..)| {
             let advances = *major > farthest;

@@ -6,7 +6,7 @@ use crate::images::PixelPosition;
 use crate::math::quantile::median;
 use crate::streaks::RadialProfile;
 
-/// Half width of a cut: widths of the streak, pixels at least, and pixels at most.
+/// Half width of a cut in widths of the streak, and its smallest and largest value in pixels.
 const HALF_WIDTHS: f64 = 6.0;
 const LEAST_HALF_PIX: f64 = 10.0;
 const MOST_HALF_PIX: f64 = 60.0;
@@ -22,7 +22,7 @@ pub struct StreakCut {
     pub columns: usize,
     /// Length of the track in the image, pixels.
     pub length_pix: f64,
-    /// Distances across the track, pixels, increasing; shape `(n_row)`. Their sense is that of
+    /// Distances across the track, pixels, increasing; shape `(n_row)`. Their sign is that of
     /// [`offset_pix`](StreakMeasurement::offset_pix).
     pub across_pix: Vec<f64>,
     /// Mean of the pixels of each row and column, less the sky, row by row; NaN without pixels; shape
@@ -36,7 +36,7 @@ pub struct StreakCut {
     pub model: Vec<f64>,
 }
 
-/// Returns the pixels along a measured track. The profile is that of the drawn streak.
+/// Returns the pixels along a measured track. `profile` is the image of the satellite with which the streak was drawn.
 pub fn streak_cut(image: &StreakImage<'_>, measured: &StreakMeasurement, profile: &RadialProfile) -> StreakCut {
     let [from_s, to_s] = measured.inside_s;
     let (first, last) = (measured.path.point_at(from_s), measured.path.point_at(to_s));
@@ -52,7 +52,8 @@ pub fn streak_cut(image: &StreakImage<'_>, measured: &StreakMeasurement, profile
     let steps = (length_pix / columns as f64).ceil() as usize;
     let across_pix: Vec<f64> = (0..rows).map(|row| row as f64 - half as f64).collect();
     let (mut sums, mut counts) = (vec![0.0; rows * columns], vec![0.0; rows * columns]);
-    // Distance of the pixels from the track, which differs from that of the row by up to half a pixel.
+    // Sums of the model and numbers of pixels by row. The model is evaluated at the distances of the pixels from the
+    // track, which differ from that of the row by up to 0.7 pixels.
     let (mut light, mut lit) = (vec![0.0; rows], vec![0.0; rows]);
     let angle_rad = ey.atan2(ex);
     let speed_pix_s = length_pix / (to_s - from_s).max(1e-9);

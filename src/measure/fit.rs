@@ -51,9 +51,9 @@ impl Blocks {
 pub struct BlockFit {
     /// Σ m'², the weight of the amplitude; m' is the template minus its fit by a constant and a slope.
     pub weight: f64,
-    /// Σ m' d.
+    /// Σ m' d, where d are the data.
     pub signal: f64,
-    /// Σ d'², the light that constant and slope leave.
+    /// Σ d'², where d' are the data minus their fit by a constant and a slope.
     pub squares: f64,
     /// Constant and slope per pixel of the minor axis without the template.
     pub background: [f64; 2],
@@ -96,7 +96,7 @@ pub fn fit_blocks(
     fit_blocks_where(band, data, |_, at, _| !mask[at], template, shift, blocks)
 }
 
-/// The same with the pixels for which `is_used` is true of the column, the index and the value of the template.
+/// Fits the same as [`fit_blocks`] to the pixels for which `is_used(column, index, value of the template)` is true.
 pub fn fit_blocks_where(
     band: &Band,
     data: &[f32],

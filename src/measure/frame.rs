@@ -28,7 +28,7 @@ pub enum ZeroPoints<'a> {
     Stars(&'a [CatalogueStar]),
 }
 
-/// How a frame is measured.
+/// Options for the measurement of a frame.
 #[derive(Copy, Clone, Debug)]
 pub struct FrameOptions<'a> {
     /// Source of the zero points.
@@ -37,8 +37,8 @@ pub struct FrameOptions<'a> {
     pub photometry: PhotometryOptions,
     /// Seeing and telescope.
     pub optics: Optics,
-    /// False if the seeing in `optics` is only a start: it is then that of the stars, or fitted to each streak without
-    /// stars.
+    /// False if the seeing in `optics` is only a first estimate. The seeing is then measured from the stars, or,
+    /// without stars, fitted to each streak.
     pub is_seeing_known: bool,
     /// Options for each streak.
     pub measure: MeasureOptions,
@@ -92,7 +92,7 @@ pub struct FrameMeasurements {
     pub passes: Vec<MeasuredPass>,
     /// Satellites whose positions cannot be computed.
     pub left_out: Vec<LeftOut>,
-    /// Zero points from stars, with the HDUs of the chips: those with a predicted track.
+    /// Zero points from stars, with the HDUs of their chips. Only chips with a predicted track are measured.
     pub star_zero_points: Vec<(usize, StarZeroPoint)>,
 }
 

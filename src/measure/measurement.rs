@@ -1,4 +1,4 @@
-//! What the measurement of a streak takes, and what it returns.
+//! Inputs and results of the measurement of a streak.
 
 use super::background::Background;
 use crate::images::{LightArea, Plane};
@@ -29,13 +29,16 @@ pub struct StreakImage<'a> {
 #[derive(Clone, Debug)]
 pub struct PredictedStreak {
     /// Predicted positions. Times are seconds after the shutter opened; the path extends beyond the exposure by the
-    /// largest delay and beyond the image by the corridor. The rate is 1 where the satellite is lit and 0 elsewhere.
+    /// delays that are searched and beyond the image by the corridor. The rate is 1 where the satellite is lit and 0
+    /// elsewhere.
     pub path: StreakPath,
-    /// Displacement of the track in the image for a delay of one second that is not due to the satellite's own motion:
-    /// the observer moves during the delay. Pixels per second.
+    /// Displacement of the track in the image per second of delay, pixels per second, because the observer moves during
+    /// the delay. The displacement by the motion of the satellite is not included.
     pub drift_pix_s: [f64; 2],
     /// Error (one sigma) along the track, seconds.
     pub lateness_sigma_s: f64,
+    /// Upper limit of the delays that are searched, seconds.
+    pub largest_delay_s: f64,
     /// Error (one sigma) across the track, pixels.
     pub cross_sigma_pix: f64,
     /// Range of the satellite, km.
@@ -114,7 +117,8 @@ pub struct StreakMeasurement {
     pub rate: Estimate,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
     pub rate_limit: f64,
-    /// Fitted rate, before the correction for the fitted position that `rate` contains, divided by its error.
+    /// Fitted rate divided by its error. Unlike `rate`, the fitted rate is not corrected for the bias by the fitted
+    /// position.
     pub signal_to_noise: f64,
     /// Significance in the search, in sigmas of the noise.
     pub significance: f64,

@@ -1,14 +1,16 @@
 //! Forced photometry of satellite streaks along predicted tracks.
 //!
 //! A [`PredictedStreak`] is the track of a satellite in pixels with its times and errors. [`measure_streak`] searches
-//! the corridor of these errors for the streak and measures flux, offset, lateness and width, or an upper limit.
+//! for the streak in the corridor, the area around the track that these errors allow, and measures flux, offset,
+//! lateness and width, or an upper limit.
 //!
-//! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
-//! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the
-//! weighted least-squares fit of the drawn streak, `width` fits the seeing, `noise` has the errors; `streak` combines
-//! them into a [`StreakMeasurement`], which `measurement` defines with the inputs; `cut` returns the pixels along it.
-//! `predict` computes tracks from a sky, `star_table` reads stars of known magnitude, `zero_point` measures them,
-//! `frame` measures whole files, `table` makes the outputs.
+//! `background` subtracts the sky for the search, `corridor` describes the track by columns of pixels across it, and
+//! `search` is the matched filter. `band` holds the pixels around one streak, and `stars` masks the stars in a band.
+//! `fit` is the weighted least-squares fit of the drawn streak, `width` fits the seeing, and `noise` computes the
+//! errors. `streak` combines them into a [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut`
+//! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
+//! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files, and `table` creates
+//! the output tables.
 
 mod background;
 mod band;

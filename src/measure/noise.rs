@@ -23,9 +23,9 @@ pub(super) const REFINED_FROM: f64 = 3.5;
 /// `None` if there is no space for enough of them.
 ///
 /// These fits contain all noise of the background: that of the pixels, correlated or not, of faint stars, of masks and
-/// of the fitted background. Nothing else is added for them to the error. Stars that would not be masked under the
-/// streak, because they are fainter than the error of its model, are not masked beside it; the mask is approximate,
-/// because it compares the largest residual near a pixel with the threshold at this pixel.
+/// of the fitted background. No other term for the background is added to the error. Stars that would not be masked
+/// under the streak, because they are fainter than the error of its model, are not masked beside it either. This mask
+/// is approximate, because it compares the largest residual near a pixel with the threshold at this pixel.
 #[expect(clippy::too_many_arguments, reason = "parts of one computation")]
 pub(super) fn controls(
     band: &Band,
@@ -59,16 +59,17 @@ pub(super) fn controls(
 }
 
 /// Returns the factor by which a fitted flux is multiplied because offset and tilt, and the delay if an end of the
-/// streak is in the image, are fitted to the same pixels: each follows the noise to a place of more light, which
-/// increases the flux by 1 / (2 S²) at a signal to noise S. For two parameters this is the bias 1 / S² of Portillo,
-/// Speagle & Finkbeiner (2020, AJ 159, 165). The factor is 1 below the signal to noise from which they are fitted.
+/// streak is in the image, are fitted to the same pixels. Each of these parameters follows the noise to a position of
+/// more light, which increases the flux by the fraction 1 / (2 S²) at a signal to noise S. For two parameters this is
+/// the bias 1 / S² of Portillo, Speagle & Finkbeiner (2020, AJ 159, 165). The factor is 1 below the signal to noise
+/// from which the parameters are fitted.
 pub(super) fn without_fit_bias(signal_to_noise: f64, ends: usize) -> f64 {
     let parameters = if ends > 0 { 3.0 } else { 2.0 };
     if signal_to_noise < REFINED_FROM { 1.0 } else { 1.0 - 0.5 * parameters / (signal_to_noise * signal_to_noise) }
 }
 
-/// Error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A ∂m/∂v (1,
-/// u).
+/// Returns the error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A
+/// ∂m/∂v (1, u), where A is the amplitude, m the template, v the offset and u the distance along the track.
 pub(super) fn offset_sigma(
     band: &Band,
     mask: &[bool],

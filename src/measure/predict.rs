@@ -16,12 +16,12 @@ const SAMPLES: usize = 257;
 /// Margin around the frame on the sky, radians (0.1°), in which tracks are predicted.
 const MARGIN_RAD: f64 = 1.7e-3;
 
-/// Largest errors of predictions.
+/// Limits of the errors for which tracks are predicted.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PredictOptions {
     /// Largest delay, seconds, at most 50.
     pub most_late_s: f64,
-    /// Number of sigmas of the delay and of the distance across the track.
+    /// Largest delay and largest distance across the track, in sigmas.
     pub sigmas: f64,
 }
 
@@ -131,7 +131,8 @@ fn predicted_streak(
     Ok(Some(PredictedStreak {
         drift_pix_s: drift(pass, target, interval, middle_s + options.most_late_s).unwrap_or_default(),
         path,
-        lateness_sigma_s: late_s / options.sigmas,
+        lateness_sigma_s: pass.along_track_sigma_s,
+        largest_delay_s: options.most_late_s,
         cross_sigma_pix,
         range_km: pass.mid.range_km,
         radius_m: 0.5 * interval.sky().model(pass.element_index).size_m(),

@@ -6,7 +6,8 @@ use super::background::{Background, median_and_sigma};
 use super::corridor::Corridor;
 use crate::streaks::RadialProfile;
 
-/// Number of widths of the streak (FWHM) in one block along the track, and the largest number of blocks.
+/// Length of a block along the track in widths of the streak (FWHM), its smallest value in pixels, and the largest
+/// number of blocks.
 const WIDTHS_PER_BLOCK: f64 = 4.0;
 const LEAST_BLOCK: f64 = 12.0;
 const MOST_BLOCKS: usize = 128;
@@ -18,7 +19,7 @@ const FILTER_WIDTHS: f64 = 4.0;
 const STEP_WIDTHS: f64 = 0.5;
 const MOST_ANGLES: usize = 101;
 const MOST_DELAYS: usize = 201;
-/// Smallest fraction of the greatest number of pixels along the track at which an offset is evaluated.
+/// An offset is evaluated if its number of pixels along the track is at least this fraction of the largest number.
 const LEAST_COVERAGE: f64 = 0.2;
 /// Smallest number of offsets beside the streak from which the noise is measured.
 const LEAST_OFFSETS: usize = 20;
@@ -55,7 +56,8 @@ pub struct Found {
 struct Sums {
     blocks: usize,
     offsets: usize,
-    /// Sums of the blocks before each block, one more than the number of blocks; the same for the numbers of pixels.
+    /// Light summed over all blocks before a block, for each offset, and the same sums of the numbers of pixels. The
+    /// last sums are those over all blocks.
     light: Vec<f32>,
     pixels: Vec<f32>,
     /// Index of the middle of each block on the major axis, relative to the middle of the track.
@@ -123,8 +125,8 @@ pub fn search(
     })
 }
 
-/// Returns the scatter of the signal at all offsets, which includes the noise of unresolved stars, without those that
-/// the light at `best` reaches: in a small image a bright streak would be most of its own noise.
+/// Returns the scatter of the signal over the offsets, which includes the noise of unresolved stars. Offsets that the
+/// light at `best` reaches are omitted, because in a small image a bright streak would dominate the scatter.
 fn noise(signal: &[f64], best: usize, reach: usize) -> f64 {
     let finite = |is_used: &dyn Fn(usize) -> bool| -> Vec<f64> {
         let used = signal.iter().enumerate().filter(|(index, z)| z.is_finite() && is_used(*index));
@@ -209,7 +211,7 @@ impl Sums {
     /// Returns the blocks that are exposed at each delay, without repetition.
     fn windows(&self, delays_s: &[f64], exposure_s: f64) -> Vec<(f64, [usize; 2])> {
         let mut windows: Vec<(f64, [usize; 2])> = Vec::new();
-        // The nominal time comes first, so that equal windows have no delay.
+        // Delays are in order of their absolute values, so that the smallest one is kept for equal windows.
         let mut ordered = delays_s.to_vec();
         ordered.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
         for late_s in ordered {

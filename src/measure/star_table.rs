@@ -77,8 +77,8 @@ impl StarTable {
         Ok(Self { origin, stars })
     }
 
-    /// Returns the stars in the band of a filter, of which the first word counts (`g DECam SDSS` is the band `g`), and
-    /// the stars without a band.
+    /// Returns the stars in the band of a filter and the stars without a band. The band is the first word of the
+    /// filter: `g DECam SDSS` is the band `g`.
     ///
     /// # Errors
     /// The table has bands and none is that of the filter, or the filter is unknown and the table has several bands.

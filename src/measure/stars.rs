@@ -7,12 +7,13 @@ use crate::math::quantile::median;
 
 /// Threshold in sigmas of the light averaged over 3 by 3 pixels.
 const THRESHOLD_SIGMAS: f64 = 4.0;
-/// Fraction of the model of the streak by which it may be wrong, and the same relative to its peak.
+/// Error of the model of the streak, as a fraction of the model at the pixel and as a fraction of its peak; both are
+/// added.
 const MODEL_ERROR: f64 = 0.2;
 const MODEL_ERROR_OF_PEAK: f64 = 0.02;
 /// Pixels with at least this fraction of the greatest light of their column belong to the core of the streak.
 const CORE: f32 = 0.3;
-/// Half length of the running median of the streak's light, widths of the streak and pixels.
+/// Half length of the running median of the streak's light in widths of the streak, and its smallest value in pixels.
 const MEDIAN_WIDTHS: f64 = 4.0;
 const MEDIAN_PIX: usize = 15;
 
@@ -47,7 +48,8 @@ impl StarMask {
 /// 1. The background of a block is the median of its pixels outside the streak.
 /// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
 ///    than the median's length.
-/// 3. The median of the residuals at each distance is subtracted: the profile of the streak may differ from the model.
+/// 3. The median of the residuals at each distance across the streak is subtracted, because the profile of the streak
+///    may differ from the model.
 /// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
 /// 5. All pixels within one FWHM of a marked pixel are marked.
 ///
@@ -115,7 +117,7 @@ fn subtract_profile(band: &Band, residual: &mut [f32], peaks: &[f32]) {
         let used = lit.iter().map(|column| column * height + offset);
         values.clear();
         values.extend(used.filter(|at| band.values[*at].is_finite()).map(|at| residual[at]));
-        // Few pixels are no profile.
+        // The median of too few pixels is not used.
         if 2 * values.len() < lit.len() || values.is_empty() {
             continue;
         }

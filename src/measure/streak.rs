@@ -13,13 +13,13 @@ use crate::math::minimum::minimum;
 use crate::math::quantile::median;
 use crate::streaks::{Optics, PathNode, RadialProfile, StreakPath, draw};
 
-/// Half width of the fit across the streak: FWHM, and pixels at least.
+/// Half width of the fit across the streak in FWHM, and its smallest value in pixels.
 const FIT_WIDTHS: f64 = 6.0;
 const LEAST_FIT_PIX: f64 = 10.0;
-/// Length of a block along the track: FWHM, and pixels at least.
+/// Length of a block along the track in FWHM, and its smallest value in pixels.
 const BLOCK_WIDTHS: f64 = 8.0;
 const LEAST_BLOCK_PIX: f64 = 32.0;
-/// Distance of the first and of the next control fits beside the streak, FWHM.
+/// Distance of the first control fits from the streak, and distance between neighbouring control fits, FWHM.
 const FIRST_CONTROL_WIDTHS: f64 = 4.0;
 const CONTROL_STEP_WIDTHS: f64 = 0.75;
 /// Number of iterations of mask, offset and angle.
@@ -33,9 +33,10 @@ const SATURATED_SHARE: f64 = 0.05;
 /// Share of the length that may be near the edge of the frame, or masked, without a flag.
 const EDGE_SHARE: f64 = 0.1;
 const MASKED_SHARE: f64 = 0.5;
-/// Relative difference of measured and assumed width from which it is flagged.
+/// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
-/// Half of the blocks of a streak must have light: the median of the blocks exceeds this fraction of the threshold.
+/// Half of the blocks of a streak must have light: the median of all blocks must exceed this fraction of the threshold
+/// of detection.
 const MEDIAN_SHARE: f64 = 0.4;
 /// Smallest number of blocks of which the median is tested.
 const LEAST_BLOCKS: usize = 4;
@@ -76,7 +77,7 @@ pub fn measure_streak(
     measuring.measure(&found, &extent, options)
 }
 
-/// Returns the image of the satellite, by which the streak is drawn.
+/// Returns the image of the satellite, with which the streak is drawn.
 pub(super) fn profile_of(
     image: &StreakImage<'_>,
     predicted: &PredictedStreak,
@@ -106,7 +107,7 @@ impl Measuring<'_> {
     fn extent(&self, options: &MeasureOptions) -> Extent {
         let [nx, ny] = self.corridor.normal();
         let [dx, dy] = self.predicted.drift_pix_s;
-        let late_s = options.corridor_sigmas * self.predicted.lateness_sigma_s;
+        let late_s = (options.corridor_sigmas * self.predicted.lateness_sigma_s).min(self.predicted.largest_delay_s);
         // During the delay the observer moves across the track.
         let across_pix = (options.corridor_sigmas * self.predicted.cross_sigma_pix).hypot(late_s * (dx * nx + dy * ny));
         let drift_rad_s = (dx.hypot(dy) * self.image.pixel_scale_arcsec / 3600.0).to_radians();
@@ -171,7 +172,7 @@ impl Measuring<'_> {
     ) -> Result<Option<StreakMeasurement>, MeasureError> {
         let corridor = &self.corridor;
         let cos = corridor.cos();
-        // A shift along the minor axis is one across the track and one along it.
+        // A shift along the minor axis is the sum of a shift across the track and one along the track.
         let [ex, ey] = corridor.motion;
         let along = if corridor.is_along_rows { ey } else { ex };
         let sense = if corridor.is_along_rows { ex.signum() } else { ey.signum() };
@@ -222,7 +223,7 @@ impl Measuring<'_> {
             }
             let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
             drawn = next;
-            // The first steps align the template with the streak.
+            // Stars are masked again after the first steps, which align the template with the streak.
             if iteration == 1 || iteration == 3 {
                 stars = mask_stars(&band, &drawn.template, &blocks, fwhm, false);
                 blocks.weigh(&band, &stars.mask, &drawn.template);
@@ -313,7 +314,8 @@ impl Measuring<'_> {
         }))
     }
 
-    /// Improves offset and tilt by one step of Gauss and Newton; returns the change of the offset in pixels.
+    /// Improves offset and tilt by one Gauss-Newton step. Returns the change of the offset or the shift of the ends by
+    /// the change of the tilt, whichever is larger, pixels.
     fn refined(
         &self,
         band: &Band,
@@ -369,7 +371,7 @@ impl Measuring<'_> {
         offset.abs().max(tilt.abs() * reach)
     }
 
-    /// Sum of the squared residuals for a shift, with one amplitude.
+    /// Returns the sum of the squared residuals for a shift, with one amplitude for all blocks.
     fn squares(&self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<Option<f64>, MeasureError> {
         let Some(drawn) = self.drawn(band, shift)? else { return Ok(None) };
         let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
@@ -396,7 +398,8 @@ impl Measuring<'_> {
             }
         };
         let start = shift.late_s;
-        // The sum of squares has one minimum only within a few widths of the end.
+        // The sum of squares has a single minimum only within a few widths of the end, so several delays are tried
+        // first.
         let samples = (-4..=4).map(|step| start + f64::from(step) * 0.25 * step_s);
         let best = samples
             .filter(|late_s| late_s.abs() <= extent.late_s + step_s)
@@ -457,7 +460,7 @@ impl Measuring<'_> {
         Some(if squares > 0.0 { amplitude.max(0.0) * cubes / (gain * squares * squares) } else { 0.0 })
     }
 
-    /// Returns true if more than a small part of the streak's length has saturated pixels.
+    /// Returns true if more than the fraction `SATURATED_SHARE` of the streak's length has saturated pixels.
     fn is_saturated(&self, band: &Band, template: &[f32]) -> bool {
         let Some(level) = self.image.saturation else { return false };
         let (mut lit, mut saturated) = (0, 0);
@@ -477,7 +480,7 @@ impl Measuring<'_> {
     fn ends(&self, shift: &Shift) -> Result<usize, MeasureError> {
         let Some(path) = self.path(shift)? else { return Ok(0) };
         let end_s = self.image.exposure_s;
-        // The path may begin or end elsewhere because the prediction does not extend to the ends of the exposure.
+        // If the prediction does not extend to the ends of the exposure, the path begins or ends elsewhere.
         let nodes = path.nodes();
         let (first, last) = (&nodes[0], &nodes[nodes.len() - 1]);
         let is_end = |is_exposed: bool, node: &PathNode| {
@@ -510,8 +513,8 @@ fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f6
     blocks.len() < LEAST_BLOCKS || median(blocks) > MEDIAN_SHARE * threshold * sigma
 }
 
-/// Returns the fraction of the streak's length that has no pixels of the image at `margin` pixels beside its middle,
-/// and the fraction of its light that is masked or without a value.
+/// Returns the fraction of the streak's length at which a pixel `margin` pixels from its middle, on either side, is
+/// outside the illuminated area, and the fraction of its light that is masked or without a value.
 fn shares(band: &Band, mask: &[bool], template: &[f32], light_area: &LightArea, margin: usize) -> (f64, f64) {
     let (mut lit, mut edge, mut light, mut hidden) = (0.0, 0.0, 0.0, 0.0);
     for (column, weights) in template.chunks_exact(band.height).enumerate() {

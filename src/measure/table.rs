@@ -134,7 +134,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     ),
 ];
 
-/// Returns a value of streaks that were found, otherwise a missing value.
+/// Returns `value` if the streak was found, otherwise a missing value.
 fn found(one: &MeasuredPass, value: f64) -> Value {
     if one.measured.is_detected { value.into() } else { Value::Null }
 }
@@ -147,7 +147,7 @@ pub fn measurement_table(passes: &[MeasuredPass]) -> Table {
 /// Observer as stated in a SCORE upload.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScoreObserver {
-    /// Address of the observer.
+    /// E-mail address of the observer.
     pub email: String,
     /// ORCID of the observer, or several separated by commas.
     pub orcid: String,

@@ -1,4 +1,5 @@
-//! Width of a streak: its start from the profile across the track, its fit, and its effect on the error of the flux.
+//! Width of a streak: a first estimate from the profile across the track, its fit, and its effect on the error of the
+//! flux.
 
 use super::background::median_and_sigma;
 use super::band::Band;
@@ -12,8 +13,9 @@ use crate::streaks::Optics;
 
 /// Range of fitted widths relative to the given one.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
-/// The width is estimated from the median profile across the track to this distance, FWHM of the given width. The
-/// profile must exceed its noise by a factor, and the width is at most this multiple of the given one.
+/// The first estimate of the width uses the median profile across the track up to this distance, in FWHM of the given
+/// width. It is not used if the peak of the profile is less than `PROFILE_SIGNAL` times its noise, or if the estimate
+/// differs from the given width by more than the factor `MOST_WIDENING`.
 const PROFILE_WIDTHS: f64 = 16.0;
 const PROFILE_SIGNAL: f64 = 10.0;
 const MOST_WIDENING: f64 = 8.0;
@@ -21,7 +23,8 @@ const MOST_WIDENING: f64 = 8.0;
 impl Measuring<'_> {
     /// Sets the seeing to the width of the median profile across the track, from which the fit of the width starts.
     ///
-    /// The start matters for streaks that are much wider than the given seeing: their wings would be masked as stars.
+    /// This matters for streaks that are much wider than the given seeing, because their wings would otherwise be
+    /// masked as stars.
     pub fn start_width(&mut self, found: &Found, late_s: f64) {
         let corridor = &self.corridor;
         let half = (PROFILE_WIDTHS * self.profile.fwhm_pix().max(1.0) / corridor.cos()).ceil() as usize;
@@ -38,7 +41,7 @@ impl Measuring<'_> {
         let rows: Vec<Option<f64>> = (0..band.height).map(row).collect();
         let near = half - half / 8..=half + half / 8;
         let peak = near.filter_map(|offset| Some((offset, rows[offset]?))).max_by(|a, b| a.1.total_cmp(&b.1));
-        // One side may extend beyond the illuminated pixels: the brighter one is the sky.
+        // One side may extend beyond the illuminated pixels, so the sky is measured at the brighter side.
         let sides = [0..half - 2 * half / 3, half + 2 * half / 3 + 1..band.height];
         let side = |offsets: std::ops::Range<usize>| {
             let values: Vec<f64> = rows[offsets].iter().flatten().copied().collect();
@@ -126,7 +129,7 @@ impl Measuring<'_> {
         let (wider, same) = (template(self, 1.0 + STEP)?, template(self, 1.0)?);
         let (Some(wider), Some(same)) = (wider, same) else { return Ok(1.0) };
         let change: Vec<f32> = wider.iter().zip(&same).map(|(wider, same)| (wider - same) / STEP as f32).collect();
-        // Blanks of the frame are blanks of the derivative.
+        // Pixels without a value in the frame have no value in the derivative.
         let change: Vec<f32> = change
             .iter()
             .zip(&band.values)

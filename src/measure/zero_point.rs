@@ -8,7 +8,8 @@ use crate::images::{PixelPosition, Wcs};
 use crate::math::quantile::median;
 use crate::streaks::{Optics, RadialProfile, draw_point};
 
-/// Radius of the aperture: FWHM, and pixels at least. The sky is measured from two to three times this radius.
+/// Radius of the aperture in FWHM, and its smallest value in pixels. The sky is measured from two to three times this
+/// radius.
 const APERTURE_WIDTHS: f64 = 2.0;
 const LEAST_APERTURE_PIX: f64 = 3.0;
 const SKY_RADII: [f64; 2] = [2.0, 3.0];
@@ -18,14 +19,16 @@ const LEAST_SIGNAL_TO_NOISE: f64 = 20.0;
 const LEAST_STARS: usize = 3;
 /// Pixels above this fraction of the saturation are treated as saturated: detectors are not linear there.
 const SATURATED_SHARE: f64 = 0.95;
-/// Another star of the table is a neighbour if it is nearer than the sky and at most this much fainter, mag.
+/// Another star of the table is a neighbour if it is nearer than the inner radius of the sky and at most this much
+/// fainter, mag.
 const NEIGHBOUR_MAG: f64 = 5.0;
-/// Least error of a zero point, mag: accuracy of the drawn stars, and of the sky among the wings of others.
+/// Least error of a zero point, mag. It is due to the errors of the drawn stars, and of the sky between the wings of
+/// other stars.
 const LEAST_ERROR_MAG: f64 = 0.002;
 /// Stars beyond this number of sigmas of the median zero point are outliers.
 const OUTLIER_SIGMAS: f64 = 4.0;
-/// Widths at which the images of stars are compared with the drawn ones, relative to the assumed width, and the largest
-/// number of stars.
+/// Range (relative to the assumed width) and number of the widths for which stars are drawn and compared with their
+/// images, and largest number of compared stars.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
 const WIDTHS: usize = 25;
 const MOST_WIDTH_STARS: usize = 50;
@@ -88,7 +91,8 @@ struct Aperture {
 
 /// Measures the zero point of an image, by photometry of stars in apertures, and the width of the stars.
 ///
-/// If `optics` are not those of the image, `is_width_known` is false, and the apertures have the measured width.
+/// If `is_width_known` is false, `optics` has only a first estimate of the seeing, and the apertures have the measured
+/// width.
 ///
 /// # Errors
 /// The image of a star is too narrow or too wide to be drawn.
@@ -127,13 +131,14 @@ pub fn star_zero_point(
         return Ok(found);
     }
     let first = median(first);
-    // The expected light selects the stars: the measured one would prefer those that the noise makes brighter.
+    // Stars are selected by their expected light, because a selection by measured light would prefer stars that noise
+    // makes brighter.
     let (usable, faint): (Vec<_>, Vec<_>) = measured.into_iter().partition(|(star, light)| {
         let expected = 10f64.powf(0.4 * (first - star.magnitude));
         expected >= LEAST_SIGNAL_TO_NOISE * light.sigma
     });
     found.faint += faint.len();
-    // Each star with its own error.
+    // Zero point from each star, with its error.
     let mut values: Vec<(f64, f64)> = usable
         .iter()
         .map(|one| {
@@ -158,7 +163,7 @@ pub fn star_zero_point(
     if found.used >= LEAST_STARS {
         let own = median(values.iter().map(|(_, sigma)| *sigma).collect());
         // The median of n values of a normal distribution has the error σ √(π/2n). The scatter of few stars may be
-        // small by chance, so that their own errors are the least.
+        // small by chance, so the median of their own errors is the smallest accepted scatter.
         let error = (std::f64::consts::FRAC_PI_2 / found.used as f64).sqrt() * statistics.1.max(own);
         found.zero_point_mag = Some(Estimate { value: statistics.0, sigma: error.hypot(LEAST_ERROR_MAG) });
     }
@@ -219,8 +224,9 @@ fn candidates(
     kept
 }
 
-/// Returns the ratio of the measured width of the stars to the assumed one: the median over bright stars of the width
-/// whose drawn star leaves the least squares. `None` with fewer than three such stars.
+/// Returns the ratio of the measured width of the stars to the assumed one. The width of a star is the one for which
+/// the drawn star leaves the smallest sum of squares; the result is the median over bright stars. `None` with fewer
+/// than three such stars.
 fn width_ratio(
     image: &StreakImage<'_>,
     candidates: &[Candidate],
@@ -249,7 +255,7 @@ fn width_ratio(
             .collect();
         let least = (1..WIDTHS - 1).min_by(|a, b| squares[*a].total_cmp(&squares[*b]))?;
         let [before, here, after] = [squares[least - 1], squares[least], squares[least + 1]];
-        // The minimum at an end of the range is not one of the width.
+        // A minimum at an end of the range is not a measured width.
         let is_inside = before > here && after > here && before.is_finite() && after.is_finite();
         // Vertex of the parabola through the three points.
         is_inside.then(|| profiles[least].0 + 0.5 * step * (before - after) / (before - 2.0 * here + after))
@@ -271,12 +277,12 @@ struct Stamp {
 }
 
 impl Stamp {
-    /// Reads the pixels around a star, whose centre is measured from its expected position. `None` if they extend
-    /// beyond the illuminated pixels, or a pixel in the aperture has no value.
+    /// Reads the pixels around a star and measures its centre, starting at the expected position. `None` if the pixels
+    /// extend beyond the illuminated area, or a pixel in the aperture has no value.
     fn centred(image: &StreakImage<'_>, expected: PixelPosition, radius_pix: f64, fwhm_pix: f64) -> Option<Self> {
         let mut at = expected;
         let mut stamp = Self::read(image, at, radius_pix)?;
-        // Centroid with Gaussian weights of the width of a star, which converges with a factor of 2.
+        // Centroid with Gaussian weights as wide as a star. The weights halve the measured shift, so it is doubled.
         for _ in 0..10 {
             let sky = stamp.sky()?.0;
             let [mut sum, mut x, mut y] = [0.0; 3];
@@ -325,13 +331,14 @@ impl Stamp {
         PixelPosition { x: column as f64, y: row as f64 }
     }
 
-    /// Pixels whose centres are within a radius of the star, with their values.
+    /// Returns the pixels whose centres are within a radius of the star, with their values.
     fn pixels(&self, radius_pix: f64) -> impl Iterator<Item = (PixelPosition, f64)> + '_ {
         let at = |index: usize| (self.position(index), f64::from(self.values[index]));
         (0..self.values.len()).map(at).filter(move |(pixel, _)| pixel.distance(self.at) <= radius_pix)
     }
 
-    /// Returns the mean of the sky, its scatter, and the number of its pixels: those within three sigmas of the median.
+    /// Returns the mean of the sky, its scatter, and the number of its pixels. Pixels beyond three sigmas of the median
+    /// are omitted.
     fn sky(&self) -> Option<(f64, f64, usize)> {
         let [inner, outer] = SKY_RADII.map(|radii| radii * self.radius_pix);
         let mut values: Vec<f64> = self
@@ -389,7 +396,8 @@ impl Stamp {
         (share > 0.0 && variance > 0.0).then(|| Aperture { flux: sum / share, sigma: variance.sqrt() / share })
     }
 
-    /// Returns the squares that a fit of a drawn star and a constant leaves in the aperture.
+    /// Returns the sum of the squares that a fit of a drawn star and a constant leaves within twice the radius of the
+    /// aperture.
     fn squares(&self, profile: &RadialProfile) -> f64 {
         let template = self.template(profile);
         // Sums of 1, m, m², d, d m, d².

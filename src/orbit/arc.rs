@@ -11,10 +11,10 @@ use crate::math::interpolation::{cubic_slopes, cubic_weights};
 ///
 /// The error of a cubic through four positions is h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and
 /// 300 km height, less elsewhere. SGP4's velocities are not used: on eccentric orbits they differ from the derivative
-/// of its positions by J₂ e v, metres in half a minute.
+/// of its positions by J₂ e v, which adds up to metres in half a minute.
 const LONGEST_STEP_S: f64 = 10.0;
-/// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous
-/// satellite.
+/// Longest step as an angle about the Earth's centre, radians. The error of the cubic is (ωh)⁴/24 of the distance, 3 cm
+/// for a geosynchronous satellite.
 const LONGEST_STEP_RAD: f64 = 0.0115;
 /// Steps between the four nodes that a cubic requires.
 const FEWEST_STEPS: f64 = 3.0;

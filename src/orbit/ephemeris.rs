@@ -8,13 +8,15 @@
 //! r ω⁸ / 8! · Π |t - tᵢ| + δ Σ |ℓᵢ(t)|
 //! ```
 //!
-//! Where steps are equal, the eight states are those around the time; the first term is 0.7 m at 550 km and the longest
-//! step, a twentieth of a revolution, and 9 m in the first and last interval. Where steps are unequal, neighbours may
-//! be so close together that the second term is large, or all on one side so that the first is: then states with a
-//! larger distance in time are chosen, those with the least sum. An interval with a longer step, or with a sum above 20
-//! m for δ = 1 m, is a gap, across which nothing is interpolated.
-//! Velocities of the file are not used: in the public Starlink ephemerides they differ from the derivative of the
-//! positions by 4.5 m/s after the second day, 0.3 km at the ends of a Hermite polynomial.
+//! Where steps are equal, the eight states nearest to the time are used. With the longest step, a twentieth of a
+//! revolution, the first term is then 0.7 m at a height of 550 km, and 9 m in the first and last interval. Where steps
+//! are unequal, neighbouring states may be so close together that the second term is large, or all on one side of the
+//! time, so that the first term is large. Then states with larger distances in time are also tried, and those with the
+//! least sum are used. An interval with a longer step, or with a sum above 20 m for δ = 1 m, is a gap, across which
+//! nothing is interpolated.
+//!
+//! The velocities of the file are not used: in the public Starlink ephemerides they differ from the derivative of the
+//! positions by 4.5 m/s after the second day, which would be an error of 0.3 km at the ends of a Hermite polynomial.
 
 use std::f64::consts::TAU;
 use std::fmt;
@@ -41,9 +43,10 @@ const LARGEST_ERROR_KM: f64 = 0.02;
 const SMALL_ERROR_KM: f64 = 0.004;
 /// Error of the positions in a file, km: the rounding of the coarsest files, a metre.
 const STATE_ERROR_KM: f64 = 0.001;
-/// Least times between the states of the polynomial that are tried, as shares of the step that holds the time.
+/// Least times between the states of the polynomial, tried in this order, as fractions of the step that contains the
+/// time.
 const SPACINGS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
-/// Error of interpolation and frames, km, added to the covariance.
+/// Error of interpolation and frames, km, added in quadrature to the errors from the covariance.
 const INTERPOLATION_KM: f64 = 0.01;
 
 /// States of one ephemeris in TEME, ready for interpolation.
@@ -60,8 +63,8 @@ pub(super) struct EphemerisTable {
     positions: Vec<Vector3<f64>>,
     /// States of the polynomial between each state and the next one.
     nodes: Vec<[u32; NODES]>,
-    /// First gap between two states at or after each state, as the index of the state before it; the number of states
-    /// if there is none.
+    /// First gap between two states at or after each state, as the index of the state before the gap; the number of
+    /// states if there is no gap.
     next_gap: Vec<usize>,
     /// Times and variances: radial, along the track, out of the plane, km².
     variances: Vec<(f64, [f64; 3])>,
@@ -92,9 +95,9 @@ impl EphemerisTable {
         &self.file
     }
 
-    /// Returns the key by which one of several ephemerides of a satellite precedes others: created later, or if that is
-    /// not stated or equal, with a later first state. The name of the file decides between equal ones, so that the
-    /// order of reading does not matter.
+    /// Returns the sort key of this ephemeris among several of a satellite; the one with the largest key is preferred.
+    /// The key is the creation time (the time of the first state if it is omitted), then the time of the first state.
+    /// The name of the file decides between equal times, so that the order of reading does not matter.
     pub fn rank(&self) -> (Duration, Duration, Arc<str>) {
         let utc = |epoch: Epoch| epoch.to_utc_duration();
         (utc(self.created.unwrap_or(self.start)), utc(self.start), self.file.clone())
@@ -123,12 +126,12 @@ impl EphemerisTable {
 
     /// Returns the state at a time, seconds after the start; `None` outside the covered intervals.
     pub fn state_at(&self, time_s: f64) -> Option<State<Teme>> {
-        // A time at the end of an interval rounds beyond it by less than a microsecond.
+        // Rounding moves a time at the end of an interval beyond it by less than a microsecond.
         const ROUNDING_S: f64 = 1e-6;
         let after = self.times_s.partition_point(|time| *time < time_s - ROUNDING_S);
         let is_at_state = self.times_s.get(after).is_some_and(|time| *time <= time_s + ROUNDING_S);
         let is_covered = |&step: &usize| self.next_gap.get(step).is_some_and(|gap| *gap > step);
-        // At a state the step after it is as good as the one before, which may be a gap.
+        // At the time of a state, the step after it is used if the step before it is a gap or missing.
         let before = after.checked_sub(1).filter(|_| after < self.times_s.len());
         let step = before.filter(is_covered).or(is_at_state.then_some(after).filter(is_covered))?;
         let nodes = self.nodes[step].map(|node| node as usize);
@@ -139,8 +142,9 @@ impl EphemerisTable {
 
     /// Returns the errors of one sigma at a covered time, seconds after the start, for a satellite of this class.
     ///
-    /// Without a covariance they are those of an element set of the satellite with its epoch at the first state, with
-    /// no bias. After the last covariance and before the first they are the larger of these and of that covariance.
+    /// Without covariances, they are those of an element set of the satellite with its epoch at the first state, and
+    /// the distribution of the delay is a Gaussian about 0. Before the first covariance and after the last one, each
+    /// error is the larger of this value and the one from the nearest covariance.
     pub fn uncertainty_at(&self, time_s: f64, class: OrbitClass) -> OrbitUncertainty {
         let speed_km_s = self.state_at(time_s).map_or(f64::INFINITY, |state| state.velocity.norm_km_s());
         // One sigma for both directions across the track: the larger one.
@@ -204,7 +208,7 @@ impl EphemerisTable {
             CovarianceAxes::States => {
                 let terms = Matrix3::new(xx, yx, zx, yx, yy, zy, zx, zy, zz);
                 let to_teme = axes.rotation(covariance.epoch);
-                // A covariance outside the states, or in a gap, has the axes at the nearest node.
+                // For a covariance outside the states, or in a gap, the axes are those at the nearest state.
                 let nearest = self.times_s.partition_point(|time| *time < time_s).clamp(1, self.positions.len() - 1);
                 let at_nearest = || {
                     let (before, after) = (self.positions[nearest - 1], self.positions[nearest]);
@@ -252,8 +256,8 @@ fn chosen_nodes(times_s: &[f64], positions: &[Vector3<f64>]) -> Vec<Option<[u32;
     chosen
 }
 
-/// Returns the angle about the Earth's centre between two states: the larger of that seen and of that on a circular
-/// orbit at the lower of both, which also shows whole revolutions.
+/// Returns the angle about the Earth's centre between two states: the larger of the angle between their directions and
+/// the angle on a circular orbit at the smaller of the two radii. The latter includes whole revolutions.
 fn step_rad(times_s: &[f64], positions: &[Vector3<f64>], from: usize, to: usize) -> f64 {
     let radius_km = positions[from].norm().min(positions[to].norm());
     // ω² = μ / r³
@@ -287,8 +291,8 @@ fn best_nodes(times_s: &[f64], positions: &[Vector3<f64>], part: &Range<usize>, 
     best.filter(|(error_km, _)| *error_km <= LARGEST_ERROR_KM).map(|(_, nodes)| nodes.map(|node| node as u32))
 }
 
-/// Returns the states nearest in time to the middle of a step, its two ends included, others at least `spacing_s` from
-/// one to the next; `None` if there are too few.
+/// Returns the eight states nearest in time to the middle of a step: both ends of the step, and further states, each
+/// at least `spacing_s` from the previous one on its side. `None` if there are too few.
 fn spaced_nodes(times_s: &[f64], part: &Range<usize>, step: usize, spacing_s: f64) -> Option<[usize; NODES]> {
     let middle_s = 0.5 * (times_s[step] + times_s[step + 1]);
     let (mut nodes, mut count) = ([step; NODES], 2);
@@ -415,7 +419,7 @@ impl fmt::Display for PositionSource {
         match self {
             PositionSource::ElementSet => formatter.write_str("element set"),
             PositionSource::Ephemeris(file) => {
-                // Folders are in the provenance.
+                // The provenance contains the full path.
                 write!(formatter, "ephemeris {}", file.rsplit(['/', '\\']).next().unwrap_or(file))
             }
         }

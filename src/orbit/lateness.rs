@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
-/// Delays up to this many sigmas of the core are searched.
+/// Delays up to this many sigmas of the widest Gaussian, without that of manoeuvres, are searched.
 const REACH_SIGMAS: f64 = 3.5;
 /// Probabilities are lower limits where a larger share of delays than this is not searched.
 const LARGEST_SHARE_LEFT_OUT: f64 = 0.1;
@@ -15,7 +15,7 @@ const ONE_SIGMA: f64 = 0.682_689_492_137;
 pub struct Lateness {
     /// Weights, which add up to 1, and sigmas in seconds, in increasing order; unused ones have weight 0.
     parts: [(f64, f64); 3],
-    /// The first of the parts that are not searched: manoeuvres.
+    /// Number of parts whose delays are searched; the part of manoeuvres, the last one, is not searched.
     searched: usize,
 }
 
@@ -23,12 +23,13 @@ impl Lateness {
     /// Largest delay that is searched, seconds.
     pub const LONGEST_S: f64 = 300.0;
 
-    /// A Gaussian; a sigma of 0 is a certain δ = 0.
+    /// A Gaussian; a sigma of 0 means that δ is exactly 0.
     pub fn gaussian(sigma_s: f64) -> Self {
         Self { parts: [(1.0, sigma_s), (0.0, sigma_s), (0.0, sigma_s)], searched: 1 }
     }
 
-    /// A core of two Gaussians, and satellites that manoeuvred since the epoch.
+    /// A core of two Gaussians, and a third Gaussian for satellites that manoeuvred since the epoch. Each is given by
+    /// its weight and its sigma in seconds; the weights of the core add up to 1.
     pub fn core_and_manoeuvres(core: [(f64, f64); 2], manoeuvres: (f64, f64)) -> Self {
         let rest = 1.0 - manoeuvres.0;
         let [inner, outer] = core.map(|(weight, sigma_s)| (rest * weight, sigma_s));
@@ -56,7 +57,7 @@ impl Lateness {
         }
         let exceeded: f64 =
             self.parts().map(|(weight, sigma_s)| weight * libm::erfc(delay_s.abs() / sigma_s * FRAC_1_SQRT_2)).sum();
-        // P(|x| > z) = erfc(z/√2) by bisection; 38 is where it underflows.
+        // P(|x| > z) = erfc(z/√2) is solved for z by bisection; at z = 38 it underflows.
         let (mut low, mut high) = (0.0, 38.0);
         for _ in 0..50 {
             let middle: f64 = 0.5 * (low + high);
@@ -86,7 +87,8 @@ impl Lateness {
         if self.is_gaussian() {
             return inner_s;
         }
-        // Newton's method on P(|δ| ≤ x) = 0.6827, concave in x, from below: the innermost sigma.
+        // Newton's method on P(|δ| ≤ x) = 0.6827, which is concave in x, started below the solution, at the innermost
+        // sigma.
         let mut half_s = inner_s;
         for _ in 0..100 {
             let step_s = (ONE_SIGMA - self.share(-half_s, half_s)) / (2.0 * self.log_density(half_s).exp());
@@ -103,12 +105,12 @@ impl Lateness {
         (REACH_SIGMAS * self.parts[self.searched - 1].1).min(Self::LONGEST_S)
     }
 
-    /// True where so many longer delays are probable than those that are searched that probabilities are lower limits.
+    /// True if delays longer than those that are searched are so probable that probabilities are lower limits.
     pub fn is_cut(&self) -> bool {
         self.parts[0].1 > 0.0 && self.share(-self.reach_s(), self.reach_s()) < 1.0 - LARGEST_SHARE_LEFT_OUT
     }
 
-    /// P(δ ≤ x); the border counts as inside where the delay is certain.
+    /// P(δ ≤ x). If the delay is certain (sigma 0), it is 1 for x ≥ 0 and 0 for x < 0.
     pub fn cumulative(&self, x_s: f64) -> f64 {
         let part = |(weight, sigma_s): (f64, f64)| {
             if sigma_s > 0.0 {

@@ -1,4 +1,4 @@
-//! Orbits: SGP4 for each element set, interpolated ephemerides, the errors of its predictions, and the search for
+//! Orbits: SGP4 for each element set, interpolated ephemerides, the errors of the predictions, and the search for
 //! satellites inside a cone.
 
 mod arc;

@@ -1,4 +1,4 @@
-//! SGP4 or the ephemeris of one satellite, and of a whole catalogue.
+//! Propagators of one satellite, by SGP4 or from an ephemeris, and of a whole catalogue.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, HashMap};
@@ -22,14 +22,15 @@ use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
 use crate::frames::{EopTable, Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Distance from the Earth's centre below which a satellite counts as decayed: one Earth radius of WGS72, as in the
-/// AFSPC code (error 6).
+/// code of the US Air Force Space Command (AFSPC; error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
 
-/// Largest disagreement between positions and velocities at two times, km: h³/12 · |r‴| is 2 m for the fastest orbit in
-/// 10 s. SGP4's velocity omits the change of the mean motion by drag, which becomes visible where the drag terms of
-/// elements that are years old diverge.
+/// Largest disagreement between positions and velocities at two times, km. For correct velocities, the error of the
+/// comparison, h³/12 · |r‴|, is 2 m for the fastest orbit and a step h of 10 s. SGP4's velocity omits the change of the
+/// mean motion by drag, which becomes visible where the drag terms of elements that are years old diverge.
 const LARGEST_GAP_KM: f64 = 1.0;
-/// The same over longer steps, km/s: 0.4 km in a minute by h³/12 · |r‴|, and some m/s where Moon and Sun pull most.
+/// The same limit as a velocity for longer steps, km/s. In a minute, h³/12 · |r‴| is 0.4 km; where the forces of Moon
+/// and Sun are strongest, the disagreement is some m/s.
 const LARGEST_MISMATCH_KM_S: f64 = 0.1;
 /// An ephemeris is used where it covers this time before and after an exposure, seconds: the longest delay that is
 /// searched, and a minute for tracks.
@@ -118,8 +119,8 @@ impl Propagator {
         )
         .map_err(|error| fail(error.to_string()))?;
         // Julian years from J2000 (UTC); SGP4 uses them for the Moon, the Sun and the sidereal time at epoch. They are
-        // computed from a Julian date in one f64, which rounds to 40 µs, as in the AFSPC code: 4 mm on deep-space
-        // orbits of the verification set.
+        // computed from a Julian date in one f64, which rounds to 40 µs, as in the AFSPC code. This rounding moves
+        // deep-space orbits of the verification set by 4 mm.
         let years = ((elements.epoch.to_mjd_utc_days() + 2_400_000.5) - 2_451_545.0) / 365.25;
         let constants =
             Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
@@ -162,7 +163,7 @@ impl Propagator {
         Some(attached.table.uncertainty_at(attached.seconds(self.minutes_since_epoch(epoch)), attached.class))
     }
 
-    /// Returns the times in seconds of the attached ephemeris.
+    /// Returns the table of the attached ephemeris, and the times in seconds after its start.
     fn table_seconds(&self, times: [Epoch; 2]) -> Option<(&EphemerisTable, [f64; 2])> {
         let attached = self.ephemeris.as_ref()?;
         Some((&attached.table, times.map(|epoch| attached.seconds(self.minutes_since_epoch(epoch)))))
@@ -211,7 +212,7 @@ impl Propagator {
     /// element epoch.
     ///
     /// # Errors
-    /// [`OrbitError::Diverged`] where they are not: the drag terms have run away.
+    /// [`OrbitError::Diverged`] where they do not agree, because the drag terms have diverged.
     pub fn check_step(
         &self,
         first: &State<Gcrs>,
@@ -244,7 +245,7 @@ impl Propagator {
     }
 
     /// Returns the minutes from the element epoch to `epoch` in UTC, for any scale of `epoch`: leap seconds in between
-    /// are not counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of 2016.
+    /// are not counted, as in the AFSPC code and in python-sgp4. The last leap second was inserted at the end of 2016.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
         (epoch.to_utc_duration() - self.epoch.to_utc_duration()).to_unit(Unit::Minute)
     }
@@ -282,8 +283,8 @@ impl Propagator {
         (semi_major_axis_km * (1.0 - self.eccentricity), semi_major_axis_km * (1.0 + self.eccentricity))
     }
 
-    /// Returns the raw result of SGP4, valid or not, TEME, km and km/s, `minutes` after the element epoch, for
-    /// verification against other implementations.
+    /// Returns the result of SGP4 in TEME, km and km/s, `minutes` after the element epoch, for verification against
+    /// other implementations. An attached ephemeris is not used, and distances that are too large are not rejected.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
@@ -354,7 +355,7 @@ pub struct SatelliteIndex {
 /// Part of an interval for which ephemerides are used.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum EphemerisCoverage {
-    /// One ephemeris covers all of it, with the delays searched.
+    /// One ephemeris covers the whole interval and the delays that are searched before and after it.
     Whole,
     /// Ephemerides cover parts of it.
     Part,

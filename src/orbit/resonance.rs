@@ -1,9 +1,10 @@
 //! Integration state of half-day and one-day orbits, kept near the times that are evaluated.
 //!
-//! SDP4 integrates the resonances of such orbits in steps of 720 minutes from the element epoch. For elements that are
-//! years old this costs a thousand times more than the rest of an evaluation. Therefore the integrator state is kept a
-//! few days on the epoch's side of the last distant time, and later evaluations continue from it. The steps are the
-//! same, so results are identical bit for bit for any order of evaluations.
+//! SDP4, the part of SGP4 for periods above 225 minutes, integrates the resonances of such orbits in steps of 720
+//! minutes from the element epoch. For elements that are years old this costs a thousand times more than the rest of an
+//! evaluation. Therefore the integrator state at a time that is a few days nearer to the epoch than the last distant
+//! time is kept, and later evaluations continue from it. The steps are the same, so results are identical bit for bit
+//! for any order of evaluations.
 
 use std::sync::{Mutex, PoisonError};
 

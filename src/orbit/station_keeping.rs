@@ -2,16 +2,17 @@
 //!
 //! SGP4 applies the drag of the element set (B*). A satellite that holds its orbit cancels that drag by thrust, so SGP4
 //! lets it fall and run ahead of its true position: by 55 s in a week for a Starlink V2 Mini. Without drag the mean
-//! motion of the element set must change too: it was fitted together with the drag and belongs to the epoch, while the
-//! mean motion that the satellite keeps is that of the tracking before the epoch.
+//! motion of the element set must change too. It was fitted together with the drag and is valid at the epoch, while the
+//! satellite keeps the mean motion that it had during the observations before the epoch.
 //!
 //! ```text
 //! B* = 0,    n = n₀ - 2 τ (ṅ/2)                                           rev/day
 //! ```
 //!
-//! with the published ṅ/2 and one lag τ for each class of satellite. In seconds along the track: the published drag
-//! D = P ṅ/2 gives D t², the lag takes 2 τ D t off, with the age t in days and the period P. What remains is
-//! distributed as a core of two Gaussians and a wide one for satellites that manoeuvred since the epoch:
+//! with the published ṅ/2 and one lag τ for each class of satellite. Along the track, in seconds, with the age t in
+//! days and the period P: the published drag D = P ṅ/2 gives D t², of which the lag removes 2 τ D t. The remaining
+//! error is distributed as a core of two Gaussians and a wide Gaussian for the share m of satellites that manoeuvred
+//! since the epoch:
 //!
 //! ```text
 //! (1 - m) [0.7 N(s) + 0.3 N(r s)] + m N(90 t)        s = √(s₀² + (k t)² + (c D t)²),    m = m₀ + m₁ t ≤ 0.5
@@ -20,7 +21,7 @@
 //! The last Gaussian is at least as wide as the second; no sigma exceeds 0.3413 P.
 //!
 //! `tests/reference/calibrate_station_keeping.py` calibrates the lags on the Starlink catalogue of June 2026 and
-//! reports what remains on other objects and dates (docs/explanation/uncertainty.md).
+//! reports the remaining errors of other objects and dates (docs/explanation/uncertainty.md).
 
 use super::lateness::Lateness;
 use crate::elements::{Certainty, ElementSet, Generation, GenerationTable, semi_major_axis_km};
@@ -37,9 +38,9 @@ const DIRECT_TO_CELL_REV_DAY2: f64 = 6e-3;
 const V2_MINI_STATION_KM: f64 = 450.0;
 /// Weight of the inner Gaussian of the core.
 const CORE_WEIGHT: f64 = 0.7;
-/// Lateness of satellites that manoeuvred, s/day.
+/// Sigma of the lateness of satellites that manoeuvred, s per day of age.
 const MANOEUVRE_S_DAY: f64 = 90.0;
-/// Largest share of satellites that manoeuvred; the calibration ends at 21 days.
+/// Largest share of satellites that manoeuvred; the ages in the calibration end at 21 days.
 const LARGEST_MANOEUVRING: f64 = 0.5;
 
 /// Drag that SGP4 applies.
@@ -53,7 +54,7 @@ pub enum DragModel {
 }
 
 impl DragModel {
-    /// The word for files and options.
+    /// Name in files and options.
     pub fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
@@ -66,7 +67,7 @@ impl DragModel {
         [Self::Published, Self::StationKeeping].into_iter().find(|model| model.name() == name)
     }
 
-    /// The class of a satellite whose published drag is not applied; `None` where it is.
+    /// The class of a satellite whose published drag is not applied; `None` where the drag is applied.
     pub fn class_of(self, elements: &ElementSet) -> Option<StationKeeping> {
         match self {
             Self::Published => None,
@@ -143,7 +144,7 @@ impl StationKeeping {
         )
     }
 
-    /// Growth across the track at an age in days, km.
+    /// Growth of the error across the track at an age in days, km.
     pub(super) fn cross_track_km(self, age: f64) -> f64 {
         let c = self.calibration();
         c.cross_km * age.powf(c.cross_power)
@@ -177,7 +178,7 @@ struct Calibration {
     manoeuvring: f64,
     /// m₁, 1/day.
     manoeuvring_a_day: f64,
-    /// Growth across the track, km/day^power, and its power.
+    /// Growth of the error across the track, km/day^power, and its power.
     cross_km: f64,
     cross_power: f64,
 }

@@ -9,24 +9,28 @@
 //! cross² = floor² + (kx t^px)² + (cx S t)²                              km, capped at 1000 km
 //! ```
 //!
-//! with the age t in days, D = |ṅ/2| P the drag in seconds a day² (a satellite gains D t² relative to an orbit of
-//! constant period), and S = 4/3 a |ṅ/2| / n the decrease of the semi-major axis in km a day.
+//! with the age t in days, the orbital period P, the drag D = |ṅ/2| P in seconds a day² (a satellite gains D t²
+//! relative to an orbit of constant period), and the decrease of the semi-major axis S = 4/3 a |ṅ/2| / n in km a day.
 //!
 //! # Source of the coefficients
 //!
-//! `tests/reference/calibrate_orbit_uncertainty.py`: element sets propagated to the epoch of later ones of the same
-//! object, 151,000 pairs forward in time from 0.2 to 400 days; half of the objects are fitted, half held out. A sigma
-//! is the half width that contains 68.27 % of the residuals, so heavy tails are included. The pairs: 72 Starlinks daily
-//! over 84 days of 2026, all Starlinks of two days 84 days apart, the histories of six Starlinks of 2019 (with raising
-//! and decay), of Sentinel-6A and of a geostationary satellite, Starlinks of winter 2020/21, and catalogues of 2022 and
-//! 2023 that are 75 days or more apart. Pairs are few for ordinary low satellites and debris between 1 and 60 days
-//! (Sentinel-6A, Swift and its visitor only), for medium orbits below 75 days, and for eccentric ones (thirty objects).
+//! The coefficients are fitted by `tests/reference/calibrate_orbit_uncertainty.py`. Element sets are propagated to the
+//! epoch of later ones of the same object: 151,000 pairs forward in time from 0.2 to 400 days. Half of the objects are
+//! fitted, half are held out. A sigma is the half width that contains 68.27 % of the residuals, so heavy tails are
+//! included. The pairs are from 72 Starlinks daily over 84 days of 2026, all Starlinks of two days 84 days apart, the
+//! histories of six Starlinks of 2019 (with raising and decay), of Sentinel-6A and of a geostationary satellite,
+//! Starlinks of winter 2020/21, and catalogues of 2022 and 2023 that are 75 days or more apart. There are few pairs for
+//! ordinary low satellites and debris between 1 and 60 days (only Sentinel-6A, Swift and the object 2026-152A), for
+//! medium orbits below 75 days, and for eccentric orbits (thirty objects).
 //!
-//! Held-out residuals along the track within one sigma, by age from 0.2 to 40 days: on station 66-86 %, manoeuvring
-//! 61-83 %, geosynchronous 64-81 %, low Earth orbit 82-97 % (Sentinel-6A is better than the floor and than the
-//! catalogues months apart suggest; those alone give 33-69 % beyond 70 days). Propagation *back* from an epoch is
-//! better by a factor of two or three in the first days, because an element set is fitted to the days before it; sigma
-//! is even in age nevertheless, and therefore too large there (84-92 % on station). Across the track 55-92 %.
+//! Fractions of held-out residuals along the track within one sigma, at ages from 0.2 to 40 days: on station 66-86 %,
+//! manoeuvring 61-83 %, geosynchronous 64-81 %, low Earth orbit 82-97 %. The last range is high because Sentinel-6A has
+//! smaller errors than the floor and than the catalogues that are months apart; these catalogues give 33-69 % beyond 70
+//! days. Across the track the fractions are 55-92 %.
+//!
+//! Propagation *back* from an epoch is better by a factor of two or three in the first days, because an element set is
+//! fitted to the days before it. Sigma is nevertheless the same for ages of either sign, and therefore too large for
+//! negative ages (84-92 % within one sigma on station).
 //!
 //! Beyond 400 days the same growth is extrapolated up to the caps. At 0.3413 P (68.27 % of half a turn) every position
 //! along the orbit is equally likely, and only the plane is determined.
@@ -40,7 +44,8 @@ use crate::elements::{ElementSet, Origin};
 
 /// WGS72 equatorial radius, km.
 const WGS72_RADIUS_KM: f64 = 6_378.135;
-/// Error along the track at epoch, km. Not fitted: element sets from common observations do not show it.
+/// Error along the track at epoch, km. It is not fitted: differences of element sets from common observations do not
+/// show it.
 const ALONG_FLOOR_KM: f64 = 1.0;
 /// Error across the track at epoch, km. Streaks of known Starlinks on the Plaskett frames of Boley et al. (2021) are
 /// off by 50 arcsec in the median: a sigma of 74 arcsec, 0.3 km at 800 km.
@@ -49,7 +54,8 @@ const CROSS_FLOOR_KM: f64 = 0.3;
 const CAP_TURNS: f64 = 0.3413;
 /// Cap across the track, km.
 const CROSS_CAP_KM: f64 = 1_000.0;
-/// Published ṅ/2 above which a satellite of a constellation counts as manoeuvring, rev/day²; 190 m a day at 550 km.
+/// Published ṅ/2 above which a satellite of a constellation counts as manoeuvring, rev/day²; at 550 km the height then
+/// changes by 190 m a day.
 const MANOEUVRING_REV_DAY2: f64 = 3e-4;
 
 /// One-sigma error of a predicted position.
@@ -70,7 +76,7 @@ pub enum OrbitKind {
     OnStation,
     /// Member of such a constellation, being raised, lowered, or decaying.
     Manoeuvring,
-    /// Any other orbit with a period below 128 min (2,000 km).
+    /// Any other orbit with a period below 128 min (heights below 2,000 km).
     LowEarth,
     /// Period between low and geosynchronous orbits: navigation satellites.
     MediumEarth,
@@ -108,10 +114,11 @@ impl OrbitClass {
 
     /// Returns the class of an element set.
     ///
-    /// One set alone does not show every manoeuvre. Of 5,370 daily sets of 72 Starlinks, judged by the rule of three
-    /// sets (|da/dt| < 100 m a day), 83 % are classified correctly: 96 % of those on station, 58 % of the manoeuvring
-    /// ones; the missed ones move by 190 m a day in the median, and their own ṅ widens their sigma. Satellites without
-    /// a name in an orbit like a constellation's (inclination, altitude, nearly circular) count as its members.
+    /// One set alone does not show every manoeuvre. On 5,370 daily sets of 72 Starlinks the class was compared with a
+    /// rule for three consecutive sets (|da/dt| < 100 m a day). 83 % are classified correctly: 96 % of those on
+    /// station, and 58 % of the manoeuvring ones. The semi-major axis of the missed ones changes by 190 m a day in the
+    /// median, and their ṅ increases their sigma. Satellites without a name in an orbit like a constellation's
+    /// (inclination, altitude, nearly circular) count as its members.
     pub fn of(elements: &ElementSet, drag: DragModel) -> Self {
         let kind = match (elements.origin, drag.class_of(elements)) {
             (Origin::Synthetic, _) => OrbitKind::Synthetic,
@@ -207,7 +214,7 @@ impl Growth {
         root_sum_square(&terms_s).min(CAP_TURNS * class.period_s)
     }
 
-    /// Growth across the track at an age in days, km.
+    /// Growth of the error across the track at an age in days, km.
     fn cross_track_km(&self, class: &OrbitClass, age: f64) -> f64 {
         // S = 4/3 a |ṅ/2| / n = 4/3 a D / day
         let shift_km_day = 4.0 / 3.0 * class.semi_major_axis_km() * class.drag_s_day2 / DAY_S;
@@ -224,7 +231,7 @@ impl Growth {
             OrbitKind::MediumEarth    => Self { k1: 0.135, k2: 0.001,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.35,  px: 0.54, cx: 0.0 },
             OrbitKind::Geosynchronous => Self { k1: 1.6,   k2: 0.149,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 2.1,   px: 0.60, cx: 0.0 },
             OrbitKind::Eccentric      => Self { k1: 21.5,  k2: 0.49,   c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.18,  px: 1.45, cx: 0.0 },
-            // Station keeping has a distribution of its own.
+            // For station keeping, the growth is computed by `StationKeeping`.
             OrbitKind::Synthetic | OrbitKind::StationKeeping(_) => Self { k1: 0.0,   k2: 0.0,    c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.0,   px: 1.0,  cx: 0.0 },
         }
     }
@@ -250,7 +257,7 @@ fn published_kind(elements: &ElementSet) -> OrbitKind {
 /// Catalogue names of the constellations that maintain their orbits by thrusters.
 const CONSTELLATION_NAMES: [&str; 5] = ["STARLINK", "ONEWEB", "KUIPER", "QIANFAN", "HULIANWANG"];
 
-/// Inclinations (deg) and mean altitudes (km) of those constellations on 2026-04-25, in the same order.
+/// Inclinations (deg), and the range of mean altitudes (km), of those constellations on 2026-04-25, in the same order.
 const CONSTELLATION_ORBITS: [(&[f64], f64, f64); 5] = [
     (&[43.0, 53.05, 53.16, 70.0, 97.3, 97.65], 200.0, 620.0),
     (&[87.9], 450.0, 1_250.0),

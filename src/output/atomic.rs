@@ -77,7 +77,7 @@ fn remove_abandoned(folder: &Path) {
 /// that process has removed it.
 #[cfg(unix)]
 fn lock(file: &File, path: &Path) -> bool {
-    // A system without locks reports an error.
+    // The error of a file system without locks is ignored.
     let _ = file.lock();
     path.exists()
 }
@@ -88,12 +88,12 @@ fn lock(_: &File, _: &Path) -> bool {
     true
 }
 
-/// Entry in the list of temporary files, which ends with this value.
+/// Entry in the list of temporary files. It is removed from the list when this value is dropped.
 #[derive(Debug)]
 struct Listed(PathBuf);
 
 impl Listed {
-    /// Creates a temporary file or folder and its entry, so that no file is without one.
+    /// Creates a temporary file or folder and its entry under one lock, so that every temporary file has an entry.
     fn create<T>(create: impl FnOnce() -> io::Result<T>, path: impl Fn(&T) -> &Path) -> io::Result<(T, Self)> {
         let mut unfinished = unfinished();
         let created = create()?;

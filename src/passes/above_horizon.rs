@@ -3,8 +3,8 @@
 //! Altitudes are geometric (without refraction) and relative to the WGS84 horizon of the site. The satellite's position
 //! is computed in steps so short that three successive steps contain at most one extremum of the altitude. Every
 //! maximum that could reach the lowest altitude is refined, and rise and set are found as roots on both sides of it.
-//! Steps in which the satellite cannot come near the site are skipped: its angle to the site changes at most as fast as
-//! at the perigee.
+//! Steps in which the satellite cannot come near the site are skipped. Their number follows from its geocentric angle
+//! to the site, which changes at most as fast as at the perigee.
 
 use super::crossing::root;
 use super::scene::Scene;
@@ -62,7 +62,7 @@ pub(super) struct AboveHorizon {
     pub turning_rad_s: f64,
 }
 
-/// What is done with an interval above the lowest altitude; decided from its samples.
+/// Treatment of an interval above the lowest altitude, decided from its samples.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(super) enum Treatment {
     /// The interval is computed.
@@ -73,7 +73,7 @@ pub(super) enum Treatment {
     Skip,
 }
 
-/// Bounds on the motion of a satellite, from which follows how long it stays below the lowest altitude.
+/// Bounds on the motion of a satellite, from which the time that it stays below the lowest altitude is computed.
 struct Near {
     /// Geocentric angle to the site within which the satellite may be above the lowest altitude, radians.
     reach_rad: f64,
@@ -85,8 +85,8 @@ impl Near {
     fn of(propagator: &Propagator, min_altitude_rad: f64) -> Self {
         let (perigee_km, apogee_km) = propagator.perigee_apogee_km();
         let (perigee_km, apogee_km) = (perigee_km - RADIUS_SLOP_KM, apogee_km + RADIUS_SLOP_KM);
-        // In the triangle of Earth's centre, site and satellite: ψ = acos(R cos h / r) - h. It is largest at the apogee
-        // and for the lowest site.
+        // The geocentric angle between a site at radius R and a satellite at radius r and altitude h is
+        // acos(R cos h / r) - h. It is largest at the apogee and for the lowest site.
         let lowest_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING) - 11.0;
         let share = (lowest_km * min_altitude_rad.cos() / apogee_km).min(1.0);
         let reach_rad = share.acos() - min_altitude_rad + VERTICAL_SLOP_RAD;
@@ -120,8 +120,8 @@ impl HorizonSearch<'_> {
         Ok(self.sample(time_s)?.sine)
     }
 
-    /// Returns samples at every step at which the satellite may be above the limit. While it is far from the site, the
-    /// steps that it needs at least to come near are skipped.
+    /// Returns samples at every step at which the satellite may be above the limit, and the length of a step,
+    /// seconds. Steps in which the satellite is still too far from the site are skipped.
     fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
@@ -142,8 +142,9 @@ impl HorizonSearch<'_> {
     /// Returns the intervals between two times in which the satellite is above an altitude, in order, and the number of
     /// intervals that were only counted.
     ///
-    /// `treatment` receives the samples of one interval, from the last one below the limit before it to the first one
-    /// below the limit after it. An interval without a sample above the limit is always computed.
+    /// `treatment` receives the samples of one interval, from the last sample below the limit before the interval to
+    /// the first sample below the limit after it. An interval without a sample above the limit is computed even if the
+    /// treatment is [`Treatment::Count`].
     pub fn intervals(
         &self,
         (from_s, until_s): (f64, f64),
@@ -210,8 +211,8 @@ impl HorizonSearch<'_> {
         Ok((found, counted))
     }
 
-    /// Returns the time of the highest point between two times and the sine of the altitude there; `start` is between
-    /// them.
+    /// Returns the time of the highest point between two times and the sine of the altitude there; `start` is a sample
+    /// between these times.
     fn highest(&self, ends_s: [f64; 2], start: &Sample) -> Result<(f64, f64), OrbitError> {
         let mut failed = None;
         let depth = |time_s: f64| match self.sine_of_altitude(time_s) {

@@ -36,8 +36,8 @@ impl Sky {
     /// # Errors
     /// The errors of [`Sky::sun_altaz`].
     pub fn sun_reaches(&self, altitude_rad: f64, from: Epoch) -> Result<Option<Epoch>, SkyError> {
-        /// Search step, seconds. During it the Sun moves by at most 2.5°, so that it crosses an altitude twice only
-        /// near noon and midnight, where its altitude hardly changes.
+        /// Search step, seconds. In one step the Sun moves by at most 2.5°. It can cross the same altitude twice in a
+        /// step only near noon and midnight, where its altitude hardly changes.
         const STEP_S: f64 = 600.0;
         /// Tolerance, seconds; the Sun moves by half a thousandth of a degree in this time.
         const CLOSE_S: f64 = 0.1;

@@ -17,12 +17,14 @@ use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
 /// Longest slice of an exposure that is searched with one position of an observer on the ground, seconds. From the
 /// middle of the slice to its ends the observer moves by 14 km.
 const SLICE_S: f64 = 60.0;
-/// The same for an observer in orbit, seconds. From its middle to its ends the observer moves by 40 km.
+/// Longest slice for an observer in orbit, seconds. From the middle of the slice to its ends the observer moves by 40
+/// km.
 const FLIGHT_SLICE_S: f64 = 10.0;
 /// Number of slices that are tested together before each is tested separately; this number was measured to be the
 /// fastest.
 const GROUP: u32 = 5;
-/// Longest interruption of one pass, seconds. No satellite returns in this time, so it is still the same pass.
+/// Longest interruption of one pass, seconds. No satellite completes a revolution in this time, so a satellite that
+/// reappears sooner is still on the same pass.
 const SAME_PASS_S: f64 = 1200.0;
 /// Largest rate of the Sun relative to the stars, rad/s (1.02 degrees a day).
 const SUN_RATE_RAD_S: f64 = 2.1e-7;

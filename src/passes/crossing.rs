@@ -1,14 +1,14 @@
 //! Crossing of a field: the times at which a track enters and leaves the field, accurate to well under a millisecond.
 //!
-//! The track is any smooth function of time. It is divided into steps in which the line of sight turns by at most two
-//! degrees. In each step, the angle between the line of sight and the centre of a circle has at most one extremum,
+//! The track is any smooth function of time. It is divided into steps in which the line of sight turns by at most about
+//! two degrees. In each step, the angle between the line of sight and the centre of a circle has at most one extremum,
 //! which is found from the sign of the angle's derivative. The step is divided at the extremum, so that in each part
 //! the angle is monotonic and equals the radius at most once. Crossings of polygons are computed on the tangent plane,
 //! where the track is nearly straight.
 
 use nalgebra::Vector3;
 
-use super::field::{Border, FieldOnSky, polygon_contains, sides};
+use super::field::{Border, FieldOnSky, edges, polygon_contains};
 use super::track::{Chord, Sight};
 
 impl Sight {
@@ -194,7 +194,7 @@ fn inside_polygon(
     let mut times_s = vec![*first_s];
     for pair in part.windows(2) {
         let ((a_s, a), (b_s, b)) = (pair[0], pair[1]);
-        for (from, to) in sides(corners) {
+        for (from, to) in edges(corners) {
             // Positive on one side of the line through the edge, negative on the other.
             let side =
                 |point: [f64; 2]| (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0]);
@@ -300,7 +300,7 @@ mod tests {
             let half_s = ((0.5 * diameter_deg).to_radians().cos() / offset_deg.to_radians().cos()).acos() / rate;
             assert_eq!(crossing.chords.len(), 1, "{diameter_deg} {offset_deg}");
             let chord = crossing.chords[0];
-            // The grazing case is sensitive to rounding: 1e-4 s, elsewhere 1e-6 s.
+            // The grazing case is sensitive to rounding: its tolerance is 1e-4 s, that of the other cases 1e-6 s.
             let tolerance_s = if offset_deg > 1.7 && offset_deg < 2.0 { 1e-4 } else { 1e-6 };
             assert!(
                 (chord.enter_s + half_s).abs() < tolerance_s && (chord.exit_s - half_s).abs() < tolerance_s,

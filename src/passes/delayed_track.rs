@@ -88,7 +88,7 @@ impl ExposureInterval<'_> {
         self.sky.propagator_over(self.scene.start, element_index, [MARGIN_S, MARGIN_S + self.duration_s])
     }
 
-    /// Returns the epoch of a time, which is in seconds after the shutter opened.
+    /// Converts a time in seconds after the shutter opened to an epoch.
     pub fn epoch(&self, time_s: f64) -> hifitime::Epoch {
         seconds_after(self.scene.start, MARGIN_S + time_s)
     }
@@ -98,7 +98,8 @@ impl ExposureInterval<'_> {
         self.motion.position(MARGIN_S + time_s)
     }
 
-    /// Returns the geocentric state of a satellite that is late by `late_s` seconds, computed directly by SGP4.
+    /// Returns the geocentric state of a satellite that is late by `late_s` seconds, computed by the propagator without
+    /// interpolation on an arc.
     ///
     /// # Errors
     /// [`OrbitError`] if the propagation fails.
@@ -107,8 +108,8 @@ impl ExposureInterval<'_> {
         propagator.state_at_minutes(minutes, &self.orientation.teme_to_gcrs)
     }
 
-    /// Returns the direction and the distance of a satellite that is late by `late_s` seconds, computed directly by
-    /// SGP4.
+    /// Returns the direction and the distance of a satellite that is late by `late_s` seconds, computed from
+    /// [`Self::state`].
     ///
     /// # Errors
     /// [`OrbitError`] if the propagation fails.
@@ -170,8 +171,8 @@ impl DelayedTrack<'_> {
         (Direction::from_vector(sight.vector), sight.rate_s - along)
     }
 
-    /// Returns the time at which the track is nearest to a direction, starting from `guess_s`; it is within
-    /// [`DelayedTrack::times_s`].
+    /// Returns the time, within [`DelayedTrack::times_s`], at which the track is nearest to a direction. The search
+    /// starts at `guess_s`.
     pub fn nearest_s(&self, direction: &Direction<Gcrs>, guess_s: f64) -> f64 {
         let [first_s, last_s] = self.times_s();
         let mut time_s = guess_s.clamp(first_s, last_s);

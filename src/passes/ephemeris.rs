@@ -17,8 +17,8 @@ use crate::photometry::PhotometryOptions;
 
 /// Half of the length of the arc that is propagated around each time, seconds.
 const HALF_ARC_S: f64 = 1.0;
-/// Half of the step of the central differences that give rates, seconds. The relative error of a rate is (ω h)²/6,
-/// which is 10⁻⁷ at 0.5 deg/s.
+/// Half of the step of the central differences that give rates, seconds. The relative error of a rate is (ω h)²/6, with
+/// this half step h and the angular speed ω; it is 10⁻⁷ at 0.5 deg/s.
 const RATE_STEP_S: f64 = 0.1;
 /// Largest number of points (satellites times times) in one request.
 const MOST_POINTS: usize = 1_000_000;
@@ -71,9 +71,9 @@ struct Moment {
 }
 
 impl Sky {
-    /// Computes positions of the satellites with the given element indices at any times, also below the horizon. The
+    /// Computes positions of the satellites with the given element indices at given times, also below the horizon. The
     /// points are ordered by satellite, then by time. The second value lists the satellites without a position at one
-    /// of the times. If `photometry` is `None`, brightness is omitted.
+    /// or more of the times. If `photometry` is `None`, brightness is omitted.
     ///
     /// # Errors
     /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the elements of a

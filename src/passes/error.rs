@@ -11,7 +11,8 @@ use crate::orbit::OrbitError;
 /// First and last year for which the positions of Sun and Earth are computed.
 const YEARS: (i32, i32) = (1957, 2099);
 
-/// Error for which a whole request fails.
+/// Error that stops a whole request. Satellites without a position do not stop a request; results list them as left
+/// out.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SkyError {
     /// The time is outside the years of the ephemeris of Sun and Earth.

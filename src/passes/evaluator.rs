@@ -119,7 +119,7 @@ impl PassEvaluator<'_> {
         Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
     }
 
-    /// Returns true if the satellite is lit at any of the steps.
+    /// Returns true if the satellite is lit at any of [`LIGHT_STEPS`] + 1 evenly spaced times from entry to exit.
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
         times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).is_lit())
     }
@@ -163,8 +163,9 @@ impl PassEvaluator<'_> {
             .collect()
     }
 
-    /// Removes the parts of a crossing that are below the ground, and returns the time interval of the rest. For a near
-    /// miss it is the time of the closest approach. `None` if nothing is left. Needed only for fields near the ground.
+    /// Removes the parts of a crossing that are below the ground if `near_the_ground` is true, and returns the time
+    /// interval from the first entry to the last exit of the rest. For a near miss, both ends are the time of the
+    /// closest approach. `None` if nothing is left.
     pub fn keep_above_ground(&self, crossing: &mut Crossing, near_the_ground: bool) -> Option<(f64, f64)> {
         if near_the_ground {
             let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
@@ -218,8 +219,8 @@ impl PassEvaluator<'_> {
 
     /// Returns the position angle of the motion, radians, and the angular speed, rad/s.
     pub fn motion(&self, time_s: f64) -> (f64, f64) {
-        // This step is long enough that rounding (1e-16 / 1e-3) is negligible, and short enough that the path is
-        // straight.
+        // This step is long enough that rounding (1e-16 rad of a motion of about 1e-3 rad) is negligible, and short
+        // enough that the path is straight.
         const HALF_S: f64 = 0.05;
         let (_, _, before) = self.line.aspect_at(time_s - HALF_S);
         let (_, _, now) = self.line.aspect_at(time_s);

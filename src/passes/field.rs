@@ -31,7 +31,7 @@ struct NamedShape {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
-    /// Circle with its radius and its centre on the tangent plane, in radians of the plane.
+    /// Circle given by its centre on the tangent plane, in radians of the plane, and its radius on the sky.
     Circle { centre: [f64; 2], radius_rad: f64 },
     /// Polygon given by its corners on the tangent plane, in radians of the plane.
     Polygon(Vec<[f64; 2]>),
@@ -201,7 +201,7 @@ impl Field {
     }
 }
 
-/// Returns unit vectors at equal distances on a circle around an axis; at least 3.
+/// Returns `points` unit vectors (at least 3) at equal distances on a circle around an axis.
 fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item = Vector3<f64>> {
     let points = points.max(3);
     let (east, north) = Direction::<Gcrs>::from_vector(axis).east_north();
@@ -214,7 +214,7 @@ fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item
 
 fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
     let offset_deg = centre_deg[0].hypot(centre_deg[1]);
-    // Circles whose centre is not the pointing are limited by the gnomonic plane, like polygons.
+    // A circle that is not centred on the pointing must lie within 90° of it, the limit of the tangent plane.
     let allowed_deg = if offset_deg == 0.0 { 180.0 } else { 90.0 };
     if !(diameter_deg > 0.0 && diameter_deg <= allowed_deg) {
         return Err(invalid_diameter(&name, diameter_deg, allowed_deg));
@@ -266,8 +266,8 @@ fn signed_area(corners: &[[f64; 2]]) -> f64 {
     0.5 * edges(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>()
 }
 
-/// Returns the sides of a closed polygon.
-fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+/// Returns the edges of a closed polygon.
+pub(super) fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
 }
 
@@ -286,7 +286,7 @@ pub struct FieldOnSky<'a> {
 pub(super) enum Border<'a> {
     /// Circle on the sky with its centre and its radius in radians.
     Rim(Vector3<f64>, f64),
-    /// Polygon on the tangent plane, by its corners.
+    /// Polygon on the tangent plane, given by its corners.
     Outline(&'a [[f64; 2]]),
 }
 
@@ -348,9 +348,4 @@ pub(super) fn polygon_contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
         .count()
         % 2
         == 1
-}
-
-/// Returns the sides of a closed polygon.
-pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-    edges(corners)
 }

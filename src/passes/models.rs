@@ -7,9 +7,9 @@ use super::learned::{LEARNED_ERRORS, LearnedError, LearnedFile};
 use crate::elements::{ElementSet, Generation, GenerationTable, Origin};
 use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
-/// Rule by which each element set gets a brightness model. The first that applies is used: the model of its generation,
-/// the object's standard magnitude in the given table, that of the built-in bright objects and classes of rocket
-/// bodies, a prior for rocket bodies, a prior for any object.
+/// Rule by which each element set gets a brightness model. The first of these that exists is used: the learned model of
+/// the satellite, the model of its generation, its standard magnitude in the given table, the model of the built-in
+/// bright object or class of rocket bodies, the prior for rocket bodies, the prior for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -31,9 +31,9 @@ struct Learned {
     satellites: HashMap<u32, (Generation, Arc<BrightnessModel>)>,
 }
 
-/// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the
-/// best score on held-out points where there are any (`tests/fitting/default_models.rs`). `None` if there is no
-/// default.
+/// Returns the name of the default model of a generation; `None` if there is no default. Of several built-in models for
+/// a generation, the default is the one with the best score on held-out photometry, if there is any
+/// (`tests/fitting/default_models.rs`).
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),
@@ -144,7 +144,7 @@ impl ModelChoice {
         self
     }
 
-    /// Returns the model of a generation; `None` for other satellites.
+    /// Returns the model of a generation; `None` if it has none.
     pub fn of_kind(&self, generation: Generation) -> Option<&BrightnessModel> {
         self.by_generation.get(&generation).map(|model| &**model)
     }

@@ -35,19 +35,19 @@ impl Scene {
 
 /// Number of cached days, of 2 kB each. They are cached because a schedule uses its days several times.
 const CACHED_DAYS: usize = 64;
-/// Length of the tables that begin with a day, seconds.
+/// Length of the tables that begin at the start of a UTC day, seconds.
 const REACH_S: f64 = 3.0 * DAY_S;
-/// Time after the end of a request that interpolation needs, seconds.
+/// Time by which tables must extend beyond the end of a request for interpolation, seconds.
 const BEYOND_S: f64 = DAY_S;
 
-/// Earth orientation and Sun from the beginning of a UTC day on.
+/// Tables of Earth orientation and Sun that begin at the start of a UTC day.
 #[derive(Debug)]
 struct Day {
     orientation: OrientationTable,
     sun: SunTable,
 }
 
-/// Cache of the most recently used days, the newest last.
+/// Cache of the most recently computed days, the newest last.
 #[derive(Debug, Default)]
 pub(in crate::passes) struct Almanac {
     kept: Mutex<Vec<(i64, Arc<Day>)>>,
@@ -81,13 +81,13 @@ impl Almanac {
     }
 }
 
-/// Smallest number of cached windows: three windows of a night for both scopes, and two more.
+/// Smallest number of cached windows: three windows of a night for each of the two scopes, and two more.
 const LEAST_CACHED_WINDOWS: usize = 8;
 /// Number of satellites in all cached windows together, of 140 bytes each. A schedule uses its nights several times,
 /// and computing the three windows of a night takes as long as the crossings of 700 exposures.
 const CACHED_SATELLITES: usize = 500_000;
 
-/// Which satellites a window must find.
+/// Satellites that a window must find.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(in crate::passes) enum SearchScope {
     /// Satellites that cross at their predicted positions.

@@ -48,7 +48,8 @@ impl Sky {
             .with_ephemerides(satellites.ephemerides)
     }
 
-    /// Creates a sky as [`Sky::new`], with other brightness models and another Earth orientation table.
+    /// Creates a sky like [`Sky::new`] does, but with the given brightness models and Earth orientation table, and
+    /// without ephemerides.
     pub fn with_models(
         elements: Vec<ElementSet>,
         viewpoint: impl Into<Viewpoint>,

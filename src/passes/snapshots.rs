@@ -32,7 +32,8 @@ pub struct SnapshotOptions {
     pub min_altitude_rad: f64,
     /// If true, satellites in the umbra are included.
     pub include_dark: bool,
-    /// If true, a satellite that is above the altitude and lit at one of the times is included at all times.
+    /// If true, a satellite that is above the altitude, and lit unless `include_dark` is true, at one of the times is
+    /// included at all times.
     pub whole_tracks: bool,
     /// Band, magnitude system and extinction. `None` omits the brightness of all points, which is several times faster.
     pub photometry: Option<PhotometryOptions>,
@@ -161,7 +162,8 @@ impl Sky {
         self.brightness_in(element_index, &point.geometry, point.illumination.lit_fraction(), photometry)
     }
 
-    /// Returns the brightness of a satellite in a geometry with a fraction of the Sun's light, as [`Self::brightness`].
+    /// Returns the brightness as [`Self::brightness`] does, for a viewing geometry and the fraction of the Sun's light
+    /// that reaches the satellite.
     pub fn brightness_in(
         &self,
         element_index: usize,

@@ -150,8 +150,8 @@ pub struct TrackPoint {
     pub azimuth_rad: Option<f64>,
     /// Distance from the observer, km.
     pub range_km: f64,
-    /// Height of the satellite above the WGS84 ellipsoid, km. That of [`Self::geometry`] is above the equatorial
-    /// radius.
+    /// Height of the satellite above the WGS84 ellipsoid, km. The height in [`Self::geometry`] is the distance from the
+    /// Earth's centre minus the equatorial radius.
     pub height_km: f64,
     /// Geometry of Sun, satellite and observer.
     pub geometry: ViewingGeometry,

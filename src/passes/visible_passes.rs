@@ -73,13 +73,13 @@ pub struct VisiblePass {
     pub norad_id: NoradId,
     /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
-    /// Point at which the satellite rises above the lowest altitude; `None` if it was above it when the search began,
-    /// half an hour before the night.
+    /// Point at which the satellite rises above the lowest altitude; `None` if it was already above this altitude when
+    /// the search began: half an hour before the night, or, with `include_dark`, at the start of the request.
     pub rise: Option<TrackPoint>,
     /// Highest point of the pass.
     pub culmination: TrackPoint,
-    /// Point at which the satellite sets below the lowest altitude; `None` if it is still above it when the search
-    /// ends.
+    /// Point at which the satellite sets below the lowest altitude; `None` if it is still above this altitude when the
+    /// search ends.
     pub set: Option<TrackPoint>,
     /// First point in the penumbra when the satellite enters the Earth's shadow; `None` if it does not.
     pub shadow_entry: Option<TrackPoint>,
@@ -109,7 +109,7 @@ impl VisiblePass {
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct NotShown {
     /// Passes that are above the lowest altitude while the site is dark, but are in the Earth's shadow during that
-    /// time. Passes that end before the site is dark or begin after are not counted.
+    /// time. Passes during which the site is never dark are not counted.
     pub in_shadow: usize,
     /// Passes fainter than the limit, or without a magnitude.
     pub too_faint: usize,
@@ -128,8 +128,8 @@ pub struct VisiblePasses {
     pub not_shown: NotShown,
     /// Number of satellites searched.
     pub satellites: usize,
-    /// Expected number of visible passes brighter at their peaks than the limit, the sum of their probabilities, those
-    /// excluded as too faint included; `None` without a limit.
+    /// Expected number of visible passes that are brighter than the limit at their peaks: the sum of the probabilities,
+    /// including those of passes excluded as too faint. `None` without a limit.
     pub expected_brighter: Option<f64>,
     /// Satellites without a position at some time of the search.
     pub left_out: Vec<LeftOut>,
@@ -291,8 +291,8 @@ impl Search<'_> {
         ObserverMotion::of_site(self.observer, &orientation, earth_velocity, time_s)
     }
 
-    /// Evaluates one interval above the horizon. `None` if it ends before the site is dark or begins after, or if
-    /// observer and satellite coincide.
+    /// Evaluates one interval above the horizon. `None` if the site is never dark during the interval (unless
+    /// `include_dark` is true), or if observer and satellite coincide.
     fn pass(
         &self,
         element_index: usize,
@@ -370,7 +370,8 @@ impl Search<'_> {
     }
 }
 
-/// Returns the visible part, which lies in the intervals of full sunlight, and the brightest point in any light.
+/// Returns the visible part, from the start of the first to the end of the last interval of `seen`, with the brightest
+/// point in the intervals of `lit`.
 fn visibility(
     evaluator: &PassEvaluator<'_>,
     seen: &[(f64, f64)],

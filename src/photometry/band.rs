@@ -172,7 +172,7 @@ mod tests {
         let sun = |band: Band| band.sun_magnitude(band.usual_system());
         assert_eq!(sun(Band::V), -26.76);
         // B - V of the Sun: 0.653 ± 0.005 (Ramirez et al. 2012, ApJ 752, 5); V - R 0.352, V - I 0.702. Willmer's
-        // tables are rounded to 0.01 and state 0.02 to 0.04 mag.
+        // tables are rounded to 0.01 mag and state errors of 0.02 to 0.04 mag.
         for (blue, red, colour) in [(Band::B, Band::V, 0.653), (Band::V, Band::R, 0.352), (Band::V, Band::I, 0.702)] {
             assert!((sun(blue) - sun(red) - colour).abs() < 0.05, "{blue} - {red}");
         }

@@ -1,8 +1,8 @@
 //! Standard magnitudes of the brightest objects: space stations, large payloads, and rocket bodies by class.
 //!
-//! `bright_objects.csv` has the source of every row. A row with a catalogue number is one object; a row with a class is
-//! for all rocket bodies whose name begins with it; a row with `part_of` is a module of a station, whose light is in
-//! the magnitude of that station.
+//! `bright_objects.csv` has the source of every magnitude. A row with a catalogue number is one object. A row without
+//! one is a class: all rocket bodies of this name, where a stage number in parentheses is ignored. A row with `part_of`
+//! is a module of a station; its light is included in the magnitude of that station.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -72,8 +72,8 @@ impl BrightObjects {
         self.modules.values().any(|station| *station == norad_id)
     }
 
-    /// Returns the object with this catalogue number, or the class of this name, without a number of the stage: `SL-12
-    /// R/B(2)` is of the class `SL-12 R/B`.
+    /// Returns the object with this catalogue number, or else the class of this name. A stage number in parentheses is
+    /// ignored: `SL-12 R/B(2)` is of the class `SL-12 R/B`.
     pub fn get(&self, norad_id: u32, name: &str) -> Option<&BrightObject> {
         let class = name.split_once('(').map_or(name, |(class, stage)| {
             let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());

@@ -10,8 +10,8 @@ use super::magnitude::Magnitude;
 /// Source of a magnitude; cloning it is fast.
 ///
 /// It is displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or of
-/// a class of objects) or `prior` (unknown satellite). The names of models of satellites whose kind is assumed end with
-/// ` (kind assumed)`, and with ` (learned)` if offsets learned from measurements are applied.
+/// a class of objects) or `prior` (unknown satellite). The name of a model is followed by ` (kind assumed)` if the kind
+/// of the satellite is assumed, and by ` (learned)` if offsets learned from measurements are applied.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
     /// A model with reflection laws, by name.
@@ -27,12 +27,12 @@ pub enum MagnitudeSource {
 }
 
 impl MagnitudeSource {
-    /// Returns the source for satellites whose kind is assumed; a source without a name stays.
+    /// Returns the source for satellites whose kind is assumed; a source without a name is unchanged.
     pub(super) fn of_assumed_kind(&self) -> Self {
         self.with_note("kind assumed")
     }
 
-    /// Returns the source of magnitudes with a learned offset; a source without a name stays.
+    /// Returns the source of magnitudes with a learned offset; a source without a name is unchanged.
     pub(super) fn of_learned(&self) -> Self {
         self.with_note("learned")
     }
@@ -185,7 +185,7 @@ mod tests {
         assert!((light.probability_brighter_than(6.5) - 0.841_344_746).abs() < 1e-9);
         assert!((light.probability_brighter_than(5.0) - 0.022_750_132).abs() < 1e-9);
         assert_eq!(light.probability_brighter_than(6.0), 0.5);
-        // A wing of a tenth, 2 mag brighter: a tenth is brighter than 4.5 mag, which the core does not reach.
+        // A tenth of the magnitudes is in a wing that is 2 mag brighter; only the wing is brighter than 4.5 mag.
         let flares =
             ErrorDistribution { wing_share: 0.1, wing_shift: -5.0, wing_sigma: 0.5, ..light.error_distribution };
         let flaring = Brightness { sigma_mag: 0.4, error_distribution: flares, ..light };

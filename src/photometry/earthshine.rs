@@ -6,9 +6,10 @@
 //! panels it may fall on any panel, with any reflection law. Light reflected between parts of the satellite,
 //! refraction, twilight airglow and the size of the Sun's disk are neglected.
 //!
-//! The tables show the convergence: the largest error of the diffuse light, and of the magnitude of a chassis lit by
-//! the Earth only (c4 0.19, c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). First, HEALPix
-//! sums with the pole at the nadir compared with the rule, for n = 22, 550 km and the Sun at -12° to 40°:
+//! The tables show the convergence: the largest relative error of the diffuse light, and the largest error of the
+//! magnitude of a chassis lit by the Earth only (c4 0.19, c5 0.09; printed by
+//! `cargo test --test library earthshine -- --nocapture`). First, HEALPix sums with the pole at the nadir compared with
+//! the rule, for a lobe with the exponent 22, a height of 550 km and the Sun at -12° to 40°:
 //!
 //! | nside | lit pixels | diffuse | total, mag |
 //! |---|---|---|---|
@@ -156,7 +157,7 @@ impl LitEarth {
     /// facets of reflectance 1, sr⁻¹, for an observer below the panel; `exponent` is that of the lobe
     /// ([`crate::photometry::brdf::Law::equivalent_exponent`]).
     ///
-    /// No allocation. The facets are masked alike on each ring, because their panel is level.
+    /// Allocates nothing. The masking of the facets is the same along each ring, because their panel is level.
     pub(super) fn shine_on_facets(&self, facets: &Facets, to_observer: &Vector3<f64>, exponent: f64) -> [f64; 2] {
         let cos_out = -to_observer.z;
         let sums = FacetSums {

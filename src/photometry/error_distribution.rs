@@ -45,8 +45,8 @@ impl ErrorDistribution {
     pub const NORMAL: Self =
         Self { core_shift: 0.0, core_sigma: 1.0, wing_share: 0.0, wing_shift: 0.0, wing_sigma: 1.0 };
 
-    /// Returns the probability of less than `x`, with an independent normal error of standard deviation `more` added;
-    /// both in units of sigma.
+    /// Returns the probability of a value below `x` if an independent normal error of standard deviation `more` is
+    /// added. `x` and `more` are in units of sigma.
     pub fn cumulative(&self, x: f64, more: f64) -> f64 {
         // Φ((x - a) / √(c² + e²))
         let part = |shift: f64, sigma: f64| 0.5 * libm::erfc((shift - x) / sigma.hypot(more) * FRAC_1_SQRT_2);
@@ -84,7 +84,7 @@ mod tests {
         assert!((normal.cumulative(2.0, 3_f64.sqrt()) - normal.cumulative(1.0, 0.0)).abs() < 1e-12);
         let winged =
             ErrorDistribution { core_shift: 0.1, core_sigma: 0.7, wing_share: 0.2, wing_shift: -1.0, wing_sigma: 2.0 };
-        // The sum over a fine grid of the density, from finite differences of nothing but two normal densities.
+        // Sum of the density over a fine grid.
         let density = |x: f64| {
             let normal = |x: f64, shift: f64, sigma: f64| {
                 (-0.5 * ((x - shift) / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt())

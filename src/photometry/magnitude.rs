@@ -5,7 +5,7 @@ use std::fmt;
 /// Range to which standard magnitudes refer, km (d in Lu 2024).
 pub const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// Largest reflection, m² sr⁻¹, that may be the rounding error of a cosine of 0 (1e-16 on a square metre, with a
+/// Largest reflection, m² sr⁻¹, that can be caused by the rounding of a cosine of 0 (1e-16 times a square metre, with a
 /// margin).
 const LEAST_REFLECTION_M2_SR: f64 = 1e-12;
 

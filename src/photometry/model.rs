@@ -20,13 +20,13 @@ use crate::geometry::ViewingGeometry;
 /// Uncertainty that is added in quadrature if a magnitude is converted from the model's band to another one with the
 /// Sun's colour, mag.
 ///
-/// Assumed. STARLINK-1113 (V1.0) in single images on two nights through r, i, J and Ks (Tregloan-Reed et al. 2021, A&A
-/// 647, A54, abstract) differs from the Sun's colours by 0.2 mag RMS. Geostationary satellites are in general redder than
-/// the Sun, by up to 0.55 mag in V - R.
+/// Assumed. The colours of STARLINK-1113 (V1.0) in r, i, J and Ks differ from the Sun's by 0.2 mag RMS (single images
+/// on two nights; Tregloan-Reed et al. 2021, A&A 647, A54, abstract). Geostationary satellites are in general redder
+/// than the Sun, by up to 0.55 mag in V - R.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
-/// One sigma of a magnitude from an object's standard magnitude, mag. Assumed, for shapes, aspects, and magnitudes
-/// estimated by eye; authors of such lists state an accuracy of a magnitude.
+/// One sigma of a magnitude from an object's standard magnitude, mag. The assumed value covers unknown shapes and
+/// aspects, and errors of estimates by eye; authors of such lists state an accuracy of one magnitude.
 pub(super) const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
 
 /// Assumed size of an unknown object, m.
@@ -76,22 +76,22 @@ enum Law {
     Mean(StandardMagnitude),
 }
 
-/// Step of the parameters of panels for derivatives, in their sigmas: well above rounding (1e-16), and small enough to
-/// be linear.
+/// Step of the parameters of panels for derivatives, in their sigmas: well above rounding (1e-16), and so small that
+/// the light changes linearly.
 const STEP_SIGMAS: f64 = 1e-3;
 
 /// Step of panel offsets for derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-3;
 
-/// How the uncertainty of the parameters of a model is known.
+/// Uncertainty of the fitted parameters of a model.
 #[derive(Clone, Debug, PartialEq)]
 enum ParameterUncertainty {
     /// The uncertainty is unknown.
     None,
-    /// By derivatives with respect to the coefficients of two panels. If the panel offset was fitted, too, with models
-    /// at a smaller and a larger offset.
+    /// Covariance of a two-panel model. If the panel offset was fitted as well, models with a larger and a smaller
+    /// offset give the derivative with respect to it.
     Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
-    /// Derivatives by the parameters of panels.
+    /// Covariance of the parameters of panels, and the derivatives with respect to them.
     Panels(ParameterSigmas, Box<PanelSensitivity>),
 }
 
@@ -379,9 +379,9 @@ impl BrightnessModel {
 
     /// Returns the uncertainty (one sigma) of the magnitude due to that of the fitted parameters alone, mag: √(J Σ Jᵀ).
     ///
-    /// The uncertainty is that of the sunlight. Earthshine (`earth_m2_sr`, 0 without) is taken as exact and only
-    /// reduces it, although it depends on the same coefficients. `None` if the model has no covariance, or if no lit
-    /// surface is visible.
+    /// The uncertainty is that of the sunlight. Earthshine (`earth_m2_sr`, 0 without) is taken as exact, although it
+    /// depends on the same coefficients; it only reduces the uncertainty. `None` if the model has no covariance, or if
+    /// no lit surface is visible.
     pub fn parameter_sigma_mag(
         &self,
         to_sun: &Direction<Body>,

@@ -37,11 +37,11 @@ use crate::frames::{Acceleration, Body, Direction, Gcrs, Position};
 use crate::geometry::body_to_gcrs;
 
 impl BrightnessModel {
-    /// Returns the force of sunlight on the satellite, as areas, for a direction of the Sun in the body frame, in which
-    /// its y is 0; `None` for a model without panels.
+    /// Returns the force of sunlight on the satellite, as areas, for a direction of the Sun in the body frame (with
+    /// y = 0); `None` for a model without panels.
     ///
-    /// It depends only on the Sun's latitude above the plane of the chassis. Programs that need it at many times should
-    /// compute it at some latitudes and interpolate, because it takes 0.1 to 0.2 s for two panels.
+    /// The force depends only on the Sun's latitude above the plane of the chassis. Programs that need it at many times
+    /// should compute it at some latitudes and interpolate, because one computation takes 0.1 to 0.2 s for two panels.
     pub fn sunlight_force(&self, to_sun: &Direction<Body>) -> Option<SunlightForce> {
         if let Some(assembly) = self.assembly() {
             return Some(assembly.sunlight_force(to_sun.vector()));

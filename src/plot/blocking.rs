@@ -18,8 +18,8 @@ const HIDDEN: RGBColor = RGBColor(0, 114, 178);
 const PER_M: f64 = 62.0;
 
 /// Draws the front of the solar array with the part that the chassis shades, the part that it hides from the observer,
-/// and the corner (x_p, y_p) of eqs. 16 and 17. The angles are the Sun's latitude, and longitude and latitude of the
-/// observer, below the chassis and in front of the array, radians.
+/// and the corner (x_p, y_p) of eqs. 16 and 17 of the paper. The angles, in radians, are the latitude of the Sun, and
+/// the longitude and latitude of the observer, who must be below the chassis and in front of the array.
 ///
 /// # Errors
 /// The sizes are invalid.
@@ -48,7 +48,8 @@ pub fn blocking_picture(
         if z < 0.0 && facing > 0.0 { shape.base_length_m * -z / facing } else { 0.0 }
     };
     let (shade_m, y_p) = (height_m(sun.x, sun.z), height_m(observer.x, observer.z));
-    // The ray from (u, v) meets the plane of the chassis at y = u + v cos POA w_y / (-w_z).
+    // The ray from (u, v) meets the plane of the chassis at y = u + v cos POA w_y / (-w_z), with the panel offset angle
+    // POA.
     let x_p = -y_p * cos_offset * observer.y / -observer.z;
     let (sail_m, half_m) = (shape.sail_length_m, 0.5 * shape.sail_width_m);
     let half_base_m = 0.5 * shape.base_width_m;
@@ -106,13 +107,13 @@ pub fn blocking_picture(
         }
         picture.text(text, (458.0, y), 16.0, HPos::Left);
     }
-    // y_p = l_base √((1 - l cos δ cos α)² + l² sin² δ), in print with δ_sun in the last term
+    // y_p = l_base √((1 - l cos δ cos α)² + l² sin² δ); the paper prints δ_sun in the last term.
     let (sin_obs, flat) = (-observer.z, observer.x);
     let l = cos_offset / (flat * cos_offset - sin_obs * sin_offset);
     let printed_m = shape.base_length_m * (1.0 - l * flat).hypot(l * sun_latitude_rad.sin());
     let caption = format!(
-        "After figure 1 of Lu (2024). Eq. 17 of the paper prints the Sun's latitude where the projection has the observer's: with \
-         it y_p would be {} m.",
+        "After figure 1 of Lu (2024). Eq. 17 of the paper prints the Sun's latitude instead of the \
+         observer's; with it y_p would be {} m.",
         fixed(printed_m, 2)
     );
     picture.paragraph(&caption, [30.0, 830.0], frame.sides[3] + 76.0, 17.0);

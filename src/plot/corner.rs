@@ -82,7 +82,7 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     if is_titled {
         picture.set_title(input.title, (left, 26.0), 23.0, HPos::Left);
     }
-    // The title is placed in the free area above the diagonal.
+    // The legend is placed in the free area above the diagonal.
     let first = left + count.div_ceil(2) as f64 * (panel + GAP);
     let legend = if input.truths.is_some() { LEGEND_WITH_TRUTHS } else { LEGEND };
     picture.paragraph(legend, [first, left + side + beyond(panel) - 8.0], top + 12.0, 16.0);

@@ -36,8 +36,8 @@ pub struct CountsAndSpread<'a> {
     pub most_iqr_mag: f64,
 }
 
-/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells above it and to its
-/// right, and both thresholds with the fraction of cells that are kept.
+/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells in panels above and to
+/// the right, and both thresholds with the fraction of cells that are kept.
 ///
 /// # Errors
 /// There is no cell; columns differ in length; a value is not finite; a count is below 1 or a spread below 0; or a

@@ -138,8 +138,8 @@ pub(super) fn dots(frame: &Frame, x: &[f64], y: &[f64], colour: RGBColor) -> Pix
             }
         }
     }
-    // Dots are more transparent if there are many points: their opacity is 60 % for a few points, and 10 % where a
-    // raster cell in the dense parts has dozens.
+    // Dots are more transparent if there are many points: their opacity is 60 % for a few points, and 10 % if the
+    // raster cells with dots have dozens of dots on average.
     let painted: Vec<u32> = layers.iter().copied().filter(|count| *count > 0).collect();
     let mean = painted.iter().sum::<u32>() as f64 / painted.len().max(1) as f64;
     let thin = 1.0 - (0.6 / mean.max(1.0).sqrt()).max(0.06);
@@ -183,7 +183,8 @@ mod tests {
         assert!((within(walls) - all).abs() < 1e-9 * all && within(OPEN) < 0.99 * all);
         /// Size of a bin in the picture, pixels.
         const CELL: f64 = 10.0;
-        // Half a circle of one sigma: 100 pixels wide, and as high at the wall as without it.
+        // Half of the one-sigma line: it is 100 pixels wide, and at the wall it extends 50 pixels to both sides, as
+        // without the wall.
         let highest_at_wall = |walls| {
             let lines = density.lines_around(&frame, &[0.393], walls);
             let at_wall = lines.iter().flatten().filter(|(x, _)| *x < 0.6 * CELL).map(|(_, y)| (y - 200.0).abs());

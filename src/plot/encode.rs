@@ -119,8 +119,8 @@ impl Picture {
         let Underlay { width: columns, height: rows, rgb } =
             self.underlay(&Canvas::of(self, (width * FINE, height * FINE)));
         let pixels = STANDARD.encode(png(&rgb, (columns, rows), NATURAL_DPI, &[])?);
-        // The pixel image must come first, so that it is below everything: immediately after the opening tag, which
-        // contains the size.
+        // The pixel image must come first, so that it is below everything else. It follows the opening tag, which is
+        // replaced, because it contains the size.
         let broken = || PlotError::Drawing("the SVG has no opening tag".to_owned());
         let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
         // The drawing is scaled to the given size, with margins if the shape differs.
@@ -154,7 +154,8 @@ fn svg_metadata(metadata: &[(&str, String)]) -> String {
         _ => format!("\"{keyword}\":{}", text(value)),
     };
     let entries: Vec<String> = metadata.iter().map(entry).collect();
-    // Strings of JSON may contain the end of a CDATA section; the escaped character has the same meaning.
+    // Strings of JSON may contain the end of a CDATA section. The character > is therefore escaped, which does not
+    // change the JSON value.
     format!("<metadata><![CDATA[{{{}}}]]></metadata>", entries.join(",").replace('>', "\\u003e"))
 }
 

@@ -59,11 +59,11 @@ pub struct FieldStreak {
 /// Draws the outlines of the field on the tangent plane with lines of right ascension and declination, and every streak
 /// in the colour of its magnitude with an arrow at its exit, the brightest on top. A list gives entry, exit and
 /// magnitude of the streaks, the brightest first; listed streaks are numbered in the chart where a number covers no
-/// streak. If there are too many for the list, its last line gives the number of the others; the caption gives that of
-/// missing numbers.
+/// streak. If there are too many streaks for the list, its last line gives the number of omitted streaks. The caption
+/// gives the number of listed streaks that have no number in the chart.
 ///
-/// A field without streaks is drawn with a note. Its size is then that of its outlines, of which at least one is
-/// required.
+/// The chart covers the outlines or, if there are none, the streaks. A field without streaks must have an outline, and
+/// is drawn with a note.
 ///
 /// # Errors
 /// There are neither outlines nor streaks; a streak has fewer than two points; or a position is invalid or more than
@@ -236,7 +236,7 @@ mod tests {
             let turn = (centre[0] + east - position[0] + 180.0).rem_euclid(360.0) - 180.0;
             assert!(turn.abs() < 1e-7 && (dec - position[1]).abs() < 1e-9, "{plane:?}: {east} {dec}");
         }
-        // Behind the plane and at its border.
+        // Behind the tangent plane, and more than 75 degrees from the centre.
         assert!(gnomonic([0.0, 0.0], [180.0, 0.0]).is_none() && gnomonic([0.0, 0.0], [76.0, 0.0]).is_none());
     }
 }

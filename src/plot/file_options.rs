@@ -82,10 +82,11 @@ impl PictureSize {
 
 /// Size, resolution and metadata of a picture file.
 ///
-/// A chart keeps its layout: it is scaled with its fonts and lines, and white margins fill a size of another shape.
+/// A chart keeps its layout: it is scaled with its fonts and lines. If the ratio of width to height differs from that
+/// of the chart, white margins are added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileOptions {
-    /// Size of the file; that of the chart if omitted: its pixels at 96 dots per inch.
+    /// Size of the file; if omitted, the size of the chart, whose pixels are 1/96 inch wide.
     pub size: Option<PictureSize>,
     /// Dots per inch of a PNG, 10 to 1200; 96 if omitted. Sizes in pixels do not depend on it.
     pub dpi: Option<u32>,
@@ -135,7 +136,8 @@ impl FileOptions {
     /// # Errors
     /// The resolution is out of range, or the size has too few or too many pixels.
     pub fn check(&self) -> Result<(), PlotError> {
-        // The size of a chart is not yet known; at its own resolution every chart is within the bounds.
+        // Without a given size, only the resolution is checked, because the size of the chart is not yet known. At 96
+        // dots per inch, every chart is within the bounds.
         let size = self.size.unwrap_or(PictureSize { width: SIDE[0], height: SIDE[0], unit: Unit::Pixel });
         Self { size: Some(size), ..self.clone() }.pixels((0, 0)).map(|_| ())
     }

@@ -92,7 +92,7 @@ pub(super) fn label(picture: &mut Picture, plane: &Plane<'_>, labels: &mut Label
 fn lines(plane: &Plane<'_>) -> Vec<GridLine> {
     let [ra0, dec0] = plane.centre;
     let reach = plane.reach;
-    // Right ascensions from the centre and declinations along the border of the chart.
+    // Ranges of right ascension, relative to that of the centre, and of declination along the border of the chart.
     let border = (0..=64).flat_map(|part| {
         let along = reach * (f64::from(part) / 32.0 - 1.0);
         [[along, reach], [along, -reach], [reach, along], [-reach, along]]

@@ -30,7 +30,8 @@ impl Labels {
         self.boxes.push(sides);
     }
 
-    /// Returns the first of these positions at which a label with half this width and height is free, and occupies it.
+    /// Returns the first of these positions at which a label is free, and occupies it. `half` is half the width and
+    /// half the height of the label.
     pub fn place(&mut self, half: (f64, f64), candidates: impl IntoIterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
         let position = candidates.into_iter().find(|position| self.is_free(*position, half))?;
         self.add_box(around(position, half));

@@ -97,7 +97,7 @@ fn drawn(title: String, caption: String, disks: Vec<Disk<'_>>, radius: usize, li
         caption,
         disks,
         radius,
-        discs_per_row: 3,
+        disks_per_row: 3,
         contour_mag: Some(limit),
         nothing: "not lit",
         scale: None,
@@ -259,7 +259,7 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
     }
     let disks = input.panels.iter().map(|panel| disk(input, panel)).collect::<Result<Vec<_>, _>>()?;
     let is_mixed = input.panels.iter().any(|panel| panel.quantity != input.panels[0].quantity);
-    let discs_per_row = if input.is_folded { 4 } else { 3 };
+    let disks_per_row = if input.is_folded { 4 } else { 3 };
     let meaning = match input.panels.iter().any(|panel| panel.quantity == Quantity::Residual) {
         true => " O−C above 0 (red): observed fainter than computed.",
         false => "",
@@ -269,13 +269,13 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
         "{} Nadir in the middle, plane of the chassis at the rim; longitudes from the Sun{fold}. HEALPix cells, nside {}.{meaning}",
         input.caption, input.nside
     );
-    let columns = discs_per_row.min(disks.len());
+    let columns = disks_per_row.min(disks.len());
     let sheet = DiskSheet {
         title: input.title.to_owned(),
         caption: caption.trim().to_owned(),
         radius: radius(columns, disks.len().div_ceil(columns), input.is_folded, is_mixed),
         disks,
-        discs_per_row,
+        disks_per_row,
         contour_mag: None,
         nothing: "no cell",
         scale: None,

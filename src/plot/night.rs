@@ -164,7 +164,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     let struck = input.n_streaks.iter().filter(|number| **number > 0.0).count();
     let over = input.limit_mag.map(|limit| shown.iter().filter(|mag| **mag < limit).count());
     let over =
-        over.map(|over| format!(", {} of a mean magnitude brighter than the limit", count(over))).unwrap_or_default();
+        over.map(|over| format!(", {} with a mean magnitude brighter than the limit", count(over))).unwrap_or_default();
     let caption = format!(
         "{}, {} with streaks ({}){over}. {}",
         many(n, "exposure", "exposures"),

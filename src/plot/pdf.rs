@@ -19,7 +19,8 @@ pub(super) fn of_svg(svg: &str, metadata: &[(&str, String)]) -> Result<Vec<u8>, 
     let (drawing, root) =
         to_chunk(&tree, ConversionOptions::default()).map_err(|error| PlotError::Drawing(error.to_string()))?;
     let [catalogue, pages, page, content, information] = [1, 2, 3, 4, 5].map(Ref::new);
-    // The converter numbers its objects from 1, too, and writes its dictionaries in an arbitrary order.
+    // The converter also numbers its objects from 1, so they are renumbered. The order of its dictionaries is
+    // arbitrary.
     let after_ours = |old: Ref| Ref::new(old.get() + information.get());
     let drawing = drawing.renumber(after_ours);
     let [width, height] =

@@ -111,9 +111,9 @@ impl Picture {
         self.text(title, position, size, horizontal);
     }
 
-    /// Draws a line of text below the title of a chart: site, and range of times.
+    /// Draws a line of text below the title of a chart, for example the site and the range of times.
     ///
-    /// Pictures of disks have a line of their own there.
+    /// In pictures of disks, the titles of the disks are at this position.
     pub fn with_subtitle(mut self, text: &str) -> Self {
         self.text(text, (self.width as f64 / 2.0, SUBTITLE), 16.0, HPos::Center);
         self

@@ -121,8 +121,8 @@ pub struct PhaseCurve<'a> {
     pub model_mag: &'a [f64],
 }
 
-/// Draws measured magnitudes against phase angle and, next to them on the same axes, the magnitudes of the model. Both
-/// panels contain the running medians of both. Brighter magnitudes are higher.
+/// Draws measured magnitudes against phase angle and, next to them on the same axes, the magnitudes of the model. Each
+/// panel contains the running medians of the measured and of the computed magnitudes. Brighter magnitudes are higher.
 ///
 /// The axis of magnitudes contains at least 99.6 % of the measured and of the computed ones. The caption gives the
 /// number beyond the axis.
@@ -149,7 +149,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     let (bright, faint) =
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
     let margin = 0.05 * (faint - bright);
-    // The axis is reversed, with the faint end at the bottom. The margin widens it even if all values are equal.
+    // The axis is reversed, with the faint end at the bottom. `Axis::linear` widens it if all values are equal.
     let up = Axis::linear(bright - margin, faint + margin);
     let y = Axis { from: up.to, to: up.from, is_log: false };
     let (least, greatest) = phase.iter().fold((180.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));

@@ -54,7 +54,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the step by whose multiples the ends of a bar are rounded.
+    /// Returns the step to multiples of which the ends of a bar are rounded.
     fn round(self) -> f64 {
         match self {
             Self::Magnitude => 0.5,
@@ -92,7 +92,7 @@ impl ColourScale {
             Quantity::Magnitude => {
                 let ends = |round: f64| ((low / round).floor() * round, (high / round).ceil() * round);
                 let (least, greatest) = ends(round);
-                // Both ends have labels, so that both must be ticks.
+                // Both ends have labels, so both must be multiples of the step of the ticks.
                 if greatest - least > LONG_MAG { ends(1.0) } else { (least, greatest) }
             }
             Quantity::Count => {

@@ -57,8 +57,8 @@ pub struct SkyChart<'a> {
     pub tracks: &'a [SkyTrack],
     /// Clock of all times; `None` for UTC.
     pub local: Option<LocalClock>,
-    /// Site of the passes; with it, the stars to V = 6 mag are drawn at the middle of the times of the passes if these
-    /// are within an hour, in which the sky turns by 15 degrees.
+    /// Site of the passes. If it is given and all passes are within an hour, in which the sky turns by 15 degrees, the
+    /// stars to V = 6 mag are drawn for the middle of this time.
     pub site: Option<&'a Site>,
 }
 
@@ -80,8 +80,8 @@ pub struct SkyTrack {
 }
 
 /// Draws the sky as seen from below, north up and east left. Every pass is drawn in the colours of its magnitudes, grey
-/// where it is dark, with an arrow where it sets. A list gives the times of its ends and its brightest magnitude. If
-/// there are at most three passes, times are written along them. A sky without a pass gets a note.
+/// where it is dark, with an arrow where it sets. A list gives the times of the ends and the brightest magnitude of
+/// each pass. If there are at most three passes, times are written along them. A sky without a pass gets a note.
 ///
 /// # Errors
 /// A pass has fewer than two points; columns differ in length; times do not increase; or an altitude is invalid.
@@ -237,8 +237,9 @@ fn middle_mjd(tracks: &[&SkyTrack]) -> Option<f64> {
     (last - first < LONGEST_WITH_STARS_DAYS).then_some(0.5 * (first + last))
 }
 
-/// Draws the stars above the horizon, without refraction, aberration and proper motion: to half a degree at the
-/// horizon, and 0.01 degrees high above it. Returns false for a time outside the range of dates.
+/// Draws the stars above the horizon, without refraction, aberration and proper motion. The positions are accurate to
+/// half a degree at the horizon, and to 0.01 degrees high above it. Returns false for a time outside the range of
+/// dates.
 fn draw_stars(picture: &mut Picture, site: &Site, mjd: f64) -> bool {
     let Ok(moment) = epoch_from_mjd(mjd, TimeScale::UTC) else { return false };
     let horizon = Observer::new(site.clone()).state(&Orientation::at(moment, &EopTable::embedded())).horizon;

@@ -155,7 +155,7 @@ pub(super) const AZIMUTHS: [(f64, &str); 8] = [
 /// Margin between the rim of a disk and the border of its part of the picture, pixels.
 const MARGIN: usize = 66;
 const TITLE: usize = 46;
-const DISC_TITLE: usize = 32;
+const DISK_TITLE: usize = 32;
 const LEGEND: usize = 74;
 const BAR_SHARE: usize = 120;
 const BAR_WIDTH: usize = 26;
@@ -173,7 +173,7 @@ pub struct DiskSheet<'a> {
     /// Radius of each disk, pixels.
     pub radius: usize,
     /// Number of disks in a row, 1 or more.
-    pub discs_per_row: usize,
+    pub disks_per_row: usize,
     /// Magnitude of the contour line in every disk, and its label in the legend.
     pub contour_mag: Option<(f64, String)>,
     /// Label in the legend for directions without content.
@@ -227,7 +227,7 @@ impl Layout<'_> {
             }
         }
         if let (false, Some(scale)) = (self.is_mixed(), self.scales.first()) {
-            let middle = TITLE as f64 + (rows * self.row() + DISC_TITLE) as f64 / 2.0;
+            let middle = TITLE as f64 + (rows * self.row() + DISK_TITLE) as f64 / 2.0;
             self.draw_bar(&mut picture, scale, (columns * self.share()) as f64, middle);
         }
         self.draw_legend(&mut picture, (TITLE + rows * self.row()) as f64 + 18.0);
@@ -240,7 +240,7 @@ impl Layout<'_> {
 
     /// Returns the numbers of columns and rows of disks.
     fn grid(&self) -> (usize, usize) {
-        let columns = self.sheet.discs_per_row.clamp(1, self.sheet.disks.len().max(1));
+        let columns = self.sheet.disks_per_row.clamp(1, self.sheet.disks.len().max(1));
         (columns, self.sheet.disks.len().div_ceil(columns).max(1))
     }
 
@@ -255,7 +255,7 @@ impl Layout<'_> {
 
     /// Returns the height of a row of disks, pixels.
     fn row(&self) -> usize {
-        DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
+        DISK_TITLE + 2 * (self.sheet.radius + MARGIN)
     }
 
     /// Returns the position of the middle of a disk; for a half disk, the middle of its straight side.
@@ -263,7 +263,7 @@ impl Layout<'_> {
         let (columns, _) = self.grid();
         let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };
         let left = (index % columns * step) as f64 + (MARGIN + self.sheet.radius) as f64;
-        (left, (TITLE + index / columns * self.row() + DISC_TITLE + MARGIN + self.sheet.radius) as f64)
+        (left, (TITLE + index / columns * self.row() + DISK_TITLE + MARGIN + self.sheet.radius) as f64)
     }
 
     fn scale_of(&self, quantity: Quantity) -> &ColourScale {
@@ -321,7 +321,8 @@ impl Layout<'_> {
             round(picture, angle_deg.to_radians(), INK.mix(0.6), 1.0);
         }
         for (angle_deg, text) in &disk.circles {
-            // Labels are at a longitude away from the Sun, from contour lines and from other labels, if there is one.
+            // Labels are at a longitude away from the Sun, from contour lines and from other labels, if there is such a
+            // longitude.
             let sun_deg = disk.sun_longitude_rad.unwrap_or(0.0).to_degrees();
             let longitudes = (0..16).map(|part| (sun_deg + 112.5 + 22.5 * f64::from(part)).rem_euclid(360.0));
             let longitudes = longitudes.filter(|longitude| !disk.is_half || (20.0..=160.0).contains(longitude));

@@ -21,8 +21,9 @@ const CUT: [f64; 2] = [80.0, 740.0];
 const PROFILE: [f64; 2] = [830.0, 1096.0];
 /// Largest number of tracks in a picture.
 const MOST: usize = 12;
-/// White pixels are this number of sigmas below the sky. Black ones are as many sigmas above it, or this multiple of
-/// the fitted peak: a streak is visible beside brighter stars.
+/// Pixels are white from `WHITE_SIGMAS` sigmas below the sky. They are black from `BLACK_SIGMAS` sigmas or
+/// `BLACK_PEAKS` times the fitted peak above the sky, whichever is more, so that a streak is visible beside brighter
+/// stars.
 const WHITE_SIGMAS: f64 = 2.0;
 const BLACK_SIGMAS: f64 = 6.0;
 const BLACK_PEAKS: f64 = 1.2;
@@ -50,7 +51,7 @@ pub struct CutPanel<'a> {
     pub profile_sigma: &'a [f64],
     /// Fitted streak; shape `(n_row)`.
     pub model: &'a [f64],
-    /// Distance of the predicted track, pixels.
+    /// Distance of the predicted track from the measured track, pixels, with the sign of `across_pix`.
     pub predicted_pix: f64,
 }
 

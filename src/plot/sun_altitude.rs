@@ -66,8 +66,8 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let all = means(input.sun_altitude_deg, input.n_trails, &x, input.bin_deg);
     let bright = input.n_bright.map(|(bright, _)| means(input.sun_altitude_deg, bright, &x, input.bin_deg));
     let highest = all.iter().map(|bin| bin.mean + bin.error).fold(0.0, f64::max);
-    // The means determine the range of the axis. The integer numbers of trails of single exposures would compress mean
-    // rates of a hundredth.
+    // The means determine the range of the axis. If the numbers of trails of single exposures determined it, means of a
+    // hundredth of a trail would not be visible.
     let top = (1.3 * highest).max(0.02);
     let rates = Frame { sides: [LEFT, RATES[0], RIGHT, RATES[1]], x, y: Axis::linear(-0.03 * top, top) };
     let most = all.iter().map(|bin| bin.count).max().unwrap_or(1);
@@ -77,7 +77,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
-    // The coloured bands hide pixels, so with bands every point is drawn as a mark over them.
+    // Every point is drawn as a mark, because the coloured bands would hide painted pixels.
     for (&altitude, &trails) in input.sun_altitude_deg.iter().zip(input.n_trails) {
         if rates.holds(altitude, trails) {
             let (x, y) = rates.at(altitude, trails);

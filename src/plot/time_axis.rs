@@ -58,7 +58,8 @@ fn ticks(axis: &Axis, length: f64, ahead_h: f64) -> Vec<(f64, String)> {
     let span_s = (axis.to - axis.from) * DAY_S;
     let needed = |step: f64| width_of(&clock(0.0, step), TICK_SIZE) + LABEL_GAP;
     let step = STEPS_S.into_iter().find(|step| step / span_s * length >= needed(*step)).unwrap_or(21_600.0);
-    // Seconds of the clock since the midnight before the start of the axis, so that round times are integers.
+    // Seconds are counted from the midnight of the clock before the start of the axis, so that round times are integer
+    // multiples of the step.
     let midnight = (axis.from + ahead_h / 24.0).floor();
     let first = ((axis.from + ahead_h / 24.0 - midnight) * DAY_S / step - 1e-6).ceil() as i64;
     let count = (span_s / step).ceil() as i64 + 1;
@@ -97,8 +98,8 @@ fn dates(axis: &Axis, ahead_h: f64) -> String {
     }
 }
 
-/// Bands of twilight: lower limit of the Sun's altitude, degrees; name; colour. The colours are warm greys that are
-/// lighter than the marks, because dark bands would hide the marks.
+/// Bands of twilight: lower limit of the Sun's altitude, degrees; name; colour. The colours are lighter than the marks,
+/// because dark bands would hide the marks.
 const BANDS: [(f64, &str, RGBColor); 4] = [
     (-0.833, "day", RGBColor(250, 214, 140)),
     (-6.0, "civil", RGBColor(251, 228, 180)),

@@ -51,8 +51,9 @@ pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor
 }
 
 /// Draws the numbers of tracks beside them or, with a thin line, beyond their ends, where they cover neither tracks nor
-/// other labels. The tracks of `order`, indices of `lines`, get their numbers in this order; their lines are already
-/// in `labels`. Returns how many tracks have no free position for a number.
+/// other labels. `order` contains the indices in `lines` of the tracks, in the order in which their numbers are placed;
+/// all lines are already in `labels`. The number of a track is its index plus 1. Returns how many tracks have no free
+/// position for a number.
 pub(super) fn numbers(picture: &mut Picture, labels: &mut Labels, lines: &[Vec<(f64, f64)>], order: &[usize]) -> usize {
     let mut without = 0;
     for &index in order {
@@ -84,15 +85,17 @@ pub(super) fn numbers(picture: &mut Picture, labels: &mut Labels, lines: &[Vec<(
 
 /// Positions of numbers along a track, as fractions of its length.
 const SHARES: [f64; 13] = [0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8, 0.45, 0.55, 0.12, 0.88, 0.05, 0.95];
-/// Distance between a track and the box of its number, pixels: more than the clearance of labels in a diagonal.
+/// Distance between a track and the box of its number, pixels. It is larger than the diagonal of the clearance of
+/// labels.
 const BESIDE: f64 = 8.0;
 
-/// Returns the positions on both sides of a line at which a box of half this width and height is next to it.
+/// Returns the positions on both sides of a line at which a box is next to it. `half` is half the width and half the
+/// height of the box.
 pub(super) fn positions_beside(line: &[(f64, f64)], share: f64, half: (f64, f64)) -> [(f64, f64); 2] {
     let (x, y) = along(line, share);
     let ((x0, y0), (x1, y1)) = (along(line, (share - 0.02).max(0.0)), along(line, (share + 0.02).min(1.0)));
     let length = (x1 - x0).hypot(y1 - y0);
-    // A track of a point has no direction: positions are above and below.
+    // A track of a single point has no direction; its positions are above and below.
     let (cos, sin) = if length > 1e-9 { ((x1 - x0) / length, (y1 - y0) / length) } else { (1.0, 0.0) };
     let away = half.0 * sin.abs() + half.1 * cos.abs() + BESIDE;
     [(x + away * sin, y - away * cos), (x - away * sin, y + away * cos)]
@@ -118,7 +121,7 @@ fn positions_beyond(line: &[(f64, f64)], half: (f64, f64)) -> impl Iterator<Item
     })
 }
 
-/// Returns the sentence for a caption that some numbers do not fit; empty if all fit.
+/// Returns the sentence of a caption on tracks whose numbers do not fit; empty if all fit.
 pub(super) fn without_numbers(without: usize) -> String {
     match without {
         0 => String::new(),

@@ -195,7 +195,7 @@ pub enum ScheduleError {
     },
     /// The text is not TOML, or has an unknown key or a value of the wrong type.
     #[error(
-        "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
+        "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, blocking, margin_s, max_delay_s"
     )]
     PolicySyntax(String),
     /// The magnitude limit is neither a number nor numbers by band.

@@ -19,8 +19,8 @@ pub enum MagnitudeLimit {
     All(f64),
     /// Limits by the band of the exposure. The key `default` applies to all other bands.
     PerBand(BTreeMap<String, f64>),
-    /// The limits of the telescope file, by the band of the exposure, written as the word `telescope`. Allowed for
-    /// saturation and crosstalk.
+    /// The limits of the telescope file, by the band of the exposure, written as the word `telescope`. Allowed only
+    /// for saturation and crosstalk.
     OfTelescope(OfTelescope),
 }
 

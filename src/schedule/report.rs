@@ -17,14 +17,15 @@ use super::shift::{Interval, next_clear_start};
 use super::verdict::{Verdict, VerdictKind};
 use super::verdict_rules::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
 
-/// Time between a clear start and the entry or exit of a satellite, seconds. Entries and exits are accurate to 1 ms.
+/// Smallest time between a clear exposure with its margins and the entry or exit of a satellite, seconds. Entries and
+/// exits are accurate to 1 ms.
 pub(super) const GUARD_S: f64 = 0.002;
 /// Resolution of clear starts, seconds. They are rounded to later times.
 pub(super) const TICK_S: f64 = 0.001;
-/// Largest number of steps to later starts while a clear start is checked.
+/// Largest number of steps by which a start that fails its check is moved to later times.
 const MOST_STEPS: f64 = 60.0;
-/// Allowance for early and late satellites if the policy has a `min_probability`, in sigmas along the track. A delay is
-/// longer with a probability of 0.00135.
+/// Allowance for early and late satellites if the policy has a `min_probability`, in sigmas along the track. A
+/// satellite is late by more than this with a probability of 0.00135.
 const LATE_SIGMAS: f64 = 3.0;
 
 /// Sky, field, policy, telescope and photometry for judging exposures.
@@ -44,7 +45,8 @@ pub struct FlagRequest<'a> {
 
 impl FlagRequest<'_> {
     /// Returns true if a pass alone is sufficient for the verdict `avoid`: the probability that it crosses and is
-    /// brighter at its peak than a limit is at least that of the policy. `None` if no limit applies to the band.
+    /// brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if omitted). `None` if no
+    /// limit applies to the band.
     pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>) -> Option<bool> {
         let camera = Camera::of(self);
         let rules = Rules { policy: self.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
@@ -96,7 +98,8 @@ impl FlagReport {
         })
     }
 
-    /// Returns a warning if exposures begin while the Sun is above the horizon, as with times in a wrong scale or zone.
+    /// Returns a warning if exposures begin while the Sun is above the horizon, which suggests that the times are in a
+    /// wrong time scale or zone.
     pub fn daylight_warning(&self) -> Option<String> {
         (self.by_daylight > 0).then(|| {
             let number = counted(self.by_daylight, "exposure begins", "exposures begin");
@@ -338,8 +341,8 @@ impl CameraLimits for Camera<'_> {
     }
 }
 
-/// Finds the earliest start that no satellite of `blocking` blocks, for all exposures that cannot start as scheduled.
-/// With [`Blocking::Any`], an exposure with a crossing only in its margins becomes `streaked`.
+/// Finds the earliest start that no satellite selected by `blocking` blocks, for all exposures that cannot start as
+/// scheduled. With [`Blocking::Any`], an exposure with a crossing only in its margins becomes `streaked`.
 fn find_starts(
     blocking: Blocking,
     judged: &mut Judged<'_>,
@@ -478,11 +481,11 @@ fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Checks the starts found by computing passes and losses at them, because the blocked intervals do not determine the
-/// probabilities exactly.
+/// Computes passes and losses at the starts that were found, to check these starts. The check is necessary because the
+/// blocked intervals do not determine the probabilities exactly.
 ///
 /// A start at which a satellite still blocks, or at which the expected loss exceeds that of the policy, is replaced by
-/// the next candidate within the longest delay. `is_blocking` takes the row of a pass.
+/// the next candidate within the longest delay. The arguments of `is_blocking` are the row of an exposure and a pass.
 fn confirm(
     mut searches: Vec<StartSearch>,
     judged: &[(usize, &Exposure)],
@@ -527,7 +530,8 @@ fn confirm(
             if longest_sigma_s.is_none() && !too_much_lost {
                 continue;
             }
-            // After half a sigma the probability is smaller by at least a tenth. The search ends at the longest delay.
+            // A start that is later by half a sigma has a probability that is smaller by at least a tenth. The search
+            // ends at the longest delay.
             if let Some((_, delay_s)) = flag.next_start(search.blocking) {
                 let step_s = longest_sigma_s.map_or(0.0, |sigma_s| 0.5 * sigma_s).max(least_step_s(policy));
                 search.find(exposure, policy, delay_s + step_s, flag);

@@ -41,8 +41,8 @@ pub fn flag_table(flags: &[Verdict]) -> Table {
     Table::from_records(&flag_fields(), flags)
 }
 
-/// Returns the columns of [`flag_table`], followed by those of the exposures that the schedule has: `start_utc,
-/// duration_s, ra_deg, dec_deg, band`. `rows` are the rows of the verdicts, in the same order.
+/// Returns the columns of [`flag_table`], followed by those of the scheduled exposures: `start_utc, duration_s, ra_deg,
+/// dec_deg, band`. `rows` are the rows of the verdicts, in the same order.
 pub fn flag_table_with_exposures(flags: &[Verdict], rows: &[ScheduledExposure]) -> Table {
     let mut table = flag_table(flags);
     let exposures = Table::from_records(&scheduled_fields(), rows);
@@ -465,7 +465,7 @@ fn width_arcsec(row: &StreakRow<'_>, telescope: &Telescope) -> f64 {
     telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m)
 }
 
-/// Returns the brightness at mid-exposure, or at the peak if there is none at mid-exposure.
+/// Returns the brightness at the middle of the pass, or at its peak if there is none at the middle.
 fn shown<'a>(row: &StreakRow<'a>) -> Option<&'a Brightness> {
     let at_peak = || row.pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     row.pass.mid.brightness.as_ref().or_else(at_peak)

@@ -64,8 +64,8 @@ pub struct Verdict {
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses, of any brightness.
     pub p_crossing: f64,
-    /// True if `p_any`, `p_crossing` and the expected loss are lower limits: for a satellite, more than 10 % of the
-    /// possible delays are outside the range searched.
+    /// True if `p_any`, `p_crossing` and the expected loss are lower limits: for at least one satellite, more than 10 %
+    /// of the possible delays are outside the range searched.
     pub p_any_is_lower_limit: bool,
     /// Total length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,
@@ -88,7 +88,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Returns the earliest start that no satellite of `blocking` blocks, with its delay in seconds.
+    /// Returns the earliest start that no satellite selected by `blocking` blocks, with its delay in seconds.
     pub fn next_start(&self, blocking: Blocking) -> Option<(Epoch, f64)> {
         match blocking {
             Blocking::Any => self.next_clear_start.zip(self.delay_s),
@@ -96,7 +96,7 @@ impl Verdict {
         }
     }
 
-    /// Sets the earliest start that no satellite of `blocking` blocks, with its delay in seconds.
+    /// Sets the earliest start that no satellite selected by `blocking` blocks, with its delay in seconds.
     pub(super) fn set_next_start(&mut self, blocking: Blocking, start: Option<(Epoch, f64)>) {
         let (epoch, delay_s) = match blocking {
             Blocking::Any => (&mut self.next_clear_start, &mut self.delay_s),

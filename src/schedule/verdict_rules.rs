@@ -110,8 +110,8 @@ pub(super) struct ExpectedLoss {
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses.
     pub p_crossing: f64,
-    /// True if, for any satellite, more than 10 % of the possible delays are outside the range searched. The other
-    /// values are then lower limits.
+    /// True if, for at least one satellite, more than 10 % of the possible delays are outside the range searched. The
+    /// other values are then lower limits.
     pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
@@ -257,7 +257,7 @@ fn reason(
     )
 }
 
-/// Returns a probability as whole per cent; 0 and 100 only for the impossible and the certain.
+/// Returns a probability in whole per cent. Only probabilities of exactly 0 and 1 give `0` and `100`.
 fn percent(probability: f64) -> String {
     match 100.0 * probability {
         0.0 => "0".to_owned(),
@@ -273,8 +273,9 @@ pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// Returns true if a pass blocks the start of an exposure: it counts, and for [`Blocking::Avoid`] the probability that
-/// it crosses and is brighter than a limit is at least that of the policy, unless no limit applies to the band.
+/// Returns true if a pass blocks the start of an exposure. The pass must count. With [`Blocking::Avoid`], if a limit
+/// applies to the band, the probability that it crosses and is brighter than a limit must also be at least
+/// `min_probability` (0.5 if omitted).
 pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, rules: &Rules<'_>) -> bool {
     let exceeds_limit = || {
         rules

@@ -118,8 +118,9 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
 /// File format of windows for an observatory scheduler.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum SchedulerFormat {
-    /// JSON `windows` of requests for the LCO observation portal; each is long enough for one request with its
-    /// overhead. They are at least 1 s apart, because the scheduler joins windows that overlap or touch.
+    /// JSON `windows` of requests for the observation portal of Las Cumbres Observatory (LCO). Each window is long
+    /// enough for one request with its overhead. The windows of a request are at least 1 s apart, because the scheduler
+    /// joins windows that overlap or touch.
     Lco,
     /// Absolute time constraints of an ESO p2 observation block; the block starts inside one of them.
     EsoP2,
@@ -191,8 +192,8 @@ impl SchedulerFormat {
 
 /// Returns the windows that last at least `least_s`, in order and at least 1 s apart.
 ///
-/// If a window overlaps the one before it, its start is moved later; if it then lasts less than `least_s`, the shorter
-/// of the two is omitted.
+/// If a window begins less than 1 s after the end of the one before it, its start is moved later. If one of the two
+/// windows is too short to lose that time and still last longer than `least_s`, the shorter window is omitted instead.
 fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
     let worth_s = |(start, end): (Epoch, Epoch)| seconds_between(start, end) - least_s;
     let mut found: Vec<(Epoch, Epoch)> = Vec::with_capacity(windows.len());

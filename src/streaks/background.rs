@@ -22,7 +22,7 @@ pub struct Star {
 }
 
 /// Returns the electrons of a star of this magnitude: 10^(0.4 (zero point - m)). The zero point is the magnitude of a
-/// star of one electron in the exposure.
+/// star that gives one electron in the exposure.
 pub fn flux_e(magnitude: f64, zero_point_mag: f64) -> f64 {
     10_f64.powf(0.4 * (zero_point_mag - magnitude))
 }
@@ -47,7 +47,7 @@ pub struct RandomStars {
     pub brightest_mag: f64,
     /// Faintest magnitude, from the brightest to 60 mag.
     pub faintest_mag: f64,
-    /// Magnitude of a star of one electron in the exposure, \[-30, 60\] mag.
+    /// Magnitude of a star that gives one electron in the exposure, \[-30, 60\] mag.
     pub zero_point_mag: f64,
 }
 
@@ -83,8 +83,8 @@ impl RandomStars {
 /// Returns the light of sky and stars in a frame of `rows` by `columns` pixels, as expected electrons. Streaks can be
 /// added to it before the detector is applied.
 ///
-/// `sky_e` is the light of the sky in one pixel, electrons, \[0, 1e9\]. All stars have the same profile. The drawn
-/// light of a star is complete to 10⁻⁵.
+/// `sky_e` is the light of the sky in one pixel, electrons, \[0, 1e9\]. All stars have the same profile. If the whole
+/// image of a star lies in the frame, its pixels sum to the flux within 10⁻⁵.
 ///
 /// # Errors
 /// `sky_e` is out of range, or the flux of a star is negative, too large or not finite.

@@ -36,7 +36,7 @@ pub struct Chip {
 /// Path of a moving light over a chip, and the interval in which it shines on illuminated pixels of the chip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChipPath {
-    /// Path from one margin of the chip to the other, in frame units per second.
+    /// Path from one margin of the chip to the other; its rates are in the frame's unit per second.
     pub path: StreakPath,
     /// First and last time at which the centre of the light is on the chip and not dark, seconds after the shutter
     /// opened; `None` if only the wings of its image reach the chip.
@@ -307,7 +307,8 @@ mod tests {
         let following = Tracking::Rate { east_rad_s: 0.0, north_rad_s: -2000.0 * ARCSEC, reference_s: 15.3 };
         let paths = chip.paths(&southwards(0.0), &following, &centre, 30.0).unwrap();
         assert_eq!(paths.len(), 1);
-        // The rate is constant along the great circle, the track along its tangent: 12000" cubed is 13".
+        // The frame moves at a constant rate along the great circle, the track along its tangent. Over 12000" they
+        // differ by a third of the cube of the angle, 13".
         assert!(paths[0].path.length_pix() < 60.0, "{}", paths[0].path.length_pix());
         assert_eq!(paths[0].inside_s, Some([9.3, 21.3]));
     }

@@ -109,7 +109,7 @@ mod tests {
             Optics { form: SeeingForm::Gaussian, seeing_arcsec: 0.7, outer_radius_m: 4.18, inner_radius_m: 2.558 };
         let blur = *optics.profile(550.0, 2.0, 0.2, 1.0).unwrap().blur();
         assert_eq!(blur.seeing, Seeing::Gaussian { fwhm_pix: 0.7 / 0.2 });
-        // Rubin's ring is 3.14" across at 550 km (science 11).
+        // Rubin's ring is 3.14" across at 550 km: the aperture of 8.36 m divided by the distance.
         assert!((2.0 * blur.outer_radius_pix * 0.2 - 3.135).abs() < 1e-3);
         assert!((blur.inner_radius_pix / blur.outer_radius_pix - 2.558 / 4.18).abs() < 1e-12);
         assert!((blur.body_radius_pix / blur.outer_radius_pix - 2.0 / 4.18).abs() < 1e-12);

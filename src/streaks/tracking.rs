@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::frames::{Direction, Gcrs};
 
-/// What the telescope follows during the exposure.
+/// Stars or moving target that the telescope follows during the exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Tracking {
     /// The telescope follows the stars.

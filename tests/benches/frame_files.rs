@@ -3,7 +3,8 @@
 //!
 //!     cargo bench --bench frame_files
 //!
-//! Rounds of both are interleaved, because the speed of the machine varies; the ratio of the medians is printed.
+//! Rounds of the two kinds of copies are interleaved, because the speed of the machine varies; the ratio of the medians
+//! is printed.
 
 use std::fs;
 use std::hint::black_box;
@@ -24,8 +25,8 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Angles between streaks and rows, radians. Streaks at these angles touch nearly all rows, those at the next ones
-/// about a hundred.
+/// Angles between streaks and rows, radians. Streaks at the angles `ACROSS` touch nearly all rows, those at the angles
+/// `ALONG` about a hundred.
 const ACROSS: [f64; 5] = [0.3, 0.55, 0.8, 1.05, 1.3];
 const ALONG: [f64; 5] = [-0.002, -0.001, 0.0, 0.001, 0.002];
 

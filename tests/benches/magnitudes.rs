@@ -1,6 +1,6 @@
-//! Time per direction to compute many magnitudes with the two-panel model on one core; and time of predictions with
-//! earthshine and sigma, for the default models and for the models that they replaced, and with both models of the
-//! Earth's shadow; and time to compute the force of sunlight.
+//! Time per direction to compute many magnitudes with the two-panel model on one core. Time of predictions with
+//! earthshine and sigma, for the default models and the models that they replaced, and for both models of the Earth's
+//! shadow. Time to compute the force of sunlight.
 //!
 //! ```text
 //! cargo bench --bench magnitudes            medians for whole columns and for single directions

@@ -13,7 +13,7 @@ fn main() {
     divan::main();
 }
 
-/// Path across the frame with errors of the prediction of `offset_pix`, between two times.
+/// Path across the frame between two times, `offset_pix` beside the predicted path.
 fn path(number: usize, offset_pix: f64, rate: f64, times_s: [f64; 2]) -> StreakPath {
     let (sin, cos) = (0.3 + 0.5 * number as f64).sin_cos();
     let node = |time_s: f64| {
@@ -61,6 +61,7 @@ fn five_streaks_in_a_frame(bencher: Bencher) {
                 path: path(number, 0.0, 1.0, [-3.0, EXPOSURE_S + 3.0]),
                 drift_pix_s: [1.0, 1.0],
                 lateness_sigma_s: 0.3,
+                largest_delay_s: 5.0,
                 cross_sigma_pix: 100.0,
                 range_km: 600.0,
                 radius_m: 1.0,

@@ -270,13 +270,19 @@ fn invalid_schedules() {
     // Rows that cannot be judged are part of the result and not an error.
     let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
-    for part in ["warning: ", "none of its 1 rows can be judged", "outside the years of the ephemeris", "1957 to 2099"]
-    {
+    let warned = "warning: none of 1 exposure can be judged; first exposure 1: ";
+    for part in [warned, "outside the years of the ephemeris", "1957 to 2099"] {
         assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
     }
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(answer["flags"][0]["verdict"], "invalid");
     assert!(answer["provenance"]["schedule"]["first_start_utc"].is_null());
+
+    let low = format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,85\n2,2024-08-14T03:31:00Z,30,280,85\n");
+    let (code, _, stderr) = run(&[&flag(&file(&folder, "low.csv", low.as_bytes()))]);
+    assert_eq!(code, 0, "{stderr}");
+    let warned = "warning: none of 2 exposures can be judged; first exposure 1: ";
+    assert!(stderr.contains(warned) && stderr.contains("horizon"), "{stderr}");
 }
 
 #[test]

@@ -208,7 +208,7 @@ fn verif_documents() {
     for (row, pass) in rows[1..].iter().zip(passes) {
         assert_eq!(row[4].parse::<f64>().ok(), pass["peak_magnitude"].as_f64());
         assert!(row[24].starts_with("predicted by streakcast") && &row[26] == "X05", "{row:?}");
-        // The satellite has measured photometry.
+        // Columns that describe a measurement are empty.
         assert!([3, 9, 10, 11, 13, 14, 17, 18, 19, 21, 22, 23].iter().all(|&cell| row[cell].is_empty()), "{row:?}");
     }
 

@@ -52,8 +52,8 @@ fn every_verb_has_two_working_examples() {
         for example in examples {
             let mut words: Vec<&str> = example.split_whitespace().collect();
             assert_eq!(words.remove(0), "streakcast", "{example}");
-            // Verbs that use the network or take long are run with an invalid value, which is checked after all flags
-            // are parsed.
+            // Verbs that use the network or take a long time are run with an invalid value, which is checked after all
+            // flags are parsed.
             let end = match words[..words.len().min(2)] {
                 ["fetch", _] => Some((["--timeout", "0s"], "timeout is 0 s; allowed")),
                 ["reproduce", _] | ["map", "paper"] => Some((["--threads", "0"], "threads is 0; allowed")),
@@ -101,7 +101,7 @@ fn required_flags_are_marked() {
     assert!(!help(&["serve"]).contains("any target (required)"));
 }
 
-/// Flags of a camera are not listed where there is none, or where the frame is the field.
+/// Flags of a camera are not listed for verbs without a camera, or whose field is the frame.
 #[test]
 fn rejected_flags_are_not_listed() {
     for verb in ["forecast", "ephemeris", "identify", "measure", "inject", "statistics"] {

@@ -17,7 +17,7 @@ fn wide(folder: &TempDir) -> (String, String) {
     wide_with(folder, "")
 }
 
-/// The same with more keys in the description of the frame.
+/// Same as `wide`, with more keys in the description of the frame.
 fn wide_with(folder: &TempDir, keys: &str) -> (String, String) {
     let description = path(folder, "wide.toml");
     let text = format!("{keys}{}", unrounded())
@@ -103,7 +103,8 @@ fn verif_the_zero_point_is_that_of_stars_in_a_table() {
     let (frame, _) = wide_with(&folder, &format!("star_list = {list:?}\n"));
     let document = json(&[&["measure", &frame, "--stars", &list, "--band", "V"], SATELLITES]);
     let rows = document["measurements"].as_array().unwrap();
-    // Counts of the exposure of 30 s with 2 electrons per count, for a star of one electron per second of 18 mag.
+    // A star of 18 mag gives one electron per second. The zero point is for one count (2 electrons) in the 30 s of the
+    // exposure.
     let truth = 18.0 + 2.5 * (30.0f64 / 2.0).log10();
     let mut found = 0;
     for row in rows {

@@ -47,8 +47,8 @@ fn valid_starlink_1102_is_measured_where_it_was_seen() {
     assert!((number("offset_arcsec").abs() - BESIDE_ARCSEC).abs() <= BESIDE_ERROR_ARCSEC, "{row}");
     assert!((number("magnitude") - SUM_MAG).abs() <= MARGIN_MAG, "{row}");
     assert!(["edge", "pixel_noise"].iter().all(|flag| row["flags"].to_string().contains(flag)), "{row}");
-    // The result depends on the given seeing. Set after the first run (5.81 mag, and not found): no requirement, but what
-    // docs/explanation/measuring.md says.
+    // The result depends on the given seeing. These checks were written after the first run (5.81 mag, and not found).
+    // They are not requirements, but check the statements in docs/explanation/measuring.md.
     let with_seeing = |seeing: &str| {
         let options = [&options[..], &["--seeing", seeing]].concat();
         measured(&data, FRAME, "tle/supgp/starlink_supgp_2020-02-23.tle", &options).remove(0)

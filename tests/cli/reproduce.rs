@@ -28,8 +28,8 @@ fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }
 
-/// The bounds were chosen before the first run, except that of the gloss. The satellite is known, so that they are
-/// those of the method and of a sample of 240 tracks.
+/// The bounds were chosen before the first run, except that of the gloss. The true satellite is known, so that they
+/// allow only for errors of the method and of a sample of 240 tracks.
 #[test]
 #[ignore = "some minutes without optimisation"]
 fn verif_lu2024_on_a_small_sample() {

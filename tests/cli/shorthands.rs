@@ -59,7 +59,7 @@ fn now_and_tonight() {
     // Simulated satellites are used, because the element sets of the sample are too old today.
     let sky = ["--shells", "oneweb", "--lat", "47", "--lon", "10", "-q"];
     let now: &[&str] = &["passes", "--start", "now", "--exposure", "30s", "--target", "M81", "--fov", "90deg"];
-    // M81 never sets at this latitude. 1: no satellite crosses, which depends on the time of day.
+    // M81 never sets at this latitude. Exit code 1 means that no satellite crosses, which depends on the time of day.
     let (code, _, stderr) = run(&[now, &sky]);
     assert!(code <= 1, "{code}: {stderr}");
     let (code, _, stderr) = run(&[&["ephemeris", "--times", "now", "--name", "S1"], &sky]);

@@ -7,7 +7,7 @@ pub fn v15() -> BrightnessModel {
     ModelLibrary::embedded().get("starlink-v1.5").unwrap().as_ref().clone()
 }
 
-/// Returns the photometry options of the paper.
+/// Returns the photometry options of Lu (2024), which are the default.
 pub fn options() -> PhotometryOptions {
     PhotometryOptions::default()
 }

@@ -68,8 +68,8 @@ pub fn assert_is_documented(name: &str, table: &str) {
     }
 }
 
-/// Keeps every n-th measurement of a survey, at most 12,000: tracks are sampled at 10 Hz, so that successive measurements
-/// differ little.
+/// Keeps every n-th measurement of a survey, so that at most 12,000 remain. Tracks are sampled at 10 Hz, so successive
+/// measurements differ little.
 #[cfg(feature = "fit")]
 pub fn thin(measured: &mut streakcast::fit::measurements::Measurements) {
     const MOST: usize = 12_000;

@@ -21,9 +21,9 @@ fn learned(passes: &[Pass]) -> LearnedFile {
     learn(passes, &BTreeMap::new(), &ModelChoice::default(), serde_json::Map::new()).unwrap().file
 }
 
-/// Simulated passes before and after the end of learning. Differences between passes are those of the two normal
-/// distributions of learned magnitudes, in units of the scale of Student's t; t itself has one pass in a thousand
-/// beyond nine scales, which would be an alarm.
+/// Simulated passes before and after the end of learning. Differences between passes are drawn from the two normal
+/// distributions of learned magnitudes, in units of the scale of Student's t. Student's t itself has one pass in a
+/// thousand beyond nine scales, which would be an alarm.
 fn halves(satellites: u32, passes: u32, seed: u64) -> (LearnedFile, Vec<Pass>) {
     let difference = |random: &mut ChaCha8Rng| {
         let width = if random.random_bool(0.31) { 1.75 } else { 0.78 };
@@ -138,7 +138,7 @@ fn valid_quiet_tracks_of_mmt9_raise_few_alarms() {
     assert!(found.searched > 50, "{found:?}");
     let counts =
         [AlarmKind::Brightness, AlarmKind::Trend, AlarmKind::Period].map(|kind| of_kind(&found.alarms, kind).len());
-    // Nothing is known of changes of attitude among these passes, and some satellites flare. The bound named before the
+    // Nothing is known of changes of attitude among these passes, and some satellites flare. The bound set before the
     // first run was two alarms of each kind.
     assert_eq!((found.passes, counts), (61, [0, 0, 1]), "{:?}", found.alarms);
 }

@@ -26,19 +26,20 @@ use streakcast::photometry::{Earthshine, ModelLibrary};
 /// Range of the fraction within one sigma, for all kinds together: 68 % with an error of 4 % for some 130 passes, in
 /// which measurements are correlated, at two sigmas.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.60..=0.76;
-/// Smallest number of passes for which a row is compared: no satellite has more than three other passes, and few have
-/// two. It was raised from 20 to 100 after a first run, in which 57 % of 57 passes with two seen passes were within one
-/// sigma of the learned published models.
+/// Smallest number of predicted passes for which a row is compared. No satellite has more than three other passes, and
+/// few have two. The number was raised from 20 to 100 after a first run, in which 57 % of the 57 passes predicted from
+/// two others were within one sigma of the learned published models.
 const LEAST_PASSES: usize = 100;
 
-/// Models of other observers for satellites of the shared photometry.
+/// Models that other observers published for satellites in the photometry of the data folder.
 const PUBLISHED: [(Generation, &str); 3] = [
     (Generation::OneWeb, "oneweb"),
     (Generation::StarlinkVisorSat, "visorsat"),
     (Generation::StarlinkV15, "starlink-v1.5-phase"),
 ];
-/// Largest RMS of learned magnitudes over that of the model. It was set after a first run, in which they were 1 to 2 %
-/// worse: the learned offset is the centre of the core of the residuals, and flares are far from it.
+/// Largest ratio of the RMS with learned offsets to the RMS of the model. It was set after a first run, in which the
+/// former was 1 to 2 % larger: the learned offset is the centre of the core of the residuals, and flares are far from
+/// it.
 const RMS_LOSS: f64 = 1.03;
 
 /// Mean offset of simulated satellites, mag.
@@ -206,8 +207,8 @@ fn passes(measured: &Measurements, kind: Generation, models: &ModelChoice) -> Ve
     passes_of(measured, |_| Some(kind), models, Earthshine::Computed).0
 }
 
-/// Predictions of the shared passes with the default models, which were fitted to the same passes, or with models that
-/// others published from their own measurements.
+/// Predictions of the passes in the data folder with the default models, which were fitted to the same passes, or with
+/// models that others published from their own measurements.
 fn shared_rows(data: &Path, published: bool) -> Vec<LeaveOutRow> {
     let library = ModelLibrary::embedded();
     let mut models = ModelChoice::default();
@@ -233,8 +234,8 @@ fn compared(rows: &[LeaveOutRow]) -> Vec<&LeaveOutRow> {
     all
 }
 
-/// The bound named before the first run, an RMS that is at least 5 % smaller, is missed for both kinds of models
-/// (docs/explanation/learning.md); the tests below hold what was found.
+/// The bound set before the first run, an RMS that is at least 5 % smaller, is missed for both kinds of models
+/// (docs/explanation/learning.md). This test and the next one check what was found instead.
 #[test]
 fn valid_unseen_passes_with_published_models_keep_their_rms_and_get_honest_sigmas() {
     let Some(data) = crate::common::data_dir() else { return };

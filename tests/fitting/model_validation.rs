@@ -21,7 +21,7 @@ fn rows_of(name: &str, photometry: Option<&Photometry>) -> Vec<Comparison> {
 }
 
 /// Returns true for the published mean from which a bundled model differs: that of V2 Mini in brightness mitigation.
-/// The survey measured the first of them in 2023; the later mean of 7.22 agrees with the panels.
+/// The survey measured the first V2 Mini satellites in 2023; the later mean of 7.22 agrees with the panels.
 fn is_known_difference(row: &Comparison) -> bool {
     row.model == "v2mini-panels" && row.kind == ReferenceKind::Mean && row.reference.contains("2306.06657")
 }
@@ -168,8 +168,8 @@ fn verif_verdicts_depend_on_the_difference_in_its_errors_and_on_the_ratio_of_sig
         one(&rows, ReferenceKind::Photometry).clone()
     };
     let mean_mag = compared(7.0, SCATTER_MAG).reference_mean_mag.unwrap();
-    // The file, its errors of the difference, its ratio of sigmas, and the verdict. The errors of the mean of four
-    // groups with equal magnitudes are those of their rounding.
+    // Mean and sigma in the model file, difference in units of its error, ratio of sigmas, and verdict. The magnitudes
+    // of the four groups are equal, so that the error of the difference is only that of a survey, `SURVEY_ERROR_MAG`.
     for (mean_mag, sigma_mag, errors, ratio, verdict) in [
         (mean_mag, SCATTER_MAG, 0.0, 1.0, Verdict::Ok),
         (mean_mag, SCATTER_MAG / 1.5, 0.0, 1.5, Verdict::Off),
@@ -181,7 +181,7 @@ fn verif_verdicts_depend_on_the_difference_in_its_errors_and_on_the_ratio_of_sig
         assert_eq!(row.verdict, verdict, "{row:?}");
         assert_eq!((row.sample, row.n), (Some(Sample::HeldOut), 40));
         let error_mag = row.difference_error_mag.unwrap();
-        // Tolerances: the satellites of the four groups have slightly different ranges; ten quantiles of a
+        // Tolerances: the satellites of the four groups have slightly different ranges, and ten quantiles represent a
         // distribution.
         assert!((error_mag - SURVEY_ERROR_MAG).abs() < 0.01, "{row:?}");
         assert!((row.difference_mag.unwrap() / error_mag - errors).abs() < 0.1, "{row:?}");
@@ -219,7 +219,8 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
-/// Tolerance for the same rows in Python: positions of site and Sun from astropy differ by arcseconds; three decimals.
+/// Tolerance for the same rows in Python: positions of site and Sun from astropy differ by arcseconds, and values have
+/// three decimals.
 const PYTHON_MAG: f64 = 0.002;
 /// Tolerance of the core. It is a median, which jumps between the points of samples of 736.
 const PYTHON_CORE_MAG: f64 = 0.005;
@@ -254,7 +255,7 @@ fn valid_bundled_models_against_photometry() {
     for name in library.names() {
         for row in compare(&library.get(name).unwrap(), Some(&photometry)) {
             if row.kind == ReferenceKind::GrazingPhotometry {
-                // Reported, not required: the scatter of the air is not in the sigma of a model.
+                // Printed and not checked: the sigma of a model does not include the scatter caused by the atmosphere.
                 println!("{name}: {row:.3?}");
                 continue;
             }

@@ -226,7 +226,8 @@ fn verif_non_linearity_and_its_inverse() {
     let bent = detector("shot_noise = false\nnon_linearity = { scale_e = 1e5, coefficients = [-0.04, 0.01] }");
     let (frame, _) =
         bent.expose(&Plane::from_values(1, 4, vec![0.0, 1e4, 1e5, 2e5]).expect("a plane"), 0).expect("a frame");
-    // The response is e (1 - 0.04 s + 0.01 s²), continued by its tangent above the scale, with slope 1 - 0.08 + 0.03.
+    // The response is e (1 - 0.04 s + 0.01 s²) with s = e / scale, continued by its tangent above the scale, with slope
+    // 1 - 0.08 + 0.03.
     for (value, expected) in frame.values().iter().zip([0.0, 1e4 * (1.0 - 0.004 + 0.0001), 0.97e5, 0.97e5 + 0.95e5]) {
         assert!((f64::from(*value) - expected).abs() < 0.02, "{value} {expected}");
     }

@@ -195,7 +195,7 @@ fn valid_real_headers() {
     assert_eq!(calibration.band.expect("a band").value, "g DECam SDSS c0001 4720.0 1520.0");
 }
 
-/// The sum of such an exposure time and any epoch is outside the calendar.
+/// The sum of an extremely long exposure time and any epoch is outside the calendar.
 #[test]
 fn verif_an_extremely_long_exposure_is_rejected() {
     let error = time("DATE-OBS= '2024-08-14T00:00:00'\nEXPTIME =  9223372036854775807").expect_err("refused");

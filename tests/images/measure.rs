@@ -12,22 +12,22 @@ use streakcast::measure::{
 };
 use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath, background, draw};
 
-// Bounds of the project, set before the first run.
+// Required bounds, set before the first run.
 
 /// Largest bias of the flux.
 const FLUX_BIAS: f64 = 0.02;
-/// Share of fluxes within one sigma, of the sample of the table and its parts.
+/// Share of fluxes within one sigma, for the sample of docs/explanation/measuring.md and for its parts.
 const WITHIN_ONE_SIGMA: RangeInclusive<f64> = 0.63..=0.73;
-/// Probability of a false detection in a corridor, an option of the measurement, and the largest observed share: 2.4
-/// sigmas more in 600 corridors, 1.4 sigmas more in 200.
+/// Probability of a false detection in a corridor (an option of the measurement), and the largest accepted share of
+/// false detections: 2.4 sigmas above this probability in 600 corridors, 1.4 sigmas in 200.
 const FALSE_ALARM: f64 = 0.01;
 const FALSE_ALARMS: f64 = 0.02;
 /// Smallest share of streaks found at a signal to noise of 10, and of 30.
 const FOUND_AT_10: f64 = 0.95;
 const FOUND_AT_30: f64 = 0.99;
 
-/// Share of the fluxes of the smaller sample of `cargo test`: the bounds above, and two standard errors of 288 streaks
-/// (2.75 % each) more. Set when this sample was made.
+/// Share of fluxes within one sigma in the smaller sample of `cargo test`: the bounds above, widened by two standard
+/// errors of 288 streaks (2.75 % each). Set when this sample was made.
 const WITHIN_ONE_SIGMA_OF_288: RangeInclusive<f64> = 0.575..=0.785;
 
 const ROWS: usize = 320;
@@ -71,7 +71,7 @@ fn measured(case: Case, options: &MeasureOptions, assumed: Optics) -> Outcome {
     drawn(case, options, assumed).0
 }
 
-/// The same with the frame.
+/// Same as `measured`, but also returns the frame.
 fn drawn(case: Case, options: &MeasureOptions, assumed: Optics) -> (Outcome, Plane) {
     let mut random = ChaCha8Rng::seed_from_u64(case.seed);
     let mut normal =
@@ -118,6 +118,7 @@ fn drawn(case: Case, options: &MeasureOptions, assumed: Optics) -> (Outcome, Pla
         path: StreakPath::new(nodes.to_vec()).unwrap(),
         drift_pix_s: [0.0; 2],
         lateness_sigma_s: late_sigma_s,
+        largest_delay_s: 5.0,
         cross_sigma_pix: CROSS_PIX,
         range_km: 600.0,
         radius_m: 0.0,
@@ -249,7 +250,8 @@ fn print_row(name: &str, fractions: [f64; 3], found: usize, all: usize) {
     println!("| {name} | {bias:+.1} ± {error:.1} % | {share:.1} % | {found} of {all} |");
 }
 
-/// Among 1,000 stars per megapixel the search is not complete at these signals: docs/explanation/measuring.md.
+/// Checks the share of streaks found, except among 1,000 stars per megapixel, where the search is not complete at these
+/// ratios of signal to noise (docs/explanation/measuring.md).
 fn check_completeness(outcomes: &[Outcome]) {
     for (signal_to_noise, least) in [(10.0, FOUND_AT_10), (30.0, FOUND_AT_30)] {
         let is_selected = |case: &Case| case.signal_to_noise == signal_to_noise && case.stars_per_megapixel < 1000.0;
@@ -431,7 +433,7 @@ fn verif_streaks_much_wider_than_the_seeing_are_measured() {
 /// The profile of the pixels along a track is that of the fitted streak, for all directions of motion.
 #[test]
 fn verif_profiles_across_the_track_are_those_of_the_fit() {
-    /// Largest difference: sigmas, and share of the peak.
+    /// Largest difference: the sum of this number of sigmas and this share of the peak.
     const SIGMAS: f64 = 5.0;
     const OF_PEAK: f64 = 0.03;
     for angle_deg in [0.0, 3.0, 52.0, 88.0, 160.0, 250.0] {
@@ -461,7 +463,8 @@ fn verif_profiles_across_the_track_are_those_of_the_fit() {
     }
 }
 
-/// Streaks of a signal to noise among stars: cases that differ in angle, seeing, form and errors of the prediction.
+/// Returns streaks among stars with one signal to noise, which differ in angle, seeing, form and errors of the
+/// prediction.
 fn cases_at(signal_to_noise: f64, stars_per_megapixel: f64, count: usize) -> Vec<Case> {
     let case = |number: usize| Case {
         signal_to_noise,

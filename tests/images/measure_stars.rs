@@ -9,15 +9,15 @@ use streakcast::images::{LightArea, PixelPosition, Wcs};
 use streakcast::measure::{Background, CatalogueStar, StarTable, StarZeroPoint, StreakImage, star_zero_point};
 use streakcast::streaks::{Optics, SeeingForm, StarField, SyntheticFrame, SyntheticShot, Tracking};
 
-// Bounds of the project, set before the first run.
+// Required bounds, set before the first run.
 
 /// Largest mean error of the zero points, mag; the same for the frames of each kind.
 const BIAS_MAG: f64 = 0.01;
-/// Largest error of each zero point: this number of sigmas, and magnitudes.
+/// Largest error of each zero point: this number of sigmas plus this margin.
 const SIGMAS: f64 = 4.0;
 const MARGIN_MAG: f64 = 0.01;
-/// Share of the zero points within one sigma. The error of a median of few stars is not normal: a wide range. The first
-/// run missed it with 0.42; since then the error has a floor of 0.002 mag.
+/// Share of the zero points within one sigma. The range is wide, because the error of a median of few stars is not
+/// normal. In the first run the share was 0.42, outside the range; since then sigma has a floor of 0.002 mag.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.55..=0.90;
 /// Largest relative error of the seeing.
 const SEEING_ERROR: f64 = 0.03;

@@ -438,7 +438,7 @@ fn verif_a_long_streak_is_even_along_itself_and_cheap_outside() {
         let value = f64::from(patch.at(column / 2, column));
         assert!((value / expected - 1.0).abs() < PIXEL_TOLERANCE, "{column}: {value} {expected}");
     }
-    // 1000 px wide, 500 px high, 7.9 px to either side.
+    // The streak spans 1000 columns and 500 rows of the frame, and its light extends 7.9 pixels to either side.
     assert!(patch.len() < 25_000, "{}", patch.len());
     // A frame that the streak does not touch stays empty.
     assert!(draw(&path, &profile, 1000, 1).len() < 30);

@@ -425,7 +425,7 @@ fn verif_probabilities_hold_every_crossing() {
     }
 }
 
-/// Passes computed without light equal the others, including near misses, but have neither magnitude nor peak.
+/// Passes computed without light equal those with light, including near misses, but have neither magnitude nor peak.
 #[test]
 fn verif_passes_without_light_are_the_same_but_for_it() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);

@@ -264,7 +264,8 @@ fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize,
     let options = PassOptions { include_dark: true, min_probability, ..PassOptions::default() };
     let culled = sky.field_passes(&exposures, &field, &options).expect("passes");
     let brute = sky.field_passes_by_brute_force(&exposures, &field, &options).expect("passes");
-    // Without dark passes, only satellites that are in the shadow throughout are skipped before SGP4.
+    // If dark passes are excluded, satellites that are in the shadow throughout are also skipped before SGP4. The lit
+    // passes must be the same.
     let lit = PassOptions { include_dark: false, ..options };
     let lit = sky.field_passes(&exposures, &field, &lit).expect("passes");
     let of_all: Vec<&Pass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
@@ -453,7 +454,8 @@ fn verif_a_long_exposure_equals_its_minutes() {
         }
         long.retain(|_, chords| !chords.is_empty());
         short.retain(|_, chords| !chords.is_empty());
-        // An orbit for which SGP4 fails during the exposure is reported with minutes, not with hours.
+        // A satellite for which SGP4 fails during the long exposure is left out there, but not in all exposures of a
+        // minute.
         for left_out in &answer.left_out {
             short.remove(&left_out.norad_id);
         }

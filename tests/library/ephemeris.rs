@@ -21,10 +21,11 @@ const DIRECTION_ARCSEC: f64 = 0.01;
 /// Tolerance of altitude and azimuth: 0.01", and the rotation of the horizon.
 const HORIZON_ARCSEC: f64 = 0.02;
 const RANGE_KM: f64 = 1e-4;
-/// Relative tolerance of rates, which are differences over 0.4 s in the golden file: (ω h)²/6 is 4e-6 at 1 deg/s.
+/// Relative tolerance of rates, which are central differences over 0.4 s in the golden file: their error (ω h)²/3 with
+/// h = 0.2 s is 4e-6 at 1 deg/s.
 const RATE_RELATIVE: f64 = 1e-5;
-/// Tolerance of range rates: Skyfield uses SGP4's velocities, which differ from the derivative of its positions by J₂ e
-/// v.
+/// Tolerance of range rates: Skyfield uses SGP4's velocities v, which differ from the derivative of its positions by
+/// J₂ e v, where e is the eccentricity.
 const RANGE_RATE_KM_S: f64 = 2e-4;
 /// Tolerance of the Sun at reception compared with DE421: aberration of 20", which neither includes, and 1e-5 au.
 const SUN_DEG: f64 = 0.006;

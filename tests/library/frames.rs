@@ -21,7 +21,8 @@ const ARCSEC_RAD: f64 = PI / 648_000.0;
 const SAME_THEORY_KM: f64 = 1e-8;
 const SAME_THEORY_RAD: f64 = 1e-12;
 const SAME_THEORY_KM_S: f64 = 1e-12;
-/// Tolerances of Sun and Earth: astropy evaluates epv00 at TDB, this library at TT. 1.7 ms of 30 km/s and of 6 mm/s².
+/// Tolerances of Sun and Earth: astropy evaluates epv00 at TDB, this library at TT. They differ by up to 1.7 ms, and
+/// the Earth moves at 30 km/s with an acceleration of 6 mm/s².
 const SUN_TDB_KM: f64 = 0.055;
 const EARTH_VELOCITY_TDB_KM_S: f64 = 1.5e-8;
 /// Tolerance of precession, nutation and sidereal time of Skyfield, whose theories differ by 0.1 mas.

@@ -159,7 +159,7 @@ fn models_and_measurements() {
 fn headers_and_regions() {
     let read = |text: &str| {
         let header = Header::from_text(text);
-        // Headers of world coordinates have no exposure time; its error is as good as a time.
+        // Headers of world coordinates have no exposure time: an error is accepted as well as a time.
         let _ = ExposureTime::from_headers(&[&header]);
         let wcs = Wcs::from_header(&header)?;
         // A mutated projection may have no position there.

@@ -49,10 +49,10 @@ fn position(propagator: &Propagator, epoch: Epoch) -> Position<Gcrs> {
     propagator.state(epoch, &orientation.teme_to_gcrs).expect("a state").position
 }
 
-/// States have 1 mm or better; precession and nutation are interpolated to 10⁻⁹ rad, which is 7 mm.
+/// States are written to 1 mm or better; precession and nutation are interpolated to 10⁻⁹ rad, which is 7 mm.
 const CELESTIAL_TOLERANCE_KM: f64 = 2e-5;
-/// The bundled table of Earth orientation has UT1 to 0.01 ms and the pole to 0.1 mas; astropy also applies the offsets
-/// of the celestial pole, 0.2 mas.
+/// The bundled table of Earth orientation has errors of up to 0.4 ms (0.2 m) in UT1 and 1 mas in the pole; astropy also
+/// applies the offsets of the celestial pole, 0.2 mas.
 const EARTH_FIXED_TOLERANCE_KM: f64 = 2e-4;
 
 #[test]

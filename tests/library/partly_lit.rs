@@ -12,8 +12,8 @@ const SAMPLES: usize = 401;
 /// Tolerance of the lit length, steps between points: one at each of at most two ends of the lit part.
 const STEPS: f64 = 2.0;
 
-/// Tolerance of expected lengths, relative to the whole track: the lit share is one of time, and delays of some tenths
-/// of a second move a track in an exposure.
+/// Tolerance of expected lengths, relative to the whole track: the lit share is a share of the time and not of the
+/// length, and delays of some tenths of a second move the track during the exposure.
 const EXPECTED_LENGTH: f64 = 0.05;
 
 /// Field east of the zenith, in which many satellites enter the shadow during an evening.
@@ -51,7 +51,7 @@ impl Evening {
     }
 }
 
-/// The expected length of a streak, by which pixels are lost, is that of its lit part.
+/// The expected length of a streak, from which the lost pixels are computed, is that of its lit part.
 #[test]
 fn verif_expected_lengths_count_the_lit_part() {
     let evening = Evening::new();
@@ -77,8 +77,8 @@ fn verif_expected_lengths_count_the_lit_part() {
     assert!(compared > 10, "{compared}");
 }
 
-/// The length of a streak is that between the lit ones of the points along its track, and satellites in the umbra have
-/// neither length nor peak.
+/// The length of a streak is the sum of the distances between successive lit points of its track, and satellites in the
+/// umbra have neither length nor peak.
 #[test]
 fn verif_streaks_are_as_long_as_their_lit_part() {
     let passes = Evening::new().passes(SAMPLES);

@@ -1,4 +1,4 @@
-//! The two-panel model and its blocking compared with numpy, polygons, the closed form of the paper, and single rays.
+//! The two-panel model and its blocking compared with numpy, polygons, the closed form of Lu (2024), and single rays.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::{FRAC_PI_2, PI};

@@ -77,8 +77,8 @@ fn valid_flat_plates_have_the_force_of_closed_forms() {
         let phong = json!([{"law": "phong", "weight": 0.8, "exponent": 3000}]);
         let force = plate(phong, none(), none(), angle);
         assert_close(&force, -(to_sun + mirror * (0.8 * cos)) * section_m2, TOLERANCE * PLATE_M2, "Phong");
-        // Transmitted light takes its momentum along: F = -P A cos φ (s - 2/3 τ n), and (s - c cos φ s) straight
-        // through
+        // Transmitted light carries momentum away: F = -P A cos φ (s - 2/3 τ n) if it is diffuse, and
+        // F = -P A cos φ (s - c cos φ s) if it passes straight through.
         let force = plate(black.clone(), none(), diffuse.clone(), angle);
         assert_close(&force, -(to_sun - normal * 0.4) * section_m2, TOLERANCE * PLATE_M2, "diffuse transmission");
         let straight = json!([{"law": "straight", "weight": 0.8, "exponent": 3000}]);
@@ -126,7 +126,7 @@ fn valid_spheres_have_the_force_of_closed_forms() {
     assert!((sum / disc_m2 - (1.0 + 4.0 / 9.0 * ALBEDO)).abs() < TOLERANCE, "{}", sum / disc_m2);
 }
 
-/// Returns ∫ B(o) o dω of the sunlight that a model sends out, m², by a grid of equal areas.
+/// Returns ∫ B(o) o dω of the sunlight that a model reflects and transmits, m², on a grid of equal areas.
 fn outgoing_m2(b_m2_sr: impl Fn(&Vector3<f64>) -> f64) -> Vector3<f64> {
     const RINGS: usize = 300;
     const AZIMUTHS: usize = 600;

@@ -1,4 +1,4 @@
-//! Simulated constellations: marks, numbers, altitude, and the same satellites at every epoch.
+//! Simulated constellations: names, numbers, altitude, and the same satellites at every epoch.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, FIRST_SYNTHETIC_ID, NoradId, Origin};

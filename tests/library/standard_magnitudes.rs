@@ -38,8 +38,8 @@ fn events(text: &str, date: &str) -> Vec<(String, f64, f64)> {
     pass.lines().filter_map(row).collect()
 }
 
-/// HST over San Antonio and Envisat over Cape Town, with the sites and intrinsic magnitudes of the tests of passpredict
-/// (MIT licence), which contain the rows.
+/// HST over San Antonio and Envisat over Cape Town. Sites, intrinsic magnitudes and the rows of Heavens-Above are those
+/// in the tests of passpredict (MIT licence).
 #[test]
 fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
     let Some(data) = crate::common::data_dir() else { return };

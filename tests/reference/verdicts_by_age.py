@@ -13,7 +13,8 @@ a limit of V = 7 mag.
 
 "changed" is the fraction of visits with another verdict (clear, streaked, avoid). "expected" is the fraction that
 `flag` computes only from the elements of that age: the mean of p_crossing over clear visits and of 1 - p_crossing over
-all others (changes between clear and not clear, the column before it). Takes about two minutes.
+all others. It includes only changes between clear and not clear, and is compared with the column of these changes.
+Takes about two minutes.
 """
 
 import argparse

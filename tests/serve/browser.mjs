@@ -466,7 +466,7 @@ try {
   await step("the limit is that of the policy", async () => {
     const page = await open("#row=0&limit=6.62");
     await agrees(page, 6.62);
-    // The verdicts of the whole night are those of the slider too.
+    // The verdicts of the whole night also use the limit of the slider.
     for (const [limit, verdict] of [[5, "streaked"], [9, "avoid"]]) {
       await page.fill("#limit", String(limit));
       await settled(page);
@@ -507,7 +507,7 @@ try {
     await settled(page);
     assert.equal((await seen(page)).text, before.text);
     assert.ok(!(await seen(page)).hash.includes("target"));
-    // A rejected target leaves the result.
+    // A rejected target does not change the result.
     refusing.add(page);
     await enter(page, "M111", "now", 30);
     assert.match(await page.textContent("#problem"), /^invalid target 'M111'; allowed: a Messier or Caldwell object/);
@@ -615,7 +615,7 @@ try {
       const curve = document.querySelector("#curve");
       window.curveNames = [curve.getAttribute("aria-label")];
       new MutationObserver(() => window.curveNames.push(curve.getAttribute("aria-label"))).observe(curve, { attributeFilter: ["aria-label"] });
-      // The drag does not come to rest.
+      // The page must not detect a rest of the pointer during the drag.
       window.holdTimers(true);
     });
     const box = await page.locator("#bar").boundingBox();
@@ -636,7 +636,7 @@ try {
     await page.evaluate(() => window.holdTimers(false));
     await settled(page);
     const before = (await names()).filter((name) => !/^Light curve of ./.test(name));
-    // At the end of the drag no satellite may cross.
+    // It is possible that no satellite crosses at the end of the drag.
     const isEmpty = (await seen(page)).norads.length === 0;
     assert.deepEqual(before.filter((name) => !(isEmpty && name === "Light curve: no track selected")), []);
     await page.close();

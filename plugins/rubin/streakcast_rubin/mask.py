@@ -23,8 +23,8 @@ CELL_REACH_DEG = float(hp.max_pixrad(NSIDE, degrees=True))
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
 #: Margin added to the radius of fields, degrees. Tracks have errors of some arcminutes.
 FIELD_PAD_DEG = 0.1
-#: If a whole sector is crossed, cells are masked whose loss exceeds that of the best tenth of the sector by this
-#: factor.
+#: If at least nine tenths of a sector are crossed, cells are masked whose loss exceeds that of the best tenth of the
+#: sector by this factor.
 MASK_RATIO = 2.0
 #: Number of samples in a slot.
 STEPS = int(SLOT_S / SAMPLE_S)

@@ -1,4 +1,4 @@
-"""Whole nights with and without streakcast, checked by brute force. Prints the tables of the README.
+"""Whole nights with and without streakcast, checked by brute force. Prints the numbers of docs/tables/nights.md.
 
 `python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER, and can be resumed. All runs take about two
 hours on one core. The real catalogue requires STREAKCAST_DATA; without it, its rows are omitted with a message.

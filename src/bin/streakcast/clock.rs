@@ -58,7 +58,7 @@ fn tonight(site: &Site, now: Epoch) -> String {
     let observer = Observer::new(site.clone());
     let state = observer.state(&Orientation::at(now, &EopTable::embedded()));
     let is_day = state.sun_altitude_azimuth_rad(now).is_some_and(|(altitude, _)| altitude > 0.0);
-    // Twelve hours after daylight are in the next night, before and after noon.
+    // By day, the time twelve hours later belongs to the next night, both before and after noon.
     date_of(evening_mjd(if is_day { seconds_after(now, 43_200.0) } else { now }, site.longitude_rad))
 }
 

@@ -107,10 +107,10 @@ fn missing_feature(error: &clap::Error, command: &Command) -> Option<String> {
     Some(format!("'{name}' needs a build with the Cargo feature {feature}{on_windows}"))
 }
 
-/// Returns the subcommand in the arguments of this program, and its names with those of the commands that contain it.
+/// Returns the innermost subcommand in the arguments of this program, and its full name, such as `streakcast map sky`.
 fn innermost(mut command: Command) -> (Command, String) {
     let mut path = command.get_name().to_owned();
-    // Subcommands come first.
+    // Subcommands come before all flags.
     for word in std::env::args_os().skip(1) {
         let Some(inner) = command.find_subcommand(word) else { break };
         path += &format!(" {}", inner.get_name());

@@ -12,7 +12,8 @@ use streakcast::config::Config;
 const OUTPUTS: [&str; 9] =
     ["output", "picture", "status_file", "light_curves", "truth", "trails", "preview", "preview_marked", "report"];
 
-/// Checks that no output file of a verb is also an input, also one in the configuration file, or another output.
+/// Checks that no output file of a verb is also another output or an input. Inputs include the files named in the
+/// configuration file.
 pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
     let (mut command, mut matches) = (command, matches);
     let mut verb = "";
@@ -36,7 +37,7 @@ pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
     }
     let config = matches.try_get_one::<PathBuf>("file").ok().flatten();
     if let (Some(file), false) = (config, outputs.is_empty()) {
-        // Errors of this file are those of the verb.
+        // If this file has an error, the verb reports it later.
         inputs.extend(Config::read(file).map_or_else(|_| Vec::new(), |config| config.files()));
     }
     check_distinct(&inputs, &outputs)

@@ -75,7 +75,7 @@ enum Verb {
     Windows(Box<WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
-    /// Compute positions, rates, brightness and lateness of chosen satellites at given times
+    /// Compute positions, rates, brightness and along-track errors of chosen satellites at given times
     ///
     /// The exit status is 1 if there is no position.
     Ephemeris(Box<EphemerisArguments>),
@@ -104,10 +104,10 @@ enum Verb {
     /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
-    /// Learn offsets of satellites and kinds from their brightness models, for --learned
+    /// Learn from measurements how satellites and kinds differ from their brightness models, for --learned
     #[cfg(feature = "fit")]
     Learn(Box<LearnArguments>),
-    /// List passes with improbable light, trends and periodic light, compared with learned magnitudes
+    /// List passes with improbable or periodic brightness, and satellites with trends, compared with learned magnitudes
     #[cfg(feature = "fit")]
     Alarms(Box<AlarmsArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times

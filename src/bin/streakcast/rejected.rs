@@ -9,7 +9,7 @@ const CAMERA: &[&str] = &["fov", "field", "rotation", "telescope", "min_probabil
 const FIELD: &[&str] = &["fov", "field", "rotation", "min_probability"];
 const ORBIT: &[&str] = &["observer_elements", "observer_norad", "limb_height_km"];
 
-/// Why a verb without a telescope in orbit rejects its flags.
+/// Reason for the rejection of the flags of a telescope in orbit.
 const NO_ORBIT: &str = "cannot be used, because a telescope in orbit has no horizon";
 
 /// Verbs, ids of the flags that they reject, and the reason.

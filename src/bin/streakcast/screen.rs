@@ -50,7 +50,7 @@ const PADDING: usize = 2;
 
 /// Returns the width of the terminal at standard output, characters; `None` if it is not a terminal.
 pub fn terminal_width() -> Option<usize> {
-    // Some programs that run others in a terminal of their own state 0 columns.
+    // Some programs that run others in a pseudo-terminal set its width to 0 columns.
     Screen::new().width().filter(|width| *width > 0).map(usize::from)
 }
 
@@ -145,7 +145,7 @@ impl Fitted {
             widths[..count].iter().map(|column| one(column) + PADDING).sum()
         };
         let count = (1..=columns.len()).rev().find(|&count| total(count, LEAST_TEXT) <= width).unwrap_or(1);
-        // Largest text length for which the other columns still fit.
+        // Largest length of text cells for which these columns still fit.
         let longest = widths.iter().map(|(longest, _)| *longest).max().unwrap_or(0);
         let longest_text = (LEAST_TEXT..=longest).rev().find(|&longest| total(count, longest) <= width);
         Self { columns: count.min(columns.len()), longest_text: longest_text.unwrap_or(LEAST_TEXT) }

@@ -15,7 +15,7 @@ use crate::photometry::ModelLibrary;
 pub struct Health {
     /// Findings, at least one for each subject.
     pub findings: Vec<Finding>,
-    /// State of the element sets; `None` if none are given or none can be read.
+    /// State of the element sets; `None` if no files are given or they cannot be read.
     pub elements: Option<ElementState>,
     /// Files of element sets.
     pub sources: Vec<SourceFile>,

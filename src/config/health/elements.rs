@@ -18,7 +18,7 @@ use crate::passes::ModelChoice;
 
 /// Limits of the bins of the age histogram, days. Ages are negative for epochs in the future.
 const BORDERS_DAYS: [f64; 9] = [-FUTURE_DAYS, 0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
-/// Largest normal time by which the epoch of a predicted element set of an operator is in the future, days.
+/// Largest usual time from now to the epoch of an element set that an operator has predicted, days.
 const FUTURE_DAYS: f64 = 1.5;
 /// Age above which element sets cause a warning, days.
 const OLD_DAYS: f64 = 14.0;
@@ -27,7 +27,8 @@ const OLD_SHARE: f64 = 0.05;
 /// Median along-track error above which the finding is a warning, seconds. A low satellite moves by more than a degree
 /// in this time.
 const LARGE_ERROR_S: f64 = 3.0;
-/// Smallest number of satellites with the same name that are reported as a constellation without a model.
+/// Smallest number of satellites with the same prefix of their names that are reported as a constellation without a
+/// model.
 const CONSTELLATION: usize = 30;
 /// Largest number of constellations listed in the finding.
 const LISTED: usize = 10;
@@ -129,7 +130,7 @@ pub struct ElementState {
     pub ephemerides: EphemerisState,
     /// Number of satellites of each generation that has a brightness model.
     pub kinds: Vec<(Generation, usize)>,
-    /// Number of these satellites whose generation is assumed.
+    /// Number of satellites in `kinds` whose generation is assumed.
     pub assumed: usize,
     /// Satellites with the default model, grouped by name, the largest group first.
     pub unmatched: Vec<Unmatched>,

@@ -11,7 +11,7 @@ pub enum Severity {
     Fine,
     /// Information; results are not affected.
     Note,
-    /// Not given, and therefore not checked.
+    /// The input is not given, and therefore not checked.
     Unchecked,
     /// Results are less accurate or incomplete.
     Warning,

@@ -11,7 +11,7 @@ use crate::geometry::Site;
 use crate::output::format_utc;
 use crate::passes::Viewpoint;
 
-/// A table that ends within this time should be replaced, days.
+/// Remaining time below which a table should be replaced, days.
 const SOON_DAYS: f64 = 60.0;
 /// Largest difference in latitude and longitude between coordinates of the same site, degrees.
 const SAME_SITE_DEG: f64 = 0.2;

@@ -11,10 +11,11 @@ use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, Ep
 const FEWEST_STATES: usize = 8;
 /// Accepted distances from the Earth's centre, km. Positions in metres are outside this range.
 const RADII_KM: std::ops::RangeInclusive<f64> = 6_378.0..=1_000_000.0;
-/// Largest time from the first to the last state, days. The orientation of the Earth is tabulated over this time.
+/// Largest time from the first to the last state, days. It limits the size of the table of the Earth's orientation for
+/// these states.
 const LONGEST_SPAN_DAYS: f64 = 366.0;
-/// Smallest accepted eigenvalue of the correlation matrix of a covariance. It is below 0 because files have ten digits
-/// or fewer.
+/// Smallest accepted eigenvalue of the correlation matrix of a covariance. It is below 0 because numbers in files are
+/// rounded to ten digits or fewer.
 const LEAST_EIGENVALUE: f64 = -1e-6;
 /// Number of elements of the lower triangle of a 6 × 6 matrix.
 pub(super) const TERMS: usize = 21;

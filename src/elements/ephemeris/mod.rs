@@ -1,4 +1,5 @@
-//! Operator ephemerides: positions, velocities and covariances at given times, in Modified ITC and CCSDS OEM files.
+//! Operator ephemerides: positions, velocities and covariances at given times, from files in Modified ITC format and
+//! CCSDS orbit ephemeris messages (OEM).
 //!
 //! `data` defines the types, `builder` checks states and covariances for all formats, `metadata` reads the metadata of
 //! an OEM, and there is one module for each format. An ephemeris with an error is rejected as a whole, because

@@ -36,7 +36,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut open: Vec<String> = Vec::new();
     loop {
         let event = reader.read_event().map_err(|error| {
-            // The parser quotes a tag up to its end, which may be that of the file.
+            // The message of the parser quotes a tag up to the end of the tag, or of the file if the tag is not closed.
             let what = excerpt(error.to_string().as_bytes());
             Problem::new(lines.at(reader.error_position() as usize), "XML", what, "a well-formed document")
         })?;

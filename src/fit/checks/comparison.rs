@@ -11,16 +11,16 @@ use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 
 /// Error of a mean difference between a correct model and a reference, mag, apart from the statistical error of
-/// measurements. Unfiltered AB magnitudes and V (Vega) differ by 0.02 to 0.2 mag for solar colours, surveys of the same
-/// type of satellite by as much, and the geometries of a survey are not those of the population.
+/// measurements. Unfiltered AB magnitudes and V (Vega) differ by 0.02 to 0.2 mag for solar colours, and surveys of the
+/// same type of satellite differ by as much. The geometries of a survey are not those of the population.
 pub const SURVEY_ERROR_MAG: f64 = 0.2;
 
 /// Largest mean difference between model and reference with which a model is accepted, in units of the error of this
 /// difference.
 const DIFFERENCE_TOLERANCE: f64 = 2.0;
 
-/// Accepted ratios of the half width that holds 68.3 % of the differences from measurements, and of the sigma in the
-/// model's file. A sigma that is too small misleads more than one that is too large.
+/// Smallest and largest accepted ratio of the half width that contains 68.3 % of the differences from measurements to
+/// the sigma in the model's file. A sigma that is too small misleads more than one that is too large.
 pub const SIGMA_RATIOS: [f64; 2] = [1.0 / 1.5, 1.25];
 
 /// Largest RMS with which a model is accepted, in units of the sigma in its file. Flares and misidentified satellites
@@ -134,10 +134,10 @@ pub struct Comparison {
     pub core_mag: Option<f64>,
     /// Uncertainty (one sigma) of a single prediction as stated in the model's file, mag.
     pub sigma_mag: f64,
-    /// Fraction of the differences that are within that sigma. If the reference is a published mean: fraction of the
-    /// model's magnitudes that are within the published standard deviation of it.
+    /// Fraction of the differences that are within `sigma_mag`. If the reference is a published mean: fraction of the
+    /// model's magnitudes that are within the published standard deviation of that mean.
     pub within_one_sigma: Option<f64>,
-    /// Half width that holds 68.3 % of the differences from measurements, divided by that sigma; `None` for other
+    /// Half width that contains 68.3 % of the differences from measurements, over `sigma_mag`; `None` for other
     /// references.
     pub sigma_ratio: Option<f64>,
     /// Result of the comparison.
@@ -150,8 +150,8 @@ pub struct Comparison {
 ///
 /// * a published mean if the difference is at most twice its error;
 /// * a published curve if, in addition, the RMS of the differences does not exceed the standard deviation of the
-///   survey, because the survey scatters as much about its own curve, and a model that depends on more angles than the
-///   phase angle differs from it;
+///   survey, because the survey scatters by as much about its own curve, and a model that depends on more angles than
+///   the phase angle cannot follow the curve exactly;
 /// * measurements if the difference is at most twice its error, the ratio of sigmas is within [`SIGMA_RATIOS`], and the
 ///   RMS is at most twice the sigma in the model's file. Measurements in grazing sunlight are compared separately with
 ///   the same tolerances.

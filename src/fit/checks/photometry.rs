@@ -102,7 +102,7 @@ pub struct ReferenceMeasurement {
     pub geometry: Option<ViewingGeometry>,
     /// Number of the track, night or object: measurements of one group are not independent of one another.
     pub group: u32,
-    /// Fraction of the Sun's light that reached the satellite, (0, 1]; by it the model's magnitude is dimmed.
+    /// Fraction of the Sun's light that reached the satellite, (0, 1]; the model's magnitude is dimmed accordingly.
     pub lit_fraction: f64,
 }
 

@@ -9,8 +9,7 @@
 //! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the
 //! satellite, and i the inclination. A solid angle of the sky covers an area proportional to ρ²/cos θ on the shell. The
 //! last factor is the density of satellites on circular orbits with evenly distributed nodes. The observer is on a
-//! sphere of 6378.137 km; the shadow is that of the
-//! ellipsoid without atmosphere.
+//! sphere of 6378.137 km; the shadow is that of the ellipsoid without atmosphere.
 
 use nalgebra::Vector3;
 
@@ -96,8 +95,9 @@ mod tests {
 
     #[test]
     fn verif_weights_sum_to_the_number_of_satellites() {
-        // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the
-        // Earth's axis, without altitudes and ranges. The height is large so that the cone is large.
+        // A polar shell has the density 1/cos φ. The expected number is a sum over cells of latitude and longitude on
+        // the shell, instead of altitude and azimuth in the sky. At a large height, a large part of the shell is above
+        // the lowest altitude.
         let height_km = 20_000.0;
         let seen: f64 = shell_geometries(height_km, 90.0).iter().map(|(_, weight)| weight).sum();
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;

@@ -133,7 +133,7 @@ impl Chain {
     }
 }
 
-/// Checks the number of walkers, which must be even and at least twice the number of parameters.
+/// Checks the number of walkers, which must be even, at least 4, and at least twice the number of parameters.
 ///
 /// # Errors
 /// [`FitError::Walkers`] for an invalid number.

@@ -321,7 +321,7 @@ mod tests_of_minimise_in_box {
             let high: Vec<f64> = low.iter().zip(&wide).map(|(l, w)| l + w).collect();
             let x = minimise_in_box(&a, &b, &low, &high, &[0.0; 5]).expect("finite");
             let slope = &a * DVector::from_column_slice(&x) - &b;
-            /// Tolerance of slopes of order one, by elimination in double precision on conditions up to 1e4.
+            /// Tolerance for slopes of order one, computed in double precision for condition numbers up to 1e4.
             const SLOPE: f64 = 1e-8;
             for i in 0..5 {
                 prop_assert!(low[i] <= x[i] && x[i] <= high[i]);
@@ -333,7 +333,7 @@ mod tests_of_minimise_in_box {
 
     #[test]
     fn verif_singular_forms_and_held_unknowns() {
-        // Two unknowns of which only the sum matters, one held.
+        // Only the sum of the first two unknowns matters; the third is held.
         let a = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
         let b = DVector::from_vec(vec![1.0, 1.0, 4.0]);
         let x = minimise_in_box(&a, &b, &[0.0, 0.0, 0.5], &[1.0, 1.0, 0.5], &[0.0; 3]).expect("finite");

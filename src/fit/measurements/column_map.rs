@@ -13,10 +13,10 @@
 //! | `magnitude`, `sigma` | apparent magnitude and its one sigma, mag |
 //! | `filter`, `penumbra` | name of the filter; 0 or 1 |
 //! | `norad`, `track` | catalogue number; name of the track |
-//! | `altitude`, `azimuth`, `height` | satellite above the horizon, from north through east, above the ground |
+//! | `altitude`, `azimuth`, `height` | satellite: above the horizon; from north through east; above the ground |
 //! | `distance`, `phase` | distance from the observer; angle Sun-satellite-observer |
 //! | `right_ascension`, `declination` | satellite, ICRS; requires `distance` |
-//! | `sun_altitude`, `azimuth_from_sun` | with `altitude` and `height`; needs neither time nor site |
+//! | `sun_altitude`, `azimuth_from_sun` | Sun's altitude; satellite's azimuth less the Sun's; without time and site |
 //! | `latitude`, `longitude`, `site_height` | site, degrees north and east, m; a number applies to all rows |
 //!
 //! and settings: `time_scale` (utc, tai, tt), `angle_unit` (deg, rad), `distance_unit` and `height_unit` (km, m).

@@ -74,9 +74,9 @@ pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     }
 }
 
-/// Grid steps per sigma of the kernel. Between two grid points a normal curve deviates from a straight line by 3 %.
+/// Grid steps per sigma of the kernel. One step from its maximum, a normal curve has fallen by 3 %.
 const STEPS_A_SIGMA: f64 = 4.0;
-/// Radius of a kernel in sigmas, beyond which 4e-6 of its weight lies.
+/// Radius of a kernel in sigmas, at which it has fallen to 4e-6 of its maximum.
 const REACH: f64 = 5.0;
 
 /// Returns the mode of a Gaussian kernel density of a sorted sample; NaN for an empty one.

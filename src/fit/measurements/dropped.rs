@@ -37,7 +37,7 @@ pub enum DropReason {
 }
 
 impl DropReason {
-    /// All reasons, in the order in which rows are checked.
+    /// All reasons, in the order in which tables list them.
     pub const ALL: [Self; 13] = [
         Self::Unparsable,
         Self::WrongFilter,

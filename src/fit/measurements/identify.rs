@@ -75,7 +75,7 @@ const COLUMNS: [Column; 9] = [
     Column::new("best", Kind::Integer, "NORAD number of the best candidate, accepted or not."),
     Column::real("range_rms_km", "km", 3, "Root mean square of the differences of range after the fit of the delay."),
     Column::real("phase_rms_deg", "deg", 3, "Root mean square of the differences of phase angle."),
-    Column::real("offset_s", "s", 2, "Along-track delay; negative if the satellite is early."),
+    Column::real("offset_s", "s", 2, "Time offset along the track; positive if the satellite is early."),
     Column::real("element_age_days", "d", 2, "Age of the element set at the track."),
     Column::new("next", Kind::Integer, "NORAD number of the second best candidate."),
     Column::real("lead", "", 2, "Difference between the scores (chi square) of the second and the first candidate."),
@@ -144,8 +144,8 @@ pub struct Candidate {
     /// Root mean square of the differences in phase angle after the fit of the delay, radians; `None` if none are
     /// recorded.
     pub phase_rms_rad: Option<f64>,
-    /// Delay along the track, s. The satellite is where the element set predicts it this much later; negative for
-    /// earlier.
+    /// Time offset along the track, s: the satellite is where the element set predicts it this much later. A satellite
+    /// with a positive offset is early, one with a negative offset is late.
     pub offset_s: f64,
     /// Time from the epoch of the element set to the track, days.
     pub element_age_days: f64,

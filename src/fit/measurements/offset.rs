@@ -25,8 +25,8 @@ pub(super) struct Offset {
 
 /// Largest number of points of a track that are compared; more points do not improve the fit.
 const POINTS: usize = 12;
-/// Grid step of the delay, s. The range curves on the scale of distance divided by speed, which is half a minute or
-/// more.
+/// Grid step of the delay, s. It is short compared with the time scale on which the range varies nonlinearly: distance
+/// divided by speed, half a minute or more.
 const STEP_S: f64 = 5.0;
 /// Tolerance of the delay, s; it corresponds to 8 m along the track.
 const TOLERANCE_S: f64 = 1e-3;

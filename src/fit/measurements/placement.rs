@@ -21,7 +21,7 @@ use super::triangle;
 /// Mean radius of the Earth, km; used as the observer's distance from the Earth's centre for tables without a site.
 const MEAN_RADIUS_KM: f64 = 6371.0;
 
-/// From what a satellite's position is computed.
+/// Data from which a satellite's position is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PositionSource {
     /// SGP4 with the element set that is nearest in time.
@@ -51,7 +51,7 @@ pub enum OrbitRadius {
 /// Options for the computation of viewing geometry.
 #[derive(Clone, Debug)]
 pub struct Placement<'a> {
-    /// From what the satellites' positions are computed.
+    /// Data from which the satellites' positions are computed.
     pub source: PositionSource,
     /// History of the element sets of all satellites.
     pub history: Option<&'a History>,
@@ -135,7 +135,7 @@ impl Placed {
         match &self.satellite_and_sun {
             Some((satellite, sun)) => ShadowModel::Atmosphere.illumination(satellite, sun),
             None => {
-                // In the plane of the equator, where the ellipsoid is a circle.
+                // The satellite is placed in the plane of the equator, where the ellipsoid is a circle.
                 let radius_km = EARTH_EQUATORIAL_RADIUS_KM + self.geometry.height_km;
                 let (sin, cos) = self.geometry.sun_latitude_rad.sin_cos();
                 let satellite = Position::<Gcrs>::new(radius_km * sin, radius_km * cos, 0.0);
@@ -341,12 +341,13 @@ fn range_to_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f
     -rise + (rise * rise + radius * radius - site * site).sqrt()
 }
 
-/// Distance along a line of sight to a height above the WGS84 ellipsoid, km; Earth-fixed position and direction.
+/// Returns the distance along a line of sight to the point at a height above the WGS84 ellipsoid, km, from Earth-fixed
+/// position and direction.
 ///
-/// h(ρ) = h by Newton's method from the sphere's solution; dh/dρ is the sine of the sight's angle above the satellite's
-/// horizon.
+/// The height as a function of the distance ρ is inverted by Newton's method, which starts from the solution for a
+/// sphere. dh/dρ is the sine of the angle of the line of sight above the satellite's horizontal plane.
 fn range_to_ellipsoidal_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f64) -> f64 {
-    /// The sphere's solution is at most 30 km off; each step squares the relative error.
+    /// The solution for a sphere has an error of at most 30 km; each step squares the relative error.
     const STEPS: usize = 4;
     let mut range_km = range_to_height_km(site_km, sight, height_km);
     for _ in 0..STEPS {
@@ -393,7 +394,7 @@ mod tests {
     use super::*;
     use crate::geometry::Site;
 
-    /// Sites with the same latitude and longitude as a satellite's footprint give its position for any height.
+    /// A satellite's position at a known height is extrapolated from sites with its latitude and longitude.
     #[test]
     fn verif_ranges_reach_the_ellipsoidal_height() {
         // Pomenis's site, 2.79 km high.

@@ -24,7 +24,7 @@ pub enum Sighting {
         altitude_rad: f64,
         /// Azimuth from north through east.
         azimuth_rad: f64,
-        /// Height above the geocentric sphere through the site, km.
+        /// Height above the WGS84 ellipsoid, km.
         height_km: f64,
     },
     /// Altitudes of satellite and Sun and the azimuth difference, without time and site.

@@ -39,8 +39,9 @@ pub struct Selection {
 }
 
 impl Default for Selection {
-    /// Returns the selection of Lu (2024), section 3: no penumbra flags, 100 km, above the horizon, on station or not.
-    /// In addition, the range, which the paper does not check, may differ by at most 100 km.
+    /// Returns the selection of Lu (2024), section 3: records without penumbra flag, sunlight that passes at least 100
+    /// km above the ground, satellites above the horizon, whether on station or not. In addition, the range, which the
+    /// paper does not check, may differ by at most 100 km.
     fn default() -> Self {
         Self {
             drop_penumbra_flag: true,
@@ -66,6 +67,8 @@ impl Selection {
         }
     }
 
+    /// Checks the thresholds.
+    ///
     /// # Errors
     /// [`FitError::Setting`] for a threshold that is not finite, or is negative where it must not be.
     pub(super) fn check(&self) -> Result<(), FitError> {

@@ -6,8 +6,8 @@
 //! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     s  unit vector to the Sun
 //! ```
 //!
-//! The solution is unique up to its mirror image, α → -α. Both are equally bright if the satellite is symmetric about
-//! the plane that contains the Sun.
+//! The solution is unique up to its mirror image, α → -α. The satellite is equally bright in both geometries if it is
+//! symmetric about the plane that contains the Sun.
 
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::geometry::ViewingGeometry;
@@ -17,7 +17,7 @@ const GREATEST_COSINE: f64 = 1.05;
 /// Lowest latitude of the observer, degrees. Near the nadir α is undetermined.
 const LEAST_LATITUDE_DEG: f64 = -85.0;
 
-/// Returns the geometry by the formulas above, with `along_km` = q · s and α in [0, π].
+/// Returns the geometry by the formulas of this module, with `along_km` = q · s and α in [0, π].
 ///
 /// `None` if the triangle does not close, |cos α| exceeds 1.05, or the observer is within 5° of the satellite's nadir.
 pub(super) fn geometry(
@@ -62,7 +62,7 @@ mod tests {
             let along_km = telescope.vector().dot(&sun.vector().normalize());
             let found = geometry(6928.137, truth.range_km, truth.phase_angle_rad(), 6370.0, along_km).expect("a geometry");
             // Tolerance: the formulas neglect the Sun's parallax, 4.6e-5 rad over 6928 km; its effect on the longitude
-            // is larger by 1/(cos cos sin).
+            // is larger by 1/(cos δ_sun cos δ_obs sin α).
             const PARALLAX_RAD: f64 = 1e-4;
             prop_assert!((found.observer_latitude_rad - truth.observer_latitude_rad).abs() < 1e-9);
             prop_assert!((found.sun_latitude_rad - truth.sun_latitude_rad).abs() < PARALLAX_RAD / truth.sun_latitude_rad.cos());

@@ -14,8 +14,9 @@
 //!   Atmospheric Scattering: 3.09 below and 3.50 above 550 nm)
 //! - tropospheric aerosol: τ = 0.13 vertical (Remer et al. 2008, J. Geophys. Res. 113, D14S07, abstract: MODIS Aqua,
 //!   mean over oceans; 0.19 over land); scale height 2 km (assumed; rays this low carry hardly any light in any case)
-//! - stratospheric aerosol: τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % (Friberg et al.
-//!   2018, Atmos. Chem. Phys. 18, 11149, abstract); logistic layer about 18 km, 3 km wide (assumed)
+//! - stratospheric aerosol: τ = 0.0057 vertical: the mean of 2006-2015, 0.008, without the 40 % that eruptions had
+//!   added to the background (Friberg et al. 2018, Atmos. Chem. Phys. 18, 11149, abstract); logistic layer centred at
+//!   18 km, 3 km wide (assumed)
 //!
 //! Neglected effects: clouds, which block most of the light below some 8 km (where a thousandth of the Sun's light is
 //! left); the dependence on wavelength within V; volcanic years, which raise the height of half light by several
@@ -132,7 +133,8 @@ fn ray(height_km: f64) -> (f64, f64) {
     (bending, depth)
 }
 
-/// Logarithms of bending and optical depth at heights of 0, 1, ... km, with one more node at either end.
+/// Logarithms of bending and optical depth at heights of 0, 1, ... km up to 100 km, and at two more nodes above for the
+/// interpolation.
 static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     (0..=TOP_KM as usize + 2)
         .map(|height_km| {
@@ -216,11 +218,11 @@ static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(10
 
 /// Returns the fraction of the Sun's light in V that passes the Earth and its atmosphere, [0, 1].
 ///
-/// `radius_km` is the satellite's distance from the Earth's centre (on the sphere), `separation_rad` the angle at the
-/// satellite between the centres of Earth and Sun, `sun_rad` the Sun's angular radius. A ray with lowest height h meets
-/// the satellite at the angle θ' = asin(p/r) from the Earth's centre and comes from the part of the Sun at θ = θ' -
-/// β(h). The satellite sees an image with the surface brightness of the Sun, less extinction, flattened by dθ'/dθ
-/// (spreading by refraction) and stretched sideways by sin θ'/sin θ (focusing):
+/// `radius_km` (r) is the satellite's distance from the Earth's centre (on the sphere), `separation_rad` (σ) the angle
+/// at the satellite between the centres of Earth and Sun, `sun_rad` (α) the Sun's angular radius. A ray with lowest
+/// height h meets the satellite at the angle θ' = asin(p/r) from the Earth's centre and comes from the part of the Sun
+/// at θ = θ' - β(h). The satellite sees an image with the surface brightness of the Sun, less extinction, flattened by
+/// dθ'/dθ (spreading by refraction) and stretched sideways by sin θ'/sin θ (focusing):
 ///
 /// F = ∫ w((θ - σ)/α) e^-τ sin θ' / √(sin θ sin σ) dθ'/α
 ///

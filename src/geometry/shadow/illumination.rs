@@ -17,10 +17,10 @@
 //! the light where the line to the Sun's centre passes 56 km above the ground, 90 % at 41 km, 50 % at 27 km, 10 % at 12
 //! km and 1 % at -9 km. Below 1 % a satellite counts as dark, above 99 % as sunlit.
 //!
-//! [`ShadowModel::Geometric`] has no atmosphere. A satellite at 550 km crosses its penumbra, from 13 km to -13 km, at
-//! up to 3 km/s, in 8 s or more. With the atmosphere half of the light is lost 9 s earlier at this speed. Both models
-//! neglect the tilt of the Earth's axis against z of GCRS (0.15° in 2026, which moves boundaries by up to 60 m or 0.02
-//! s).
+//! [`ShadowModel::Geometric`] has no atmosphere. A satellite at 550 km is in the penumbra while the line to the Sun's
+//! centre passes between 13 km above and 13 km below the ground. It crosses this range at up to 3 km/s, in 8 s or more.
+//! With the atmosphere half of the light is lost 9 s earlier at this speed. Both models neglect the tilt of the Earth's
+//! axis against z of GCRS (0.15° in 2026, which moves boundaries by up to 60 m or 0.02 s).
 //!
 //! Heavens-Above gives the time of the first geometric dimming as the time of shadow entry: for 15 passes these times
 //! agree with the geometric model within 0.8 s, rounding included.
@@ -106,7 +106,8 @@ impl ShadowModel {
     /// either model: its radius at the Earth's centre, km, and the decrease of the radius per km of distance behind the
     /// Earth. Valid for satellites from 100 km up to the Moon's distance.
     pub fn dark_core() -> (f64, f64) {
-        // The poles are the nearest points of the limb. sin = (R_sun - R) / d at perihelion is 0.00469.
+        // The limb is nearest to the Earth's centre at the poles. At perihelion the sine of the half angle of the
+        // umbral cone is (R_sun - R) / d = 0.00469.
         (EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING), 0.0048)
     }
 
@@ -125,8 +126,9 @@ impl ShadowModel {
             && position.norm_squared() < atmosphere::FARTHEST_KM * atmosphere::FARTHEST_KM;
         let edge_km = if airy { radius + atmosphere::CLEAR_KM } else { radius };
 
-        // Behind the terminator plane, and within the cone of the penumbra (half angle at most 0.0048 rad, the Earth's
-        // radius at the terminator).
+        // Only positions behind the terminator plane and inside the cone of the penumbra (radius `edge_km` at this
+        // plane, half angle at most 0.0048 rad), or on its sunward side and within `edge_km` of the Earth's centre, can
+        // be in shadow.
         let behind_km = -position.dot(&to_sun) / to_sun.norm();
         let across_km2 = position.norm_squared() - behind_km * behind_km;
         let cone_km = edge_km * 1.0002 + 0.005 * behind_km;

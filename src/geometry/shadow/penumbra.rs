@@ -69,8 +69,8 @@ pub(super) fn strip(u: f64) -> f64 {
 /// Returns the fraction of the Sun's light above the limb of the Earth, seen as a disk of radius `limb`, when the Sun's
 /// centre is `above` outside that limb (both in solar radii). It is within 5·10⁻⁵ of a direct sum over the disk.
 ///
-/// The Earth covers a circle of radius r around the Sun's centre over the half angle β(r). With d = R + x, the distance
-/// of the centres:
+/// The Earth covers a circle of radius r around the Sun's centre over the half angle β(r). With R for `limb`, x for
+/// `above`, and d = R + x, the distance of the centres:
 ///
 /// cos β = (x (2R + x) + r²) / (2 d r),  covered = ∫ 2 r β(r) I(r) dr
 ///

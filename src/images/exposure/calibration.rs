@@ -174,7 +174,8 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let comment = comment.to_ascii_lowercase();
         let is_per_second = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
         let stated = is_per_second.then_some(CountBasis::Second);
-        // The pixels are rates, so that the sum of the pixels is the count of one second.
+        // If the pixels are rates, their sum is already the count of one second and must not be divided by the exposure
+        // time.
         let is_rate = parsed_unit(&unit).1;
         let basis = if is_rate { Some(CountBasis::Frame) } else { stated.or(*usual) };
         Some(ZeroPoint { mag, basis, keyword })

@@ -280,7 +280,8 @@ fn days(
     Ok(Some(Start { epoch, from: name, slack_s }))
 }
 
-/// Returns a start computed from MJD or JD, whose comments state the time of the exposure to which they refer.
+/// Returns a start computed from MJD or JD. If their comment mentions the end or the middle of the exposure, they refer
+/// to that time, otherwise to its start.
 fn start_by_comment(
     keywords: Keywords<'_>,
     keyword: &str,

@@ -16,12 +16,12 @@ const NAMES: [&str; 4] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"];
 /// Description of the keywords, for errors.
 pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known site in INSTRUME, TELESCOP or OBSERVAT";
 
-/// Returns the site in the headers of a frame in order of precedence: that of the image, then the primary one; `None`
-/// if they have no site.
+/// Returns the site in the headers of a frame; `None` if they have no site. The headers are given in the order of
+/// precedence: first the header of the image, then the primary header.
 ///
-/// OBSGEO-X, -Y and -Z are used before OBSGEO-B, -L and -H, and those before the first of instrument, telescope and
-/// observatory that is a known site. SITELONG, OBS-LONG and similar keywords are not read: no standard defines their
-/// sign and unit, and both signs are in use.
+/// OBSGEO-X, -Y and -Z take precedence over OBSGEO-B, -L and -H. Without these, the site is the first known site among
+/// the names of instrument, telescope and observatory. SITELONG, OBS-LONG and similar keywords are not read: no
+/// standard defines their sign and unit, and both signs are in use.
 ///
 /// # Errors
 /// A position that is not on the Earth.
@@ -57,7 +57,8 @@ mod tests {
         site_from_headers(&[&Header::from_text(text), &Header::from_text("OBSERVAT= 'Paranal'\n")])
     }
 
-    /// Coordinates of Rubin Observatory in both forms, as in the headers of LSSTCam, where X, Y and Z have centimetres.
+    /// Coordinates of Rubin Observatory in both forms, as in the headers of LSSTCam, where X, Y and Z are given to
+    /// centimetres.
     #[test]
     fn valid_positions_are_read_before_names() {
         let cartesian =
@@ -81,7 +82,7 @@ mod tests {
         let decam = "OBS-LONG= 70.81489\nOBS-LAT = -30.16606\nTELESCOP= 'CTIO 4.0-m telescope'\nINSTRUME= 'DECam'\n";
         assert_eq!(site(decam).unwrap().unwrap().mpc_code.as_deref(), Some("W84"));
         let schmidt = "SITELAT = -31.277\nSITELONG= 210.934\nTELESCOP= 'UK Schmidt - Doubl'\n";
-        // The name in the primary header.
+        // The site is that of the name in the primary header.
         assert_eq!(site(schmidt).unwrap().unwrap().name, "Paranal");
         assert_eq!(site_from_headers(&[&Header::from_text(schmidt)]).unwrap(), None);
     }

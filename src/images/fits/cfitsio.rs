@@ -149,7 +149,8 @@ impl<'a> Handle<'a> {
 
     /// Writes all buffered data and closes the file.
     pub fn close(mut self) -> Result<(), ImagesError> {
-        // `fitsio` ignores the status of closing, so buffers are written before, after which closing cannot fail.
+        // `fitsio` ignores the status of closing. The buffers are therefore written before, so that closing cannot
+        // fail.
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffflus(file, status);

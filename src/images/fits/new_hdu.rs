@@ -300,7 +300,7 @@ fn table_header(columns: &[TableColumn]) -> Header {
         header.set(&format!("TTYPE{number}"), &column.name.as_str().into(), &column.meaning);
         header.set(&format!("TFORM{number}"), &CardValue::Text(column.cells.form()), "");
         if let Some(null) = column.cells.null() {
-            header.set(&format!("TNULL{number}"), &null.into(), "nothing known");
+            header.set(&format!("TNULL{number}"), &null.into(), "no value");
         }
         if !column.unit.is_empty() {
             header.set(&format!("TUNIT{number}"), &column.unit.as_str().into(), "");

@@ -24,8 +24,8 @@ pub(super) struct TileTable {
 }
 
 impl TileTable {
-    /// Reads the rows of a compressed image and checks that each tile lies in the heap and has the length that its
-    /// pixels require.
+    /// Reads the rows of the table of a compressed image and checks that each tile lies in the heap and has a length
+    /// that is possible for its pixels.
     ///
     /// # Errors
     /// Invalid keywords, invalid tiles ([`ImagesError::Tiles`] with the number of the tile), and errors of the

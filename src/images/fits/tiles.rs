@@ -34,8 +34,8 @@ use super::tile_table::TileTable;
 const QUANTISED_BLANK: f64 = -2_147_483_648.0;
 const QUANTISED_ZERO: f64 = -2_147_483_646.0;
 
-/// Range of quantised numbers. CFITSIO gives the faintest pixel of a tile a number ten above the reserved ones, so that
-/// the lower limit is next to the reserved numbers.
+/// Range of quantised numbers. The lower limit is next to the reserved numbers, because CFITSIO gives the faintest
+/// pixel of a tile a number only ten above them.
 const QUANTISED_RANGE: (f64, f64) = (-2_147_483_645.0, 2_147_483_600.0);
 
 /// Table with recompressed tiles, as a byte range of a file.
@@ -118,7 +118,7 @@ pub(super) fn repack(
         if tiles.is_empty() && !is_new {
             continue;
         }
-        // Sizes of the table after the first view was edited.
+        // The sizes of the table change when the first view is edited.
         let mut view = view;
         copy_sizes(header, &mut view);
         write_view(source, info, &view, scratch, is_new).map_err(&io)?;

@@ -291,8 +291,8 @@ impl Polynomial {
         if !self.radial.is_empty() {
             let square = u * u + v * v;
             let r = square.sqrt();
-            // Σ c r^(2k+1), and its slope along r divided by r: Σ (2k+1) c r^(2k-1). The first term is omitted at the
-            // centre.
+            // Σ c r^(2k+1), and its slope along r: Σ (2k+1) c r^(2k). At the centre, r has no slopes along u and v, so
+            // they are omitted.
             let (mut value, mut slope) = (0.0, 0.0);
             for (k, coefficient) in self.radial.iter().enumerate().rev() {
                 value = value * square + coefficient;

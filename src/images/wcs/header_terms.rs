@@ -1,4 +1,5 @@
-//! World coordinates in a header, including common non-standard keywords.
+//! World coordinates in a header, including common non-standard keywords. "Paper II" is Calabretta and Greisen (2002,
+//! A&A 395, 1077).
 
 use super::super::error::ImagesError;
 use super::super::header::Header;
@@ -187,8 +188,8 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 
     let (sine, cosine) = rotation.to_radians().sin_cos();
     for (i, j) in entries {
         let unturned = if i == j { 1.0 } else { 0.0 };
-        // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]]; multiplied by CDELTi, the step of the
-        // other axis remains.
+        // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]] with the steps s (CDELT). The product
+        // of CDELTi and PCi_j contains the step of axis j if i and j differ.
         matrix[i][j] = if rotation == 0.0 {
             steps[i] * turn(i, j).unwrap_or(unturned)
         } else if i == j {

@@ -169,8 +169,8 @@ impl NativePole {
         let (sin_phi, cos_phi) = phi_pole.sin_cos();
         let (sin_lat, cos_lat) = pole_latitude.sin_cos();
         let (sin_lon, cos_lon) = pole_longitude.sin_cos();
-        // sin δ = sin θ sin δp + cos θ cos δp cos(φ - φp), and the equations of the other two components      paper II,
-        // eq. 2
+        // Paper II, eq. 2: sin δ = sin θ sin δp + cos θ cos δp cos(φ - φp), and the equations of the other two
+        // components.
         let turned = Matrix3::new(
             -sin_lat * cos_phi,
             -sin_lat * sin_phi,
@@ -237,7 +237,7 @@ mod tests {
     #[test]
     fn verif_projections_are_inverted() {
         let zpn = Zpn::new(vec![0.0, 1.0, 0.0, -50.0]).unwrap();
-        // dR/dγ = 1 - 150 γ² ends at γ = 0.0816.
+        // At a distance γ from the pole, dR/dγ = 1 - 150 γ², which is 0 at γ = 0.0816.
         assert!((zpn.furthest_rad - 150f64.powf(-0.5)).abs() < PI / 2000.0);
         assert_eq!(Zpn::new(vec![0.0, -1.0]), None);
         let projections = [

@@ -15,8 +15,8 @@ use crate::images::pixels::PixelPosition;
 /// Number of arcseconds in a radian.
 const ARCSEC: f64 = 648_000.0 / std::f64::consts::PI;
 
-/// Smallest margin around a frame in which its distortion is used, pixels, provided that the distortion does not fold
-/// there.
+/// Smallest margin around a frame in which its distortion is used, pixels. A margin in which the distortion folds, that
+/// is, maps different pixels to the same position, is reduced further.
 const LEAST_MARGIN_PIX: f64 = 1000.0;
 
 /// Side of a frame whose header does not give its size, pixels.
@@ -25,8 +25,8 @@ const UNKNOWN_SIDE_PIX: usize = 4096;
 /// Number of points along each side of a frame at which a distortion is checked for folds.
 const FOLD_GRID: usize = 13;
 
-/// Smallest accepted slope of the distortion, relative to that at the centre. Above it, no two pixels have the same
-/// position.
+/// Smallest accepted slope of the distortion, relative to that at the centre. If the slope is above it everywhere, no
+/// two pixels have the same position.
 const LEAST_SLOPE: f64 = 0.1;
 
 /// Fractions of the margin that are tried in turn until the distortion does not fold inside it.
@@ -42,7 +42,7 @@ const MOST_STEPS: usize = 25;
 ///
 /// A transformation is read from a header by [`from_header`](Wcs::from_header) or created by [`tangent`](Wcs::tangent).
 /// FK5 of equinox 2000 is taken as ICRS, from which it differs by 0.02 arcsec. A frame with a polynomial distortion has
-/// positions only within the frame and a margin around it. The margin is the size of the frame and at least 1000
+/// positions only within the frame and a margin around it. The margin is the longer side of the frame and at least 1000
 /// pixels, or less if the polynomial folds. Farther out, polynomials bend back, so that a satellite far from the frame
 /// would appear inside it.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,7 @@ pub struct Candidate {
     /// Number of the cone that may contain the satellite.
     pub cone: u32,
     /// Interval during which the predicted position is inside the cone, seconds from the middle of the cone's time
-    /// interval. It may begin before and end after that time interval, by the delay that the window covers.
+    /// interval. It may begin before and end after that time interval, by the largest delay that is searched.
     pub near_s: [f32; 2],
     /// True if the satellite is inside the given shadow during the whole time interval of the cone.
     pub is_dark: bool,

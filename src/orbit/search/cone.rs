@@ -243,8 +243,8 @@ impl ShadowConeInTeme {
     pub fn holds(&self, position: &Vector3<f64>, slop_km: f64) -> bool {
         let depth_km = position.dot(&self.away_from_sun);
         let across_km = (position - self.away_from_sun * depth_km).norm();
-        // The surface of the cone is nearly parallel to its axis, so a step along the axis changes less than the same
-        // step across.
+        // The surface of the cone is nearly parallel to its axis, so a step along the axis changes the distance from
+        // the surface less than the same step across.
         depth_km > slop_km && across_km + slop_km < self.radius_km - self.narrowing * (depth_km + slop_km)
     }
 }

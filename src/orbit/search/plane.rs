@@ -38,8 +38,8 @@ impl ConeInShell {
         };
         let outside = self.observer_km > highest_km;
         let far = if outside {
-            // From above the shell, only descending directions meet it, and the steepest of them do so at the lowest
-            // radius.
+            // From above the shell, only descending directions meet it. The steepest of them has both the nearest and
+            // the farthest intersection with the upper boundary.
             if self.cos_far >= 0.0 {
                 return None;
             }
@@ -79,8 +79,8 @@ impl NullaryFnOnce for Planes<'_> {
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { chunk, fraction, observer: o, axis: d, ends: [near, far], limits: [near_limit, far_limit] } = self;
-        // A plane passes if |n·O + ρ n·d| ≤ ρψ + slop at either end of ρ, or if n·O + ρ n·d changes its sign between
-        // them.
+        // A plane passes if |n·O + ρ n·d| ≤ ρψ + slop at either end of ρ, with the radius ψ of the cone, or if the sign
+        // of n·O + ρ n·d changes between the ends.
         let mut outside = [0.0_f32; CHUNK];
         for (lane, outside) in outside.iter_mut().enumerate() {
             let nx = chunk.normal[0][lane] + fraction * chunk.normal_change[0][lane];

@@ -5,11 +5,11 @@
 //! slowly (normal of the plane, mean longitude, eccentricity vector). SGP4 gives them at both ends of the window, and
 //! they are interpolated in between:
 //!
-//! 1. **Plane.** A point of the cone's axis at distance ρ is `|n·O + ρ n·d|` away from the orbit plane, and other
-//!    points of the cone differ from it by at most the cone's width. The satellite's shell (perigee to apogee) limits ρ
-//!    to [ρ₁, ρ₂]. The expression inside the bars is linear in ρ, so it need only be computed at both ends. Satellites
-//!    are sorted by shell and processed in chunks that share ρ₁ and ρ₂. One or two in a hundred satellites pass this
-//!    test.
+//! 1. **Plane.** A point of the cone's axis at distance ρ is `|n·O + ρ n·d|` away from the orbit plane, where n is the
+//!    normal of the plane, O the observer and d the axis. Other points of the cone differ from this by at most the
+//!    cone's width. The satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. The expression inside the bars is
+//!    linear in ρ, so it need only be computed at both ends. Satellites are sorted by shell and processed in chunks
+//!    that share ρ₁ and ρ₂. One or two in a hundred satellites pass this test.
 //! 2. **Side.** By their mean longitudes, nine in ten of the remaining satellites are on another side of the Earth.
 //! 3. **Phase.** For the rest, the interpolated elements give the velocity, and the position to some 20 km, and hence
 //!    the closest approach to the line of sight during the exposure. One or two in ten thousand satellites pass this
@@ -367,7 +367,8 @@ mod tests {
                         (interpolated - position).norm() / f64::from(phase.slop_km),
                         (radius_km - highest(phase)).max(lowest(phase) - radius_km) / RADIUS_SLOP_KM,
                     ];
-                    // A line of sight straight up to the satellite, with no margin but its own.
+                    // A narrow cone straight up to the satellite: the cap of the cone must contain it without
+                    // additional margins.
                     let up = position.normalize();
                     let height_km = radius_km - DECAYED_RADIUS_KM;
                     let cap =

@@ -46,9 +46,9 @@ impl Sky {
     /// Finds all sunlit satellites that cross the field in each exposure.
     ///
     /// The result contains the crossings of [`Sky::field_passes`] with default options, at the same times to 10 µs,
-    /// with two exceptions. A satellite whose position cannot be computed only at times far from the field is not
-    /// reported as left out. A satellite that stays in the field for hours, or returns within minutes, counts as lit if
-    /// it is lit at any time inside the field.
+    /// with two exceptions. If the position of a satellite can be computed near the field, but not at other times of
+    /// the exposure, the satellite is not reported as left out. A satellite that stays in the field for hours, or
+    /// returns within minutes, counts as lit if it is lit at any time inside the field.
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].

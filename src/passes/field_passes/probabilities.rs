@@ -59,16 +59,16 @@ pub struct CrossingProbability {
     /// Probability that the satellite is in the field at any time of the exposure, (0, 1].
     pub probability: f64,
     /// Expected length of the satellite's streak within the field, radians. It is the average over all errors of the
-    /// position; errors with which the satellite misses the field count with length 0. If the satellite is lit on a
-    /// part of its predicted path, the length is reduced in proportion.
+    /// position; errors with which the satellite misses the field count with length 0. If the satellite is lit only on
+    /// a part of its predicted path, the length is reduced in proportion.
     pub streak_length_rad: f64,
     /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,
     /// Sun, satellite and observer at the time at which its path is nearest to the centre of the field.
     pub geometry: ViewingGeometry,
-    /// Fraction of the Sun's light that reaches it there, [0, 1].
+    /// Fraction of the Sun's light that reaches the satellite at that time, [0, 1].
     pub lit_fraction: f64,
-    /// Angular speed there, rad/s.
+    /// Angular speed at that time, rad/s.
     pub angular_rate_rad_s: f64,
     /// True if the elements are so old that delays beyond the searched ones are probable. Probability and streak length
     /// are then lower limits.

@@ -12,8 +12,9 @@ const TRIED_DELAYS: usize = 81;
 
 /// Returns the probability that the satellite is inside the field at any time of an exposure.
 ///
-/// `track` returns the line of sight, at a time, to a satellite with a delay, both in seconds. The distribution of the
-/// delay is divided into equal steps. The delays between two that both miss the field by a wide margin are skipped.
+/// `track` returns the line of sight to the satellite as a function of time and delay, both in seconds. The
+/// distribution of the delay is divided into equal steps. Delays between two tested delays are skipped if the satellite
+/// misses the field by a wide margin with both.
 ///
 /// The result is accurate to a few hundredths if the field is wider than the error across the track, which is
 /// represented by five shifts. For narrower fields, the probability of one satellite can have only a few values (0.53
@@ -124,7 +125,7 @@ mod tests {
     use crate::frames::Direction;
     use crate::passes::Field;
 
-    /// Reference for [`crossing_probability_in_flight`]: all delays times all shifts.
+    /// Reference for [`crossing_probability_in_flight`]: the sum over all delays and all shifts.
     fn plain_sum(
         track: &impl Fn(f64, f64) -> Sight,
         (start_s, end_s): (f64, f64),

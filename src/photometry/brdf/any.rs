@@ -38,11 +38,11 @@ impl Law {
             Self::Phong(Phong { exponent, .. })
             | Self::Straight(Straight { exponent, .. })
             | Self::Retro(Retro { exponent, .. }) => *exponent,
-            // A facet tilted by β across the plane of incidence deflects light by θ = 2β cos φ_i. At φ_i = 60°, which
-            // is the obliquity of a satellite's horizon for its nadir panels, this is β, and e^(-tan²β/2w²) ≈
-            // e^(-θ²/2w²), while cosⁿθ ≈ e^(-nθ²/2). For light along the normal the lobe is twice as wide, 2w. Slopes
-            // below 0.07 would need an exponent above LARGEST_EXPONENT. For a slope of 0.04 the error of earthshine is
-            // up to 0.04 mag near the horizon and 0.002 mag elsewhere.
+            // A facet tilted by β across the plane of incidence deflects light by θ = 2β cos φ_i. At φ_i = 60°, about
+            // the angle at which light from the Earth's limb falls on a panel that faces the nadir, θ = β, and
+            // e^(-tan²β/2w²) ≈ e^(-θ²/2w²), while cosⁿθ ≈ e^(-nθ²/2). For light along the normal the lobe is twice as
+            // wide, 2w. Slopes below 0.07 would need an exponent above LARGEST_EXPONENT. For a slope of 0.04 the error
+            // of earthshine is up to 0.04 mag near the horizon and 0.002 mag elsewhere.
             Self::Facets(law) => law.slope.powi(-2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)
             Self::Gaussian(law) => 1.0 / law.width,

@@ -104,7 +104,7 @@ pub(super) fn check_law(law: &impl Brdf) {
             let grazing = law.value_per_sr(&Incidence::new(&normal, &along, &eye));
             assert!(grazing >= 0.0 && grazing.is_finite(), "{grazing} for {along:?} {eye:?}");
         }
-        // At the mirror direction itself, and along the normal, no root of a negative number.
+        // At the mirror direction and along the normal, rounding must not cause the root of a negative number.
         let mirror = Vector3::new(-light.x, -light.y, light.z);
         assert!(law.value_per_sr(&Incidence::new(&normal, &light, &mirror)).is_finite());
         assert!(law.value_per_sr(&Incidence::new(&normal, &normal, &normal)).is_finite());

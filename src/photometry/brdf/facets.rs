@@ -140,7 +140,7 @@ mod tests {
         // c / (8π w²)
         let peak = 0.5 / (4.0 * TAU * 1e-4);
         assert!((at(0.0) / peak - 1.0).abs() < 1e-12);
-        // Half maximum where the facet is tilted by √(2 ln 2) w, the light by twice that.
+        // At half maximum the facet is tilted by √(2 ln 2) w, and the light is deflected by twice this angle.
         let half = (2.0 * 0.01 * (2.0 * std::f64::consts::LN_2).sqrt()).to_degrees();
         assert!((at(half) / peak - 0.5).abs() < 1e-3, "{}", at(half) / peak);
     }
@@ -168,7 +168,7 @@ mod tests {
             for (light, eye) in [(100.0, 30.0), (30.0, 100.0), (150.0, 120.0)] {
                 assert_eq!(at(light, eye), 0.0);
             }
-            // The mirror direction becomes brighter down to the surface, without bound but always finite.
+            // The value in the mirror direction increases without bound towards grazing incidence, but stays finite.
             let mirror: Vec<f64> = [0.0, 45.0, 80.0, 89.0, 89.9].map(|zenith| at(zenith, zenith)).to_vec();
             assert!(mirror.windows(2).all(|pair| pair[1] >= pair[0] * 0.999 && pair[1].is_finite()), "{mirror:?}");
         }

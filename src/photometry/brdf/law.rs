@@ -77,7 +77,8 @@ pub(super) fn lobe_peak_per_sr(weight: f64, exponent: f64) -> f64 {
 
 /// Returns the value of the lobe, sr⁻¹, where `cosine` is the cosine of the angle to the axis; 0 beyond 90°.
 pub(super) fn lobe_per_sr(weight: f64, exponent: f64, cosine: f64) -> f64 {
-    // This is a shortcut for a weight of zero, and the result for an exponent of 0, as 0⁰ is 1.
+    // For a weight of 0, `powf` is not evaluated. At and beyond 90° the lobe is 0 even for an exponent of 0, for which
+    // `powf` returns 1.
     if weight == 0.0 || cosine <= 0.0 {
         return 0.0;
     }

@@ -59,7 +59,7 @@ mod tests {
                     law.value_per_sr(&incidence) * incidence.cos_out * TAU / n as f64
                 })
                 .sum();
-            // Midpoint rule on 2·10⁵ cells of a lobe 300 powers narrow.
+            // Midpoint rule in 2·10⁵ cells, for exponents up to 300.
             assert!((sum - 0.7).abs() < 1e-6, "n {exponent}: {sum}");
         }
     }

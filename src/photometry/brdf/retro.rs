@@ -5,10 +5,11 @@
 //! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
 //! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! For surfaces that are brightest with the Sun behind the observer: crumpled foil, corners, or rough ground whose
-//! shadows are then hidden. The lobe is Phong's lobe rotated by half a turn about the normal, with the same energy: for
-//! light along the normal `weight` is reflected; at oblique incidence part of the lobe is below the surface and less is
-//! reflected. The lobe depends only on the phase angle. It is reciprocal, and 0 at phase angles beyond 90°.
+//! The law describes surfaces that are brightest with the Sun behind the observer: crumpled foil, corners, or rough
+//! ground whose shadows are then hidden. The lobe is Phong's lobe rotated by half a turn about the normal, with the
+//! same energy: for light along the normal `weight` is reflected; at oblique incidence part of the lobe is below the
+//! surface and less is reflected. The lobe depends only on the phase angle. It is reciprocal, and 0 at phase angles
+//! beyond 90°.
 //!
 //! The law is empirical; it is included because fits to measured satellites require light in this direction.
 //!
@@ -44,7 +45,7 @@ mod tests {
         for exponent in [0.0, 1.0, 22.0, 300.0, 5000.0] {
             let law = Retro { weight: 0.7, exponent };
             assert!((reflected_share(&law, 1.0) - 0.7).abs() < 7e-4, "{exponent}");
-            // Phong's energy at every incidence, down to grazing.
+            // The energy is that of Phong's lobe at every incidence, down to grazing.
             let turned = Phong { weight: 0.7, exponent };
             for cos_in in [1.0, 0.6, 0.2, 0.0] {
                 let (back, forth) = (reflected_share(&law, cos_in), reflected_share(&turned, cos_in));

@@ -5,13 +5,13 @@
 //! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
 //! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! For light that leaks forward through a solar array, between its photovoltaic cells or through thin blankets: a law
-//! for the face `through`, lit from the front and seen from behind. The lobe is Phong's lobe mirrored in the plane of
-//! the panel, with the same energy: for light along the normal `weight` is transmitted. At oblique incidence part of
-//! the lobe is on the lit side, where `through` has no light, and less is transmitted; at grazing incidence half of the
-//! lobe is lost and the rest lies in the plane. The lobe depends only on the angle between Sun and observer. It is
-//! reciprocal, and 0 for angles below 90°. As a law of a `front` it contributes only the part of the lobe above the
-//! plane of the panel: some light near grazing incidence.
+//! The law describes light that leaks forward through a solar array, between its photovoltaic cells or through thin
+//! blankets. It is a law for the face `through`, which is lit from the front and seen from behind. The lobe is Phong's
+//! lobe mirrored in the plane of the panel, with the same energy: for light along the normal `weight` is transmitted.
+//! At oblique incidence part of the lobe is on the lit side, where `through` has no light, and less is transmitted; at
+//! grazing incidence the axis of the lobe lies in the plane and half of the lobe is lost. The lobe depends only on the
+//! angle between Sun and observer. It is reciprocal, and 0 for angles below 90°. As a law of a `front` it contributes
+//! only the part of the lobe above the plane of the panel: some light near grazing incidence.
 //!
 //! The law is empirical; it is included because fits to measured satellites require light in this direction.
 //!
@@ -47,7 +47,7 @@ mod tests {
         for exponent in [0.0, 1.0, 22.0, 300.0] {
             let law = Straight { weight: 0.7, exponent };
             assert!((transmitted_share(&law, 1.0) - 0.7).abs() < 7e-4, "{exponent}");
-            // Phong's energy at every incidence, down to grazing.
+            // The energy is that of Phong's lobe at every incidence, down to grazing.
             let mirrored = Phong { weight: 0.7, exponent };
             for cos_in in [1.0, 0.6, 0.2, 0.0] {
                 let (far, near) = (transmitted_share(&law, cos_in), reflected_share(&mirrored, cos_in));

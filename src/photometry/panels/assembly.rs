@@ -253,12 +253,12 @@ impl PanelAssembly {
     }
 }
 
-/// Exponent of the lobe whose nodes are used for diffuse laws alone: a level panel sees the whole lit ground, without
-/// the kink at 90° for which a lobe of exponent 1 needs more.
+/// Exponent that determines the nodes for panels with diffuse laws only. A level panel sees the whole lit ground,
+/// without the kink at 90° for which a lobe of exponent 1 requires more nodes.
 const DIFFUSE_EXPONENT: f64 = 5.0;
 
 /// Returns Σ dE f cos φ_i cos φ_r of a panel that faces down with one diffuse law, one law of facets, or both, sr⁻¹;
-/// `None` for another panel.
+/// `None` for any other panel.
 fn level_reflection_per_sr(
     earth: &LitEarth,
     normal: &Vector3<f64>,
@@ -320,7 +320,7 @@ mod tests {
 
     #[test]
     fn verif_level_panels_by_rings_equal_the_sum_over_sources() {
-        // Tolerance: the vector exponential.
+        // The tolerance covers the error of the vectorised exponential.
         const TOLERANCE: f64 = 1e-6;
         let lambert = Law::Lambert(Lambert { albedo: 0.1 });
         let down = -Vector3::z();

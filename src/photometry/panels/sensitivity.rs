@@ -1,7 +1,7 @@
-//! Derivatives of the light of panels by the parameters of their laws and spheres.
+//! Derivatives of the light of panels with respect to the parameters of their laws and spheres.
 //!
-//! Only the laws and spheres that refer to a parameter are evaluated beside the fitted ones: cosines, areas and
-//! obstruction do not depend on the parameters.
+//! In addition to the fitted panels, only the laws and spheres that refer to a parameter are evaluated: cosines, areas
+//! and obstruction do not depend on the parameters.
 
 use nalgebra::Vector3;
 
@@ -25,7 +25,7 @@ pub(in crate::photometry) struct PanelSensitivity {
 struct Moved<Place, Part> {
     place: Place,
     parameter: usize,
-    /// Difference of the parameter between the two.
+    /// Difference of the parameter between `up` and `down`.
     difference: f64,
     up: Part,
     down: Part,
@@ -67,9 +67,8 @@ impl PanelSensitivity {
         all
     }
 
-    /// Returns the derivatives of the sunlight by the parameters, and the sunlight, m² sr⁻¹; the directions are those
-    /// of
-    /// [`PanelAssembly::b_total_m2_sr`] of the fitted assembly.
+    /// Returns the derivatives of the sunlight with respect to the parameters, and the sunlight of the `fitted`
+    /// assembly, m² sr⁻¹. The directions are those of [`PanelAssembly::b_total_m2_sr`].
     pub fn gradient(
         &self,
         fitted: &PanelAssembly,

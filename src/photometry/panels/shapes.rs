@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn verif_triangles_cut_by_one_another() {
         let one = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
-        // The same triangle rotated by half a turn about (0.5, 0.5), in reverse order: they share a hexagon.
+        // The same triangle rotated by half a turn about (0.5, 0.5), in reverse order: they share a square.
         let other = PanelPolygon::new(&[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]]);
         let shared = one.clipped_to(&other);
         assert!((shared.area_m2() - other.clipped_to(&one).area_m2()).abs() < 1e-15);
@@ -295,7 +295,7 @@ mod tests {
         let slant = Vector3::new(-1.0, 0.0, 1.0).normalize();
         assert!((below.blocked_by(&above, &slant).area_m2() - 0.5).abs() < 1e-15);
         assert!((below.blocked_by(&above, &Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
-        // From below it is behind; and the lower one hides the back of the upper one.
+        // Seen from below, the upper square blocks nothing of the lower one, which hides the back of the upper one.
         assert_eq!(below.blocked_by(&above, &-Vector3::z()).area_m2(), 0.0);
         assert!((above.blocked_by(&below, &-Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
         assert_eq!(below.blocked_by(&above, &Vector3::x()).area_m2(), 0.0);
@@ -355,7 +355,7 @@ mod tests {
                     sum += law.value_per_sr(&incidence) * incidence.front() * cell_m2;
                 }
             }
-            // Cells of 1/400 at the terminator.
+            // The error is that of cells of 1/400 at the terminator.
             assert!((sum - sphere.m2_sr(angle)).abs() < 1e-5, "{angle}: {sum} {}", sphere.m2_sr(angle));
         }
     }

@@ -27,8 +27,8 @@ const PRESSURE_N_M2: f64 = SOLAR_IRRADIANCE_W_M2 / (SPEED_OF_LIGHT_KM_S * 1000.0
 pub struct SunlightForce {
     /// Area that intercepts sunlight, projected onto the plane perpendicular to the direction of the Sun, m².
     pub cross_section_m2: f64,
-    /// Force divided by the radiation pressure of sunlight, in the body frame, m². A black satellite has
-    /// `cross_section_m2` away from the Sun.
+    /// Force divided by the radiation pressure of sunlight, in the body frame, m². For a black satellite, this vector
+    /// has the length `cross_section_m2` and points away from the Sun.
     pub per_pressure_m2: Vector3<f64>,
 }
 

@@ -155,7 +155,7 @@ impl ChassisAndSail {
         OpenSail { lit_m2: [self.sail_m2; N], lit_and_seen_m2: [self.sail_m2; N] }
     }
 
-    /// Returns the areas of the parts of the sail that the chassis does not shade, and does neither shade nor hide.
+    /// Returns the area of the sail that the chassis does not shade, and the area that it neither shades nor hides.
     #[inline(always)]
     pub(crate) fn open_sail<const F: bool, const N: usize>(&self, directions: &Directions<N>) -> OpenSail<N> {
         let [sun_x, sun_z] = &directions.sun;
@@ -164,7 +164,7 @@ impl ChassisAndSail {
         for lane in 0..N {
             let shade_m = self.height_m::<F>(sun_x[lane], sun_z[lane]);
             let view_m = self.height_m::<F>(eye_x[lane], eye_z[lane]);
-            // x_p = l_base l cos δ sin α reached at height y_p               Lu (2024), eqs. 16, 18
+            // |x_p| / y_p = cos POA |w_y| / (-w_z), the shear of the hidden part       Lu (2024), eqs. 16, 18
             let below = greater(-eye_z[lane], TINY);
             let aside = greater((self.cos_panel_offset * eye_y[lane]).abs(), TINY);
             let (shear, per_shear) = (aside / below, below / aside);

@@ -122,10 +122,9 @@ impl SatelliteModel {
     }
 
     /// Returns the glossy and the diffuse earthshine of the chassis, m² sr⁻¹; 0 if no ground in view is lit. Takes 1 to
-    /// 5 µs for n_base
-    ///  22.
+    /// 5 µs for an exponent n_base of 22.
     pub(crate) fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> [f64; 2] {
-        /// Without a lobe, a broad one with the smallest number of nodes suffices.
+        /// Exponent used if the lobe has no weight: a broad lobe, which requires the smallest number of nodes.
         const BROAD_EXPONENT: f64 = 4.0;
         let exponent = if self.c[3] > 0.0 { self.n_base } else { BROAD_EXPONENT };
         let [glossy, diffuse] = chassis_earthshine(self.panels.base_m2(), geometry, exponent);

@@ -87,7 +87,8 @@ impl Edits {
 
     /// Returns the edited copy of `text`.
     pub fn apply(mut self, text: &str) -> String {
-        // A removal that ends at an insertion is applied before it, and one that starts there after it.
+        // A removal that ends at the position of an insertion is applied before it; a removal that starts there is
+        // applied after it.
         self.0.sort_by_key(|(range, _)| (range.start, range.end));
         let mut out = String::with_capacity(text.len() * 2);
         let mut written = 0;

@@ -59,7 +59,7 @@ fn write_copy(
 ) -> Result<(), rusqlite::Error> {
     let mut copy = Connection::open(target)?;
     Backup::new(source, &mut copy)?.run_to_completion(PAGES_PER_STEP, Duration::ZERO, None)?;
-    // Only the database file is renamed, so that no journal file may exist.
+    // Only the database file is renamed to the output, so there must be no separate journal file.
     copy.pragma_update(None, "journal_mode", "DELETE")?;
     let transaction = copy.transaction()?;
     for (kind, name) in earlier {
@@ -111,7 +111,7 @@ fn write_table(
 ///
 /// It is `INTEGER` if the column of the schedule is declared as an integer (in SQLite, a type name that contains
 /// `INT`), or has no declared type (as after `CREATE TABLE ... AS`) and contains only integers. Otherwise it is `TEXT`:
-/// '007', '1e3' or '7.0' would not equal themselves as integers in a join.
+/// texts such as '007', '1e3' or '7.0' that were converted to integers would not match the original texts in a join.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
     let columns: Vec<(String, String)> =

@@ -7,7 +7,7 @@ use super::super::formats::{ScheduleFormat, display};
 use super::annotation::Annotation;
 use super::{delimited, json, votable};
 
-/// Writes the schedule at `input` with verdicts and streaks added to `output`. Returns the files written.
+/// Writes a copy of the schedule at `input`, with verdicts and streaks, to `output`. Returns the files written.
 ///
 /// - **opsim SQLite**: a copy of the database with the tables `streaks` (one row for each exposure and satellite),
 ///   `streak_flags` (one row for each exposure) and `streak_provenance` (name, value as JSON).

@@ -40,7 +40,7 @@ pub(in crate::schedule) struct StartColumn {
     pub scale: Option<TimeScale>,
 }
 
-/// Start column of ObsLocTAP (used by Rubin's ObsPlan service). Only its rows may lack an identifier.
+/// Start column of ObsLocTAP (used by Rubin's ObsPlan service). Only schedules with this column may lack identifiers.
 const PLANNED_START: &str = "t_planning";
 
 /// Start columns in order of preference; those with a time scale in their names are first.
@@ -116,8 +116,8 @@ impl ColumnMap {
     }
 }
 
-/// Returns the name of a missing column with the most similar name in the file, if there is one: other case or
-/// separators, a few different letters, or no unit.
+/// Returns the name of a missing column, followed by the most similar name in the file if there is one. Similar names
+/// differ only in case, in separators or in a few letters, or lack the unit.
 fn with_hint(missing: &str, names: &[String]) -> String {
     let key = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
     let expected = key(missing);
@@ -161,7 +161,8 @@ pub enum ScheduleFormat {
 }
 
 impl ScheduleFormat {
-    /// Returns the usual extensions of files in this format, in lower case. CSV is also written as plain text.
+    /// Returns the usual extensions of files in this format, in lower case. CSV files may also have other extensions,
+    /// such as `txt`.
     pub fn extensions(self) -> &'static [&'static str] {
         match self {
             ScheduleFormat::Opsim => &["db", "sqlite", "sqlite3"],

@@ -55,8 +55,7 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
         if !more {
             break;
         }
-        // The reader may stop between \r and
-        // ; the record ends before both.
+        // The reader may stop between \r and \n; the record ends before both.
         let end = text[..reader.position().byte() as usize].trim_end_matches(['\r', '\n']).len();
         if layout.names.is_empty() {
             layout.names = record.iter().map(|name| name.trim().to_owned()).collect();

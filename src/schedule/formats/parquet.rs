@@ -84,8 +84,8 @@ fn cells(column: &ArrayRef) -> Vec<Cell> {
     }
 }
 
-/// Returns times with a time zone as text in UTC, in which Parquet stores them. Conversion in their own zone requires
-/// the names of all zones.
+/// Returns times with a time zone as text in UTC, in which Parquet stores them. Text in their own time zone would
+/// require a table of all zone names.
 fn utc(column: &ArrayRef) -> Result<ArrayRef, ArrowError> {
     let DataType::Timestamp(_, zone) = column.data_type() else { return cast(column, &DataType::Utf8) };
     let microseconds = cast(column, &DataType::Timestamp(TimeUnit::Microsecond, zone.clone()))?;

@@ -37,9 +37,9 @@ const TRAILS_AT_ONCE: usize = 256;
 
 /// Draws random stars that pass over the chip, or within `reach_pix` of it, at some time of the exposure.
 ///
-/// The stars are distributed uniformly in a strip along their motion, as wide as the diagonal of the chip plus the
-/// reach, and longer than wide by the length of a trail. The direction of each star is computed from its position in
-/// the strip at the time when the star is nearest to the middle of the chip.
+/// The stars are distributed uniformly in a strip along their motion. Its width is the diagonal of the chip plus
+/// `reach_pix` on both sides; its length is this width plus the length of a trail. The direction of each star is
+/// computed from its position in the strip at the time when the star is nearest to the middle of the chip.
 ///
 /// # Errors
 /// The errors of [`RandomStars::draw`], and an expected number of more than a million stars.
@@ -70,8 +70,8 @@ pub(super) fn draw_stars(
         let position =
             PixelPosition { x: middle.x + u * along[0] - v * along[1], y: middle.y + u * along[1] + v * along[0] };
         let seen = chip.wcs.to_sky(position)?;
-        // Twice the time in which a star crosses the width of the strip, so that both ends of the trail are off the
-        // chip.
+        // Time before and after `nearest_s`: the time in which a star crosses the width of the strip, so that both ends
+        // of the trail are off the chip.
         let half_s = if speed > 0.0 { width / speed } else { shot.exposure_s };
         Some(SkyStar {
             direction: shot.tracking.stood(&seen, nearest_s, &shot.centre),

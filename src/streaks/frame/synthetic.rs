@@ -113,7 +113,7 @@ impl SyntheticFrame {
         let rotation_rad = self.rotation_deg.to_radians();
         let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
         let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
-        // Magnitude of a star of one electron in the whole exposure.
+        // Magnitude of a star that gives one electron in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * shot.exposure_s.log10();
         let field = self.stars.map(|field| RandomStars {
             per_megapixel: field.per_megapixel,
@@ -190,7 +190,7 @@ impl SyntheticFrame {
 
     fn cards(&self, shot: &SyntheticShot<'_>, wcs: &Wcs) -> Vec<Card> {
         let detector = &self.detector;
-        // Magnitude of a star of one count in the whole exposure.
+        // Magnitude of a star that gives one count in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * (shot.exposure_s / detector.gain_e_adu).log10();
         let date = format_utc(shot.opened, 6);
         let texts = [

@@ -114,7 +114,7 @@ impl TargetFrame {
         })
     }
 
-    /// Returns the site in the header of the first image, or else in that of the file; `None` if they have none.
+    /// Returns the site in the header of the first image, or else in the primary header; `None` if neither has one.
     ///
     /// # Errors
     /// A position that is not on the Earth.

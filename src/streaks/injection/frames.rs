@@ -9,7 +9,7 @@ use crate::images::HduKind;
 use crate::output::ScratchFolder;
 
 pub struct Frames<'a> {
-    /// Existing frames, or the first of the synthetic frames; all synthetic frames have the same time and centre.
+    /// Existing frames, or one synthetic frame without stars, which has the time and centre of all synthetic frames.
     known: Vec<TargetFrame>,
     maker: Option<SyntheticMaker<'a>>,
 }

@@ -24,7 +24,7 @@ use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted}
 /// Largest distance of two positions of one observatory, km.
 const ONE_SITE_KM: f64 = 1.0;
 
-/// Line of a streak on a chip, by which pictures mark the streak.
+/// Line of a streak on a chip, used to mark the streak in pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     /// HDU of the chip.
@@ -102,7 +102,7 @@ impl<'a> Injection<'a> {
         first.zip(frames.iter().map(|frame| seconds_after(frame.opened, frame.exposure_s)).max())
     }
 
-    /// Returns the sites in the headers; of several within a kilometre the first.
+    /// Returns the sites in the headers; of several sites within a kilometre of each other, only the first.
     ///
     /// # Errors
     /// A position that is not on the Earth.

@@ -67,8 +67,8 @@ impl RandomStreaks {
     ///
     /// `to_sky` is called once for each streak. It converts three random numbers in [0, 1) and a random time, in
     /// seconds after the shutter opened, to a direction in the frame. The light passes this direction at that time,
-    /// moving in a random direction. Its track extends `radius_rad` to either side, or from the opening to the closing
-    /// of the shutter if that is shorter.
+    /// moving in a random direction. Its track extends `radius_rad` to either side, but not beyond the opening and the
+    /// closing of the shutter.
     ///
     /// The streaks depend only on the seed, not on the other random numbers of the frame.
     pub fn tracks(
@@ -182,7 +182,8 @@ mod tests {
         let counts: Vec<f64> = (0..2000).map(|seed| request.tracks(seed, 30.0, 0.02, to_sky).len() as f64).collect();
         let mean = counts.iter().sum::<f64>() / 2000.0;
         let variance = counts.iter().map(|count| (count - mean).powi(2)).sum::<f64>() / 1999.0;
-        // √(3 / 2000) = 0.04 and 3 √(2 / 2000 (1 + 1 / 6)) = 0.1: five sigma each.
+        // The standard deviations are √(3 / 2000) = 0.04 for the mean and 3 √(2 / 2000 (1 + 1 / 6)) = 0.1 for the
+        // variance; the tolerances are five times as large.
         assert!((mean - 3.0).abs() < 0.2 && (variance - 3.0).abs() < 0.5, "{mean} {variance}");
         assert!(streaks(StreakNumber::OnAverage(0.0)).tracks(1, 30.0, 0.02, to_sky).is_empty());
     }

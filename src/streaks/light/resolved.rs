@@ -47,7 +47,8 @@ impl ResolvedPanels {
         let panels = model.satellite()?;
         let shape = model.file()?.shape.as_ref()?;
         let (sin, cos) = shape.panel_offset_deg.to_radians().sin_cos();
-        // Centres relative to the hinge: chassis (L_b / 2, 0, 0), solar array L_s / 2 (-sin POA, 0, cos POA).
+        // Centres relative to the hinge, with the lengths L_b and L_s and the panel offset angle POA:
+        // chassis (L_b / 2, 0, 0), solar array L_s / 2 (-sin POA, 0, cos POA).
         let half_sail_m = 0.5 * shape.sail_length_m;
         let sail_in_body = Vector3::new(-sin * half_sail_m - 0.5 * shape.base_length_m, 0.0, cos * half_sail_m);
         let moment = |sample: &crate::passes::TrackPoint| {

@@ -123,8 +123,8 @@ mod tests {
         let fine = track.refined(0.1);
         assert_eq!(fine.points.len(), 81);
         for point in &fine.points {
-            // Error of a cubic through points 14 mrad apart on this curve, about 1e-9 times the fourth power of the
-            // step.
+            // On this curve, with points 14 mrad apart, the error of a cubic is about 1e-9 times the fourth power of
+            // the step in seconds.
             assert!(point.direction.separation_rad(&circle(point.time_s)) < 2e-8, "{}", point.time_s);
             let lit = point.time_s < 6.0 + 1e-9;
             assert_eq!(point.magnitude.is_some(), lit, "{}", point.time_s);

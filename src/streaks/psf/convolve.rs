@@ -47,7 +47,8 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
         });
     }
     if body > 0.0 {
-        // The edges of a ring occupy a small part of the range of the integrals over the body.
+        // The edges of a ring occupy only a small part of the range of the integrals over the body, so longer panels
+        // are sufficient.
         let rule = Rule { nodes: rule.nodes.clone(), step_pix: rule.step_pix.max(0.01 * outer) };
         profile = Curve::of(core, reach_pix, fwhm, |r| disk_mean(&profile, body, r, &rule));
     }

@@ -1,8 +1,8 @@
 //! Tabulated functions of a radius, with close nodes in the core of a profile and distant nodes in its wings.
 
-/// Density of the nodes. At the centre there are this many nodes per σ of the seeing (the σ of a Gaussian of the same
-/// FWHM); at the end, the radius grows by this fraction from one node to the next.
+/// Number of nodes per σ of the seeing (the σ of a Gaussian of the same FWHM) at the centre.
 const NODES_PER_SIGMA: f64 = 48.0;
+/// Fraction by which the radius grows from one node to the next at the end.
 const END_STEP: f64 = 0.1;
 
 /// Values at equal steps of t = r / (r + core), interpolated by cubics; the value is 0 beyond the end.

@@ -83,8 +83,8 @@ impl Grid {
         parts.div_ceil(self.cells as usize) + 2 * self.margin
     }
 
-    /// Returns the positions of a point in units of cells, with its light. If parts are oblong, the point is two half
-    /// points.
+    /// Returns the positions of a point in units of cells, with its light. If parts are oblong, the point is replaced
+    /// by two points, each with half of the light.
     fn positions(&self, point: &PointLight, profile: &RadialProfile) -> impl Iterator<Item = ([f64; 2], f64)> + use<> {
         let (parts, shift) = (profile.parts(), profile.shift_parts());
         let cell = |pix: f64, axis: usize| (pix + 0.5) * parts[axis] as f64 / self.cells - 0.5 + self.margin as f64;

@@ -19,8 +19,8 @@ pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     }
     let first = end_slope(&times[..4], &values[..4], times[0]);
     let last = end_slope(&times[count - 4..], &values[count - 4..], times[count - 1]);
-    // h_i s_(i-1) + 2 (h_(i-1) + h_i) s_i + h_(i-1) s_(i+1) = 3 (h_i r_(i-1) + h_(i-1) r_i)          de Boor (1978),
-    // eq. IV(7)
+    // de Boor (1978), eq. IV(7), with the slopes s_i, the steps h_i and the mean slopes r_i in the steps:
+    // h_i s_(i-1) + 2 (h_(i-1) + h_i) s_i + h_(i-1) s_(i+1) = 3 (h_i r_(i-1) + h_(i-1) r_i)
     let mut slopes = vec![first; count];
     slopes[count - 1] = last;
     let mut upper = vec![0.0; count];

@@ -249,8 +249,8 @@ mod tests {
             for column in middle.first_column..middle.first_column + middle.values.len() {
                 let stands_out =
                     if noise > 0.0 { sum(column) > noise } else { sum(column) > 0.1 * left.patch.at(20, 20) };
-                // Between the two streaks their sum may exceed a threshold that neither does; only the noise threshold
-                // uses sums.
+                // Between the two streaks their sum may exceed a threshold that neither streak exceeds; only the noise
+                // threshold uses sums.
                 if noise > 0.0 || (column as f64 - 23.0).abs() > 1.5 {
                     assert_eq!(at(column) & 1 == 1, stands_out, "{column} {noise}");
                 }

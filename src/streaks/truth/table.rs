@@ -234,7 +234,7 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
     let trail = |row: &TruthRow<'_>| {
         let streak = row.streak;
         let (middle, angle_deg) = (streak.middle.filter(|_| streak.is_on_sky)?, streak.angle_deg()?);
-        // Sum of the counts = flux(mag) × length               lsst.source.injection, make_galsim_trail
+        // As in make_galsim_trail of lsst.source.injection: sum of the counts = flux(mag) × length.
         let mag = streak.zero_point_mag - 2.5 * (streak.patch.sum() / streak.length_pix).log10();
         Some(vec![
             row.number.into(),

@@ -4,7 +4,7 @@
 //
 // EXPOSURES.json is written by compare.py: [{id, t0_ms, duration_s, ra_deg, dec_deg, dut1_s}], with pointings moved by
 // the Earth's velocity over c, because the scan uses geometric directions only (v_sat / c, 5 arcsec, remains).
-// None of its code is part of this project: CHECKOUT is a separate clone.
+// No code of SatIdentifier is part of this project: CHECKOUT is a separate clone.
 'use strict';
 const fs = require('fs');
 const path = require('path');
@@ -38,7 +38,7 @@ const seconds = () => Number(process.hrtime.bigint()) / 1e9;
       pointing: { track: 'sky', mode: 'radec', raDeg: exposure.ra_deg, decDeg: exposure.dec_deg, refract: false },
       fov: { shape: 'circ', rDeg: Number(fov) / 2, wDeg: 0, hDeg: 0, rotDeg: 0 },
       filters: { minElDeg: 0 },
-      // Its defaults (app/js/state.js), except that the step is not longer than the exposure.
+      // Defaults of SatIdentifier (app/js/state.js), except that the step is not longer than the exposure.
       steps: { coarseStepS: Math.min(30, exposure.duration_s), fineStepS: 1.0, marginDeg: 0 },
       dut1S: exposure.dut1_s,
     });

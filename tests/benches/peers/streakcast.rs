@@ -2,7 +2,7 @@
 //!
 //! Usage: `streakcast ELEMENTS SCHEDULE FOV_DEG LIMIT`. LIMIT is the number of exposures; 0 uses the whole schedule.
 //! The time is measured from the text of the elements to the last crossing. As for the peers, reading the schedule and
-//! the bundled models is excluded.
+//! the bundled models is excluded, and all satellites have their published drag.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -10,6 +10,7 @@ use std::time::Instant;
 use streakcast::elements::{ReadOptions, Satellites};
 use streakcast::frames::EopTable;
 use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::DragModel;
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, ScheduleOptions};
@@ -37,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let start = Instant::now();
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default())?;
     let read = Instant::now();
-    let sky = Sky::with_models(catalogue.element_sets, observer, eop, &models);
+    let sky = Sky::with_models(catalogue.element_sets, observer, eop, &models).with_drag(DragModel::Published);
     let ready = Instant::now();
     let passes = sky.field_passes(&exposures, &field, &options)?;
     let end = Instant::now();

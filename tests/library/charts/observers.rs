@@ -37,7 +37,7 @@ fn verif_a_night_shows_its_exposures_in_their_colours() {
     let columns = night(|k| 5.0 + k as f64 / 40.0);
     let sun = [(60_535.9, 5.0), (60_536.2, -25.0)];
     let picture = night_timeline(&timeline(&columns, &sun)).unwrap();
-    let counts = "120 exposures, 24 with streaks (20.0 %), 12 of a mean magnitude brighter than the limit. Test.";
+    let counts = "120 exposures, 24 with streaks (20.0 %), 12 with a mean magnitude brighter than the limit. Test.";
     has(&picture, &[counts, "UTC, 2024-08-13/14", "UTC−4, 2024-08-13", "01:00", "21:00", "limit 6.5 mag", "nautical"]);
     let image = pixels(&picture);
     let scale = picture.scales()[0];

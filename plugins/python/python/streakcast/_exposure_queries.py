@@ -113,8 +113,8 @@ class ExposureQueries(SiteQueries):
             As for `assess`.
         output : {"auto", "qtable", "dict"}
             A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
-            if astropy is installed. The main columns are the first and the last ones of a
-            `QTable`, which `print` shows if not all columns fit.
+            if astropy is installed. The main columns of a `QTable` are the first and the last ones, because `print`
+            shows these if not all columns fit.
 
         Returns
         -------

@@ -75,7 +75,10 @@ class ClearWindows(NamedTuple):
 
 
 class Overhead(NamedTuple):
-    """Satellites above a site: one row per satellite and time, sorted by both; shape ``(n_rows,)`` if not stated."""
+    """Satellites above a site: one row per satellite and time, grouped by satellite, in time order.
+
+    Fields have the shape ``(n_rows,)`` if not stated.
+    """
 
     #: Index of the time, from 0.
     moment: WholeArray

@@ -265,7 +265,7 @@ class SiteQueries(ModelState):
         Warns
         -----
         StreakcastWarning
-            FloatLike without an element set; omitted satellites; old element sets.
+            Catalogue numbers without an element set; omitted satellites; old element sets.
         """
         request: dict[str, Json] = dict(
             norad=_norad_ids(norad), name=_texts(name, "name"), generation=_texts(generation, "generation"),

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Main(NamedTuple):
-    """Main columns of a table: the first and the last ones, which `print` shows if not all columns fit."""
+    """Main columns of a table, placed first and last, because `print` shows these if not all columns fit."""
 
     first: tuple[str, ...]
     last: tuple[str, ...]

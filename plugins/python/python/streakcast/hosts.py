@@ -156,7 +156,9 @@ class Hook:
             self.logger.log(level, "%s (logged once; counted as '%s')", message, counter)
 
     def check_site(self, location: PlaceLike | Callable[[], PlaceLike | None]) -> None:
-        """Compares the site of the host with that of the model. Counts ``site`` above 1 km, or if it cannot be read.
+        """Compares the site of the host with that of the model.
+
+        Increases the counter ``site`` if they differ by more than 1 km, or if the site of the host cannot be read.
 
         Parameters
         ----------
@@ -191,8 +193,9 @@ class Hook:
             self.note("site", message, kind="site")
 
     def check_clock(self, now: TimeLike | Callable[[], TimeLike | None], scale: str | None = None) -> None:
-        """Compares the time of the host with the clock. Counts ``clock`` above 1 s, or if it cannot be read.
+        """Compares the time of the host with the clock of this computer.
 
+        Increases the counter ``clock`` if they differ by more than 1 s, or if the time of the host cannot be read.
         Simulated nights, with differences of ten minutes or more, are accepted.
 
         Parameters

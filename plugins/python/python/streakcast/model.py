@@ -91,8 +91,8 @@ class StreakModel(MeasureQueries):
     Raises
     ------
     SetupError
-        Arguments are invalid: a file is missing or invalid, a name is unknown, a number is out of range, or one is
-        missing.
+        Arguments are invalid: a file is missing or invalid, a name is unknown, a number is out of range, or a required
+        argument is missing.
     TypeError
         An argument does not exist.
 

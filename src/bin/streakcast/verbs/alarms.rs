@@ -1,4 +1,4 @@
-//! `alarms`: improbable light of satellites, compared with a learned file.
+//! `alarms`: improbable brightness of satellites, compared with a learned file.
 
 use std::path::PathBuf;
 

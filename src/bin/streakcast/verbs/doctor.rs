@@ -30,7 +30,7 @@ pub struct DoctorArguments {
     /// Time to check, for example 2024-08-14T00:30:00Z; now if omitted
     #[arg(long, value_name = "TIME")]
     pub now: Option<String>,
-    /// Schedule for the effect of old elements on its verdicts; the other inputs as for flag
+    /// Schedule whose verdicts are checked for the effect of old elements; other inputs as for flag
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Exit with code 1 on a warning, or if elements or site are not given

@@ -27,8 +27,8 @@ pub struct FlagArguments {
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Exit with code 1 if any exposure has at least this verdict: streaked (or avoid), or avoid; with code 2 if none
-    /// can be judged
+    /// Exit with code 1 if any exposure has this verdict: streaked (includes avoid) or avoid; with code 2 if none can
+    /// be judged
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
     #[command(flatten)]

@@ -25,8 +25,9 @@ use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
 /// Help of `--format`, with the additional formats of a forecast.
-const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet; \
-     ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
+const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable, \
+     parquet (in builds with the Cargo feature parquet), ics (calendar), tdm (CCSDS tracking data message), score (columns of \
+     SCORE)";
 
 #[derive(Args)]
 #[command(mut_arg("format", |format| format.help(FORMAT_HELP)))]
@@ -36,7 +37,8 @@ pub struct ForecastArguments {
     /// Additional file of light curves, one row per point; format by extension (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Local time of the table and of the calendar's descriptions: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); UTC if omitted
+    /// Local time of the table and of the calendar's descriptions: time zone (Europe/Madrid) or hours ahead of UTC
+    /// (+01:00); UTC if omitted
     #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Output")]
     pub time_zone: Option<LocalTime>,
     /// Alarm in the calendar this long before each pass, for example 5min
@@ -279,7 +281,7 @@ fn summary(found: &Forecast, limit_mag: Option<f64>) -> String {
         (Some(limit_mag), Some(expected)) => {
             let fainter = counted(found.found.not_shown.too_faint, "pass", "passes");
             format!(
-                "{shown}; {fainter} predicted fainter than mag {limit_mag}; expected number brighter than it, by the scatter of all these magnitudes: {expected:.1}"
+                "{shown}; {fainter} predicted fainter than mag {limit_mag}; expected number brighter than mag {limit_mag}, with the errors of all predictions: {expected:.1}"
             )
         }
         _ => shown,

@@ -53,8 +53,9 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Returns the paths of all outputs, after checking them. `--output` is the file of a single frame, or a folder for
-    /// files with the names of the frames, which is created. No output may be one of `inputs`.
+    /// Returns the paths of all outputs, after checking them. `--output` is the file of a single frame, whose folder is
+    /// created if it is missing, or an existing folder for files with the names of the frames. No output may be one of
+    /// `inputs`.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
         let folder = frames[0].parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -201,8 +202,8 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags of satellites with random streaks, on which they have no effect. The same keys in a configuration file
-/// are accepted, because other verbs use them.
+/// Rejects flags about satellites if random streaks are injected, because they have no effect then. The same keys in a
+/// configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);
     let of_satellites = [

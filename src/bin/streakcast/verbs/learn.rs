@@ -44,7 +44,8 @@ pub struct LearnArguments {
     /// Tables of streakcast measure (CSV), from which errors along the track are learned
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Photometry")]
     pub measured: Vec<PathBuf>,
-    /// Predict each pass from the other satellites and this number of other passes of its own, and print the residuals
+    /// Predict each pass from the other satellites and this number of other passes of its satellite, and print the
+    /// residuals
     #[arg(long, value_name = "N", value_delimiter = ',', help_heading = "Output")]
     pub leave_pass_out: Vec<usize>,
     /// Format of the table on standard output: table, csv, ecsv, json, jsonl, votable

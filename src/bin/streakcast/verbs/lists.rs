@@ -69,7 +69,7 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
     Ok(listed(&table, &typed.search, "site", "name or code"))
 }
 
-/// Returns the result of a list; a search that finds nothing says so, and is a negative result.
+/// Returns the outcome of a list. If a search finds nothing, prints a message and returns the negative result.
 fn listed(table: &Table, search: &Option<String>, what: &str, names: &str) -> Outcome {
     match search {
         Some(search) if table.rows.is_empty() => {

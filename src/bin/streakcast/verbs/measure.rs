@@ -66,7 +66,7 @@ const ON_SCREEN: &[Shown] = &[
     shown("flags", "flags"),
 ];
 
-/// Tables in the columns of SCORE.
+/// Tables in the columns of SCORE, the observation repository of the IAU CPS.
 #[derive(Copy, Clone, PartialEq, Eq)]
 enum Upload {
     /// With limits, for SCORE.
@@ -118,7 +118,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     };
     let frames: Vec<String> = typed.measure.image.iter().map(|path| path.display().to_string()).collect();
     done.provenance.state("options", json!({ "frames": frames }));
-    // Uploads begin with the line of columns.
+    // Uploads must begin with the line of column names, so no provenance is written.
     let none = Provenance::default();
     let left_out = left_out_table(&done.left_out);
     output.write(

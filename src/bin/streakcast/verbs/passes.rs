@@ -25,7 +25,8 @@ pub struct PassesArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Report the probability of each crossing to be brighter than this, in the band of --band; all are listed
+    /// Report the probability of each crossing to be brighter than this, in the band of --band; all crossings are
+    /// listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Number of points along each track, 0 to 100000; none if omitted

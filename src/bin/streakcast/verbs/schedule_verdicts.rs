@@ -62,7 +62,6 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>, annotated: Opti
         Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
         None => {
             // Without a valid time the sky cannot be prepared. All rows are invalid, each with its reason.
-            notices.warn(&[none_judged(&schedule, path)]);
             (invalid_rows(&schedule), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
         }
     };
@@ -202,6 +201,7 @@ pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     first.zip(last)
 }
 
+/// Returns the message for a schedule without a valid time, with the reason of its first row.
 pub fn none_judged(schedule: &Schedule, path: &Path) -> String {
     let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
     let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();
@@ -236,11 +236,12 @@ pub fn summary(notices: &Notices, report: &FlagReport) {
         .map(|verdict| format!("{} {verdict}", count(verdict)))
         .collect();
     let (all, invalid) = (report.flags.len(), count(VerdictKind::Invalid));
-    // If no row has a valid time, `none_judged` has the reason.
-    if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid).filter(|_| invalid < all) {
-        let number = counted(invalid, "exposure", "exposures");
-        let reasons = first.reasons.join("; ");
-        notices.warn(&[format!("{number} cannot be judged; first exposure {}: {reasons}", first.exposure_id)]);
+    if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid) {
+        let which = match invalid < all {
+            true => format!("{} cannot be judged", counted(invalid, "exposure", "exposures")),
+            false => format!("none of {} can be judged", counted(all, "exposure", "exposures")),
+        };
+        notices.warn(&[format!("{which}; first exposure {}: {}", first.exposure_id, first.reasons.join("; "))]);
     }
     notices.info(&format!("{}: {}", counted(all, "exposure", "exposures"), counts.join(", ")));
 }

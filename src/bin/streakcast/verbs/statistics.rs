@@ -45,7 +45,7 @@ pub struct StatisticsArguments {
     /// Number of times over which each count is averaged
     #[arg(long, value_name = "N", default_value_t = 11)]
     pub moments: usize,
-    /// Time range of these times, with its unit
+    /// Time range over which the times of --moments are spread, with its unit
     #[arg(long, value_name = "TIME", default_value = "10min")]
     pub spread: String,
     #[command(flatten)]

@@ -1,5 +1,5 @@
 //! `fetch starlink-ephemerides`: downloads the newest public ephemerides of chosen satellites. The ephemerides of all
-//! Starlink satellites have 22 GB; the candidates of a schedule have some hundred files of 2 MB.
+//! Starlink satellites have 22 GB; those of the candidates of a schedule are a few hundred files of 2 MB each.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
@@ -179,8 +179,8 @@ impl Session<'_> {
     }
 
     /// Sends one request. If `check` accepts the response, it is stored with the record that `check` returns. The
-    /// request is recorded before it is sent, and a refusal also in the sidecar of the manifest, so that no request is
-    /// sent within the waiting time.
+    /// sidecars of the file and of the manifest record the request before it is sent, and also a refusal, so that no
+    /// further request is sent within the waiting time.
     fn fetch(&self, source: &Source, check: &dyn Fn(&[u8]) -> anyhow::Result<FetchRecord>) -> anyhow::Result<Vec<u8>> {
         let (file, of_all) = (self.folder.join(&source.file), self.manifest_file());
         let before = [&file, &of_all].map(|path| FetchRecord::read(path));

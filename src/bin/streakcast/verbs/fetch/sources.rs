@@ -44,7 +44,8 @@ impl FetchSource {
         }
     }
 
-    /// Returns true if the number of records is not compared with that of the previous file, as for ephemerides.
+    /// Returns true if the number of records is not compared with that of the previous file (`--accept-fewer`). The
+    /// download of ephemerides does not use this method.
     pub fn accepts_fewer(&self) -> bool {
         match self {
             FetchSource::Celestrak(typed) => typed.checks.accept_fewer,

@@ -18,8 +18,8 @@ const LEAST_SHARE: f64 = 0.5;
 /// Parses the bytes as element sets and checks them.
 ///
 /// # Errors
-/// The bytes are an error page or other text, are truncated within a record, or have less than half of the records of
-/// the previous file.
+/// The bytes are an error page or other text, are truncated within a record, have too many invalid records, or have
+/// less than half of the records of the previous file.
 pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: bool) -> anyhow::Result<SourceFile> {
     let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
     let catalogue = Satellites::from_bytes(name, bytes, &options)
@@ -73,8 +73,8 @@ impl FetchRecord {
         std::fs::remove_file(&path).map_err(|error| anyhow!("cannot remove {}: {error}", path.display()))
     }
 
-    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. A last request in the future
-    /// (the clock was set back since) does not extend the waiting time.
+    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. A last request that is
+    /// `wait_s` or more in the future (the clock was set back since) is ignored.
     pub fn wait_left_s(&self, now: Epoch, wait_s: f64) -> Option<f64> {
         let requested = parse_moment(self.asked_utc.as_deref()?, None).ok()?;
         let since_s = seconds_between(requested, now);

@@ -35,8 +35,8 @@ pub struct TableArguments {
     /// Layout of the tables: pomenis, mmt, score, slingshot, csv; detected from the header if omitted
     #[arg(long, value_name = "NAME", help_heading = "Photometry")]
     pub format_name: Option<String>,
-    /// Column mapping for a custom table, for example time=Date,time_scale=utc,magnitude=Mag, or a TOML or JSON file of
-    /// it
+    /// Column mapping for a custom table, for example time=Date,time_scale=utc,magnitude=Mag, or a TOML or JSON file
+    /// with the mapping
     #[arg(long, value_name = "PAIRS", help_heading = "Photometry")]
     pub columns: Option<String>,
     /// Filters to use; if omitted, Clear for MMT-9, otherwise the only filter of the file
@@ -103,7 +103,7 @@ pub struct PhotometryArguments {
     /// Keep rows that the survey flags as in the penumbra
     #[arg(long, help_heading = "Selection")]
     pub keep_penumbra_flag: bool,
-    /// Correct magnitudes to the mean distance of the Sun (up to 0.04 mag, not done in the paper)
+    /// Correct magnitudes to the mean distance of the Sun (up to 0.04 mag, not done in Lu 2024)
     #[arg(long, help_heading = "Selection")]
     pub sun_distance: bool,
 }
@@ -254,11 +254,12 @@ pub struct FitReduceArguments {
     pub photometry: PhotometryArguments,
     #[command(flatten)]
     pub reduction: ReductionArguments,
-    /// Draw magnitude, number and spread for the layer at this latitude of the Sun, degrees (figure 2)
+    /// Draw magnitude, number and spread for the layer at this latitude of the Sun, degrees (figure 2 of Lu 2024)
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "picture", help_heading = "Output")]
     pub layer: Option<f64>,
-    /// Picture, .png, .svg or .pdf: one layer with --layer, otherwise number against spread of all pixels (figure 3)
+    /// Picture, .png, .svg or .pdf: one layer with --layer, otherwise number against spread of all pixels (figure 3 of
+    /// Lu 2024)
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,

@@ -294,8 +294,9 @@ mod drawn {
         Ok(drawn)
     }
 
-    /// Draws mean residuals in cells of the observer's direction, for these one-degree layers of the Sun's latitude, or
-    /// for those with the most cells. `None` if no point is in the layers.
+    /// Draws mean residuals in cells of the observer's direction, for the one-degree layers of the Sun's latitude with
+    /// the most cells. If `from_deg` is given, only layers with these lower ends are drawn. `None` if no point is in
+    /// the layers.
     pub fn residual_maps(
         title: &str,
         points: &[FitPoint],

@@ -34,8 +34,8 @@ pub struct GateArguments {
     /// Policy file (TOML): limits by magnitude, probability, margin
     #[arg(long, value_name = "FILE")]
     pub policy: Option<PolicyChoice>,
-    /// Satellites to avoid: avoid (those that exceed a limit; all lit ones without a limit; default) or any (all lit
-    /// ones)
+    /// Satellites to avoid: avoid (those that exceed a limit, or all lit ones if no limit is set; default) or any (all
+    /// lit ones)
     #[arg(long, value_name = "CHOICE")]
     pub blocking: Option<String>,
     /// Longest wait with its unit
@@ -44,8 +44,8 @@ pub struct GateArguments {
     /// Margin kept clear before and after the exposure, with its unit; if omitted that of the policy, or else 2s
     #[arg(long, value_name = "TIME")]
     pub margin: Option<String>,
-    /// Exit with code 1 if no clear start is within --max-wait, 2 on a fault; otherwise both are only logged, with exit
-    /// code 0
+    /// Exit with code 1 if no clear start is within --max-wait, 2 on a fault; without this flag both are only logged,
+    /// with exit code 0
     #[arg(long)]
     pub strict: bool,
     /// Read the job from standard input: ekos (JSON that Ekos sends to its pre-capture script)
@@ -70,7 +70,7 @@ pub struct GateArguments {
     /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub status_file: Option<PathBuf>,
-    /// Rehearse at this time, with waits that take no time
+    /// Rehearse a run at this time instead of now; waits take no time
     #[arg(long, value_name = "TIME", help_heading = "Time")]
     pub now: Option<String>,
     #[command(flatten)]

@@ -15,7 +15,7 @@ use super::clock::Clock;
 use super::status_file::{Fault, FaultKind};
 
 const PORT: u16 = 7624;
-/// Largest number of bytes read before the pointing arrives.
+/// Largest number of bytes read from a server.
 const MAX_BYTES: usize = 16 << 20;
 /// Time to wait, after the pointing of a mount has arrived, for its site and for a second mount.
 const GRACE: Duration = Duration::from_millis(700);
@@ -26,7 +26,6 @@ const CLOCK_TOLERANCE_S: f64 = 3.0;
 #[derive(Debug)]
 pub struct Mount {
     pub device: String,
-    /// Pointing.
     pub pointing: Direction<Gcrs>,
     /// Site, if the mount reports it.
     pub site: Option<Site>,

@@ -129,7 +129,7 @@ impl Residuals {
                 phase_angle_rad: &self.phase,
             })?,
             Chart::Histogram => {
-                // The normal curve in the plot has the standard deviation of the residuals.
+                // The standard deviation of the normal curve in the plot is the RMS of the residuals.
                 let squares: f64 = self.residual.iter().map(|residual| residual * residual).sum();
                 let sigma_mag = (squares / self.residual.len().max(1) as f64).sqrt().max(1e-3);
                 residual_histogram(&ResidualHistogram { title, residuals_mag: &self.residual, sigma_mag })?

@@ -39,10 +39,10 @@ const BASE: &str = "starlink-v1.5";
 const SITE: &str = "MMT-9";
 /// Days over which the simulated nights are distributed.
 const SPAN_DAYS: u32 = 360;
-/// Burn-in of the posterior in the paper.
+/// Number of burn-in steps of the posterior in the paper.
 const BURN_IN: usize = 200;
 const WALKERS: usize = 32;
-/// Layers of figure 4: the degree below each printed latitude of the Sun.
+/// Layers of figure 4, by their lower ends, degrees: the layer of one degree below each printed latitude of the Sun.
 const RESIDUAL_LAYERS_DEG: [i64; 3] = [-9, -15, -21];
 /// Directions of Sun and observer in figure 1, degrees: Sun's latitude, observer's longitude and latitude.
 const SKETCH_DEG: [f64; 3] = [-15.0, 30.0, -40.0];
@@ -375,7 +375,7 @@ fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec
     ])
 }
 
-/// Returns the Sun's altitude, degrees, below which no satellite of a height above an altitude is lit.
+/// Returns the Sun's altitude, degrees, below which no satellite at `height_km` is lit above `least_altitude_deg`.
 fn last_sun_deg(height_km: f64, least_altitude_deg: f64) -> f64 {
     let ratio = EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km);
     let altitude = least_altitude_deg.to_radians();
@@ -504,7 +504,8 @@ fn report(results: &Results, rows: &[Lu2024Row], pictures: &[Drawn]) -> Report {
 mod tests {
     use super::*;
 
-    /// At the horizon the Sun is twice the dip of the horizon below, at the zenith once.
+    /// When the last lit satellite is at the zenith, the Sun's depression is the dip of the horizon at the satellite's
+    /// height; when it is on the horizon, twice that dip.
     #[test]
     fn verif_last_lit_satellite_at_the_zenith_and_on_the_horizon() {
         let dip_deg = (6378.137_f64 / 6928.137).acos().to_degrees();

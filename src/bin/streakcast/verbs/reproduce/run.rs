@@ -92,9 +92,9 @@ const FIRST_VISITS: std::ops::RangeInclusive<usize> = 9_000..=11_000;
 
 /// Diameter of Rubin's field of view, degrees.
 const RUBIN_FIELD_DEG: f64 = 3.5;
-/// Highest altitude of the Sun for the counts of Lu (2024), degrees.
+/// Highest altitude of the Sun for the counts of Lu (2024, arXiv 2403.11118), degrees.
 const LU_SUN_DEG: f64 = -12.0;
-/// Interval between two counts in a night, seconds.
+/// Interval between two of these counts in a night, seconds.
 const LU_STEP_S: f64 = 1200.0;
 
 pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {

@@ -20,8 +20,8 @@ const LAST_LAUNCH: &str = "2024-010";
 /// other numbers in later files.
 const TEMPORARY_IDS: [u32; 2] = [70_000, 79_999];
 
-/// Counts the satellites of table 1 in a SATCAT (CSV of CelesTrak), else in element sets; neither gives rows without
-/// numbers.
+/// Counts the satellites of table 1 in a SATCAT (CSV of CelesTrak), or else in element sets. If neither is given, the
+/// rows have no counts.
 pub fn rows(satcat: Option<&Path>, elements: &[PathBuf]) -> anyhow::Result<Vec<Lu2024Row>> {
     let (objects, reason) = match satcat {
         Some(path) => (Some(of_satcat(path)?), "the paper counts in Jonathan's Space Report and Wikipedia"),

@@ -1,4 +1,4 @@
-//! Checks of every request before routing: form, rate, and access token.
+//! Checks of the form and rate of every request before routing, and the access token.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, SocketAddr};
@@ -15,7 +15,7 @@ use super::problem::Problem;
 
 /// Largest accepted length of path and query, bytes.
 pub const MAX_TARGET_BYTES: usize = 2000;
-/// Host names of loopback addresses. With another Host header, the request was sent by a foreign web page (DNS
+/// Host names of loopback addresses. A request with another Host header may come from a foreign web page (DNS
 /// rebinding).
 const LOOPBACK_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 

@@ -1,5 +1,4 @@
-//! `serve`: serves a web page and an HTTP API for one set of satellites and, if one is given, a schedule, which are
-//! read at the start.
+//! `serve`: serves a web page and an HTTP API. The satellites and, if one is given, the schedule are read at the start.
 //!
 //! `run` reads the inputs into `state` and opens the port; `server` accepts connections; `filter` checks requests, and
 //! `router` maps their paths to handlers; `query` parses parameters; `handlers/` computes responses on the threads of

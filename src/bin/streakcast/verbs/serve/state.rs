@@ -59,8 +59,8 @@ impl ServerState {
         &self.prepared.sky
     }
 
-    /// Returns the warnings and the number for a response for times from `first` to `last`; `left_out` are the
-    /// satellites whose position cannot be computed.
+    /// Returns the caveats of a response for times from `first` to `last`; `left_out` are the satellites whose position
+    /// cannot be computed.
     ///
     /// # Errors
     /// No satellite has a position; an empty response would be misleading.
@@ -71,8 +71,8 @@ impl ServerState {
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
-    /// Returns local time minus UTC at a time, hours; by default that of the time zone, in whole hours ahead of UTC, in
-    /// which the Sun culminates closest to noon.
+    /// Returns local time minus UTC at a time, hours; by default the longitude of the site (15° per hour), rounded to
+    /// whole hours.
     pub fn utc_offset_h(&self, epoch: Epoch) -> f64 {
         let by_longitude = || (self.site.longitude_rad.to_degrees() / 15.0).round();
         self.local_time.as_ref().map_or_else(by_longitude, |zone| zone.ahead_of_utc_h(epoch))

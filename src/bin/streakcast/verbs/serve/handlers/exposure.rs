@@ -86,7 +86,7 @@ pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
         ..exposure.clone()
     });
     let request = state.request(&policy);
-    // Both are computed in parallel, because the page sends this request repeatedly while an exposure is dragged.
+    // Passes and verdict are computed in parallel, because the page sends this request repeatedly during a drag.
     let ((passes, before_and_after), report) = rayon::join(
         || rayon::join(|| passes_of(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| passes_of(&long, 0))),
         || flag_exposures(&[&row], &request),

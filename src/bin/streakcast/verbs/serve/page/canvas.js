@@ -23,7 +23,10 @@ export function prepare(canvas) {
 
 /** Cached background of a chart: a drag redraws only the moving parts. */
 export class Backdrop {
-  /** Draws the cached picture of `paint(context)`; paints it again if `of` (its content) or the canvas has changed. */
+  /**
+   * Draws the cached picture of `paint(context)`. The picture is painted again if the canvas or a value in `of`, on
+   * which it depends, has changed.
+   */
   show(context, of, paint) {
     const { canvas } = context;
     const shown = [canvas.width, canvas.height, context.getTransform().a, ...of];

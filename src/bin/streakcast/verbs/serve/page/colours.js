@@ -1,5 +1,5 @@
-// Colours of magnitudes: viridis (bright satellites are bright), and shades of red under red light.
-// Both are monotonic in lightness.
+// Colours of magnitudes: viridis, and shades of red under red light. In both scales, brighter satellites have lighter
+// colours.
 
 const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"];
 const RED = ["#2a0000", "#480400", "#640a02", "#801206", "#9c1c0c", "#b82a16", "#d03c24", "#e45034", "#f26a4c", "#fb8a6c", "#ffb09a"];

@@ -1,6 +1,9 @@
 // Lines of equal value on a grid, by marching squares.
 
-/** Returns the segments [[x, y], [x, y]], in grid coordinates, on which `values[y][x]` equals `level`, without cells with gaps. */
+/**
+ * Returns the segments [[x, y], [x, y]], in grid coordinates, on which `values[y][x]` equals `level`. Cells with gaps
+ * have no segments.
+ */
 export function contour(values, level) {
   const segments = [];
   for (let y = 0; y + 1 < values.length; y += 1) {

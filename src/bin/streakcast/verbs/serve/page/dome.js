@@ -103,7 +103,7 @@ export class Dome {
     }
   }
 
-  /** Returns the picture of the model's magnitudes, drawn once per response and light. */
+  /** Returns the picture of the model's magnitudes, drawn once per response and colour scheme (dark or red light). */
   map() {
     const light = isRed();
     if (this.image && this.image.light === light) return this.image;

@@ -35,7 +35,7 @@ export class Field {
     });
   }
 
-  /** Draws the field of the night, the exposure and its passes; without a result they are undefined. */
+  /** Draws the field of the night, the exposure and its passes; `exposure` and `passes` may be undefined. */
   draw(field, exposure, passes, { selected, corridors }) {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();

@@ -1,8 +1,11 @@
-// Text at the pointer, in the colours of the page: the browser's own would be white under red light.
+// Text at the pointer, in the colours of the page, because the browser's own tooltips would be white under red light.
 
 const box = document.getElementById("hover");
 
-/** Shows `textAt(x, y)` while the mouse is over an element, at CSS pixels from its top left corner; nothing for an empty text. */
+/**
+ * Shows `textAt(x, y)` while the mouse is over an element; x and y are CSS pixels from its top left corner. An empty
+ * text is not shown.
+ */
 export function hover(element, textAt) {
   const hide = () => (box.hidden = true);
   element.addEventListener("pointermove", (event) => {

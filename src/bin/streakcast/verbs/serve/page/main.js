@@ -15,12 +15,15 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** Pause of the pointer, ms, after which the whole page is updated. During a drag only answer, strip and field are. */
+/**
+ * Pause of the pointer, ms, after which the whole page is updated. During a drag only verdict, strip and field are
+ * updated.
+ */
 const REST_MS = 150;
 
 /** State in the address. */
 const state = { shift: 0, ...link.read() };
-/** Last responses of the server for the exposure; null if there is none. */
+/** Last responses of the server: for the night, with its exposures in `rows`, and for the exposure (`answer`). */
 let night = null;
 let rows = [];
 let answer;
@@ -29,10 +32,13 @@ let detailed = null;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
-/** Whether an exposure is being dragged; timer of its pause; whether the last request has its response, with all details. */
+/** True while an exposure is dragged. */
 let isMoving = false;
+/** Timer of the pause of a drag. */
 let resting = 0;
+/** True if the response to the last request has arrived, with all details. */
 let isAnswered = false;
+/** Timer that hides the message about copied text. */
 let toasting = 0;
 /** Error messages by request. */
 const problems = new Map();
@@ -155,7 +161,7 @@ async function enter(target, start_utc, duration_s, isRestored = false) {
   try {
     const { document } = await send("/api/v1/exposure", { target, start_utc, duration_s });
     const nights = await send("/api/v1/night", { time_utc: start_utc, limit_mag: state.limit });
-    // It has no row in the schedule, and its verdict is not in the night chart.
+    // The exposure has no row in the schedule, and its verdict is not in the night chart.
     begin(nights.document, { ...document.exposures[0], start_utc, id: target, row: null, band: null, flag: null });
     Object.assign(state, { target, start: start_utc, length: duration_s });
     problem("entry", null);
@@ -219,7 +225,7 @@ function warn() {
   );
 }
 
-/** Selects an exposure at the observer's request, which ends an error of the entered one. */
+/** Selects an exposure after a click or key, and removes the error message about an entered exposure. */
 function selectExposure(place) {
   problem("entry", null);
   choose(place);
@@ -272,7 +278,7 @@ function moved(shift, duration, isDone) {
   if (isDone) requestDome();
 }
 
-/** Ends a drag, or a pause of one. */
+/** Updates the whole page when the pointer pauses during a drag. */
 function rested() {
   isMoving = false;
   // The night or the exposure may have changed meanwhile.
@@ -419,7 +425,7 @@ function drawField() {
 
 function drawDetails() {
   if (isAnswered) $("main").removeAttribute("data-behind");
-  // During a drag these are the results of its start, shown as outdated.
+  // During a drag these are the last complete results, shown as outdated.
   const passes = detailed?.passes ?? [];
   const chosen = passes.find((pass) => pass.norad_id === state.satellite) ?? brightest(passes);
   curveChart.draw(chosen, limit());
@@ -473,7 +479,7 @@ $("before").addEventListener("click", () => selectExposure(state.place - 1));
 $("after").addEventListener("click", () => selectExposure(state.place + 1));
 $("reset").addEventListener("click", () => selectExposure(state.place));
 $("go").addEventListener("click", () => {
-  // In whole milliseconds, as in the response of the server, for a clear start.
+  // Rounded to whole milliseconds, as in the response of the server, so that the start is clear.
   state.shift = Math.round((state.shift + Number($("go").dataset.delay)) * 1e3) / 1e3;
   strip.show(rows[state.place].start, state.shift, state.duration);
   request();

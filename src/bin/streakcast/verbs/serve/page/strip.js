@@ -57,11 +57,11 @@ export class Strip {
 
   forget() {
     this.crossings = [];
-    /** Interval with all crossings, seconds after the scheduled opening. */
+    /** Interval in which all crossings are known, seconds after the scheduled opening. */
     this.known = null;
   }
 
-  /** Returns the length of the strip on either side of the exposure, seconds. */
+  /** Returns the length of the strip, seconds. */
   span() {
     return Math.min(1800, Math.max(240, Math.ceil(this.duration / 30) * 30 * 10));
   }
@@ -134,7 +134,8 @@ export class Strip {
     const place = (this.shift - this.from) / this.span();
     if (isDone && (place < 0.05 || place + this.duration / this.span() > 0.95)) this.centre();
     this.change(shift, duration, isDone);
-    // The response redraws the strip, unless its scale has changed.
+    // During a drag only the bar is moved, and the response redraws the strip. The strip is redrawn now if its scale
+    // has changed.
     if (isDone || this.span() !== this.drawnSpan) this.draw();
     else this.place();
   }
