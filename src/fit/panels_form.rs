@@ -183,7 +183,8 @@ pub(super) struct PanelEarth {
 }
 
 struct EarthLaw {
-    /// Index of the parameter to which the light is proportional; `None` for a fixed weight, which the light includes.
+    /// Index of the parameter that is the weight of the law; `light` is then that of weight 1. `None` if the weight is
+    /// fixed; `light` is then multiplied by it.
     weight: Option<usize>,
     /// Index of the parameter that changes the shape of the law, and its values at the nodes.
     shape: Option<(usize, LogNodes<NODES>)>,

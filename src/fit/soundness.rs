@@ -100,7 +100,9 @@ impl fmt::Display for Fault {
                 write!(f, "{name} is not constrained by the data ({value:.3e} +- {sigma:.3e})")
             }
             Self::Singular { names } => write!(f, "the points do not constrain {}", names.join(", ")),
-            Self::FewPoints { name, points } => write!(f, "only {points} points depend on {name}"),
+            Self::FewPoints { name, points } => {
+                write!(f, "the number of points that depend on {name} is only {points}")
+            }
             Self::Coverage(PoorAxis { name, thin, narrow }) => {
                 let narrow = narrow.map(|[from, to]| format!("only {from:.1} to {to:.1} deg"));
                 let thin = thin.iter().map(|([from, to], n)| format!("{n} points at {from} to {to} deg"));

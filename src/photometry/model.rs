@@ -416,7 +416,7 @@ impl BrightnessModel {
         self.sigma_mag
     }
 
-    /// Returns the distribution of single magnitudes about the model, in units of the sigma in its file.
+    /// Returns the distribution of observed less predicted magnitudes, in units of [`sigma_mag`](Self::sigma_mag).
     pub fn error_distribution(&self) -> &ErrorDistribution {
         &self.error_distribution
     }

@@ -457,7 +457,12 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
 #[test]
 fn help_names_every_format() {
     let help = done(&[&["forecast", "--help"]]).split_whitespace().collect::<Vec<_>>().join(" ");
-    for format in ["votable;", "ics (calendar)", "tdm (CCSDS tracking data message)", "score (columns of SCORE)"] {
+    for format in [
+        "votable, parquet (in builds",
+        "ics (calendar)",
+        "tdm (CCSDS tracking data message)",
+        "score (columns of SCORE)",
+    ] {
         assert!(help.contains(format), "{format}: {help}");
     }
 }

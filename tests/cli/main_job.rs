@@ -282,7 +282,8 @@ fn policies_and_exit_codes() {
     let flag =
         |more: &[&str]| run(&[&["flag", "--schedule", &schedule, "--fov", "3.5deg", "--format", "jsonl"], more, SKY]);
     let count = |stdout: &str, verdict: &str| stdout.matches(&format!("\"verdict\": \"{verdict}\"")).count();
-    // Without a limit no exposure is `avoid`. With a limit that every satellite exceeds, all with lit crossings are.
+    // Without a limit no exposure is `avoid`. If all satellites are brighter than the limit, every exposure that a lit
+    // satellite crosses is `avoid`.
     let (code, free, _) = flag(&["--fail-on", "avoid"]);
     assert_eq!((code, count(&free, "avoid")), (0, 0));
     let (code, strict, _) = flag(&["--limit-mag", "30", "--fail-on", "avoid"]);

@@ -153,7 +153,8 @@ fn verif_maps_agree_with_single_predictions() {
     }
 }
 
-/// Earthshine on the chassis is largest for a high Sun, and zero if no visible ground is lit.
+/// Earthshine on the chassis decreases as the Sun sinks below the plane of the chassis, and is zero if no ground that
+/// the satellite sees is lit.
 #[test]
 fn verif_earthshine_brightens_a_map() {
     let model = v15();

@@ -150,7 +150,7 @@ fn of_amplifiers(
 /// Returns the gain, electrons per count. The comment of the keyword may state that the value is the inverse.
 fn gain(keywords: Keywords<'_>) -> Option<HeaderValue<f64>> {
     let positive = |number: f64| number > 0.0;
-    if let Some((keyword, value, comment)) = keywords.number(&["EGAIN", "GAIN", "HIERARCH GAIN", "CCDGAIN"], positive) {
+    if let Some((keyword, value, comment)) = keywords.number(&["EGAIN", "GAIN", "CCDGAIN"], positive) {
         let comment = comment.to_ascii_lowercase().replace(' ', "");
         let is_inverse = ["adu/e", "dn/e", "aduperelectron", "counts/e"].iter().any(|words| comment.contains(words));
         return Some(HeaderValue { value: if is_inverse { value.recip() } else { value }, keyword });

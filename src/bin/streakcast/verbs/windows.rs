@@ -91,7 +91,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let plan = config.observation()?;
     if plan.policy.max_lost_fraction.is_some() {
         return Err(anyhow!(
-            "the policy has max_lost_fraction, which windows does not support; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+            "the policy has max_lost_fraction, which windows does not support; allowed: the other keys of a policy"
         ));
     }
     let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;

@@ -161,7 +161,7 @@ impl Request {
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
             return Err(anyhow!(
-                "the policy has max_lost_fraction, which gate does not support; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+                "the policy has max_lost_fraction, which gate does not support; allowed: the other keys of a policy"
             ));
         }
         let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
