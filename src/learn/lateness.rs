@@ -12,6 +12,9 @@ const FREEDOM: f64 = 4.0;
 /// Square of the scale of Student's t with four degrees of freedom, in units of the square of the half width that
 /// contains 68.27 % (one sigma): 1 / 1.1416².
 const SCALE2: f64 = 0.7673;
+/// Largest error (one sigma) of a prediction for which `streakcast measure` searches all delays up to three sigmas,
+/// seconds: it searches delays of at most 5 s.
+const MOST_EXPECTED_SIGMA_S: f64 = 5.0 / 3.0;
 /// Weight of the usual error (a factor of 1), as a number of delays.
 const PRIOR_COUNT: f64 = 10.0;
 /// Number of iterations of the weights; each reduces their error by a factor of two or more.
@@ -30,6 +33,14 @@ pub struct MeasuredDelay {
     pub sigma_s: f64,
     /// Error (one sigma) of the prediction, seconds.
     pub expected_sigma_s: f64,
+}
+
+impl MeasuredDelay {
+    /// Returns false if delays below three sigmas of the prediction were not searched. Such delays would make the error
+    /// along the track too small, because larger ones are missing.
+    pub fn is_searched(&self) -> bool {
+        self.expected_sigma_s <= MOST_EXPECTED_SIGMA_S
+    }
 }
 
 /// Reads the delays of a table that `streakcast measure` wrote as CSV or ECSV. Streaks without an end in the frame have
@@ -74,10 +85,12 @@ pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, LearnError> {
     Ok(delays)
 }
 
-/// Returns the factor of the error along the track that the delays of one kind imply; `None` without delays.
+/// Returns the factor of the error along the track that the delays of one kind imply; `None` without delays that
+/// [were searched](MeasuredDelay::is_searched) to three sigmas. Other delays are not used.
 ///
 /// The factor is shrunk towards 1, as if ten more delays had the usual error.
 pub fn learn_lateness(delays: &[MeasuredDelay]) -> Option<LearnedLateness> {
+    let delays: Vec<&MeasuredDelay> = delays.iter().filter(|delay| delay.is_searched()).collect();
     if delays.is_empty() {
         return None;
     }
@@ -87,7 +100,7 @@ pub fn learn_lateness(delays: &[MeasuredDelay]) -> Option<LearnedLateness> {
         // δ ~ t₄ √v, v = q (f² s² + σ²); u = 5 / (4 + δ²/v); k = f² s² / (f² s² + σ²);
         // f² = (10 + Σ (u k² δ² + q k σ²) / (q s²)) / (10 + n)
         let mut sum = PRIOR_COUNT;
-        for one in delays {
+        for one in &delays {
             let (expected2, own2) = (one.expected_sigma_s.powi(2), one.sigma_s.powi(2));
             let v = SCALE2 * (factor2 * expected2 + own2);
             let weight = (FREEDOM + 1.0) / (FREEDOM + one.late_s.powi(2) / v);
@@ -123,9 +136,9 @@ mod tests {
         };
         let one = |i: usize| MeasuredDelay {
             norad_id: NoradId(1),
-            late_s: 2.0 * factor * quantile((i as f64 + 0.5) / n as f64) / 1.1416,
+            late_s: factor * quantile((i as f64 + 0.5) / n as f64) / 1.1416,
             sigma_s: 0.01,
-            expected_sigma_s: 2.0,
+            expected_sigma_s: 1.0,
         };
         (0..n).map(one).collect()
     }
@@ -133,6 +146,8 @@ mod tests {
     #[test]
     fn verif_many_delays_determine_the_factor_and_few_do_not() {
         assert_eq!(learn_lateness(&[]), None);
+        let [near] = delays(1, 1.0)[..] else { unreachable!() };
+        assert_eq!(learn_lateness(&[MeasuredDelay { expected_sigma_s: 1.7, ..near }; 40]), None);
         for factor in [0.5, 1.0, 3.0] {
             let many = learn_lateness(&delays(2000, factor)).unwrap();
             assert!((many.factor / factor - 1.0).abs() < 0.03, "{many:?} for {factor}");

@@ -154,17 +154,21 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(typed.format.as_deref(), None)?;
     let (mut found, notices) = residuals(&typed.residuals)?;
     let mut delays: BTreeMap<Generation, Vec<MeasuredDelay>> = BTreeMap::new();
-    let mut without_kind = 0;
+    let (mut without_kind, mut not_searched) = (0, 0);
     for path in &typed.measured {
         for delay in read_delays(path)? {
             match found.kind_of(delay.norad_id) {
-                Some(kind) => delays.entry(kind).or_default().push(delay),
                 None => without_kind += 1,
+                Some(_) if !delay.is_searched() => not_searched += 1,
+                Some(kind) => delays.entry(kind).or_default().push(delay),
             }
         }
     }
     if without_kind > 0 {
         notices.info(&format!("{without_kind} delays left out, of satellites without a kind"));
+    }
+    if not_searched > 0 {
+        notices.info(&format!("{not_searched} delays left out, because delays of three sigmas were not searched"));
     }
     if !typed.measured.is_empty() {
         found.provenance.state("measured", super::fit::names(&typed.measured));
