@@ -106,7 +106,7 @@ const PARAMETERS: [Column; 7] = [
     Column::real("least", "", 4, "Lower bound."),
     Column::real("greatest", "", 4, "Upper bound."),
     Column::new("state", Kind::Text, "free, held, or at bound."),
-    Column::new("points_behind", Kind::Integer, "Number of points at which it matters: |p dm/dp| > 0.1 mag."),
+    Column::new("points_behind", Kind::Integer, "Number of points that depend on it: |p dm/dp| > 0.1 mag."),
 ];
 
 /// Returns a table with one row per parameter. `points_behind` has one number for each free parameter, in their order.

@@ -11,6 +11,7 @@ use std::fmt;
 
 use crate::geometry::ViewingGeometry;
 use crate::math::quantile::quantile;
+use crate::output::counted;
 
 use super::form::BLOCK;
 use super::inference::Stop;
@@ -19,9 +20,9 @@ use super::solve::{Fit, Problem};
 
 /// Correlation above which two parameters are degenerate.
 const DEGENERATE: f64 = 0.95;
-/// A parameter matters at a point if changing it by its own value changes the magnitude by more than this, mag.
-const MATTERS_MAG: f64 = 0.1;
-/// Smallest number, and smallest fraction, of points at which a parameter must matter.
+/// A point depends on a parameter if changing it by its own value changes the magnitude by more than this, mag.
+const DEPENDENT_MAG: f64 = 0.1;
+/// Smallest number, and smallest fraction, of points that must depend on a parameter.
 const LEAST_POINTS: usize = 20;
 const LEAST_SHARE: f64 = 0.005;
 /// Smallest number of points in a bin of the geometry.
@@ -66,11 +67,11 @@ pub enum Fault {
         /// Names of the parameters.
         names: Vec<String>,
     },
-    /// A parameter matters at few points only.
+    /// Few points depend on a parameter.
     FewPoints {
         /// Name of the parameter.
         name: String,
-        /// Number of the points at which the parameter matters.
+        /// Number of the points that depend on the parameter.
         points: usize,
     },
     /// An axis of the viewing geometry is poorly covered.
@@ -101,7 +102,8 @@ impl fmt::Display for Fault {
             }
             Self::Singular { names } => write!(f, "the points do not constrain {}", names.join(", ")),
             Self::FewPoints { name, points } => {
-                write!(f, "the number of points that depend on {name} is only {points}")
+                let points = counted(*points, "point", "points");
+                write!(f, "{name} changes the magnitude of only {points} by more than {DEPENDENT_MAG} mag")
             }
             Self::Coverage(PoorAxis { name, thin, narrow }) => {
                 let narrow = narrow.map(|[from, to]| format!("only {from:.1} to {to:.1} deg"));
@@ -148,7 +150,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
     faults
 }
 
-/// Returns the number of points at which each free parameter matters, that is |p dm/dp| > 0.1 mag.
+/// Returns the number of points that depend on each free parameter p: |p dm/dp| > 0.1 mag.
 pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
     let n = problem.points().len();
     let values = fit.values();
@@ -159,7 +161,7 @@ pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
         sloped.magnitudes_and_slopes(block, &mut out, &mut slopes);
         let lanes = BLOCK.min(n - block * BLOCK);
         for ((count, slope), &i) in counts.iter_mut().zip(&slopes).zip(&fit.free) {
-            *count += slope[..lanes].iter().filter(|slope| (*slope * values[i]).abs() > MATTERS_MAG).count();
+            *count += slope[..lanes].iter().filter(|slope| (*slope * values[i]).abs() > DEPENDENT_MAG).count();
         }
     }
     counts

@@ -36,9 +36,9 @@ pub struct MeasuredDelay {
 }
 
 impl MeasuredDelay {
-    /// Returns false if delays below three sigmas of the prediction were not searched. Such delays would make the error
-    /// along the track too small, because larger ones are missing.
-    pub fn is_searched(&self) -> bool {
+    /// Returns true if all delays up to three sigmas of the prediction were searched. Otherwise large delays are missing,
+    /// and the learned error would be too small.
+    pub fn is_range_searched(&self) -> bool {
         self.expected_sigma_s <= MOST_EXPECTED_SIGMA_S
     }
 }
@@ -85,12 +85,12 @@ pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, LearnError> {
     Ok(delays)
 }
 
-/// Returns the factor of the error along the track that the delays of one kind imply; `None` without delays that
-/// [were searched](MeasuredDelay::is_searched) to three sigmas. Other delays are not used.
+/// Returns the factor of the error along the track that the delays of one kind imply; `None` without delays of which
+/// the [range was searched](MeasuredDelay::is_range_searched). Other delays are not used.
 ///
 /// The factor is shrunk towards 1, as if ten more delays had the usual error.
 pub fn learn_lateness(delays: &[MeasuredDelay]) -> Option<LearnedLateness> {
-    let delays: Vec<&MeasuredDelay> = delays.iter().filter(|delay| delay.is_searched()).collect();
+    let delays: Vec<&MeasuredDelay> = delays.iter().filter(|delay| delay.is_range_searched()).collect();
     if delays.is_empty() {
         return None;
     }

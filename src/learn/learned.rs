@@ -64,8 +64,9 @@ pub fn learn(
     };
     let mut kinds: BTreeMap<Generation, LearnedKind> = BTreeMap::new();
     for (kind, delays) in delays {
-        let lateness = learn_lateness(delays);
-        kinds.insert(*kind, LearnedKind { kind: *kind, magnitude: None, lateness });
+        if let Some(lateness) = learn_lateness(delays) {
+            kinds.insert(*kind, LearnedKind { kind: *kind, magnitude: None, lateness: Some(lateness) });
+        }
     }
     let (mut satellites, mut fits) = (Vec::new(), BTreeMap::new());
     for kind in Generation::ALL {

@@ -61,6 +61,8 @@ pub struct MeasuredPass {
     pub epoch: Epoch,
     /// Duration of that time, seconds.
     pub duration_s: f64,
+    /// Exposure time of the frame, seconds.
+    pub exposure_s: f64,
     /// Direction of the satellite at that time: measured if the streak was found, otherwise predicted.
     pub direction: Direction<Gcrs>,
     /// Side of a pixel, arcsec.
@@ -194,6 +196,7 @@ fn on_sky(
         hdu: chip.hdu,
         epoch: seconds_after(frame.opened, middle_s),
         duration_s: to_s - from_s,
+        exposure_s: frame.exposure_s,
         direction: chip.wcs.to_sky(at)?,
         pixel_scale_arcsec: chip.pixel_scale_arcsec(),
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },

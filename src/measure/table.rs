@@ -197,7 +197,8 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         let longitude_deg = site.longitude_rad.to_degrees();
         let time_sigma_s = match one.measured.late_s {
             Some(late) => late.sigma,
-            None => one.prediction.streak.lateness_sigma_s,
+            // The satellite crossed during the exposure T: σ <= T / √12, that of an even distribution.
+            None => one.prediction.streak.lateness_sigma_s.min(one.exposure_s / 12f64.sqrt()),
         };
         let is_detected = one.measured.is_detected;
         let comment = if is_detected {

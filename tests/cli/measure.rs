@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::cli::{done, json, path, records, run};
+use crate::common::cli::{done, json, path, published_constellation, records, run};
 use crate::common::injected::{SKY, column, numbers, unrounded};
 use tempfile::TempDir;
 
@@ -11,6 +11,18 @@ const SIGMAS: f64 = 4.0;
 const FLUX_BIAS: f64 = 0.02;
 
 const SATELLITES: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+
+/// Format of uploads to SCORE, with the flags that it requires.
+const SCORE: &[&str] = &[
+    "--format",
+    "score",
+    "--observer-email",
+    "a@example.org",
+    "--observer-orcid",
+    "0000-0000-0000-0000",
+    "--instrument",
+    "test",
+];
 
 /// A wide frame with the streaks of a synthetic constellation; returns its path and that of its truth table.
 fn wide(folder: &TempDir) -> (String, String) {
@@ -58,9 +70,7 @@ fn verif_injected_streaks_of_satellites_have_their_magnitudes() {
 fn verif_uploads_have_the_columns_of_score_and_are_read_by_fit() {
     let folder = TempDir::new().unwrap();
     let (frame, _) = wide(&folder);
-    let observer =
-        ["--observer-email", "a@example.org", "--observer-orcid", "0000-0000-0000-0000", "--instrument", "test"];
-    let text = done(&[&["measure", &frame, "--seeing", "90arcsec", "--format", "score"], &observer, SATELLITES]);
+    let text = done(&[&["measure", &frame, "--seeing", "90arcsec"], SCORE, SATELLITES]);
     let header = "satellite_name,norad_cat_id,observation_time_utc,observation_time_uncertainty_sec,\
                   apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,observer_longitude_deg,\
                   observer_altitude_m,limiting_magnitude,instrument,observing_mode,observing_filter,observer_email,\
@@ -211,6 +221,28 @@ fn invalid_input_is_named() {
     }
     let (code, _, stderr) = run(&[&["measure"], SATELLITES]);
     assert!(code == 2 && stderr.contains("missing frames"), "{stderr}");
+}
+
+/// The stated error of a prediction is not limited by the range of delays that is searched. A time in an upload is
+/// within the exposure.
+#[test]
+fn verif_errors_of_old_elements_are_stated() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let elements = published_constellation(&folder, "2026-07-14T00:00:00 UTC");
+    let sky = [elements[0].as_str(), &elements[1], "--mpc", "X05", "--quiet"];
+    let document = json(&[&["measure", &frame, "--seeing", "90arcsec"], &sky]);
+    let rows = document["measurements"].as_array().unwrap();
+    let sigmas_s = rows.iter().map(|row| row["late_expected_sigma_s"].as_f64().unwrap());
+    let least_s = sigmas_s.fold(f64::INFINITY, f64::min);
+    // A search of three sigmas up to 5 s contains errors of 5/3 s.
+    assert!(least_s.is_finite() && least_s > 5.0, "{rows:?}");
+    let upload = done(&[&["measure", &frame, "--seeing", "90arcsec"], SCORE, &sky]);
+    let uploaded = numbers(&records(&upload), "observation_time_uncertainty_sec");
+    assert!(
+        !uploaded.is_empty() && uploaded.iter().all(|sigma_s| *sigma_s < 30.0 / 12f64.sqrt() + 1e-4),
+        "{uploaded:?}"
+    );
 }
 
 #[test]

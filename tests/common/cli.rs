@@ -2,6 +2,7 @@
 
 use assert_cmd::Command;
 use serde_json::Value;
+use streakcast::elements::{Constellation, NoradId, Origin, format_tle};
 use tempfile::TempDir;
 
 const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
@@ -39,3 +40,23 @@ pub fn path(folder: &TempDir, name: &str) -> String {
 
 /// Flags of the field and the magnitude limit for schedules.
 pub const FLAG: &[&str] = &["--fov", "3.5deg", "--limit-mag", "6.5"];
+
+/// First catalogue number of [`published_constellation`]. No real satellite has it or a larger one.
+pub const FIRST_NORAD: usize = 90_001;
+
+/// Writes the element sets of a simulated constellation as if they were published, with the names of Starlinks of V1.5,
+/// and returns the flags that use them.
+pub fn published_constellation(folder: &TempDir, epoch: &str) -> [String; 2] {
+    let sets = Constellation::by_name("starlink-gen1").unwrap().element_sets(epoch.parse().unwrap());
+    let mut text = String::new();
+    for (number, set) in sets.iter().enumerate() {
+        let mut set = set.clone();
+        set.norad_id = NoradId((FIRST_NORAD + number) as u32);
+        set.origin = Origin::Published;
+        let [line1, line2] = format_tle(&set).unwrap();
+        text += &format!("STARLINK-{}\n{line1}\n{line2}\n", 3001 + number);
+    }
+    let file = path(folder, "elements.tle");
+    std::fs::write(&file, text).unwrap();
+    ["--elements".to_owned(), file]
+}

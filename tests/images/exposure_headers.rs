@@ -149,6 +149,7 @@ fn verif_amplifiers_and_invalid_values() {
     assert_eq!(pair.read_noise_e.expect("a noise").value, 6.5);
     assert_eq!(pair.saturation_adu.expect("a limit").value, 46_994.0);
     assert_eq!(of("GAIN    = 0.0 / [electron/ADU]").gain_e_adu, None);
+    assert_eq!(of("HIERARCH GAIN = 1.5").gain_e_adu.expect("a gain").value, 1.5);
     assert_eq!(of("GAIN    = 0.5 / [ADU/e-] inverse").gain_e_adu.expect("a gain").value, 2.0);
 }
 

@@ -1,4 +1,4 @@
-//! Delay of a satellite along its track, fitted to the recorded ranges of the track.
+//! Time offset of a satellite along its track (positive is early), fitted to the recorded ranges of the track.
 
 use crate::frames::{Gcrs, Position};
 use crate::math::minimum::minimum;
@@ -16,7 +16,7 @@ pub(super) struct Ranged {
     pub phase_rad: Option<f64>,
 }
 
-/// Fitted delay and the differences that remain.
+/// Fitted time offset and the differences that remain.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Offset {
     pub offset_s: f64,
@@ -25,10 +25,10 @@ pub(super) struct Offset {
 
 /// Largest number of points of a track that are compared; more points do not improve the fit.
 const POINTS: usize = 12;
-/// Grid step of the delay, s. It is short compared with the time scale on which the range varies nonlinearly: distance
+/// Grid step of the offset, s. It is short compared with the time scale on which the range varies nonlinearly: distance
 /// divided by speed, half a minute or more.
 const STEP_S: f64 = 5.0;
-/// Tolerance of the delay, s; it corresponds to 8 m along the track.
+/// Tolerance of the offset, s; it corresponds to 8 m along the track.
 const TOLERANCE_S: f64 = 1e-3;
 
 impl Ranged {
@@ -67,7 +67,7 @@ fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f6
     (sum / points.len() as f64).sqrt()
 }
 
-/// Returns the delay within ± `limit_s` with the smallest range differences: the best node of a grid of 5 s, refined.
+/// Returns the offset within ± `limit_s` with the smallest range differences: the best node of a grid of 5 s, refined.
 /// `None` without points or positions.
 pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_s: f64) -> Option<Offset> {
     if points.is_empty() {

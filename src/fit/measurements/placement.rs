@@ -286,7 +286,7 @@ impl<'a> ChunkPlacer<'a> {
         state.map(|state| state.position).map_err(|_| DropReason::NoPosition)
     }
 
-    /// Returns the fitted delay of each group in a chunk, s.
+    /// Returns the fitted time offset of each group in a chunk, s.
     fn offsets_s(&self, records: &[Record]) -> HashMap<u32, f64> {
         let (PositionSource::Elements { fit_offset_s: Some(limit_s) }, Some(history)) =
             (&self.placement.source, self.placement.history)

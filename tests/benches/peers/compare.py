@@ -10,7 +10,7 @@ start-up and imports. Medians are printed.
         --streakcast "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
 
 `--streakcast` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
-"left_out": [norad_id, ...]} or the output of `streakcast passes --format json`; in the latter case its time is that of
+"left_out": [norad_id, ...]} or the output of `streakcast passes --drag published --format json`; in the latter case its time is that of
 the whole process. `--only astroz=1000,sgp4=100` selects programs with numbers of exposures; times are then per
 exposure, and results are compared for these exposures.
 

@@ -159,16 +159,19 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
         for delay in read_delays(path)? {
             match found.kind_of(delay.norad_id) {
                 None => without_kind += 1,
-                Some(_) if !delay.is_searched() => not_searched += 1,
+                Some(_) if !delay.is_range_searched() => not_searched += 1,
                 Some(kind) => delays.entry(kind).or_default().push(delay),
             }
         }
     }
     if without_kind > 0 {
-        notices.info(&format!("{without_kind} delays left out, of satellites without a kind"));
+        notices.info(&format!("{} left out, of satellites without a kind", counted(without_kind, "delay", "delays")));
     }
     if not_searched > 0 {
-        notices.info(&format!("{not_searched} delays left out, because delays of three sigmas were not searched"));
+        notices.info(&format!(
+            "{} left out: three sigmas of the prediction exceed the 5 s that measure searches",
+            counted(not_searched, "delay", "delays")
+        ));
     }
     if !typed.measured.is_empty() {
         found.provenance.state("measured", super::fit::names(&typed.measured));

@@ -237,11 +237,11 @@ pub fn summary(notices: &Notices, report: &FlagReport) {
         .collect();
     let (all, invalid) = (report.flags.len(), count(VerdictKind::Invalid));
     if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid) {
-        let which = match invalid < all {
-            true => format!("{} cannot be judged", counted(invalid, "exposure", "exposures")),
-            false => format!("none of {} can be judged", counted(all, "exposure", "exposures")),
-        };
-        notices.warn(&[format!("{which}; first exposure {}: {}", first.exposure_id, first.reasons.join("; "))]);
+        let (number, reasons) = (counted(all, "exposure", "exposures"), first.reasons.join("; "));
+        notices.warn(&[format!(
+            "{invalid} of {number} cannot be judged; first exposure {}: {reasons}",
+            first.exposure_id
+        )]);
     }
     notices.info(&format!("{}: {}", counted(all, "exposure", "exposures"), counts.join(", ")));
 }

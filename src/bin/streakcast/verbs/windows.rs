@@ -90,9 +90,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let (from, to) = time_range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &config)?;
     let plan = config.observation()?;
     if plan.policy.max_lost_fraction.is_some() {
-        return Err(anyhow!(
-            "the policy has max_lost_fraction, which windows does not support; allowed: the other keys of a policy"
-        ));
+        return Err(anyhow!("the policy has max_lost_fraction, which windows does not support; remove this key"));
     }
     let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;
     let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;

@@ -160,9 +160,7 @@ impl Request {
         if typed.indi.is_some() { required } else { required.site() }.check()?;
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
-            return Err(anyhow!(
-                "the policy has max_lost_fraction, which gate does not support; allowed: the other keys of a policy"
-            ));
+            return Err(anyhow!("the policy has max_lost_fraction, which gate does not support; remove this key"));
         }
         let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
         policy.margin_s = margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
