@@ -92,8 +92,9 @@ def main():
                 cell[0] += sum(a != b for (a, _), (b, _) in zip(truth, old))
                 cell[1] += sum((a == "clear") != (b == "clear") for (a, _), (b, _) in zip(truth, old))
                 cell[2] += sum(p if kind == "clear" else 1 - p for kind, p in old)
-    print(total, "visits with the elements of the night:", kinds)
     with open(output, "w") as file:
+        numbers = ", ".join(f"{number:,} {verdict}" for verdict, number in kinds.items())
+        file.write(f"Verdicts of the {total:,} visits with the elements of the night: {numbers}.\n\n")
         file.write("| elements older by | drag | verdict changed | changed between clear and not clear | expected |\n|---|---|---|---|---|\n")
         for (age, drag), (changed, clear, expected) in cells.items():
             share = lambda count: f"{100 * count / total:.1f} %"
