@@ -59,7 +59,7 @@ def main(table, picture):
     for (name, rows), place in zip(read(table).items(), PANELS, strict=True):
         parts += panel(name, rows, *place)
     middle = HEIGHT / 2 - 5
-    parts.append(f'<text x="18" y="{middle}" text-anchor="middle" transform="rotate(-90 18 {middle})">half width that holds 68 % of the lateness, s</text>')
+    parts.append(f'<text x="18" y="{middle}" text-anchor="middle" transform="rotate(-90 18 {middle})">half width that contains 68 % of the lateness, s</text>')
     parts.append(f'<text x="{WIDTH / 2}" y="{HEIGHT - 18}" text-anchor="middle">age of the elements, days</text>')
     Path(picture).parent.mkdir(parents=True, exist_ok=True)
     Path(picture).write_text("\n".join([*parts, "</svg>", ""]))
