@@ -1,5 +1,5 @@
-# Virtual environments with pinned requirements in the build folder, for the scripts that source this file. Sets `target`,
-# the build folder.
+# Virtual environments with pinned requirements in the build folder, for the scripts that source this file. Sets
+# `target`, the build folder.
 
 mkdir -p "${CARGO_TARGET_DIR:-target}"
 target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)

@@ -48,7 +48,7 @@ pub(super) enum Keyword {
 const KEYWORDS: usize = Keyword::TleLine2 as usize + 1;
 
 impl Keyword {
-    /// Returns the keyword for a CCSDS keyword, column title or JSON key; case is ignored, common spellings are accepted.
+    /// Returns the keyword for a CCSDS keyword, column title or JSON key; case is ignored, common spellings are read.
     pub fn of(text: &str) -> Option<Self> {
         let text = text.trim();
         if text.len() > 20 {

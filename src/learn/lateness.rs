@@ -36,8 +36,8 @@ pub struct MeasuredDelay {
 }
 
 impl MeasuredDelay {
-    /// Returns true if all delays up to three sigmas of the prediction were searched. Otherwise large delays are missing,
-    /// and the learned error would be too small.
+    /// Returns true if all delays up to three sigmas of the prediction were searched. Otherwise large delays are
+    /// missing, and the learned error would be too small.
     pub fn is_range_searched(&self) -> bool {
         self.expected_sigma_s <= MOST_EXPECTED_SIGMA_S
     }

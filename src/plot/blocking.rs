@@ -19,7 +19,7 @@ const PER_M: f64 = 62.0;
 
 /// Draws the front of the solar array with the part that the chassis shades, the part that it hides from the observer,
 /// and the corner (x_p, y_p) of eqs. 16 and 17 of the paper. The angles, in radians, are the latitude of the Sun, and
-/// the longitude and latitude of the observer, who must be below the chassis and in front of the array.
+/// the longitude and latitude of the observer, which must be below the chassis and in front of the array.
 ///
 /// # Errors
 /// The sizes are invalid.

@@ -1,7 +1,7 @@
 //! `measure` on real frames: streaks of known satellites, and frames that lack what a measurement needs.
 //!
 //! Requires the data folder; skipped with a message without it. Bounds were set before the results were known, except
-//! where a comment says otherwise.
+//! where a comment states otherwise.
 
 use std::path::Path;
 

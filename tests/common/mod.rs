@@ -47,8 +47,9 @@ pub fn golden_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("data")
 }
 
-/// Requires that a table of `docs/tables` is current: the same words and counts. Decimal numbers may differ by two units
-/// of their last digit, and percentages without decimals by one, because the last digits of fits depend on the machine.
+/// Requires that a table of `docs/tables` is current: the same words and counts. Decimal numbers may differ by two
+/// units of their last digit, and percentages without decimals by one, because the last digits of fits depend on the
+/// machine.
 pub fn assert_is_documented(name: &str, table: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tables").join(name);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));

@@ -1,5 +1,5 @@
-//! Flags that all verbs share and some verbs cannot use: the help omits them, and giving them is an error. The same keys
-//! in a configuration file are accepted, because other verbs use them.
+//! Flags that all verbs share and some verbs cannot use: the help omits them, and giving them is an error. Keys of the
+//! same name in a configuration file are accepted, because other verbs use them.
 
 use anyhow::bail;
 use clap::parser::ValueSource;

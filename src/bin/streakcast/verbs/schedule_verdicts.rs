@@ -33,8 +33,8 @@ pub struct Judged {
     pub keep: Option<Vec<bool>>,
 }
 
-/// Reads and judges a schedule, or a batch share of it. `annotated` is the name of the annotated file, if one is written;
-/// it is checked before the computation.
+/// Reads and judges a schedule, or a batch share of it. `annotated` is the name of the annotated file, if one is
+/// written; it is checked before the computation.
 pub fn judge(config: &Config, path: &Path, shard: Option<Shard>, annotated: Option<&Path>) -> anyhow::Result<Judged> {
     let notices = begin(config)?;
     let plan = config.observation()?;
