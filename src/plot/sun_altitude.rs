@@ -73,7 +73,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let most = all.iter().map(|bin| bin.count).max().unwrap_or(1);
     let numbers = Frame { sides: [LEFT, NUMBERS[0], RIGHT, NUMBERS[1]], x, y: Axis::linear(0.0, 1.15 * most as f64) };
 
-    let mut picture = Picture::new(WIDTH as usize, 668);
+    let mut picture = Picture::new(WIDTH as usize, 694);
     picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
@@ -100,9 +100,8 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     numbers.name_y(&mut picture, "exposures", 62.0);
 
     let y = 594.0;
-    let mut from = legend(&mut picture, &bands, LEFT, y);
-    picture.line(&[(from, y), (from + 30.0, y)], ALL.to_rgba(), 3.0);
-    from = picture.legend_text("mean ± its error", from + 38.0, y);
+    picture.line(&[(LEFT, y), (LEFT + 30.0, y)], ALL.to_rgba(), 3.0);
+    let mut from = picture.legend_text("mean ± its error", LEFT + 38.0, y);
     picture.rectangle([from + 6.0, y - 1.5, from + 9.0, y + 1.5], DOT.to_rgba());
     from = picture.legend_text("single exposure", from + 16.0, y);
     if let Some((_, limit)) = input.n_bright {
@@ -110,6 +109,8 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
         let decimals = usize::from((limit - limit.round()).abs() > 1e-9);
         picture.legend_text(&format!("brighter than {} mag", fixed(limit, decimals)), from + 38.0, y);
     }
+    // Curves and twilight bands together are wider than the picture.
+    legend(&mut picture, &bands, LEFT, y + 26.0);
     let beyond = match input.n_trails.iter().filter(|trails| !rates.y.holds(**trails)).count() {
         0 => String::new(),
         beyond => format!("; {} with more than the axis shows", count(beyond)),
@@ -121,7 +122,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
         fixed(mean, 2),
         input.caption
     );
-    picture.paragraph(&caption, [LEFT, WIDTH - 24.0], 626.0, 16.0);
+    picture.paragraph(&caption, [LEFT, WIDTH - 24.0], 652.0, 16.0);
     Ok(picture)
 }
 

@@ -3,6 +3,9 @@
 use std::fs;
 
 use serde_json::Value;
+use streakcast::elements::NoradId;
+use streakcast::learn::MeasuredDelay;
+use streakcast::measure::PredictOptions;
 use tempfile::TempDir;
 
 use crate::common::cli::{FIRST_NORAD, done, json, path, published_constellation, run};
@@ -184,4 +187,15 @@ fn invalid_input_is_named() {
         let (code, _, stderr) = run(&[&["ephemeris"], &TIMES, &["oneweb"], &sky]);
         assert!(code == 2 && stderr.lines().count() == 1 && stderr.contains(part), "{stderr}");
     }
+}
+
+/// Delays are omitted if the default search of `measure` does not extend to three sigmas of the prediction.
+#[test]
+fn delays_are_used_up_to_the_range_of_the_search() {
+    let search = PredictOptions::default();
+    let delay =
+        |expected_sigma_s: f64| MeasuredDelay { norad_id: NoradId(1), late_s: 0.0, sigma_s: 0.1, expected_sigma_s };
+    let largest_sigma_s = search.most_late_s / search.sigmas;
+    assert!(delay(largest_sigma_s).is_range_searched());
+    assert!(!delay(1.001 * largest_sigma_s).is_range_searched());
 }
