@@ -147,7 +147,7 @@ fn verif_pixels_comparison_and_pictures() {
     {
         let at = |name: &str| folder.path().join(name);
         assert!(at("three.png").is_file());
-        assert!(fs::read_to_string(at("two.svg")).is_ok_and(|svg| svg.contains("Sun at latitude")));
+        assert!(fs::read_to_string(at("two.svg")).is_ok_and(|svg| svg.contains("Sun at latitude −15° to −14°")));
     }
     let compare = "fit compare --photometry mmt.csv --height-km 550 --model starlink-v1.5 --raw-points --no-earthshine --layer-deg 4";
     let (code, json, stderr) = run(folder.path(), &format!("{compare} --format json"));

@@ -15,6 +15,9 @@ def test_notebook(path):
     nbformat.validate(notebook)
     assert all(not cell.get("outputs") for cell in notebook.cells), "notebooks are kept without outputs"
     NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+    for cell in notebook.cells:
+        if "plt.subplots" in cell.source:
+            assert any("image/png" in output.get("data", {}) for output in cell.outputs), f"no picture is shown:\n{cell.source}"
 
 
 def test_there_is_a_notebook_for_each_use():

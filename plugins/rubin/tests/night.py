@@ -56,10 +56,10 @@ def observatory_of(evening: str, folder: Path) -> ModelObservatory:
     return observatory
 
 
-def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> list:
+def surveys_of(kind: str, noon: float, masks=(), rewards=()) -> list:
     """Returns surveys: pairs in three bands, or greedy visits in one band. `rewards` are pairs (function, weight).
 
-    With `follow`, masks use the fields of the survey.
+    Masks use the fields of the survey.
     """
     common = {"nside": NSIDE, "survey_start": noon, "footprints_hp": footprint()}
     if kind == "pairs":
@@ -72,7 +72,7 @@ def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> lis
     else:
         raise ValueError(kind)
     for survey in surveys:
-        for mask in masks if follow else ():
+        for mask in masks:
             mask.follow(survey)
         for function, weight in rewards:
             survey.basis_functions.append(function)
@@ -81,11 +81,11 @@ def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> lis
 
 
 def run(
-    evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), rewards=(), start_h=0.0, hours=10.0, follow=True, **more
+    evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), rewards=(), start_h=0.0, hours=10.0, **more
 ) -> Night:
     """Simulates a night from 12 degree twilight, starting `start_h` hours later, for at most `hours`."""
     observatory = observatory_of(evening, folder)
-    surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards, follow)
+    surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards)
     manager = queue_manager if queue_manager is not None else BaseQueueManager(detailers=[RotspUpdateDetailer()])
     scheduler = CoreScheduler(
         surveys,

@@ -321,7 +321,7 @@ mod drawn {
             .iter()
             .map(|layer| {
                 let means = all[layer].iter().map(|(cell, (sum, n))| (*cell, sum / n)).collect();
-                (format!("Sun at {layer} to {} deg", layer + 1), means)
+                (layer_title(*layer as f64, (layer + 1) as f64), means)
             })
             .collect();
         if cells.is_empty() {
@@ -334,12 +334,17 @@ mod drawn {
         Ok(Some(layers(&Layers { title, caption: "Means of cells.", nside, is_folded: true, panels })?))
     }
 
+    /// Title of a layer of latitudes of the Sun, with minus signs instead of hyphens.
+    fn layer_title(from_deg: f64, to_deg: f64) -> String {
+        format!("Sun at latitude {from_deg}° to {to_deg}°").replace('-', "−")
+    }
+
     /// Draws figure 3 of Lu (2024).
     pub fn of_counts(reduction: &Reduction) -> anyhow::Result<Picture> {
         let counts: Vec<f64> = reduction.pixels.iter().map(|pixel| f64::from(pixel.count)).collect();
         let iqr_mag: Vec<f64> = reduction.pixels.iter().map(|pixel| pixel.iqr_mag).collect();
         Ok(counts_and_spread(&CountsAndSpread {
-            title: "Pixels",
+            title: "HEALPix cells: samples and spread",
             counts: &counts,
             iqr_mag: &iqr_mag,
             least_count: f64::from(reduction.options.least_count),
@@ -377,7 +382,7 @@ mod drawn {
         let of = |value: fn(&Pixel) -> f64| inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>();
         let (mode, count, spread) = (of(|p| p.mode_mag), of(|p| f64::from(p.count)), of(|p| p.iqr_mag));
         let from = f64::from(layer) * width_deg;
-        let title = format!("Sun at latitude {from} to {} deg", from + width_deg);
+        let title = layer_title(from, from + width_deg);
         Ok(layers(&Layers {
             title: &title,
             caption: "",
