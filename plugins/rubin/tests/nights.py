@@ -1,7 +1,7 @@
 """Whole nights with and without streakcast, checked by brute force. Prints the tables of docs/tables/nights.md.
 
-`python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER, and can be resumed. All runs take about two
-hours on one core. The real catalogue requires STREAKCAST_DATA; without it, its rows are omitted with a message.
+`python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER, and can be resumed. All runs take about an
+hour on one core. The real catalogue requires STREAKCAST_DATA; without it, its rows are omitted with a message.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def main() -> None:
             lines.append(line(first, hook, total, totals["off"]))
             shares = [f"{100.0 * one / total['visits']:.1f} %" for one in total["streaked"].values()]
             if len(shares) == len(NOISE_S):
-                curve.append(row([f"{satellites}, {NAMES[hook]}", *shares]))
+                curve.append(row([f"{satellites}, {NAMES[hook]}" + (" avoided" if hook == "off" else ""), *shares]))
     print("| survey | satellites | nights | avoided | visits | streaked visits | brighter than 7 mag | mean slew (s) | pixels lost (1e-4) |")
     print("|---|---|---|---|---|---|---|---|---|", *lines, sep="\n")
     print("\nStreaked visits of the nights of pairs if each satellite is late or early by a Gaussian error that is unknown to the")
