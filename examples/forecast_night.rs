@@ -6,7 +6,7 @@
 use std::error::Error;
 
 use streakcast::elements::Constellation;
-use streakcast::forecast::{ForecastRequest, PassRow, Selection, compass, forecast};
+use streakcast::forecast::{ForecastRequest, Selection, compass, forecast};
 use streakcast::frames::EopTable;
 use streakcast::frames::parse_instant;
 use streakcast::geometry::{Observer, Site};
@@ -39,14 +39,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("dark for {:.1} h; {} passes", result.night.dark_s() / 3600.0, result.found.passes.len());
 
     // 3. Each pass: first, highest and last visible point, and its brightness.
-    for pass in result.found.passes.iter().take(5) {
-        let row = PassRow { pass, elements: &sky.elements()[pass.element_index], limit_mag: None };
-        let Some(seen) = &pass.visible else { continue };
+    for row in result.rows(&sky, None).take(5) {
+        let Some(seen) = &row.pass.visible else { continue };
         println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
         for (what, point) in [("from", &seen.begin), ("over", &seen.highest), ("to", &seen.end)] {
             println!("    {what:4} {}", point_text(point));
         }
-        for point in &pass.samples {
+        for point in &row.pass.samples {
             let magnitude = point.brightness.as_ref().map(|light| format!("{:.2}", light.magnitude.0));
             println!("    {} {}", format_utc(point.epoch, 0), magnitude.as_deref().unwrap_or("dark"));
         }

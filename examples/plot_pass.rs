@@ -8,7 +8,7 @@ use std::error::Error;
 use std::path::PathBuf;
 
 use streakcast::elements::Constellation;
-use streakcast::forecast::{ForecastRequest, PassRow, Selection, forecast};
+use streakcast::forecast::{ForecastRequest, Selection, forecast};
 use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
@@ -38,14 +38,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..ForecastRequest::new(from, to)
     };
     let result = forecast(&sky, &request, &Selection::default())?;
-    let rows = result.found.passes.iter().map(|pass| PassRow {
-        pass,
-        elements: &sky.elements()[pass.element_index],
-        limit_mag: None,
-    });
 
     // 2. Charts are drawn from columns.
-    let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();
+    let tracks: Vec<SkyTrack> = result.rows(&sky, None).map(|row| track(row.name(), &row.pass.samples)).collect();
     let over = sky_chart(&SkyChart {
         local: None,
         site: Some(&site),

@@ -151,7 +151,8 @@ pub enum ConfigError {
     },
     /// No element set can be propagated to the time of the request.
     #[error(
-        "none of the {satellites} element sets can be propagated to {moment}; specify elements of about that date (first error: {first})"
+        "{} be propagated to {moment}; specify elements of about that date (first error: {first})",
+        none_can(*satellites)
     )]
     NothingPropagates {
         /// Number of element sets.
@@ -235,5 +236,14 @@ impl ConfigError {
         return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_) | Self::Measure(_));
         #[cfg(not(all(feature = "fits", unix)))]
         is_general
+    }
+}
+
+/// Returns the beginning of the sentence that no element set can be used.
+fn none_can(element_sets: usize) -> String {
+    if element_sets == 1 {
+        "the only element set cannot".to_owned()
+    } else {
+        format!("none of the {element_sets} element sets can")
     }
 }

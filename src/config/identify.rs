@@ -185,6 +185,11 @@ impl IdentifyConfig {
         let time = (start, duration_s);
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
+            Line::Middle { length_deg: None, .. } if timing == Timing::Whole => {
+                return Err(ConfigError::invalid(
+                    "--whole-streak is given without the length of the streak; allowed: a streak of known length, with --length ANGLE",
+                ));
+            }
             Line::Middle { position, angle_deg, length_deg } => MeasuredStreak::from_middle(
                 position,
                 (angle_deg.to_radians(), angle_sigma_rad),

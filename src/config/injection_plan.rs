@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hifitime::Epoch;
+use serde::Deserialize;
 
 use super::document::Config;
 use super::error::ConfigError;
@@ -12,7 +13,7 @@ use super::prepared::PreparedSky;
 use super::site::no_site_in;
 use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
-use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
+use crate::images::{CountBasis, Detector, Header, ImageValues, ImagesError, Telescope};
 use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
@@ -441,12 +442,31 @@ pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
     }
 }
 
-/// Reads a detector file; returns the detector, and its gain if the file sets one.
+/// Reads a detector from a file with the table `[detector]`, from that of a synthetic frame, or from a file with only
+/// the keys of the table. Returns the detector, and its gain if the file sets one.
 fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), ConfigError> {
+    #[derive(Deserialize)]
+    struct DetectorFile {
+        detector: Detector,
+    }
     let text = text_of("detector", path)?;
-    let detector = Detector::from_toml(&text)
-        .map_err(|error| ConfigError::invalid(format!("detector {}: {error}", path.display())))?;
-    let has_gain = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("gain_e_adu"));
+    let shown = path.display().to_string();
+    let failed = |error: ImagesError| ConfigError::invalid(format!("detector {shown}: {error}"));
+    // Errors of syntax are reported by the parsers below, with their lines.
+    let keys: toml::Table = toml::from_str(&text).unwrap_or_default();
+    let table = keys.get("detector");
+    let detector = match table {
+        None => Detector::from_toml(&text).map_err(failed)?,
+        Some(_) if keys.len() == 1 => {
+            let DetectorFile { detector } = toml::from_str(&text).map_err(|error| {
+                ConfigError::invalid(format!("detector {shown}: {}", input::toml_error(&error, &text)))
+            })?;
+            detector.validate().map_err(failed)?;
+            detector
+        }
+        Some(_) => SyntheticFrame::from_toml(&text, &shown)?.detector,
+    };
+    let has_gain = table.map_or(keys.contains_key("gain_e_adu"), |table| table.get("gain_e_adu").is_some());
     let gain_of_file = has_gain.then_some(detector.gain_e_adu);
     Ok((detector, gain_of_file))
 }

@@ -156,12 +156,17 @@ impl PreparedSky {
     /// For the interval of [`LoadedInputs::prepare`] the field `warnings` has the same warnings. This method is for
     /// cached skies, which are also used at other times.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
+        self.warnings_of(first, last, &|_| true)
+    }
+
+    /// Returns the same warnings for a request that uses only some element sets.
+    pub fn warnings_of(&self, first: Epoch, last: Epoch, is_selected: &dyn Fn(&ElementSet) -> bool) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, part)| *part != EphemerisCoverage::Whole);
         let uncovered = names(uncovered.map(|(index, _)| index), self.sky.elements());
         let all = self.sky.ephemeris_coverage(first, last).count();
         warnings.extend(warnings::of_uncovered(&uncovered, all));
-        warnings.extend(warnings::of_age(&self.sky, self.from_files, first, last));
+        warnings.extend(warnings::of_age(&self.sky, self.from_files, first, last, is_selected));
         warnings.extend(self.shells_made_for.and_then(|day| warnings::of_shells(day, first, last)));
         warnings.extend(warnings::of_orientation(&self.eop, first, last));
         if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {
@@ -376,7 +381,7 @@ mod tests {
         let later = utc("2026-08-08T20:00:00Z");
         let warnings = prepared.warnings_at(later, later);
         assert_eq!(warnings[..count], prepared.warnings[..]);
-        assert!(warnings[count].starts_with("1 of 1 element sets are more than 14 days"), "{warnings:?}");
+        assert!(warnings[count].starts_with("1 of 1 element set is more than 14 days from"), "{warnings:?}");
         assert!(warnings[count + 1].starts_with("the shells were generated for 2026-07-08, 31.8 days"), "{warnings:?}");
     }
 

@@ -2,7 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{RejectReason, Rejected, Satellites};
+use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::math::quantile::median;
 use crate::output::{counted, format_utc};
@@ -18,17 +18,23 @@ const NAMED: usize = 3;
 
 /// Returns the warning about element sets that SGP4 cannot propagate to the time of the request.
 pub(super) fn of_left_out(left_out: usize, satellites: usize) -> String {
-    format!("{} of {} element sets cannot be propagated to this date", grouped(left_out), grouped(satellites))
+    format!("{} of {} cannot be propagated to this date", grouped(left_out), element_sets(satellites))
 }
 
 /// Returns the warning about simulated constellations.
 pub(super) fn of_simulated(names: &[&str], satellites: usize) -> String {
     let noun = if names.len() == 1 { "constellation" } else { "constellations" };
     format!(
-        "simulated {noun} {}: positions do not correspond to real satellites ({} satellites)",
+        "simulated {noun} {}: positions do not correspond to real satellites ({} {})",
         names.join(", "),
-        grouped(satellites)
+        grouped(satellites),
+        if satellites == 1 { "satellite" } else { "satellites" }
     )
+}
+
+/// Returns a number of element sets with its noun.
+fn element_sets(count: usize) -> String {
+    format!("{} {}", grouped(count), if count == 1 { "element set" } else { "element sets" })
 }
 
 /// Formats a count with commas between groups of three digits.
@@ -100,22 +106,31 @@ fn first_of(names: &[String]) -> String {
 }
 
 /// Returns the warning about element sets with epochs more than two weeks before or after the request.
-pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) -> Option<String> {
+pub(super) fn of_age(
+    sky: &Sky,
+    from_files: usize,
+    first: Epoch,
+    last: Epoch,
+    is_selected: &dyn Fn(&ElementSet) -> bool,
+) -> Option<String> {
     let elements = &sky.elements()[..from_files];
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     // All epochs are UTC. Durations are compared because conversions with leap seconds are slow, and this function runs
     // for each server response.
     let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
     let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
-    let old: Vec<usize> = (0..from_files).filter(|&index| !near.contains(&elements[index].epoch.duration)).collect();
+    let selected: Vec<usize> = (0..from_files).filter(|&index| is_selected(&elements[index])).collect();
+    let is_old = |index: &usize| !near.contains(&elements[*index].epoch.duration);
+    let old: Vec<usize> = selected.iter().copied().filter(is_old).collect();
     let age_days = |index: usize| days(elements[index].epoch, first).max(days(last, elements[index].epoch));
     let farthest = old.iter().map(|&index| age_days(index)).max_by(f64::total_cmp)?;
     let late_s: Vec<f64> = old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
+    let (are, they) = if old.len() == 1 { ("is", "it is") } else { ("are", "they are") };
     Some(format!(
-        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
-         they are early or late by {:.1} s (68 %, median)",
+        "{} of {} {are} more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
+         {they} early or late by {:.1} s (68 %, median)",
         grouped(old.len()),
-        grouped(elements.len()),
+        element_sets(selected.len()),
         median(late_s),
     ))
 }
@@ -183,7 +198,7 @@ mod tests {
         let sets = Constellation::by_name("kuiper").unwrap().element_sets(utc("2024-08-14T00:00:00Z"));
         let site = Observer::new(Site::from_mpc("X05").unwrap());
         let sky = Sky::with_models(sets, site, EopTable::embedded(), &ModelChoice::default());
-        let warning = |first: &str, last: &str| of_age(&sky, 10, utc(first), utc(last));
+        let warning = |first: &str, last: &str| of_age(&sky, 10, utc(first), utc(last), &|_| true);
         assert_eq!(warning("2024-08-01T00:00:00Z", "2024-08-27T00:00:00Z"), None);
         assert_eq!(warning("2024-08-27T00:00:00Z", "2024-08-28T00:00:00Z"), None);
         let older = warning("2024-09-03T00:00:00Z", "2024-09-03T06:00:00Z").unwrap();

@@ -61,10 +61,14 @@ pub fn calendar<'a>(
         line(format!("DTSTART:{}", stamp(seen.begin.epoch)));
         line(format!("DTEND:{}", stamp(seconds_after(seen.end.epoch, 1.0))));
         line(format!("SUMMARY:{}", escaped(&format!("{} {magnitude}", row.name()))));
+        let ends_by = match row.ends_by() {
+            Some("end") => "end of the forecast",
+            other => other.unwrap_or_default(),
+        };
         let mut facts = vec![
             point("starts", &seen.begin),
             point("highest", &seen.highest),
-            format!("{} ({})", point("ends", &seen.end), row.ends_by().unwrap_or_default()),
+            format!("{} ({ends_by})", point("ends", &seen.end)),
         ];
         facts.extend(row.peak().map(|peak| point("brightest", peak)));
         facts.extend(light.map(|light| format!("magnitude from {}", light.source)));

@@ -3,6 +3,7 @@
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ForecastError;
+use super::pass_table::PassRow;
 use super::request::{ForecastRequest, Selection};
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
@@ -116,6 +117,35 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
 }
 
 impl Forecast {
+    /// Returns the rows of the passes for tables. `sky` is that of the forecast, `limit_mag` the limit of `p_brighter`.
+    pub fn rows<'a>(&'a self, sky: &'a Sky, limit_mag: Option<f64>) -> impl Iterator<Item = PassRow<'a>> {
+        let range = (self.night.start, self.night.end);
+        let elements = sky.elements();
+        self.found.passes.iter().map(move |pass| PassRow {
+            pass,
+            elements: &elements[pass.element_index],
+            limit_mag,
+            range,
+        })
+    }
+
+    /// Returns a warning if brightest points are outside the fitted ranges of the models.
+    pub fn fitted_range_warning(&self) -> Option<String> {
+        let lights: Vec<_> = self
+            .found
+            .passes
+            .iter()
+            .filter_map(|pass| pass.visible.as_ref()?.peak.as_ref()?.brightness.as_ref())
+            .collect();
+        let outside = lights.iter().filter(|light| !light.in_fitted_range).count();
+        (outside > 0).then(|| {
+            format!(
+                "{outside} of {} are brightest where no photometry was fitted; their sigmas are larger",
+                counted(lights.len(), "pass", "passes")
+            )
+        })
+    }
+
     /// Returns the reason why no pass over the site is visible; `None` if there is one.
     pub fn why_empty(&self, sky: &Sky, request: &ForecastRequest) -> Option<String> {
         if !self.found.passes.is_empty() {

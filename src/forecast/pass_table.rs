@@ -20,6 +20,8 @@ pub struct PassRow<'a> {
     pub elements: &'a ElementSet,
     /// Magnitude limit of the forecast, for the column `p_brighter`.
     pub limit_mag: Option<f64>,
+    /// Start and end of the forecast.
+    pub range: (Epoch, Epoch),
 }
 
 const P_BRIGHTER: Column = Column::real(
@@ -45,33 +47,41 @@ impl<'a> PassRow<'a> {
         self.limit_mag.map(|limit_mag| self.pass.probability_brighter_than(limit_mag)).into()
     }
 
-    /// Returns the event that begins the visible part: `rise`, `shadow` or `dusk`.
+    /// Returns the event that begins the visible part: `rise`, `shadow`, `dusk`, or `start` (of the forecast).
     pub fn begins_by(&self) -> Option<&'static str> {
-        let begin = &self.pass.visible.as_ref()?.begin;
-        Some(if is_at(begin, self.pass.rise.as_ref()) {
+        let begin = self.pass.visible.as_ref()?.begin.epoch;
+        Some(if is_at(begin, epoch_of(&self.pass.rise)) {
             "rise"
-        } else if is_at(begin, self.pass.shadow_exit.as_ref()) {
+        } else if is_at(begin, epoch_of(&self.pass.shadow_exit)) {
             "shadow"
+        } else if is_at(begin, Some(self.range.0)) {
+            "start"
         } else {
             "dusk"
         })
     }
 
-    /// Returns the event that ends the visible part: `set`, `shadow` or `dawn`.
+    /// Returns the event that ends the visible part: `set`, `shadow`, `dawn`, or `end` (of the forecast).
     pub fn ends_by(&self) -> Option<&'static str> {
-        let end = &self.pass.visible.as_ref()?.end;
-        Some(if is_at(end, self.pass.set.as_ref()) {
+        let end = self.pass.visible.as_ref()?.end.epoch;
+        Some(if is_at(end, epoch_of(&self.pass.set)) {
             "set"
-        } else if is_at(end, self.pass.shadow_entry.as_ref()) {
+        } else if is_at(end, epoch_of(&self.pass.shadow_entry)) {
             "shadow"
+        } else if is_at(end, Some(self.range.1)) {
+            "end"
         } else {
             "dawn"
         })
     }
 }
 
-fn is_at(point: &TrackPoint, other: Option<&TrackPoint>) -> bool {
-    other.is_some_and(|other| seconds_between(point.epoch, other.epoch).abs() < SAME_S)
+fn epoch_of(point: &Option<TrackPoint>) -> Option<Epoch> {
+    point.as_ref().map(|point| point.epoch)
+}
+
+fn is_at(moment: Epoch, other: Option<Epoch>) -> bool {
+    other.is_some_and(|other| seconds_between(moment, other).abs() < SAME_S)
 }
 
 fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
@@ -184,7 +194,11 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             azimuth_deg(seen(row).map(|seen| &seen.begin))
         }),
         field(
-            Column::new("begins_by", Kind::Text, "Event at the start of the visible part: rise, shadow or dusk."),
+            Column::new(
+                "begins_by",
+                Kind::Text,
+                "Event at the start of the visible part: rise, shadow, dusk, or start (of the time range).",
+            ),
             |row| row.begins_by().into(),
         ),
         field(Column::time("highest_utc", "Time of the highest point of the visible part."), |row| {
@@ -206,7 +220,11 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             azimuth_deg(seen(row).map(|seen| &seen.end))
         }),
         field(
-            Column::new("ends_by", Kind::Text, "Event at the end of the visible part: set, shadow or dawn."),
+            Column::new(
+                "ends_by",
+                Kind::Text,
+                "Event at the end of the visible part: set, shadow, dawn, or end (of the time range).",
+            ),
             |row| row.ends_by().into(),
         ),
         field(
@@ -353,7 +371,11 @@ const READABLE_COLUMNS: [Column; 16] = [
     Column::new("end", Kind::Text, "Local time at which the visible part ends."),
     Column::new("end_altitude", Kind::Text, "Altitude at the end of the visible part."),
     Column::new("end_azimuth", Kind::Text, "Compass direction at the end of the visible part."),
-    Column::new("ends_by", Kind::Text, "Event at the end of the visible part: set, shadow or dawn."),
+    Column::new(
+        "ends_by",
+        Kind::Text,
+        "Event at the end of the visible part: set, shadow, dawn, or end (of the time range).",
+    ),
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("mag_source", Kind::Text, "Source of the magnitude."),
 ];

@@ -1,16 +1,22 @@
 //! Positions of deep-sky objects by name: Messier, Caldwell, and their NGC and IC numbers.
 
+use std::collections::BTreeSet;
+
 use super::error::FramesError;
 use super::{Direction, Gcrs};
 
 /// Table of `names separated by |;right ascension;declination`, degrees; the head of the file names its source.
 const TABLE: &str = include_str!("deep_sky.csv");
+/// Number of letters from which the beginning of a name is recognized, and largest number of names with this beginning
+/// in an error.
+const LEAST_LETTERS: usize = 3;
+const MOST_SIMILAR: usize = 4;
 
 /// Returns the direction of a deep-sky object by one of its names (`M31`, `Messier 31`, `C14`, `NGC 224`, `Andromeda
 /// Galaxy`); case, blanks and punctuation are ignored. Centres of extended objects are good to some arcminutes.
 ///
 /// # Errors
-/// [`FramesError::UnknownObject`] for a name outside the table.
+/// [`FramesError::UnknownObject`] for a name outside the table, with the names that begin with it.
 pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, FramesError> {
     let key = key_of(name);
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
@@ -19,13 +25,28 @@ pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, FramesError> {
         (_, Some(number)) => format!("caldwell{number}"),
         _ => key,
     };
-    let found = TABLE.lines().filter(|line| !line.starts_with('#')).find_map(|line| {
+    let found = rows().find_map(|line| {
         let mut fields = line.split(';');
         let is_named = fields.next()?.split('|').any(|known| key_of(known) == key);
         let mut radians = || Some(fields.next()?.parse::<f64>().ok()?.to_radians());
         is_named.then(|| Some(Direction::from_lon_lat_rad(radians()?, radians()?)))?
     });
-    found.ok_or_else(|| FramesError::UnknownObject(name.to_owned()))
+    found.ok_or_else(|| FramesError::UnknownObject { name: name.to_owned(), similar: names_from(&key) })
+}
+
+fn rows() -> impl Iterator<Item = &'static str> {
+    TABLE.lines().filter(|line| !line.starts_with('#'))
+}
+
+/// Returns the names that begin with this key. Numbers of catalogues have no beginnings: M 1 is not similar to M 10.
+fn names_from(key: &str) -> Vec<String> {
+    if key.chars().count() < LEAST_LETTERS || key.ends_with(|mark: char| mark.is_ascii_digit()) {
+        return Vec::new();
+    }
+    let names = rows().filter_map(|line| line.split(';').next()).flat_map(|names| names.split('|'));
+    // Some objects share a name.
+    let similar: BTreeSet<&str> = names.filter(|known| key_of(known).starts_with(key)).collect();
+    similar.into_iter().take(MOST_SIMILAR).map(str::to_owned).collect()
 }
 
 fn key_of(name: &str) -> String {
@@ -43,8 +64,14 @@ mod tests {
             assert_eq!(deep_sky_object(name).unwrap(), andromeda, "{name}");
         }
         assert_eq!(deep_sky_object("C 14").unwrap(), deep_sky_object("Caldwell 14").unwrap());
-        let error = deep_sky_object("M111").unwrap_err().to_string();
-        assert!(error.contains("'M111'") && error.contains("--ra"), "{error}");
+        let error = |name: &str| deep_sky_object(name).unwrap_err().to_string();
+        for name in ["M111", "NGC 22", "Pegasus", "O"] {
+            assert!(error(name).contains(&format!("'{name}'; allowed: ")) && error(name).contains("--ra"), "{name}");
+        }
+        assert_eq!(error("andromeda"), "unknown target 'andromeda'; similar names: Andromeda Galaxy");
+        assert_eq!(error("Owl"), "unknown target 'Owl'; similar names: Owl Cluster, Owl Nebula");
+        assert!(error("Veil").ends_with("similar names: Veil Nebula"), "{}", error("Veil"));
+        assert!(error("47 Tuc").ends_with("similar names: 47 Tucanae"), "{}", error("47 Tuc"));
     }
 
     #[test]

@@ -6,10 +6,13 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FramesError {
     /// A name outside the table of deep-sky objects.
-    #[error(
-        "unknown target '{0}'; allowed: Messier, Caldwell, and their NGC and IC numbers and names (M31, NGC 224), or --ra and --dec"
-    )]
-    UnknownObject(String),
+    #[error("unknown target '{name}'; {}", known_targets(similar))]
+    UnknownObject {
+        /// Given name.
+        name: String,
+        /// Names in the table that begin with it; empty if there are none.
+        similar: Vec<String>,
+    },
     /// A date that is not a number, or outside the calendar range of this library.
     #[error("{what} is {value}; allowed: {first} to {last}")]
     DateOutOfRange {
@@ -86,4 +89,14 @@ pub enum FramesError {
          (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
     )]
     NoScale(String),
+}
+
+/// Returns the names similar to an unknown one, or all accepted forms.
+fn known_targets(similar: &[String]) -> String {
+    if similar.is_empty() {
+        "allowed: Messier, Caldwell, and their NGC and IC numbers and names (M31, NGC 224), or --ra and --dec"
+            .to_owned()
+    } else {
+        format!("similar names: {}", similar.join(", "))
+    }
 }

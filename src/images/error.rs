@@ -31,8 +31,12 @@ pub enum ImagesError {
         message: String,
     },
     /// A header without axes of right ascension and declination.
-    #[error("CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}; allowed: one RA---xxx and one DEC--xxx")]
+    #[error(
+        "{location}no celestial coordinates: CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}; allowed: one RA---xxx and one DEC--xxx"
+    )]
     NoCelestialAxes {
+        /// The file and the HDU, each followed by a colon and a blank; empty for a header alone.
+        location: String,
         /// Text of CTYPE1, empty if it is missing.
         ctype1: String,
         /// Text of CTYPE2, empty if it is missing.
@@ -88,17 +92,15 @@ impl ImagesError {
         Err(Self::invalid(what, given, format!("{least} to {greatest}")))
     }
 
-    /// Prefixes the name of an invalid value with the file, the HDU or the settings that contain it.
+    /// Prefixes an error in a value or a header with the file, the HDU or the settings that contain it.
     pub(crate) fn at(self, location: impl Display) -> Self {
         match self {
             Self::Invalid { what, given, allowed } => {
                 Self::Invalid { what: format!("{location}: {what}"), given, allowed }
             }
-            Self::NoCelestialAxes { ctype1, ctype2 } => Self::invalid(
-                format!("{location}: CTYPE1"),
-                format!("{ctype1:?} and CTYPE2 is {ctype2:?}"),
-                "one RA---xxx and one DEC--xxx",
-            ),
+            Self::NoCelestialAxes { location: inner, ctype1, ctype2 } => {
+                Self::NoCelestialAxes { location: format!("{location}: {inner}"), ctype1, ctype2 }
+            }
             other => other,
         }
     }

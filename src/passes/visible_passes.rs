@@ -62,7 +62,7 @@ pub struct Visibility {
     pub highest: TrackPoint,
     /// End of the visible part: the set, the start of the penumbra, or dawn.
     pub end: TrackPoint,
-    /// Brightest point, including the penumbra; `None` if the model gives no light.
+    /// Brightest point of the visible part; `None` if the model gives no light.
     pub peak: Option<TrackPoint>,
 }
 
@@ -337,7 +337,7 @@ impl Search<'_> {
         } else {
             let full_by_night = both(&full, &span.dark_s);
             let seen = if full_by_night.is_empty() { &lit_by_night } else { &full_by_night };
-            visibility(&evaluator, seen, &lit_by_night, above.top_s)
+            visibility(&evaluator, seen, above.top_s)
         };
         let light = visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref());
         if visible.is_none() && !self.request.include_dark {
@@ -371,13 +371,8 @@ impl Search<'_> {
 }
 
 /// Returns the visible part, from the start of the first to the end of the last interval of `seen`, with the brightest
-/// point in the intervals of `lit`.
-fn visibility(
-    evaluator: &PassEvaluator<'_>,
-    seen: &[(f64, f64)],
-    lit: &[(f64, f64)],
-    top_s: f64,
-) -> Option<Visibility> {
+/// point in these intervals.
+fn visibility(evaluator: &PassEvaluator<'_>, seen: &[(f64, f64)], top_s: f64) -> Option<Visibility> {
     let ends = seen.iter().flat_map(|&(from_s, until_s)| [from_s, until_s]);
     let top = seen.iter().any(|&(from_s, until_s)| (from_s..=until_s).contains(&top_s)).then_some(top_s);
     let highest = ends
@@ -385,7 +380,7 @@ fn visibility(
         .filter_map(|time_s| evaluator.point(time_s))
         .max_by(|a, b| a.altitude_rad.partial_cmp(&b.altitude_rad).unwrap_or(std::cmp::Ordering::Equal))?;
     let brightness = |point: &TrackPoint| point.brightness.as_ref().map_or(f64::INFINITY, |light| light.magnitude.0);
-    let peak = lit
+    let peak = seen
         .iter()
         .filter_map(|&(from_s, until_s)| {
             let steps = ((until_s - from_s) / LIGHT_STEP_S).ceil().clamp(8.0, MOST_LIGHT_STEPS) as usize;

@@ -56,8 +56,8 @@ pub struct CutPanel<'a> {
 }
 
 /// Draws a row for each track: at the left the pixels along the track, dark where they are bright, at the right the
-/// profile across it with its errors and the fitted streak. Dashed lines are the predicted track. A picture has at most
-/// twelve rows.
+/// profile across it with its errors and the fitted streak. Dashed lines are the predicted track, if it is within the
+/// cut. A picture has at most twelve rows.
 ///
 /// # Errors
 /// There is no track, or columns differ in length.
@@ -91,17 +91,23 @@ pub fn streak_cuts(title: &str, panels: &[CutPanel<'_>]) -> Result<Picture, Plot
     }
     let omitted = panels.len() - drawn.len();
     let more = if omitted > 0 { format!(" Not drawn: {} more.", count(omitted)) } else { String::new() };
-    let caption =
-        format!("Orange: fitted streak. Blue, dashed: predicted track. Points: median along the track.{more}");
+    let has_predicted = drawn.iter().any(|panel| across_axis(panel).holds(panel.predicted_pix));
+    let predicted = if has_predicted { " Blue, dashed: predicted track." } else { "" };
+    let caption = format!("Orange: fitted streak.{predicted} Points: median along the track.{more}");
     picture.text(&caption, (CUT[0], height - 16.0), 16.0, HPos::Left);
     Ok(picture)
+}
+
+/// Returns the axis of distances across the track. A predicted track beyond its ends is not drawn.
+fn across_axis(panel: &CutPanel<'_>) -> Axis {
+    let across = panel.across_pix;
+    Axis::linear(across[0] - 0.5, across[across.len() - 1] + 0.5)
 }
 
 fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
     let rows = panel.across_pix.len();
     picture.text(panel.title, (CUT[0], top - 18.0), 17.0, HPos::Left);
-    let (low, high) = (panel.across_pix[0] - 0.5, panel.across_pix[rows - 1] + 0.5);
-    let across = Axis::linear(low, high);
+    let across = across_axis(panel);
     let frame = Frame { sides: [CUT[0], top, CUT[1], top + HEIGHT], x: Axis::linear(0.0, panel.length_pix), y: across };
     let finite: Vec<f64> = panel.values.iter().copied().filter(|value| value.is_finite()).collect();
     if !finite.is_empty() {
@@ -139,7 +145,7 @@ fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
     let margin = 0.06 * (most - least);
     let y = Axis::linear(least - margin, most + margin);
     let frame = Frame { sides: [PROFILE[0], top, PROFILE[1], top + HEIGHT], x: across, y };
-    picture.line(&[frame.at(low, 0.0), frame.at(high, 0.0)], INK.mix(0.4), 1.0);
+    picture.line(&[frame.at(across.from, 0.0), frame.at(across.to, 0.0)], INK.mix(0.4), 1.0);
     if across.holds(panel.predicted_pix) {
         let line = [frame.at(panel.predicted_pix, y.from), frame.at(panel.predicted_pix, y.to)];
         picture.dashed(&line, [6.0, 4.0], PREDICTED.to_rgba(), 1.5);
@@ -162,6 +168,7 @@ fn draw(picture: &mut Picture, panel: &CutPanel<'_>, top: f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::PictureFormat;
     use super::*;
 
     const ACROSS: [f64; 3] = [-1.0, 0.0, 1.0];
@@ -196,6 +203,18 @@ mod tests {
         };
         assert_eq!((red(0.25, 1.0), red(0.75, 1.0)), (0, 0));
         assert_eq!((red(0.25, 0.0), red(0.25, 2.0), red(0.75, 2.0)), (255, 255, 255));
+    }
+
+    #[test]
+    fn only_drawn_predictions_are_in_the_caption() {
+        let values = [0.0, 0.0, 2.0, 2.0, 0.0, 0.0];
+        let profile = [0.0, 2.0, 0.0];
+        let caption = |predicted_pix: f64| {
+            let panel = CutPanel { predicted_pix, ..panel(&values, &profile) };
+            let svg = streak_cuts("", &[panel]).unwrap().to_bytes(PictureFormat::Svg).unwrap();
+            String::from_utf8(svg).unwrap().contains("Blue, dashed: predicted track.")
+        };
+        assert!(caption(1.4) && caption(-1.4) && !caption(1.6) && !caption(-40.0) && !caption(f64::NAN));
     }
 
     #[test]

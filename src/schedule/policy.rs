@@ -1,6 +1,6 @@
 //! Policy for verdicts: magnitude limits, largest pixel loss, least probability, margin and longest delay.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
@@ -254,6 +254,36 @@ impl Policy {
     /// Returns true if the policy has any magnitude limit.
     pub fn has_magnitude_limit(&self) -> bool {
         [&self.limit_mag, &self.saturation_mag, &self.crosstalk_mag].into_iter().any(Option::is_some)
+    }
+
+    /// Returns true if a magnitude limit applies to exposures in this band.
+    pub fn limits_band(&self, band: Option<&str>, telescope: Option<&Telescope>) -> bool {
+        let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
+        let given = [&self.limit_mag, &self.saturation_mag, &self.crosstalk_mag].into_iter().flatten();
+        given.chain(of_telescope.iter().map(|(_, limit)| limit)).any(|limit| limit.of(band).is_some())
+    }
+
+    /// Returns a warning for each limit that has no value for some of the bands of the exposures. `None`
+    /// is the band of exposures without a band.
+    pub fn band_warnings(&self, bands: &BTreeSet<Option<&str>>, telescope: Option<&Telescope>) -> Vec<String> {
+        let warning = |name: &str, limit: &MagnitudeLimit, end: &str| {
+            let without: Vec<&str> =
+                bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
+            (!without.is_empty())
+                .then(|| format!("{name} of the policy has no value for band {}{end}", without.join(", ")))
+        };
+        let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
+        [
+            ("limit_mag", &self.limit_mag),
+            ("saturation_mag", &self.saturation_mag),
+            ("crosstalk_mag", &self.crosstalk_mag),
+        ]
+        .into_iter()
+        .filter_map(|(name, limit)| Some((name, limit.as_ref()?)))
+        .filter(|(_, limit)| !matches!(limit, MagnitudeLimit::OfTelescope(_)))
+        .filter_map(|(name, limit)| warning(name, limit, " and no default"))
+        .chain(of_telescope.iter().filter_map(|(name, limit)| warning(name, limit, " in the file of the telescope")))
+        .collect()
     }
 
     /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.

@@ -7,7 +7,6 @@ use hifitime::{Epoch, TimeScale};
 
 use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
-use super::policy::MagnitudeLimit;
 use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
@@ -80,14 +79,9 @@ impl Schedule {
         self.exposures.len() - distinct.len()
     }
 
-    /// Returns the bands of rows to which the limit does not apply; empty for the limits of the telescope file.
-    pub fn bands_without(&self, limit: &MagnitudeLimit) -> BTreeSet<&str> {
-        let has_numbers = !matches!(limit, MagnitudeLimit::OfTelescope(_));
-        self.exposures
-            .iter()
-            .filter(|row| has_numbers && limit.of(row.band.as_deref()).is_none())
-            .map(|row| row.band.as_deref().unwrap_or("none"))
-            .collect()
+    /// Returns the bands of all rows; `None` for rows without a band.
+    pub fn bands(&self) -> BTreeSet<Option<&str>> {
+        self.exposures.iter().map(|row| row.band.as_deref()).collect()
     }
 }
 

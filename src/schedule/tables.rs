@@ -379,6 +379,10 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             ),
             |row| row.pass.position_source.to_string().into(),
         ),
+        field(
+            Column::real("magnitude_peak_sigma", "mag", 3, "One-sigma uncertainty of the brightest magnitude."),
+            |row| row.pass.peak.as_ref().map_or(Value::Null, sigma),
+        ),
     ]
 }
 

@@ -36,6 +36,9 @@ pub enum StreaksError {
     /// Errors of a frame, its world coordinates or its detector.
     #[error(transparent)]
     Images(#[from] ImagesError),
+    /// A frame of an injection without celestial coordinates.
+    #[error("{0}, or --pixel-scale ANGLE with random streaks")]
+    NoCoordinates(ImagesError),
     /// An error in one of several frames.
     #[error("{source}; {done} of {count} frames have already been written, without a truth table")]
     Batch {

@@ -424,7 +424,7 @@ fn suspicious_schedules_give_warnings() {
     let policy = file(&folder, "p.toml", b"limit_mag = {g = 7.0}\n");
     let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stderr.contains("warning: 1 exposures have the exposure_id of an earlier one"), "{stderr}");
+    assert!(stderr.contains("warning: 1 exposure has the exposure_id of an earlier one"), "{stderr}");
     assert!(
         stderr.contains("warning: limit_mag of the policy has no value for band none, q and no default"),
         "{stderr}"

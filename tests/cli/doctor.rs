@@ -40,9 +40,9 @@ fn ages_repetitions_and_rejections_are_counted() {
     assert_eq!((&ages[0]["from_days"], &ages[0]["count"]), (&Value::Null, &1.into()));
     for (severity, words) in [
         ("warning", "1 of 7 records rejected"),
-        ("note", "1 duplicate records"),
-        ("warning", "1 of 5 are older than 14 days"),
-        ("warning", "1 of 5 have epochs more than 1.5 days after 2026-08-14T12:00:00Z: up to 2026-08-22"),
+        ("note", "1 duplicate record"),
+        ("warning", "1 of 5 is older than 14 days"),
+        ("warning", "1 of 5 has an epoch more than 1.5 days after 2026-08-14T12:00:00Z: up to 2026-08-22"),
     ] {
         assert!(all.iter().any(|one| one.0 == severity && one.2.contains(words)), "{words}: {all:?}");
     }
@@ -162,6 +162,32 @@ fn limits_can_be_flags_and_an_unreadable_policy_is_an_error() {
     std::fs::write(&policy, "limit_magg = 7\n").unwrap();
     let (code, severity, words) = about(&["--policy", &policy]);
     assert!(code == 2 && severity == "error" && words.contains("limit_magg"), "{words}");
+}
+
+#[test]
+fn visits_that_cannot_be_judged_are_a_finding() {
+    let folder = tempfile::tempdir().unwrap();
+    let (schedule, cache) = (path(&folder, "visits.csv"), path(&folder, "none"));
+    let about = |rows: &str| {
+        std::fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+        let (code, found, _) = findings(
+            &[
+                &["--shells", "starlink-gen1", "--mpc", "X05", "--cache", &cache, "--fov", "3.5deg"][..],
+                &["--schedule", &schedule],
+            ]
+            .concat(),
+        );
+        let (severity, _, words) = found.into_iter().find(|(_, subject, _)| subject == "schedule").unwrap();
+        (code, severity, words)
+    };
+    let good = "1,2026-08-14T23:30:00Z,30,217.5,-30\n";
+    let bad = "2,2026-08-14T23:31:00Z,-5,217.5,-30\n3,2026-08-14T23:32:00Z,30,217.5,85\n";
+    let (code, severity, words) = about(bad);
+    assert!(code == 2 && severity == "error" && words.starts_with("2 of 2 visits cannot be judged"), "{words}");
+    let (_, severity, words) = about(&format!("{good}{bad}"));
+    assert!(severity == "warning" && words.starts_with("2 of 3 visits cannot be judged; "), "{words}");
+    let (_, severity, words) = about(good);
+    assert!(severity == "fine" && words.starts_with("1 visit; "), "{words}");
 }
 
 /// Findings do not contradict each other: for a time other than the clock's no advice on the clock is given, old

@@ -388,7 +388,7 @@ fn a_file_with_far_fewer_records_is_rejected_without_a_flag() {
     let few = crate::common::elements::pair(90_000, "224.50000000").into_bytes();
     let server = Server::one(ok(few.clone(), ""));
     let (code, _, stderr) = cache.source(&tle, &server.url, NOON, &[]);
-    assert!(code == 2 && stderr.contains("1 records instead of 10"), "{stderr}");
+    assert!(code == 2 && stderr.contains("1 record instead of 10"), "{stderr}");
     assert_eq!(std::fs::read_to_string(stdout.trim_end()).unwrap(), many);
     let server = Server::one(ok(few, ""));
     let (code, _, stderr) = cache.source(&tle, &server.url, "2024-08-16T12:00:00Z", &["--accept-fewer"]);

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::common::cli::{SKY, done, json, path, records, run};
+use crate::common::cli::{SKY, done, json, path, published_constellation, records, run};
 use serde_json::Value;
 
 const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days,position_source";
@@ -36,8 +36,9 @@ fn verif_columns_rows_and_json_agree() {
                 "{name}: {cell} {text}"
             );
         }
-        // The visible part is within the pass, and the peak is within the visible part (or in the penumbra next to it).
+        // The visible part is within the pass, and the peak is within the visible part.
         let time = |name: &str| pass[name].as_str().unwrap_or_default().to_owned();
+        assert!(time("begin_utc") <= time("peak_utc") && time("peak_utc") <= time("end_utc"), "{pass}");
         assert!(time("begin_utc") <= time("highest_utc") && time("highest_utc") <= time("end_utc"), "{pass}");
         assert!(time("rise_utc") <= time("begin_utc") && time("end_utc") <= time("set_utc"), "{pass}");
         assert!(number(&pass["highest_altitude_deg"]) <= number(&pass["max_altitude_deg"]) + 0.001, "{pass}");
@@ -56,6 +57,38 @@ fn verif_columns_rows_and_json_agree() {
         passes.iter().any(|pass| pass["ends_by"] == "shadow")
             && passes.iter().any(|pass| pass["begins_by"] == "shadow")
     );
+}
+
+#[test]
+fn visible_parts_can_end_with_the_time_range() {
+    let minutes = ["forecast", "--start", "2024-08-14T23:30:00Z", "--end", "2024-08-14T23:32:00Z"];
+    let answer = json(&[&minutes, SKY, &["--min-altitude", "30"]]);
+    let passes = answer["passes"].as_array().unwrap();
+    let with = |name: &str, event: &str| passes.iter().filter(|pass| pass[name] == event).cloned().collect::<Vec<_>>();
+    let (started, ended) = (with("begins_by", "start"), with("ends_by", "end"));
+    assert!(started.len() > 5 && ended.len() > 5, "{} {}", started.len(), ended.len());
+    assert!(started.iter().all(|pass| pass["begin_utc"] == "2024-08-14T23:30:00.000000Z"), "{started:?}");
+    assert!(ended.iter().all(|pass| pass["end_utc"] == "2024-08-14T23:32:00.000000Z"), "{ended:?}");
+    assert!(with("begins_by", "dusk").is_empty() && with("ends_by", "dawn").is_empty());
+    let calendar = done(&[&minutes, SKY, &["--min-altitude", "30", "--format", "ics"]]).replace("\r\n ", "");
+    assert!(calendar.contains("(end of the forecast)"), "{calendar}");
+}
+
+#[test]
+fn warnings_are_about_the_selected_satellites() {
+    let folder = tempfile::tempdir().unwrap();
+    let [flag, file] = published_constellation(&folder, "2024-08-14T12:00:00Z");
+    let text = fs::read_to_string(&file).unwrap();
+    let old = published_constellation(&folder, "2024-06-14T12:00:00Z");
+    let first_old = fs::read_to_string(&old[1]).unwrap().lines().take(3).collect::<Vec<_>>().join("\n");
+    // The first satellite has elements two months old.
+    let others = text.lines().skip(3).take(300).collect::<Vec<_>>().join("\n");
+    fs::write(&file, format!("{first_old}\n{others}\n")).unwrap();
+    let night = ["forecast", "--night", "2024-08-14", "--mpc", "X05", &flag, &file, "--norad"];
+    let warnings = |norad: &str| run(&[&night, &[norad]]).2;
+    let is_old = "1 of 1 element set is more than 14 days";
+    assert!(warnings("90001").contains(is_old), "{}", warnings("90001"));
+    assert!(!warnings("90002").contains("more than 14 days"), "{}", warnings("90002"));
 }
 
 #[test]

@@ -155,6 +155,14 @@ fn exit_codes_and_counters_are_as_documented() {
         "{stderr}"
     );
     assert_eq!(record["counters"]["clear"], 1);
+    assert!(stderr.contains("satellites that exceed no limit may cross"), "{stderr}");
+    // Limits of other bands do not apply: all satellites block.
+    let (_, stderr, record) = gate(&folder, &[POINTING, &["--limit-mag", "g=-20", "--now", NOW]].concat());
+    assert!(record["waited_s"].as_f64() > Some(0.0), "{stderr}");
+    assert!(
+        stderr.contains("limit_mag of the policy has no value for band none") && !stderr.contains("may cross"),
+        "{stderr}"
+    );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no half-written file stays");
     // An invalid or unwritable status file does not stop the gate.
     fs::write(&status, "{\"counters\": {\"runs\": 3").unwrap();

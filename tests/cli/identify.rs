@@ -118,7 +118,10 @@ fn invalid_streaks_give_one_line() {
         (with(&["--end", "10,80", "--end", "11,80"]), "the streak is below the horizon of Rubin Observatory"),
         (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top is 0; allowed: 1 or more"),
         (with(&["--ra", "1", "--dec", "2", "--position-angle", "400"]), "position angle is 400"),
-        (with(&["--ra", "1", "--dec", "2", "--position-angle", "4", "--whole-streak"]), "a streak of known length"),
+        (
+            with(&["--ra", "1", "--dec", "2", "--position-angle", "4", "--whole-streak"]),
+            "--whole-streak is given without the length of the streak; allowed: a streak of known length, with --length",
+        ),
         ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
     ];

@@ -557,6 +557,11 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
             fs::write(&file, with_card(&bytes, keyword, value)).unwrap();
             file
         });
+    let unsolved = path(&folder, "unsolved.fits");
+    let mut cards = bytes.clone();
+    let ctypes = cards.chunks_exact_mut(80).filter(|card| card.starts_with(b"CTYPE"));
+    ctypes.for_each(|card| card[0] = b'X');
+    fs::write(&unsolved, cards).unwrap();
     let text = path(&folder, "text.fits");
     fs::write(&text, "no FITS at all").unwrap();
     let plain_csv = path(&folder, "curve.csv");
@@ -570,6 +575,15 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         (&broad, &output, [random, seeing].concat(), &["NAXIS14000.fits", "HDU 0", "truncated"]),
         (&negative, &output, [random, seeing].concat(), &["NAXIS2-300.fits", "NAXIS2 is -300"]),
         (&dark, &output, [random, seeing].concat(), &["EXPTIME0.0.fits", "EXPTIME"]),
+        (
+            &unsolved,
+            &output,
+            [random, seeing].concat(),
+            &[
+                "unsolved.fits: HDU 0: no celestial coordinates: CTYPE1 is \"\"",
+                "or --pixel-scale ANGLE with random streaks",
+            ],
+        ),
         (&text, &output, [random, seeing].concat(), &["text.fits", "not a FITS file"]),
         (&path(&folder, "none.fits"), &output, [random, seeing].concat(), &["none.fits"]),
         (&plain, &plain, [random, seeing].concat(), &["plain.fits", "input"]),

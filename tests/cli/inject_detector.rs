@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::cli::{done, path, records};
+use crate::common::cli::{done, path, records, run};
 use crate::common::injected::{RANDOM, SKY, numbers, values};
 use streakcast::images::{Card, CardValue, FrameFile, ImageValues, NewImage, Pixels, write_frame};
 use tempfile::TempDir;
@@ -72,6 +72,41 @@ fn verif_bleeding_and_ghosts_are_masked() {
     assert!(changed > 3000 && unmasked == 0, "{unmasked} of {changed}");
     assert!(alone > 1000, "bled columns and ghosts are injected and no streak: {alone}");
     assert!(idle < changed / 50, "{idle} are masked and did not change");
+}
+
+/// A file with the keys of a detector, one with the table `[detector]`, and the description of a synthetic frame are
+/// the same detector.
+#[test]
+fn verif_a_detector_is_read_from_each_form_of_file() {
+    let folder = TempDir::new().unwrap();
+    let [plain, output, detector] = ["plain.fits", "out.fits", "detector.toml"].map(|name| path(&folder, name));
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/synthetic.toml");
+    done(&[&["inject", "--synthetic", example, "-o", &plain, "--random-streaks", "0", "--pixels-only"], &RANDOM[2..]]);
+    let streak = ["--random-streaks", "1", "--magnitude", "1", "--seeing", "2.5arcsec", "--seed", "5", "--quiet"];
+    let injected = |detector: &str| {
+        done(&[&["inject", "--image", &plain, "-o", &output, "--detector", detector], &streak]);
+        fs::read(&output).unwrap()
+    };
+    let expected = injected(example);
+    let text = fs::read_to_string(example).unwrap();
+    let (_, keys) = text.split_once("[detector]\n").unwrap();
+    for text in [keys.to_owned(), format!("[detector]\n{keys}")] {
+        fs::write(&detector, text).unwrap();
+        assert!(injected(&detector) == expected);
+    }
+    for (text, more, message) in [
+        ("[detector]\ngain = 2\n", "0", "detector.toml: line 2: unknown field `gain`"),
+        ("gain = 2\n", "0", "line 1: unknown field `gain`"),
+        ("[detector]\ngain_e_adu = 0\n", "0", "detector: gain_e_adu is 0; allowed: 0.000001 to 1000000"),
+        ("bias_adu = 3\n[detector]\n", "0", "detector.toml: line 1: unknown field `bias_adu`"),
+        ("[detector]\ngain_e_adu = 2\n", "2", "--gain and gain_e_adu in the file of --detector exclude each other"),
+    ] {
+        fs::write(&detector, text).unwrap();
+        let gain: &[&str] = if more == "0" { &[] } else { &["--gain", more] };
+        let files = ["inject", "--image", &plain, "-o", &output, "--detector", &detector];
+        let (code, _, stderr) = run(&[&files, &streak, gain]);
+        assert!(code == 2 && stderr.contains(message), "{text}: {stderr}");
+    }
 }
 
 #[test]

@@ -19,6 +19,9 @@ const PASSES: &[&str] = &[
     "80deg",
 ];
 
+/// Largest difference between the sigma at the peak and that at the brightest of 401 points.
+const PEAK_SIGMA_MAG: f64 = 0.05;
+
 /// Returns satellite, magnitude and altitude (radians) of every pass with a magnitude.
 fn magnitudes(answer: &Value) -> Vec<(u64, f64, f64)> {
     let of = |pass: &Value| {
@@ -77,6 +80,24 @@ fn passes_have_the_fitted_range_flag() {
     let flagged = passes.iter().filter(|pass| pass["in_fitted_range"].is_boolean()).count();
     assert_eq!(flagged, magnitudes(&answer).len());
     assert!(passes.iter().any(|pass| pass["in_fitted_range"] == true));
+}
+
+/// The sigma beside the peak magnitude is that at the brightest point, also if the satellite is in shadow at mid.
+#[test]
+fn peak_magnitudes_have_their_own_sigma() {
+    let later = ["passes", "--start", "2024-08-15T00:15:00Z", "--exposure", "120s", "--ra", "240", "--dec=-30"];
+    let answer = json(&[&later, SKY, &["--fov", "80deg", "--samples", "401"]]);
+    let passes = answer["passes"].as_array().unwrap();
+    let number = |value: &Value| value.as_f64().unwrap_or(f64::INFINITY);
+    let bright: Vec<&Value> = passes.iter().filter(|pass| pass["magnitude_peak"].is_f64()).collect();
+    assert!(bright.iter().any(|pass| pass["magnitude"].is_null()), "no satellite is in shadow at mid");
+    for pass in bright {
+        let samples = pass["samples"].as_array().unwrap();
+        let brightest =
+            samples.iter().min_by(|a, b| number(&a["magnitude"]).total_cmp(&number(&b["magnitude"]))).unwrap();
+        let difference = number(&pass["magnitude_peak_sigma"]) - number(&brightest["magnitude_sigma"]);
+        assert!(difference.abs() < PEAK_SIGMA_MAG, "{pass}");
+    }
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn passes_agree_in_every_format() {
                mid_dec_deg, exit_ra_deg, exit_dec_deg, min_separation_deg, streak_length_deg, position_angle_deg, angular_rate_deg_s, \
                altitude_deg, azimuth_deg, range_km, height_km, phase_angle_deg, illumination, lit_fraction, magnitude, magnitude_sigma, \
                magnitude_peak, band, mag_system, mag_source, effective_magnitude, surface_brightness_mag_arcsec2, width_arcsec, \
-               element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source";
+               element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source, magnitude_peak_sigma";
     assert_eq!(names.join(", "), law);
     assert!(csv.lines().next().unwrap().starts_with("# software: \"streakcast\""));
     assert_eq!(records(&done(&[PASSES, SKY, &["--format", "ecsv"]])), rows);

@@ -172,6 +172,8 @@ fn verif_pictures_show_each_track() {
         assert!(drawn.contains(row["name"].as_str().unwrap()), "{row}");
     }
     assert!(drawn.contains("across, pix") && drawn.contains("along the track, pix"));
+    // The streaks are at their predicted tracks.
+    assert!(drawn.contains("Blue, dashed: predicted track."));
     let (code, _, stderr) = run(&[&["measure", &frame, "--picture", "tracks.txt"], SATELLITES]);
     assert!(code == 2 && stderr.contains(".png, .svg or .pdf"), "{stderr}");
 }

@@ -196,7 +196,8 @@ fn verif_a_light_curve_agrees_with_its_pass() {
         assert!(texts.iter().any(|text| text == expected), "{expected}: {texts:?}");
     }
     let png = fs::read(path(&folder, "curve.png")).unwrap();
-    let again: &[&str] = &["--from", &path(&folder, "curve-data.ecsv"), "--limit-mag", "7", "--utc-offset", "-4"];
+    // The limit is in the data.
+    let again: &[&str] = &["--from", &path(&folder, "curve-data.ecsv"), "--utc-offset", "-4"];
     drawn(&folder, "again", &[&["light-curve"], again], 0);
     assert!(fs::read(path(&folder, "again.png")).unwrap() == png);
     fails(
@@ -265,13 +266,22 @@ fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
     );
     let grid: &[&str] =
         &["--start", "2026-08-14T21:30:00Z", "--exposure", "30s", "--step", "2h", "--min-altitude", "60"];
-    drawn(&folder, "grid", &[&["sun-altitude"], grid, SKY, FIELD], 0);
+    drawn(&folder, "grid", &[&["sun-altitude"], grid, SKY, FIELD, &["--limit-mag", "7"]], 0);
     let data = fs::read_to_string(path(&folder, "grid-data.ecsv")).unwrap();
     let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();
     let streaks: Vec<f64> = column(&data, "n_streaks").iter().map(|cell| cell.parse().unwrap()).collect();
     assert!(sun.iter().all(|altitude| *altitude <= 0.0) && streaks.iter().sum::<f64>() > 0.0);
+    let texts = svg_texts(&path(&folder, "grid.svg")).join(" ");
+    for part in ["brighter than 7 mag", "Exposures of 30 s evenly over the sky above 60°, every 120 min. All"] {
+        assert!(texts.contains(part), "{part}: {texts}");
+    }
+    // Limit and caption are in the data.
     let again: &[&str] = &["sun-altitude", "--from", &path(&folder, "grid-data.ecsv")];
     drawn(&folder, "again", &[again], 0);
+    for end in ["png", "svg"] {
+        let picture = |name: &str| fs::read(path(&folder, &format!("{name}.{end}"))).unwrap();
+        assert!(picture("again") == picture("grid"), "{end}");
+    }
     fails(
         &[&["sun-altitude", "--max-sun-altitude-deg", "-89"], grid, SKY, FIELD, &["-o", &path(&folder, "x.png")]],
         &["does not go below -89 deg", "--max-sun-altitude-deg"],
@@ -384,6 +394,14 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         &["d.txt", "the extension .ecsv"],
     );
     fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["is also another output"]);
+    fails(
+        &[&["field"], EXPOSURE, SKY, &["--fov", "180deg", "-o", &out]],
+        &[
+            "the field is too large for the chart",
+            "extends to 90.0 deg",
+            "allowed: below 75 deg (a diameter below 150 deg)",
+        ],
+    );
     fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not state its exposure"]);
     fails(
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],

@@ -20,7 +20,9 @@ fn targets_by_name() {
     };
     assert_eq!(names(&by_name), names(&by_angles));
     let (code, _, stderr) = run(&[EXPOSURE, SKY, &["--fov", "80deg", "--target", "M 131"]]);
-    assert!(code == 2 && stderr.contains("unknown target 'M 131'"), "{stderr}");
+    assert!(code == 2 && stderr.contains("unknown target 'M 131'; allowed: Messier, Caldwell"), "{stderr}");
+    let (code, _, stderr) = run(&[EXPOSURE, SKY, &["--fov", "80deg", "--target", "Sombrero"]]);
+    assert!(code == 2 && stderr.contains("unknown target 'Sombrero'; similar names: Sombrero Galaxy"), "{stderr}");
     let (code, _, stderr) = run(&[EXPOSURE, SKY, &["--fov", "80deg", "--target", "M 13", "--ra", "3"]]);
     assert!(code == 2 && stderr.contains("--target"), "{stderr}");
 }

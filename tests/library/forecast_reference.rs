@@ -5,7 +5,7 @@ use std::path::Path;
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
-use streakcast::forecast::{Forecast, ForecastRequest, PassRow, Selection, compass, forecast};
+use streakcast::forecast::{Forecast, ForecastRequest, Selection, compass, forecast};
 use streakcast::frames::{EopTable, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, ShadowModel, Site};
 use streakcast::orbit::DragModel;
@@ -113,8 +113,8 @@ fn valid_forecast_against_heavens_above() {
     println!("{compared} passes, {} computed: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
     // Every visible pass found here satisfies the criteria of Heavens-Above.
-    for (pass, visible) in seen {
-        let row = PassRow { pass, elements: &sky.elements()[0], limit_mag: None };
+    for row in computed.rows(&sky, None) {
+        let Some(visible) = &row.pass.visible else { continue };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);
     }
 }

@@ -225,8 +225,8 @@ mod verbs {
         let (code, stdout, stderr) = run(&[&["reproduce", "hu2022", "--schedule", &schedule, "--format", "json"]]);
         assert_eq!(code, 0, "{stderr}");
         assert!(
-            stderr.contains("1 visits from 2025-06-01T00:00:00Z")
-                && stderr.contains("are not the first 10,000 of the paper")
+            stderr.contains("1 visit from 2025-06-01T00:00:00Z")
+                && stderr.contains("is not that of the first 10,000 of the paper")
         );
         let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
         assert_eq!(answer["reproduced"].as_array().unwrap().len(), 3);

@@ -102,6 +102,8 @@ impl Engine {
             }
         }
         warnings.extend(sums.daylight_warning());
+        let bands = rows.iter().map(|row| row.band.as_deref()).collect();
+        warnings.extend(self.policy.band_warnings(&bands, self.telescope.as_ref()));
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
 }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
-    EphemerisRow, ForecastError, ForecastRequest, PassColumns, PassRow, Selection, ephemeris as compute_ephemeris,
+    EphemerisRow, ForecastError, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris,
     ephemeris_table, forecast as compute_forecast, night_table, pass_table,
 };
 use streakcast::frames::seconds_after;
@@ -68,11 +68,7 @@ impl Nights {
         let prepared = sky_cache.over(request.start, request.end).map_err(failure::setup)?;
         let sky = &prepared.sky;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
-        let rows = found.found.passes.iter().map(|pass| PassRow {
-            pass,
-            elements: &sky.elements()[pass.element_index],
-            limit_mag: request.max_magnitude,
-        });
+        let rows = found.rows(sky, request.max_magnitude);
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();
         let columns =
             PassColumns { p_brighter: request.max_magnitude.is_some(), more: true, samples: request.samples > 0 };

@@ -7,6 +7,7 @@ import pytest
 from astropy import units as u
 from astropy.coordinates import SkyCoord
 from astropy.time import Time
+from astropy.utils.masked import Masked
 
 import streakcast
 from conftest import ROOT, START, TARGET
@@ -42,6 +43,38 @@ def test_invalid_targets(model, target):
 
 
 @pytest.mark.parametrize(
+    "target",
+    [
+        [(150.0, -20.0), (60.0, -70.0)],
+        [[150.0, 60.0], [-20.0, -70.0]],
+        [np.array([150.0, 60.0]), np.array([-20.0, -70.0])],
+        [(150.0, -20.0), (60.0, -70.0), (70.0, -60.0)],
+        [150.0 * u.deg, [-20.0, -70.0] * u.deg],
+    ],
+)
+def test_a_list_of_positions_is_not_read_as_two_axes(model, target):
+    for method in (model.assess, model.flags, model.passes):
+        with pytest.raises(TypeError, match="target is a list of sequences; .* an array of right ascensions and an array of decl"):
+            method(target, START, 30.0)
+
+
+def test_a_list_of_two_numbers_is_a_target(model):
+    expected = model.assess(TARGET, START, 30.0)
+    for target in (list(TARGET), [one * u.deg for one in TARGET], np.array(TARGET).tolist()):
+        np.testing.assert_equal(model.assess(target, START, 30.0), expected)
+    np.testing.assert_equal(model.assess(([TARGET[0]], [TARGET[1]]), START, 30.0).n_streaks, [expected.n_streaks])
+
+
+def test_masked_targets(model):
+    for masked in (
+        SkyCoord(Masked([198.9, 150.0] * u.deg, mask=[False, True]), [7.7, -20.0] * u.deg),
+        SkyCoord([198.9, 150.0] * u.deg, Masked([7.7, -20.0] * u.deg, mask=[False, True])).galactic,
+    ):
+        with pytest.raises(ValueError, match=r"target\[1\] is masked; allowed"):
+            model.assess(masked, START, 30.0)
+
+
+@pytest.mark.parametrize(
     "start, message",
     [
         ("2026-13-14T23:29:05Z", "month 13 is out of range"),
@@ -66,8 +99,15 @@ def test_bad_mjd(model, mjd):
 def test_masked_times(model):
     times = Time([START[:-1], START[:-1]], scale="utc").copy()
     times[1] = np.ma.masked
-    with pytest.raises(ValueError, match=r"start\[1\] is masked"):
-        model.assess(TARGET, times, 30.0)
+    texts = np.ma.MaskedArray([START, START], mask=[False, True])
+    for masked in (times, list(times), texts):
+        with pytest.raises(ValueError, match=r"start\[1\] is masked"):
+            model.assess(TARGET, masked, 30.0)
+    with pytest.raises(ValueError, match="start is masked; allowed"):
+        model.assess(TARGET, times[1], 30.0)
+    for mask in ([False, True], [True, True]):
+        with pytest.raises(ValueError, match=rf"start\[{mask.index(True)}\] is masked"):
+            model.assess(TARGET, np.ma.MaskedArray([61266.97, 61266.98], mask=mask), 30.0, scale="utc")
 
 
 @pytest.mark.parametrize(
@@ -87,7 +127,23 @@ def test_masked_times(model):
         ({"fov": "0deg"}, "above 0 deg"),
         ({"telescope": "hubble"}, "hubble"),
         ({"limit_mag": 99}, "-30 to 40 mag"),
-        ({"limit_mag": "bright"}, "invalid magnitude limit"),
+        ({"limit_mag": "7"}, "limit_mag is '7'; allowed: a number, or numbers by band"),
+        ({"limit_mag": "telescope"}, "limit_mag is 'telescope'; allowed: a number"),
+        ({"limit_mag": True}, "limit_mag is True; allowed: a number"),
+        ({"limit_mag": np.nan}, "limit_mag is nan; allowed: finite numbers"),
+        ({"limit_mag": {"g": np.nan}}, r"limit_mag\['g'\] is nan"),
+        ({"limit_mag": np.nan * u.mag}, "limit_mag is nan"),
+        ({"policy": {"margin_s": np.inf}}, r"policy\['margin_s'\] is inf"),
+        ({"mpc": None, "lat": np.nan, "lon": 0.0}, "lat is nan"),
+        ({"mpc": None, "site": {"latitude_deg": np.nan, "longitude_deg": 0}}, r"site\['latitude_deg'\] is nan"),
+        ({"extinction": np.inf}, "extinction is inf"),
+        ({"extinction": "0.2"}, "extinction is '0.2'; allowed: a number"),
+        ({"fov": (1.5, np.nan)}, r"fov\[1\] is nan"),
+        ({"mpc": 568}, "mpc is 568; allowed: a string"),
+        ({"mpc": None, "site": (-30, -70, 2600)}, "site is .-30, -70, 2600.; allowed: a name, an EarthLocation"),
+        ({"sun_distance": 1}, "sun_distance is 1; allowed: True, False"),
+        ({"observer_norad": 1.5}, "observer_norad is 1.5; allowed: a whole number"),
+        ({"mjd_scale": 1}, "mjd_scale is 1; allowed: a string"),
         ({"policy": {"max_lost_fraction": 2.0}}, "above 0, at most 1"),
         ({"policy": {"max_lost_fraction": 0.1}}, "missing telescope"),
         ({"policy": "/nowhere/policy.toml"}, "/nowhere/policy.toml"),
@@ -109,6 +165,16 @@ def test_bad_setups(more, message):
         built.assess(TARGET, START, 30.0)
     # Flags of the command line are replaced by argument names.
     assert "--" not in str(caught.value)
+
+
+def test_numpy_numbers_are_accepted():
+    setup = {**GOOD, "mpc": None, "lat": np.float32(-30.5), "lon": np.float64(-70), "height": np.int64(2600)}
+    model = streakcast.StreakModel(**setup, limit_mag={"g": np.float32(7.5)}, sun_distance=np.bool_(True), band=np.str_("g"))
+    assert model.site is not None and model.site[1:] == (-30.5, -70.0, 2600.0)
+
+
+def test_the_limits_of_a_telescope_are_accepted_in_a_policy():
+    streakcast.StreakModel(**GOOD, telescope="rubin", policy={"saturation_mag": "telescope", "crosstalk_mag": "telescope"})
 
 
 def test_unknown_arguments():
@@ -176,6 +242,31 @@ def test_bad_maps():
         streakcast.sky_magnitudes("v2mini", 0.0, [10.0, -1.0], sun_altitude=-10)
     with pytest.raises(ValueError, match=r"height\[0\]"):
         streakcast.standard_magnitudes("v2mini", -10, 0, -60, height=np.nan)
+    for nside in (-1, 0):
+        with pytest.raises(ValueError, match=f"nside is {nside}; allowed: 1 or more"):
+            streakcast.sky_map("v2mini", sun_altitude=-10, nside=nside)
+        with pytest.raises(ValueError, match=f"nside is {nside}; allowed: 1 or more"):
+            streakcast.body_map("v2mini", sun_latitude=-10, nside=nside)
+
+
+@pytest.mark.parametrize(
+    "function, arguments, wrong",
+    [
+        ("sky_map", dict(sun_altitude=-10), dict(learned="learned.json")),
+        ("sky_map", dict(sun_altitude=-10), dict(fov="1deg")),
+        ("sky_map", dict(sun_altitude=-10), dict(limit_mag=7)),
+        ("sky_map", dict(sun_altitude=-10), dict(elevation=100)),
+        ("sky_magnitudes", dict(azimuth=0, altitude=60, sun_altitude=-10), dict(learned="learned.json")),
+        ("body_map", dict(sun_latitude=-10), dict(site="Rubin Observatory")),
+        ("standard_magnitudes", dict(sun_latitude=-10, observer_longitude=0, observer_latitude=-60), dict(extinction=0.5)),
+    ],
+)
+def test_arguments_without_effect_on_light_are_rejected(function, arguments, wrong):
+    (name,) = wrong
+    with pytest.raises(TypeError, match=f"^{function} has no argument '{name}'; allowed: .*band, mag_system"):
+        getattr(streakcast, function)("v2mini", **arguments, **wrong)
+    options = streakcast.typing.SkyLightOptions if function.startswith("sky") else streakcast.typing.LightOptions
+    getattr(streakcast, function)("v2mini", **arguments, **dict.fromkeys(options.__annotations__))
 
 
 def test_bad_windows(model):
@@ -183,14 +274,23 @@ def test_bad_windows(model):
         model.clear_windows(TARGET, START, "2026-08-14T23:00:00Z", 30.0)
     with pytest.raises(ValueError, match="allowed: any, avoid"):
         model.clear_windows(TARGET, START, "2026-08-15T00:00:00Z", 30.0, blocking="all")
-    with pytest.raises(ValueError, match="allowed: 0 to 86400 s"):
+    with pytest.raises(ValueError, match=r"end\[0\] is 174655 s after the start; allowed: at most one day"):
         model.clear_windows(TARGET, START, "2026-08-17T00:00:00Z", 30.0)
+    with pytest.raises(ValueError, match=r"end\[1\] is 86400.5 s after the start"):
+        model.clear_windows(TARGET, START, Time(START) + [86_400.0, 86_400.5] * u.s, 30.0)
     with pytest.raises(ValueError, match="bands for 1 exposures|1 exposures"):
         model.assess(TARGET, START, 30.0, band=["g", "r"])
     empty = model.clear_windows(SkyCoord([], [], unit="deg"), START, "2026-08-15T00:00:00Z", 30.0)
     assert len(empty.target) == 0
     # There is no window for an exposure that is longer than the time span.
     assert len(model.clear_windows(TARGET, START, "2026-08-14T23:30:00Z", 300.0).target) == 0
+
+
+def test_a_negative_number_of_samples(model):
+    with pytest.raises(ValueError, match="samples is -1; allowed: 0 or more"):
+        model.passes(TARGET, START, 30.0, samples=-1)
+    with pytest.raises(TypeError, match="samples is 1.5; allowed: integers, 0 or more"):
+        model.passes(TARGET, START, 30.0, samples=1.5)
 
 
 def test_a_configuration_file_is_equivalent_to_arguments():

@@ -112,6 +112,11 @@ def test_workers_read_elements_from_their_path(data, visits, tmp_path):
         same(streakcast.dask.read(files), expected)
 
 
+def test_all_columns_are_documented():
+    names = {"visit", *streakcast.Assessment._fields} - {"crosses"}
+    assert [name for name in names if f"``{name}``" not in streakcast.dask.annotate.__doc__] == []
+
+
 def test_invalid_surveys_are_rejected(visits, survey_model, tmp_path):
     with pytest.raises(ValueError, match="missing columns of visits exposure_s"):
         fewer = {name: column for name, column in visits.items() if name != "exposure_s"}

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import streakcast
+from streakcast.typing import ModelOptions
 
 FUNCTIONS = {
     name: thing for name, thing in vars(streakcast).items() if inspect.isfunction(thing) and name in streakcast.__all__
@@ -29,6 +30,12 @@ def test_every_argument_is_documented(name):
         for argument in arguments:
             assert re.search(rf"(^|\n|, |\*)(\*\*)?{argument}\b", parameters), argument
     assert "Returns\n-------" in text
+
+
+def test_every_further_argument_of_a_model_is_described():
+    text = inspect.getdoc(streakcast.StreakModel)
+    for name in ModelOptions.__annotations__:
+        assert re.search(rf"^({name} : | *- .*``{name}``)", text, re.MULTILINE), name
 
 
 def test_types_are_shipped():

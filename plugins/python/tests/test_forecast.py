@@ -170,6 +170,7 @@ def test_invalid_arguments_are_reported(sky):
         (dict(night=NIGHT, min_altitude=95), "min_altitude is 95 deg; allowed: 0 deg to below 90 deg"),
         (dict(night=NIGHT, max_sun_altitude=-100), "max_sun_altitude is -100 deg"),
         (dict(night=NIGHT, max_mag=float("nan")), "max_mag is nan"),
+        (dict(night=NIGHT, max_sun_altitude=float("nan")), "max_sun_altitude is nan; allowed: a number of deg"),
         (dict(night=NIGHT, samples=20_000), "samples is 20000; allowed: 0 to 10000"),
         (dict(night=NIGHT, samples=-1), "samples is -1; allowed: 0 or more"),
         (dict(night=NIGHT, generation="starlink"), "unknown generation 'starlink'; allowed: .*starlink-v2mini"),
@@ -184,6 +185,9 @@ def test_invalid_arguments_are_reported(sky):
     for options in (dict(night=NIGHT, norad="ISS"), dict(night=NIGHT, name=25544), dict(night=NIGHT, samples=1.5)):
         with pytest.raises(TypeError, match="allowed"):
             sky.forecast(**options)
+    for night in (Time(NIGHT), Time([NIGHT, NIGHT])):
+        with pytest.raises(TypeError, match="night is a Time; allowed: local dates of evenings"):
+            sky.forecast(night)
     with pytest.raises(TypeError, match="scale"):
         sky.forecast(start=61266.9, end=61267.1)
 

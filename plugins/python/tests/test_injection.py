@@ -132,12 +132,49 @@ def test_the_flux_of_a_streak_matches_its_magnitude():
     assert done.added.sum() == pytest.approx(expected, rel=0.01)
 
 
+def test_no_random_streaks_leave_the_frame_unchanged():
+    frame = pixels("float32")
+    done = streakcast.inject(frame, header=header(), random_streaks=np.int64(0), magnitude=5, seeing="1arcmin")
+    np.testing.assert_array_equal(done.image, frame)
+    assert len(done.truth) == 0 and "random streak" in done.summary and "satellite" not in done.summary
+
+
+def test_random_streaks_need_only_the_pixel_scale():
+    streaks = dict(random_streaks=1, magnitude=5, seeing="1arcmin", noise=False)
+    shutter = dict(start=START, exposure=30.0, zero_point=25.0)
+    assert len(streakcast.inject(pixels("float32"), pixel_scale="20arcsec", **streaks, **shutter).truth) == 1
+
+
+def test_warnings_do_not_show_the_temporary_file():
+    cards = header()
+    del cards["GAIN"]
+    with pytest.warns(streakcast.StreakcastWarning, match="^frame: the gain of HDU 0 is unknown"):
+        streakcast.inject(pixels("float32"), header=cards, random_streaks=1, magnitude=5, seeing="1arcmin")
+
+
+def test_bright_points_are_printed_in_80_characters():
+    done = streakcast.inject(
+        pixels("float32"), header=header(), random_streaks=1, magnitude=2, seeing="1arcmin", noise=False
+    )
+    shown = done.points.pformat(max_width=80)[0].split()
+    assert shown == ["streak", "utc", "x_pix", "y_pix", "...", "ra_deg", "dec_deg", "magnitude"]
+
+
 def test_invalid_arguments_are_reported(injector, tmp_path):
     frame = pixels("float32")
     cases = [
         (dict(header=header()), "missing streaks"),
         (dict(header=header(), random_streaks=1), "magnitude"),
-        (dict(random_streaks=1, magnitude=5, seeing="1arcsec", start=START, exposure=30, zero_point=25), "celestial|coordinates|CTYPE"),
+        (dict(random_streaks=1, magnitude=5, seeing="1arcsec", start=START, exposure=30, zero_point=25), "missing header of the array; specify header=... .or pixel_scale"),
+        (dict(header=header(), random_streaks=-1, magnitude=5), "random_streaks is -1; allowed: 0 or more"),
+        (dict(header=header(), random_streaks=1, magnitude=5, truth_points=1), "truth_points is 1; allowed: 2 or more"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seed=-1), "seed is -1; allowed: 0 or more"),
+        (dict(header=header(), random_streaks=1, magnitude=5, hdu=-1), "hdu is -1; allowed: 0 or more"),
+        (dict(header=header(), random_streaks=1, magnitude=(5, np.nan)), r"magnitude\[1\] is nan; allowed: finite numbers"),
+        (dict(header=header(), random_streaks=1, magnitude=5, glints=[(np.inf, 1, 1)]), r"glints\[0\]\[0\] is inf"),
+        (dict(header=header(), random_streaks=1, magnitude=5, zero_point=np.nan), "zero_point is nan"),
+        # The name of the temporary file is not shown.
+        (dict(header=header(CTYPE1=""), random_streaks=1, magnitude=5, seeing="1arcsec"), "^frame: HDU 0: CTYPE1"),
         (dict(header=header(), random_streaks=1, magnitude=5), "seeing"),
         (dict(header=header(), random_streaks=1, magnitude=(5, 6, 7), seeing="1arcsec"), "1 to 2"),
         (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", psf="airy"), "gaussian, moffat"),
@@ -149,6 +186,10 @@ def test_invalid_arguments_are_reported(injector, tmp_path):
     for options, message in cases:
         with pytest.raises(ValueError, match=message):
             streakcast.inject(frame, **options)
+    with pytest.raises(ValueError, match="missing header of the array; specify header=...$"):
+        injector.inject(frame, start=START, exposure=30.0, zero_point=25.0, seeing="1arcmin")
+    with pytest.raises(TypeError, match="random_streaks is 1.5; allowed: integers"):
+        streakcast.inject(frame, header=header(), random_streaks=1.5, magnitude=5, seeing="1arcsec")
     with pytest.raises(streakcast.StreakcastError):
         streakcast.inject(tmp_path / "none.fits", tmp_path / "out.fits", random_streaks=1, magnitude=5, seeing="1arcsec")
     assert not (tmp_path / "out.fits").exists()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import streakcast
+from streakcast import typing as types
 
 #: Offset of the measured magnitudes, mag.
 OFFSET = 0.8
@@ -32,6 +33,16 @@ def test_incomplete_rows_are_omitted_and_sigma_is_used():
     learned = streakcast.learn(7, times, [7.0, np.nan, 7.2], 6.5, kind="oneweb", sigma=0.3)
     assert learned["satellites"][0]["passes"] == 2
     assert learned["kinds"][0]["magnitude"]["point_sigma_mag"] == 0.3
+
+
+def test_the_result_has_the_keys_of_its_type():
+    learned = streakcast.learn(7, "2026-08-01T00:00:00Z", 7.0, 6.5, kind="oneweb")
+    for part, kind in (
+        (learned, types.Learned), (learned["kinds"][0], types.LearnedKind),
+        (learned["kinds"][0]["magnitude"], types.LearnedMagnitude), (learned["satellites"][0], types.LearnedSatellite),
+    ):  # fmt: skip
+        assert set(part) == kind.__required_keys__
+    assert learned["kinds"][0]["lateness"] is None
 
 
 @pytest.mark.parametrize(

@@ -73,6 +73,15 @@ def test_measured_streaks_can_be_learned_from(frame, model, tmp_path):
     streakcast.StreakModel(mpc="X05", shells="starlink-gen1", learned=tmp_path / "learned.json")
 
 
+@pytest.mark.parametrize("length", [13, 35])
+def test_the_magnitudes_are_printed_in_80_characters(frame, model, length):
+    table = model.measure(frame[0], seeing="90arcsec").table
+    table["name"] = [str(name)[:length] for name in table["name"]]
+    shown = table.pformat(max_width=80)[0].split()
+    assert shown[:2] == ["name", "detected"] and shown[-2:] == ["magnitude", "magnitude_sigma"]
+    assert length > 13 or "limit_magnitude" in shown
+
+
 def test_stars_give_the_zero_point(frame, model, tmp_path):
     # The frame without stars has none to measure.
     stars = tmp_path / "stars.csv"
@@ -88,7 +97,9 @@ def test_invalid_arguments_are_named(frame, model, tmp_path):
         ({"frames": tmp_path / "missing.fits"}, "missing.fits"),
         ({"seeing": "0arcsec"}, "seeing"),
         ({"gain": 0.0}, "gain is 0"),
+        ({"gain": np.nan}, "gain is nan"),
         ({"hdu": 7}, "7"),
+        ({"hdu": [0, -1]}, "hdu is -1; allowed: 0 or more"),
         ({"stars": "missing.csv"}, "missing.csv"),
         ({"zero_point": 25.0, "zero_point_1s": 21.0}, "zero_point_1s"),
         ({"frames": []}, "missing frames"),

@@ -72,6 +72,7 @@ def test_units_and_filters(wide):
         ({"seconds": []}, "number of times is 0"),
         ({"seconds": 4000.0}, "time is 4000 s"),
         ({"seconds": np.nan}, "time is NaN s"),
+        ({"light": False, "limit_mag": 7.0}, "limit_mag is given with light=False; allowed: with light=True"),
         ({"min_altitude": 91.0}, r"min_altitude\[0\] is 91 deg; allowed: 0 to 90 deg"),
     ],
 )

@@ -4,10 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from streakcast import StreakcastError, StreakModel, plots
+from streakcast import StreakcastError, StreakcastWarning, StreakModel, plots
 
 TARGET = (198.9, 7.7)
 START = "2026-08-14T23:29:05Z"
+MASKED = np.ma.MaskedArray([1.0, 2.0], mask=[False, True])
 
 
 @pytest.fixture(scope="module")
@@ -57,6 +58,60 @@ def test_a_night_shows_the_number_of_struck_exposures(model):
     assert "UTC, 2026-08-14" in svg and "local time (UTC−4), 2026-08-14" in svg
 
 
+def night_of(verdicts):
+    numbers = np.arange(len(verdicts), dtype=float)
+    table = {"verdict": np.array(verdicts), "n_streaks": numbers, "brightest_mag": numbers + 4}
+    return table, [f"2026-08-14T23:{minute:02}:00Z" for minute in range(20, 20 + len(verdicts))]
+
+
+def test_invalid_exposures_are_not_drawn():
+    table, start = night_of(["clear", "invalid", "streaked"])
+    with pytest.warns(StreakcastWarning, match="^1 of 3 exposures are invalid and not drawn$") as found:
+        svg = plots.night(table, start, 30.0).svg()
+    assert len(found) == 1 and found[0].filename == __file__ and "2 exposures, 1 with streaks" in svg
+    valid = {name: column[[0, 2]] for name, column in table.items()}
+    assert plots.night(valid, [start[0], start[2]], [30.0, 30.0]).svg() == svg
+    # A table without verdicts is drawn completely.
+    del table["verdict"]
+    assert "3 exposures, 2 with streaks" in plots.night(table, start, 30.0).svg()
+    with pytest.raises(ValueError, match="all 2 exposures are invalid; allowed"):
+        plots.night(*night_of(["invalid", "invalid"]), 30.0)
+
+
+def test_invalid_exposures_of_a_model_are_not_drawn(model):
+    flags = model.flags((198.9, [7.7, 89.0]), START, 30.0)
+    with pytest.warns(StreakcastWarning, match="1 of 2 exposures are invalid"):
+        assert "1 exposure, 1 with streaks" in plots.night(flags, START, 30.0).svg()
+
+
+def test_invalid_nights_are_reported():
+    table, start = night_of(["clear", "streaked"])
+    for wrong, given in (
+        ((table, start[:1] * 3, 30.0), "n_streaks 2, brightest_mag 2, start 3, exposure 1"),
+        ((table, start, [30.0] * 3), "n_streaks 2, brightest_mag 2, start 2, exposure 3"),
+        (({**table, "brightest_mag": np.zeros(1)}, start, 30.0), "n_streaks 2, brightest_mag 1, start 2, exposure 1"),
+    ):
+        with pytest.raises(StreakcastError, match=f"columns differ in length: {given}; allowed: "):
+            plots.night(*wrong)
+    with pytest.raises(StreakcastError, match="at most 2 d"):
+        plots.night(table, [start[0], "2026-08-17T23:20:00Z"], 30.0)
+    for hours in (np.nan, np.inf, 15.0):
+        with pytest.raises(ValueError, match=f"utc_offset is {hours} h; allowed: -14 to 14 h"):
+            plots.night(table, start, 30.0, utc_offset=hours)
+
+
+def test_a_field_is_one_exposure(model):
+    passes = model.passes((198.9, [7.7, 7.8]), START, 30.0)
+    message = r"passes are of 2 exposures; allowed: rows of one exposure, for example passes\[passes\['exposure_id'\] == 0\]"
+    with pytest.raises(ValueError, match=message):
+        plots.field(passes, TARGET)
+    plots.field(passes[passes["exposure_id"] == 1], (198.9, 7.8))
+    one = passes[passes["exposure_id"] == 0]
+    with pytest.raises(ValueError, match="target has 2 positions; allowed: one position"):
+        plots.field(one, (198.9, [7.7, 7.8]))
+    assert plots.field(one, ([198.9], [7.7])).svg() == plots.field(one, TARGET).svg()
+
+
 def test_a_light_curve_of_samples(model, tmp_path):
     passes = model.passes(TARGET, START, 30.0, samples=50, output="dict")
     picture = plots.light_curve(passes["samples"][0], title="A curve", limit_mag=7.0)
@@ -104,6 +159,17 @@ def test_invalid_charts_are_reported():
         plots.sky_rate([99], [1.0], nside=1, sun_azimuth_deg=0.0)
     with pytest.raises(StreakcastError, match="numbers of trails: 2 values"):
         plots.sun_altitude([-5.0], [1.0, 2.0])
+    for masked in (dict(n_trails=MASKED), dict(n_trails=[1.0, 2.0], n_bright=MASKED, limit_mag=7)):
+        with pytest.raises(ValueError, match=r"(n_trails|n_bright)\[1\] is masked; allowed"):
+            plots.sun_altitude([-5.0, -6.0], **masked)
+    with pytest.raises(ValueError, match="nside is -1; allowed: 1 or more"):
+        plots.sky_rate([0], [1.0], nside=-1, sun_azimuth_deg=0.0)
+    with pytest.raises(ValueError, match=r"cells\[1\] is -3; allowed: 0 or more"):
+        plots.sky_rate([0, -3], [1.0, 1.0], nside=1, sun_azimuth_deg=0.0)
+    with pytest.raises(ValueError, match=r"cells\[1\] is masked"):
+        plots.sky_rate(MASKED.astype(int), [1.0, 1.0], nside=1, sun_azimuth_deg=0.0)
+    with pytest.raises(TypeError, match="cells are float64; allowed: integers"):
+        plots.sky_rate([0.0, 1.0], [1.0, 1.0], nside=1, sun_azimuth_deg=0.0)
     with pytest.raises(ValueError, match="require each other"):
         plots.sun_altitude([-5.0], [1.0], n_bright=[1.0])
     with pytest.raises(StreakcastError, match="no points along the track"):

@@ -257,3 +257,9 @@ def test_pixels_of_a_frame_have_the_unit_pix(sky, tmp_path):
     np.testing.assert_equal(given, plain)
     with pytest.raises(ValueError, match="pixels has the unit 'deg'"):
         sky.identify(pixels=corners * u.deg, frame=path)
+    # Cells of a row of a table of streaks.
+    row = QTable({name: [value] * u.pix for name, value in zip(("x1", "y1", "x2", "y2"), np.ravel(corners))})[0]
+    cells = ((row["x1"], row["y1"]), (row["x2"], row["y2"]))
+    np.testing.assert_equal(sky.identify(pixels=cells, frame=path, output="dict"), plain)
+    with pytest.raises(ValueError, match=r"pixels\[1\]\[0\] has the unit 'deg'"):
+        sky.identify(pixels=(cells[0], (90.0 * u.deg, row["y2"])), frame=path)

@@ -64,7 +64,7 @@ def test_astropy_site_and_field(model):
 
 
 def test_qtable_out(model):
-    passes = model.passes([[TARGET[0]] * 2, [TARGET[1]] * 2], START, 30.0, samples=3)
+    passes = model.passes(([TARGET[0]] * 2, [TARGET[1]] * 2), START, 30.0, samples=3)
     assert isinstance(passes, QTable)
     assert passes["range_km"].unit == u.km and passes["angular_rate_deg_s"].unit == u.deg / u.s
     assert isinstance(passes["enter_utc"], Time) and passes["enter_utc"].scale == "utc"

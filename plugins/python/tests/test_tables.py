@@ -1,11 +1,14 @@
 """Tables of results: units, descriptions, and formats of printed columns."""
 
+import json
+import pickle
 import re
 
 import numpy as np
 import pytest
 from astropy import units as u
-from astropy.table import QTable
+from astropy.coordinates import SkyCoord
+from astropy.table import QTable, join
 from astropy.time import Time
 
 import streakcast
@@ -132,6 +135,121 @@ def test_a_written_table_keeps_values_and_formats(tables, tmp_path):
         assert str(read) and read.colnames == tables[name].colnames
         magnitude = "magnitude_peak" if name == "passes" else "peak_magnitude"
         assert printed(read, magnitude) == printed(tables[name], magnitude)
+
+
+#: Tables with lists, times, missing times, or missing whole numbers.
+WRITTEN = ["passes", "flags", "forecast", "nights", "ephemeris", "candidates", "truth", "body_map"]
+#: Formats that are written to files, and options of their readers.
+FORMATS = {"ascii.csv": {}, "ascii.ecsv": {}, "fits": {"astropy_native": True}, "votable": {}}
+
+
+def assert_same_cells(read, written):
+    """Checks a column that was read from a file. Lists may be JSON text, and times ISO 8601 text."""
+    assert len(read) == len(written)
+    if isinstance(written, Time):
+        for cell, time, is_masked in zip(read, written, written.mask):
+            if is_masked:
+                assert np.all(getattr(cell, "mask", str(cell) == ""))
+            elif isinstance(cell, Time):
+                assert cell.scale == "utc" and abs((cell - time).sec) < 1e-6
+            else:
+                assert str(cell) == time.isot
+    elif written.dtype == object:
+        assert [cell if isinstance(cell, list) else json.loads(cell) for cell in read] == list(written)
+    elif written.dtype.kind == "f":
+        numbers = np.ma.filled(np.ma.asarray(getattr(read, "value", read)).astype(float), np.nan)
+        np.testing.assert_array_equal(numbers, getattr(written, "value", written))
+    else:
+        for cell, expected in zip(read, written):
+            missing = expected is np.ma.masked or str(expected) == ""
+            assert str(cell) == str(expected) or (missing and cell is np.ma.masked)
+
+
+@pytest.mark.parametrize("form", FORMATS)
+@pytest.mark.parametrize("name", WRITTEN)
+def test_files_have_the_values_with_all_digits(tables, tmp_path, name, form):
+    path, table = tmp_path / "table", tables[name]
+    formats = [table[column].info.format for column in table.colnames]
+    if form == "fits" and name == "body_map":
+        # The metadata have names of more than 8 characters.
+        with pytest.warns(match="greater than 8 characters"):
+            table.write(path, format=form)
+    else:
+        table.write(path, format=form)
+    read = QTable.read(path, format=form, **FORMATS[form])
+    assert read.colnames == table.colnames
+    for column in table.colnames:
+        assert_same_cells(read[column], table[column])
+    # The table itself is not changed.
+    assert [table[column].info.format for column in table.colnames] == formats
+
+
+def test_a_csv_file_has_microseconds_and_whole_lists(tables, tmp_path):
+    flags = tables["flags"]
+    for path in (tmp_path / "flags.csv", str(tmp_path / "again.csv")):
+        flags.write(path)
+        read = QTable.read(path)
+        assert list(read["next_clear_start_utc"]) == list(flags["next_clear_start_utc"].isot)
+        assert [json.loads(cell) for cell in read["reasons"]] == list(flags["reasons"])
+        assert max(len(reason) for reason in flags["reasons"][0]) > 40
+    with pytest.raises(OSError, match="overwrite"):
+        flags.write(path)
+
+
+def test_missing_times_are_written(tmp_path):
+    model = streakcast.StreakModel(**SKY)
+    flags = model.flags((198.9, [7.7, 89.0]), START, 30.0)
+    assert list(flags["next_clear_start_utc"].mask) == [False, True]
+    for form in ("ascii.csv", "votable"):
+        flags.write(tmp_path / form, format=form)
+        texts = QTable.read(tmp_path / form, format=form)["next_clear_start_utc"]
+        assert str(texts[0]) == flags["next_clear_start_utc"][0].isot and (texts[1] is np.ma.masked or texts[1] == "")
+    for form in ("ascii.ecsv", "fits"):
+        flags.write(tmp_path / form, format=form)
+        times = QTable.read(tmp_path / form, format=form, **FORMATS[form])["next_clear_start_utc"]
+        assert list(times.mask) == [False, True] and abs((times - flags["next_clear_start_utc"])[0].sec) < 1e-6
+
+
+def test_parts_and_copies_are_written_with_all_digits(tables, tmp_path):
+    passes = tables["passes"]
+    by_name = passes.copy()
+    by_name.sort("name")
+    parts = {
+        "rows": (passes[:1], passes[:1]),
+        "columns": (passes["name", "range_km"], passes["name", "range_km"]),
+        "sorted": (by_name, passes[np.argsort(passes["name"], kind="stable")]),
+        "pickle": (pickle.loads(pickle.dumps(passes)), passes),
+        "join": (join(passes["norad_id", "name"], passes["norad_id", "range_km"], keys="norad_id"), None),
+        "empty": (passes[:0], passes[:0]),
+    }
+    for name, (part, expected) in parts.items():
+        part.write(tmp_path / f"{name}.csv")
+        read = QTable.read(tmp_path / f"{name}.csv", format="ascii.csv")
+        assert read.colnames == part.colnames
+        for column in part.colnames:
+            assert_same_cells(read[column], (part if expected is None else expected)[column])
+    row = passes[0]
+    assert row["name"] == passes["name"][0] and row["samples"] == passes["samples"][0]
+
+
+def test_a_table_with_further_columns_is_written(tables, tmp_path):
+    passes = tables["passes"].copy()
+    passes["place"] = SkyCoord(passes["mid_ra_deg"], passes["mid_dec_deg"])
+    passes["remark"] = np.array([{"any": 1}] * len(passes), dtype=object)
+    passes.write(tmp_path / "passes.csv")
+    read = QTable.read(tmp_path / "passes.csv")
+    assert read.colnames == passes.colnames
+    assert list(read["remark"]) == ["{'any': 1}"] * len(passes)
+
+
+def test_a_table_with_missing_times_can_be_pickled():
+    model = streakcast.StreakModel(**SKY)
+    flags = model.flags((198.9, [7.7, 89.0]), START, 30.0)
+    again = pickle.loads(pickle.dumps(flags))
+    assert type(again) is type(flags) and str(again) == str(flags) and again.meta == flags.meta
+    times, expected = again["next_clear_start_utc"], flags["next_clear_start_utc"]
+    assert list(times.mask) == [False, True] and times[0] == expected[0]
+    assert (times.info.format, times.info.description) == (expected.info.format, expected.info.description)
 
 
 def test_plain_tables_have_arrays():

@@ -4,6 +4,7 @@ import datetime
 
 import numpy as np
 import pytest
+from astropy import units as u
 from astropy.time import Time
 
 from conftest import START, TARGET
@@ -35,6 +36,30 @@ def test_one_time_in_every_form(model, start, scale):
     assert answer.n_streaks == expected.n_streaks > 0
     # MJD in a double has a resolution of a microsecond. TDB, which is within 2 ms of TT, is converted by astropy.
     assert answer.streak_length_deg == pytest.approx(expected.streak_length_deg, abs=1e-4)
+
+
+def test_sequences_of_times(model):
+    times = Time(START[:-1], scale="utc") + [0.0, 60.0] * u.s
+    expected = model.assess(TARGET, times, 30.0)
+    objects = np.empty(2, dtype=object)
+    objects[:] = list(times)
+    for given in (list(times), tuple(times), objects, [times[0], times[1].tt], [times[0], times[1].isot + "Z"]):
+        answer = model.assess(TARGET, given, 30.0)
+        np.testing.assert_array_equal(answer.n_streaks, expected.n_streaks)
+        np.testing.assert_allclose(answer.streak_length_deg, expected.streak_length_deg, atol=1e-6)
+    assert model.assess(TARGET, [list(times)], 30.0).n_streaks.shape == (1, 2)
+    with pytest.raises(TypeError, match=r"start\[1\] is a bare number without a time scale"):
+        model.assess(TARGET, [times[0], 61266.9785], 30.0)
+    # Cells of a row of a table.
+    row = model.passes(TARGET, START, 30.0)[0]
+    ends = tuple((row[f"{end}_ra_deg"], row[f"{end}_dec_deg"]) for end in ("enter", "exit"))
+    found = model.identify(ends, (row["enter_utc"], row["exit_utc"]))
+    assert found.candidates["norad_id"][0] == row["norad_id"]
+
+
+@pytest.mark.parametrize("start", [[], (), np.array([]), np.array([], dtype=object), np.array([], dtype="datetime64[s]")])
+def test_no_times_need_no_scale(model, start):
+    assert model.assess(([], []), start, 30.0).n_streaks.shape == (0,)
 
 
 @pytest.mark.parametrize(

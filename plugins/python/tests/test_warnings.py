@@ -9,6 +9,7 @@ import pytest
 
 import streakcast
 from conftest import START, TARGET
+from streakcast import _state
 from streakcast.hosts import Hook
 from test_quantities import frame_header
 
@@ -64,6 +65,23 @@ def test_warnings_point_to_the_caller(name):
         assert one.filename == __file__
         assert first <= one.lineno < first + len(lines)
         assert "\n" not in str(one.message)
+
+
+def test_a_warning_with_other_numbers_is_not_repeated():
+    model = new_model()
+    sky_cache, _ = model._open()
+    sky_cache.news()
+    calls = [["3 of 9,000 old", "3 of 8 old", "starlink-gen1 is old"], ["4 of 9,001 old"], ["4 of 9,002 old", "starlink-gen2 is old"]]
+    found = caught(lambda: [model._warn_once(sky_cache, warnings_of_call) for warnings_of_call in calls])
+    # Different warnings of one call, and names with other digits, are not omitted.
+    assert [str(one.message) for one in found] == [*calls[0], calls[2][1]]
+
+
+def test_names_in_warnings_differ():
+    without = _state._without_numbers
+    assert without("3 of 1,234 records, the farthest by 4.5 days (2026-10-01)") == "# of # records, the farthest by # days (#-#-#)"
+    assert without("constellation starlink-gen1 (4,408 satellites)") == "constellation starlink-gen1 (# satellites)"
+    assert without("brdf:starlink-v1.5") == "brdf:starlink-v1.5"
 
 
 def test_a_warning_of_changed_files_points_to_the_caller(tmp_path):

@@ -198,7 +198,8 @@ impl ElementState {
             days if days < -0.05 => format!("half of them more than {:.1} days in the future", -days),
             days => format!("median age {:.1} days", days.max(0.0)),
         };
-        let age = format!("{} satellites; {median}; early or late by {sigma_s:.1} s (68 %, median)", self.satellites);
+        let satellites = counted(self.satellites, "satellite", "satellites");
+        let age = format!("{satellites}; {median}; early or late by {sigma_s:.1} s (68 %, median)");
         found.push(if sigma_s > LARGE_ERROR_S {
             let remedy = format!("{nearer}; or use flag with --min-probability or a margin_s of that size");
             Finding::new(Severity::Warning, SUBJECT, age, remedy)
@@ -211,7 +212,8 @@ impl ElementState {
         if old > 0 {
             let is_many = old as f64 > OLD_SHARE * self.satellites as f64;
             let severity = if is_many { Severity::Warning } else { Severity::Note };
-            let finding = format!("{} are older than {OLD_DAYS:.0} days", share(old));
+            let are = if old == 1 { "is" } else { "are" };
+            let finding = format!("{} {are} older than {OLD_DAYS:.0} days", share(old));
             let remedy = match 2 * old > self.satellites {
                 true => nearer.to_owned(),
                 false => "nothing if the satellites have decayed; otherwise fetch newer elements".to_owned(),
@@ -224,8 +226,9 @@ impl ElementState {
         if let Some(farthest) = future.iter().max_by(|a, b| a.epoch.cmp(&b.epoch)) {
             let is_most = self.is_mostly_ahead();
             let severity = if is_most { Severity::Error } else { Severity::Warning };
+            let have = if future.len() == 1 { "has an epoch" } else { "have epochs" };
             let finding = format!(
-                "{} have epochs more than {FUTURE_DAYS} days after {}: up to {}",
+                "{} {have} more than {FUTURE_DAYS} days after {}: up to {}",
                 share(future.len()),
                 format_utc(now, 0),
                 format_utc(farthest.epoch, 0)
@@ -242,7 +245,8 @@ impl ElementState {
         if let Some(first) = catalogue.rejected.first() {
             let rejected = catalogue.rejected.len();
             let severity = if 2 * rejected > records { Severity::Error } else { Severity::Warning };
-            let finding = format!("{rejected} of {records} records rejected, the first: {first}");
+            let records = counted(records, "record", "records");
+            let finding = format!("{rejected} of {records} rejected, the first: {first}");
             found.push(Finding::new(
                 severity,
                 SUBJECT,
@@ -251,11 +255,12 @@ impl ElementState {
             ));
         }
         if catalogue.duplicates > 0 {
-            let finding = format!("{} duplicate records", catalogue.duplicates);
+            let finding = counted(catalogue.duplicates, "duplicate record", "duplicate records");
             found.push(Finding::new(Severity::Note, SUBJECT, finding, "nothing: each is used once"));
         }
         if catalogue.superseded > 0 {
-            let finding = format!("{} older records of objects with a newer one", catalogue.superseded);
+            let older = counted(catalogue.superseded, "older record", "older records");
+            let finding = format!("{older} of objects with a newer one");
             found.push(Finding::new(
                 Severity::Note,
                 SUBJECT,
@@ -272,7 +277,9 @@ impl ElementState {
         const SUBJECT: &str = "models";
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
         let without: usize = self.unmatched.iter().map(|one| one.count).sum();
-        let mut finding = format!("{known} of {} satellites have a model of their generation", self.satellites);
+        let satellites = counted(self.satellites, "satellite", "satellites");
+        let have = if known == 1 { "has a model of its generation" } else { "have a model of their generation" };
+        let mut finding = format!("{known} of {satellites} {have}");
         if self.assumed > 0 {
             finding += &format!(
                 " ({} of an assumed kind: launched after the table of {STARLINK_TABLE_DATE}, or without a name)",
@@ -281,12 +288,14 @@ impl ElementState {
         }
         let others = self.satellites.saturating_sub(known + without);
         if others > 0 {
-            finding += &format!(", {others} have a standard magnitude or the model of rocket bodies and debris");
+            let have = if others == 1 { "has" } else { "have" };
+            finding += &format!(", {others} {have} a standard magnitude or the model of rocket bodies and debris");
         }
         if without == 0 {
             return Finding::fine(SUBJECT, finding);
         }
-        finding += &format!(", {without} have the default model (6.5 mag at 1000 km, sigma 1.7 mag)");
+        let have = if without == 1 { "has" } else { "have" };
+        finding += &format!(", {without} {have} the default model (6.5 mag at 1000 km, sigma 1.7 mag)");
         let constellations: Vec<String> = self
             .unmatched
             .iter()

@@ -41,7 +41,10 @@ impl HeaderTerms {
         let longitude_axis = match (types[0].split('-').next(), types[1].split('-').next()) {
             (Some("RA"), Some("DEC")) => 0,
             (Some("DEC"), Some("RA")) => 1,
-            _ => return Err(ImagesError::NoCelestialAxes { ctype1: types[0].clone(), ctype2: types[1].clone() }),
+            _ => {
+                let (ctype1, ctype2) = (types[0].clone(), types[1].clone());
+                return Err(ImagesError::NoCelestialAxes { location: String::new(), ctype1, ctype2 });
+            }
         };
         check_system(header)?;
         let latitude_axis = 1 - longitude_axis;

@@ -5,13 +5,21 @@ use std::path::{Path, PathBuf};
 use super::super::error::StreaksError;
 use super::super::frame::{FrameOverrides, SyntheticFrame, SyntheticShot, TargetFrame};
 use super::plan::{InjectionPlan, SyntheticPlan};
-use crate::images::HduKind;
+use crate::images::{HduKind, ImagesError};
 use crate::output::ScratchFolder;
 
 pub struct Frames<'a> {
     /// Existing frames, or one synthetic frame without stars, which has the time and centre of all synthetic frames.
     known: Vec<TargetFrame>,
     maker: Option<SyntheticMaker<'a>>,
+}
+
+/// Adds the flag that replaces the coordinates of a frame to the error that it has none.
+fn without_coordinates(error: StreaksError) -> StreaksError {
+    match error {
+        StreaksError::Images(error @ ImagesError::NoCelestialAxes { .. }) => StreaksError::NoCoordinates(error),
+        other => other,
+    }
 }
 
 /// Creates synthetic frames in temporary files.
@@ -25,7 +33,7 @@ struct SyntheticMaker<'a> {
 impl<'a> Frames<'a> {
     pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, StreaksError> {
         let Some(synthetic) = &plan.synthetic else {
-            let open = |path: &PathBuf| TargetFrame::open(path, &plan.overrides);
+            let open = |path: &PathBuf| TargetFrame::open(path, &plan.overrides).map_err(without_coordinates);
             return Ok(Self { known: plan.images.iter().map(open).collect::<Result<_, StreaksError>>()?, maker: None });
         };
         let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());

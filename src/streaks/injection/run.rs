@@ -265,7 +265,7 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
     let brightest = streaks.iter().filter_map(|streak| streak.peak_magnitude).min_by(f64::total_cmp);
     let number = counted(sources.len(), "streak", "streaks");
     let number = match sources {
-        [] => return "no streak: no visible satellite crosses the frame; the output is a copy".to_owned(),
+        [] => return "no streak crosses the frame; the output is a copy".to_owned(),
         [Source { name: SourceName::Random(_), .. }, ..] => counted(sources.len(), "random streak", "random streaks"),
         [one] => format!("{number} of {}", one.name),
         _ => format!("{number} of {} satellites", sources.len()),

@@ -9,7 +9,7 @@ import numpy as np
 
 from ._results import VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, directions, number, scalar
-from ._site_queries import SiteQueries
+from ._site_queries import SiteQueries, _count
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
 from ._times import to_tai
 from .typing import (
@@ -114,7 +114,8 @@ class ExposureQueries(SiteQueries):
         output : {"auto", "qtable", "dict"}
             A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
             if astropy is installed. The main columns of a `QTable` are the first and the last ones, because `print`
-            shows these if not all columns fit.
+            shows these if not all columns fit. Its method ``write`` writes numbers with all digits, times to the
+            microsecond, and lists as JSON text (to ECSV as lists).
 
         Returns
         -------
@@ -150,6 +151,7 @@ class ExposureQueries(SiteQueries):
         -------
         float or array
             Delay, seconds, to the millisecond; 0 if no satellite blocks now, NaN if there is no start within the limit.
+            With a magnitude limit and ``blocking="avoid"``, fainter satellites may cross the delayed exposure.
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
         sky_cache, engine = self._open()
@@ -198,7 +200,7 @@ class ExposureQueries(SiteQueries):
         exposures, _, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
         limits = None if limit_mag is None else _limits(limit_mag, shape)
         sky_cache, engine = self._open()
-        columns, warnings = engine.passes(exposures, include_dark, samples, limits)
+        columns, warnings = engine.passes(exposures, bool(include_dark), _count(samples, "samples", 0), limits)
         self._warn_once(sky_cache, warnings)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 
@@ -217,7 +219,7 @@ class ExposureQueries(SiteQueries):
         scale: str | None = None,
         output: Output = "auto",
     ) -> ClearWindows:
-        """Returns the intervals in which an exposure of a target can start and is clear until it ends.
+        """Returns the intervals in which an exposure can start that no satellite selected by ``blocking`` crosses.
 
         Parameters
         ----------
@@ -256,6 +258,9 @@ class ExposureQueries(SiteQueries):
         span_s = ((jd1 - begin1) + (jd2 - begin2)) * 86_400.0
         if np.any(span_s < 0.0):
             raise ValueError(f"end[{int(np.flatnonzero(np.ravel(span_s) < 0.0)[0])}] is before the start")
+        if np.any(span_s > 86_400.0):
+            index = int(np.flatnonzero(np.ravel(span_s) > 86_400.0)[0])
+            raise ValueError(f"end[{index}] is {np.ravel(span_s)[index]:.12g} s after the start; allowed: at most one day, 86400 s")
         length_s = scalar(exposure, "s", "exposure")
         exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
         sky_cache, engine = self._open()

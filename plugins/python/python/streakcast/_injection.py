@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,7 +16,9 @@ import numpy.typing as npt
 from . import _core
 from ._quantities import aligned, is_of, is_quantity, number, scalar
 from ._setup import absolute, document
-from ._tables import TRUTH, table_of
+from ._site_queries import _count
+from ._streak import _finite
+from ._tables import TRUTH, Main, table_of
 from ._times import to_tai
 from ._warnings import warn
 from .typing import (
@@ -36,6 +39,8 @@ if TYPE_CHECKING:
     from astropy.units import Quantity
 
     from .model import StreakModel
+
+_POINTS = Main(("streak", "utc", "x_pix", "y_pix"), ("ra_deg", "dec_deg", "magnitude"))
 
 
 class Injected(NamedTuple):
@@ -109,7 +114,7 @@ def inject(
         Model whose satellites cross the frame; see `StreakModel.inject`. Without a model, streaks are random.
     header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
         World coordinates of an array and the other keywords of its header (exposure, zero point, gain). A string has
-        one card per line, or cards of 80 characters.
+        one card per line, or cards of 80 characters. Required for an array without ``pixel_scale``.
     start : time, optional
         Shutter opening; default: from the header.
     exposure : float or `~astropy.units.Quantity`, optional
@@ -186,22 +191,21 @@ def inject(
         Light was added without noise because the gain is unknown; chips were omitted; element sets are old.
     """
     options: dict[str, Json] = dict(
-        random_streaks=random_streaks, streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
+        random_streaks=None if random_streaks is None else _count(random_streaks, "random_streaks", 0),
+        streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
         magnitude=_numbers(magnitude, "mag", "magnitude"),
         streak_rate_deg_s=_numbers(streak_rate_deg_s, "deg / s", "streak_rate_deg_s"), psf=psf,
         zero_point=_scalar(zero_point, "mag", "zero_point"), zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
-        gain=_scalar(gain, "electron / adu", "gain"), seed=int(seed),
+        gain=_scalar(gain, "electron / adu", "gain"), seed=_count(seed, "seed", 0),
         track_rate=_numbers(track_rate, "arcsec / s", "track_rate"),
         tumbling=_mixed(tumbling, ("s", "mag", "cycle"), "tumbling"),
         glint=[_mixed(glint, ("mag", "s", "s"), f"glints[{index}]") for index, glint in enumerate(glints)],
-        resolve_panels=bool(resolve_panels), truth_points=int(truth_points), mask_bits=mask_bits,
+        resolve_panels=bool(resolve_panels), truth_points=_count(truth_points, "truth_points", 2), mask_bits=mask_bits,
         pixels_only=bool(pixels_only), no_noise=not noise, hdu=_integers(hdu),
         seeing=_angle(seeing, "seeing"), pixel_scale=_angle(pixel_scale, "pixel_scale"),
         detector=None if detector is None else absolute(detector),
         light_curve=None if light_curve is None else absolute(light_curve),
     )  # fmt: skip
-    if seed < 0:
-        raise ValueError(f"seed is {seed}; allowed: 0 or more")
     if zero_point is not None and zero_point_1s is not None:
         raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
     if random_streaks is not None and streak_density is not None:
@@ -244,12 +248,18 @@ def inject(
         image: Pixels = np.asarray(frame)
         if image.ndim != 2:
             raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
+        if header is None and pixel_scale is None:
+            other = " (or pixel_scale=... for random streaks)" if is_random else ""
+            raise ValueError(f"missing header of the array; specify header=...{other}")
         image = aligned(image, image.dtype.newbyteorder("="))
-        result = _core.inject(
-            json.dumps(_without_none(options)), json.dumps(setup), config, sky_cache, tempfile.gettempdir(), image, _header_text(header)
-        )
+        try:
+            result = _core.inject(
+                json.dumps(_without_none(options)), json.dumps(setup), config, sky_cache, tempfile.gettempdir(), image, _header_text(header)
+            )
+        except _core.StreakcastError as error:
+            raise type(error)(_without_path(str(error))) from None
     for message in dict.fromkeys(result["warnings"]):
-        warn(message)
+        warn(_without_path(message))
     injected_image = result.get("image")
     mask = result.get("mask")
     if injected_image is not None and mask is None and not pixels_only:
@@ -262,7 +272,7 @@ def inject(
         mask=mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
         truth=table_of(result["truth"], table, main=TRUTH),
-        points=table_of(result["points"], table),
+        points=table_of(result["points"], table, main=_POINTS),
         trails=table_of(result["trails"], table),
         summary=result["summary"],
     )
@@ -279,13 +289,18 @@ def _without_none(options: Mapping[str, Json]) -> dict[str, Json]:
     return {key: value for key, value in options.items() if value is not None}
 
 
-def _scalar(value: object, unit: str, what: str) -> float | None:
-    return None if value is None else scalar(value, unit, what)
+def _without_path(message: str) -> str:
+    """Returns the message with `frame` instead of the temporary file of an array."""
+    return re.sub(re.escape(tempfile.gettempdir()) + r"/\.streakcast-\w+/image", "frame", message)
+
+
+def _scalar(value: FloatLike | None, unit: str, what: str) -> float | None:
+    return None if value is None else _finite(value, unit, what)
 
 
 def _numbers(value: object, unit: str, what: str) -> list[Json]:
     """Returns one or several numbers as a list; empty for `None`."""
-    return [] if value is None else [float(one) for one in np.ravel(number(value, unit, what))]
+    return [] if value is None else _all_finite(np.ravel(number(value, unit, what)).tolist(), what)
 
 
 def _mixed(values: FloatArrayLike | Sequence[FloatLike] | None, units: tuple[str, ...], what: str) -> list[Json]:
@@ -295,11 +310,19 @@ def _mixed(values: FloatArrayLike | Sequence[FloatLike] | None, units: tuple[str
     items = values if isinstance(values, (list, tuple)) else list(np.asanyarray(values).reshape(-1))
     # Superfluous numbers are passed on without a unit.
     units += ("",) * (len(items) - len(units))
-    return [scalar(one, unit, f"{what}[{index}]") for index, (one, unit) in enumerate(zip(items, units))]
+    numbers = [scalar(one, unit, f"{what}[{index}]") for index, (one, unit) in enumerate(zip(items, units))]
+    return _all_finite(numbers, what)
+
+
+def _all_finite(numbers: list[float], what: str) -> list[Json]:
+    for index, one in enumerate(numbers):
+        if not np.isfinite(one):
+            raise ValueError(f"{what}[{index}] is {one}; allowed: finite numbers")
+    return [*numbers]
 
 
 def _integers(value: WholeLike | None) -> list[Json]:
-    return [] if value is None else [int(one) for one in np.ravel(value)]
+    return [] if value is None else [_count(one, "hdu", 0) for one in np.ravel(value).tolist()]
 
 
 def _angle(value: object, what: str) -> str | None:

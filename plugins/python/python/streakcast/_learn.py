@@ -11,7 +11,7 @@ from . import _core
 from ._quantities import number
 from ._setup import document
 from ._times import to_tai
-from .typing import FloatArrayLike, Json, ModelLike, PathLike, TimeLike, WholeLike
+from .typing import FloatArrayLike, Learned, ModelLike, PathLike, TimeLike, WholeLike
 
 
 def learn(
@@ -25,7 +25,7 @@ def learn(
     model: ModelLike | None = None,
     scale: str | None = None,
     output: PathLike | None = None,
-) -> dict[str, Json]:
+) -> Learned:
     """Learns the offsets of satellites of one kind from their brightness model.
 
     Parameters
@@ -50,8 +50,8 @@ def learn(
 
     Returns
     -------
-    dict
-        Content of the learned file: ``kinds`` and ``satellites`` with their offsets and sigmas.
+    Learned
+        Content of the learned file, a dictionary: lists ``kinds`` and ``satellites`` with offsets and sigmas.
 
     Raises
     ------
@@ -74,5 +74,5 @@ def learn(
     text = _core.learn(setup, kind, [int(one) for one in ids], jd1, jd2, measured - computed, errors)
     if output is not None:
         Path(output).write_text(text, encoding="utf-8")
-    learned: dict[str, Json] = json.loads(text)
+    learned: Learned = json.loads(text)
     return learned

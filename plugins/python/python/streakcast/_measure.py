@@ -16,11 +16,13 @@ from ._exposure_queries import ExposureQueries
 from ._injection import _angle, _integers, _scalar, _without_none
 from ._quantities import scalar
 from ._setup import absolute, document
-from ._tables import arrays_of, table_of
+from ._tables import Main, arrays_of, table_of
 from .typing import FloatArray, FloatLike, Json, Options, Output, PathLike, Table, TimeLike, WholeArray, WholeLike
 
 if TYPE_CHECKING:
     from astropy.units import Quantity
+
+_MEASUREMENTS = Main(("name", "detected", "limit_magnitude"), ("magnitude", "magnitude_sigma"))
 
 
 class LearnArguments(TypedDict):
@@ -153,7 +155,7 @@ class MeasureQueries(ExposureQueries):
         is_saturated = np.array(["saturated" in flags for flags in columns["flags"]], dtype=np.bool_)
         is_usable = columns["calibrated"] & ~is_saturated & np.isfinite(observed) & np.isfinite(predicted)
         return Measurements(
-            table=table_of(result["measurements"], table),
+            table=table_of(result["measurements"], table, main=_MEASUREMENTS),
             remarks=tuple(result["remarks"]),
             learn_arguments=LearnArguments(
                 norad_id=columns["norad_id"][is_usable],

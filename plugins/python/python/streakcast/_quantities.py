@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +33,16 @@ def is_quantity(value: object) -> bool:
     return is_of("astropy.units", "Quantity", value)
 
 
+def check_unmasked(value: object, what: str, allowed: str) -> None:
+    """Raises an error if a value is masked: in a masked array of NumPy, or a masked object of astropy."""
+    if isinstance(value, np.ma.MaskedArray) or hasattr(type(value), "unmasked"):
+        mask = getattr(value, "mask")
+        masked = np.flatnonzero(mask)
+        if masked.size:
+            index = f"[{masked[0]}]" if np.shape(mask) else ""
+            raise ValueError(f"{what}{index} is masked; {allowed}")
+
+
 def aligned(array: "npt.NDArray[Scalar]", dtype: np.dtype[Scalar] | None = None) -> "npt.NDArray[Scalar]":
     """Returns the array; copied only if it is not contiguous or not aligned (as after transfer by Dask)."""
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
@@ -43,14 +54,10 @@ def number(value: object, unit: str, what: str) -> FloatArray:
     An empty unit accepts numbers without a unit and dimensionless quantities.
     """
     allowed = f"allowed: a number of {unit} or a Quantity" if unit else "allowed: a number without a unit"
-    # Masked arrays of NumPy, and masked quantities of astropy.
-    if isinstance(value, np.ma.MaskedArray) or hasattr(value, "unmasked"):
-        masked = np.flatnonzero(getattr(value, "mask"))
-        if masked.size:
-            raise ValueError(f"{what}[{masked[0]}] is masked; {allowed}")
+    check_unmasked(value, what, allowed)
     if is_quantity(value):
         return _converted(value, unit, what, allowed)
-    if isinstance(value, (list, tuple)) and any(is_quantity(item) for item in value):
+    if isinstance(value, (list, tuple)) and _contains_quantity(value):
         items = [number(item, unit, f"{what}[{index}]") for index, item in enumerate(value)]
         if len({item.shape for item in items}) > 1:
             raise ValueError(f"{what} has items of different shapes; {allowed}")
@@ -62,6 +69,11 @@ def number(value: object, unit: str, what: str) -> FloatArray:
         return array.astype(np.float64)
     except (TypeError, ValueError):
         raise TypeError(f"{what} is {type(value).__name__}; {allowed}") from None
+
+
+def _contains_quantity(items: Sequence[object]) -> bool:
+    """Returns True if one of the items, or of the items of a list or tuple in it, is a quantity."""
+    return any(_contains_quantity(item) if isinstance(item, (list, tuple)) else is_quantity(item) for item in items)
 
 
 def _converted(value: object, unit: str, what: str, allowed: str) -> FloatArray:
@@ -90,7 +102,16 @@ def directions(target: object) -> tuple[FloatArray, FloatArray]:
     """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair."""
     if is_of("astropy.coordinates", "SkyCoord", target):
         icrs = getattr(target, "icrs")
+        for axis in (icrs.ra, icrs.dec):
+            check_unmasked(axis, "target", "allowed: unmasked positions")
         return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)
+    allowed = (
+        "allowed: a SkyCoord, or a pair (ra, dec) of degrees or Quantity; for several positions, a tuple of an array of "
+        "right ascensions and an array of declinations"
+    )
+    # A list of two sequences may be meant as two positions, or as right ascensions and declinations.
+    if isinstance(target, list) and any(isinstance(item, (list, tuple)) or getattr(item, "shape", ()) for item in target):
+        raise TypeError(f"target is a list of sequences; {allowed}")
     if not isinstance(target, (tuple, list)) or len(target) != 2:
-        raise TypeError(f"target is {type(target).__name__}; allowed: a SkyCoord, or a pair (ra, dec) of degrees or Quantity")
+        raise TypeError(f"target is {type(target).__name__}; {allowed}")
     return number(target[0], "deg", "ra"), number(target[1], "deg", "dec")

@@ -24,6 +24,16 @@ ENGINE_KEYS = frozenset(FieldOptions.__annotations__) - {"mjd_scale"} | {"time_s
 _KEY_UNITS = {"lat": "deg", "lon": "deg", "height": "m", "extinction": "mag"}
 #: Units at the ends of the names of other keys.
 _UNITS = ("arcmin", "arcsec", "deg", "km", "m", "mag", "s", "um")
+#: Types of values in the document, and their names in errors, of keys whose type is not checked by their converter.
+_KINDS: dict[str, tuple[tuple[type, ...], str]] = {
+    **dict.fromkeys(("mpc", "band", "mag_system", "blocking", "drag", "shadow", "mjd_scale"), ((str,), "a string")),
+    **dict.fromkeys(("accept_bad_checksums", "earthshine", "sun_distance"), ((bool,), "True, False")),
+    **dict.fromkeys(("lat", "lon", "height", "limb_height_km"), ((int, float), "a number")),
+    **dict.fromkeys(("extinction", "min_probability"), ((int, float), "a number")),
+    "observer_norad": ((int,), "a whole number"),
+    "limit_mag": ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),
+    "site": ((str, dict), "a name, an EarthLocation, or {'latitude_deg': ..., 'longitude_deg': ..., 'height_m': ...}"),
+}
 
 
 def document(arguments: Mapping[str, object]) -> dict[str, Json]:
@@ -32,13 +42,33 @@ def document(arguments: Mapping[str, object]) -> dict[str, Json]:
     for key, value in arguments.items():
         if value is None:
             continue
-        if key == "mjd_scale":
-            key = "time_scale"
-        if key not in SKY_KEYS and key not in ENGINE_KEYS:
+        name = "time_scale" if key == "mjd_scale" else key
+        if name not in SKY_KEYS and name not in ENGINE_KEYS:
             allowed = ", ".join(sorted(SKY_KEYS | ENGINE_KEYS - {"time_scale"} | {"config", "epoch", "mjd_scale"}))
             raise TypeError(f"StreakModel has no argument '{key}'; allowed: {allowed}")
-        given[key] = _CONVERTERS.get(key, _plain)(key, value)
+        given[name] = _CONVERTERS.get(key, _plain)(key, value)
+        _check_kind(key, given[name])
+        _check_finite(key, given[name])
     return given
+
+
+def _check_kind(key: str, value: Json) -> None:
+    """Raises an error if the value has another type than its key."""
+    if key not in _KINDS:
+        return
+    kinds, allowed = _KINDS[key]
+    # In Python, bool is a kind of int.
+    if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
+        raise SetupError(f"{key} is {value!r}; allowed: {allowed}")
+
+
+def _check_finite(what: str, value: Json) -> None:
+    """Raises an error for NaN and infinity, also in lists and dictionaries."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, item in items:
+        _check_finite(f"{what}[{name!r}]", item)
+    if isinstance(value, float) and not np.isfinite(value):
+        raise SetupError(f"{what} is {value}; allowed: finite numbers")
 
 
 def absolute(path: PathLike) -> str:

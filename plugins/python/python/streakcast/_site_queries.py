@@ -14,9 +14,9 @@ from . import _core
 from ._results import Forecast, Identification, Overhead
 from ._quantities import number, scalar
 from ._state import ModelState
-from ._streak import streak_request
+from ._streak import _finite, streak_request
 from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
-from ._times import to_tai
+from ._times import is_time, to_tai
 from .typing import (
     EndsLike,
     FloatArrayLike,
@@ -104,16 +104,13 @@ class SiteQueries(ModelState):
             Number of passes of satellites with only a default brightness model; omitted satellites; old element sets.
         """
         options: dict[str, Json] = dict(
-            max_mag=None if max_mag is None else scalar(max_mag, "mag", "max_mag"),
-            min_altitude=scalar(min_altitude, "deg", "min_altitude"),
-            min_culmination=scalar(min_culmination, "deg", "min_culmination"),
-            sun_altitude_deg=None if max_sun_altitude is None else scalar(max_sun_altitude, "deg", "max_sun_altitude"),
+            max_mag=None if max_mag is None else _finite(max_mag, "mag", "max_mag"),
+            min_altitude=_finite(min_altitude, "deg", "min_altitude"),
+            min_culmination=_finite(min_culmination, "deg", "min_culmination"),
+            sun_altitude_deg=None if max_sun_altitude is None else _finite(max_sun_altitude, "deg", "max_sun_altitude"),
             generation=_texts(generation, "generation"), name=_texts(name, "name"), norad=_norad_ids(norad),
             include_dark=bool(include_dark), samples=_count(samples, "samples", 0),
         )  # fmt: skip
-        for what, value in options.items():
-            if isinstance(value, float) and not np.isfinite(value):
-                raise ValueError(f"{what} is {value}; allowed: numbers")
         if (start is None) != (end is None):
             raise ValueError("start and end require each other; specify both or neither")
         if (night is None) == (start is None):
@@ -197,6 +194,8 @@ class SiteQueries(ModelState):
         ------
         StreakcastError
             Times or an altitude are out of range, or the telescope is in orbit.
+        ValueError
+            Magnitude limits are given with ``light=False``.
         TypeError
             A number is given as time without a scale.
 
@@ -208,8 +207,10 @@ class SiteQueries(ModelState):
         jd1, jd2 = self._moment(start, scale)
         moments = np.atleast_1d(number(seconds, "s", "seconds"))
         lowest = scalar(min_altitude, "deg", "min_altitude")
-        sky_cache, engine = self._open()
         limits = [float(limit) for limit in np.ravel(number(limit_mag, "mag", "limit_mag"))]
+        if limits and not light:
+            raise ValueError("limit_mag is given with light=False; allowed: with light=True")
+        sky_cache, engine = self._open()
         result, warnings = engine.overhead(
             jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light), limits
         )
@@ -273,7 +274,7 @@ class SiteQueries(ModelState):
         if not any(request.values()):
             raise ValueError("norad, name and generation are missing; allowed: at least one of them")
         if min_altitude is not None:
-            request["min_altitude"] = scalar(min_altitude, "deg", "min_altitude")
+            request["min_altitude"] = _finite(min_altitude, "deg", "min_altitude")
         jd1, jd2 = to_tai(times, self._scale(scale), "times")
         if np.size(jd1) == 0:
             raise ValueError("times is empty; allowed: one time or several")
@@ -423,7 +424,9 @@ def _count(value: SupportsIndex, what: str, least: int) -> int:
 
 
 def _dates(night: NightLike) -> list[str]:
-    """Returns one or several dates as strings."""
+    """Returns one or several dates as strings. A `Time` is a moment, which does not state a local date."""
+    if is_time(night):
+        raise TypeError("night is a Time; allowed: local dates of evenings, for example '2026-08-14', or start and end")
     nights = [night] if isinstance(night, str) or not isinstance(night, Iterable) else night
     dates = [str(date) for date in nights]
     if not dates:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 import threading
 import weakref
 from typing import TYPE_CHECKING, TypedDict
@@ -202,11 +203,17 @@ class ModelState:
         return json.dumps([state["setup"], state["config"], state["epoch"], state["files"]], sort_keys=True)
 
     def _warn_once(self, sky_cache: _core.SkyCache, warnings_of_call: list[str]) -> None:
-        """Issues each warning once per model."""
-        for message in [*sky_cache.news(), *warnings_of_call]:
-            if message not in self._issued_warnings:
-                self._issued_warnings.add(message)
-                warn(message)
+        """Issues each warning once per model. Warnings of later calls that differ only in numbers are omitted."""
+        messages = dict.fromkeys([*sky_cache.news(), *warnings_of_call])
+        new = {message: form for message in messages if (form := _without_numbers(message)) not in self._issued_warnings}
+        self._issued_warnings.update(new.values())
+        for message in new:
+            warn(message)
+
+
+def _without_numbers(message: str) -> str:
+    """Returns a message without its numbers. Digits of names, as in ``starlink-gen1``, are kept."""
+    return re.sub(r"(?<![\w.])\d[\d.,]*", "#", message)
 
 
 def _files(setup: str, config: str | None) -> list[str]:

@@ -35,7 +35,8 @@ CANDIDATES = Main(("name", "probability"), ("along_track_offset_s", "magnitude")
 STREAK = Main(("start_utc", "ra_deg", "dec_deg"), ("position_angle_deg", "length_deg"))
 TRUTH = Main(("name", "x1_pix", "y1_pix", "x2_pix"), ("y2_pix", "length_pix", "magnitude"))
 
-# Formats of printed columns. They do not change the values, and are also valid for tables that are read from a file.
+# Formats of printed columns. They do not change the values, also in files (`ResultTable`), and are also valid for
+# tables that are read from an ECSV file.
 # Numbers by unit, and some by the name of the column; other numbers are probabilities and fractions.
 _NUMBER_FORMATS = {
     "1 / s": ".1f",
@@ -100,10 +101,12 @@ def _array(column: Column) -> npt.NDArray[Any]:
 
 
 def _qtable(columns: Sequence[Column], meta: Mapping[str, Json]) -> QTable:
-    from astropy.table import Column, MaskedColumn, QTable
+    from astropy.table import Column, MaskedColumn
     from astropy.units import Quantity
 
-    table = QTable(meta=dict(meta))
+    from ._result_table import ResultTable
+
+    table = ResultTable(meta=dict(meta))
     for column in columns:
         name, style = column["name"], None
         if column["kind"] == "time":

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._quantities import check_unmasked
 from .typing import FloatArray, TimeLike
 
 _ALLOWED = (
@@ -37,10 +38,8 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
     """Returns two-part Julian dates, TAI, in the shape of the value."""
     if isinstance(value, TwoPartTai):
         return value.jd1, value.jd2
+    check_unmasked(value, what, "allowed: unmasked times")
     if is_time(value):
-        masked = np.flatnonzero(getattr(value, "mask", False))
-        if masked.size:
-            raise ValueError(f"{what}[{masked[0]}] is masked; allowed: unmasked times")
         tai = getattr(value, "tai")
         return np.asarray(tai.jd1, dtype=np.float64), np.asarray(tai.jd2, dtype=np.float64)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -48,6 +47,8 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
     if isinstance(value, (str, datetime.datetime)):
         return _from_text(np.asarray(_text(value, what)), scale, what)
     array = np.asarray(value)
+    if array.size == 0:
+        return np.zeros(array.shape), np.zeros(array.shape)
     if array.dtype.kind in "iuf":
         return _from_mjd(array.astype(np.float64), scale, what)
     if array.dtype.kind == "M":
@@ -56,11 +57,12 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         return _from_text(np.datetime_as_string(array), scale, what)
     if array.dtype.kind == "U":
         return _from_text(array, scale, what)
-    if array.dtype.kind == "O" and array.size:
+    if array.dtype.kind == "O":
+        if any(is_time(item) for item in array.flat):
+            parts = [to_tai(item, scale, f"{what}[{index}]") for index, item in enumerate(array.flat)]
+            return np.reshape([jd1 for jd1, _ in parts], array.shape), np.reshape([jd2 for _, jd2 in parts], array.shape)
         texts = np.array([_text(item, what) for item in array.ravel()]).reshape(array.shape)
         return _from_text(texts, scale, what)
-    if array.size == 0:
-        return np.zeros(array.shape), np.zeros(array.shape)
     raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")
 
 

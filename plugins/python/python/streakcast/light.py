@@ -11,6 +11,7 @@ import numpy as np
 from . import _core
 from ._quantities import aligned, number, scalar
 from ._setup import document
+from ._site_queries import _count
 from ._tables import table_of
 from .typing import FloatArrayLike, FloatLike, FloatOrArray, LightOptions, Options, Output, SkyLightOptions, Table
 
@@ -68,7 +69,7 @@ def standard_magnitudes(
         number(height, "km", "height"),
     )
     columns = [aligned(part.reshape(-1)) for part in parts]
-    magnitudes = _core.standard_magnitudes(_setup(light), str(model), *columns)
+    magnitudes = _core.standard_magnitudes(_setup("standard_magnitudes", light, LightOptions), str(model), *columns)
     return float(magnitudes[0]) if parts[0].shape == () else magnitudes.reshape(parts[0].shape)
 
 
@@ -93,7 +94,7 @@ def sky_magnitudes(
     sun_altitude, sun_azimuth : float or `~astropy.units.Quantity`
         Geometric position of the Sun, degrees; negative altitudes are below the horizon.
     height : float or `~astropy.units.Quantity`
-        Height of the satellites above 6378.137 km, km.
+        Height of the satellites above 6378.137 km, km. That of the site is ``height_m``.
     **light
         ``band, mag_system, earthshine, extinction, models, shadow``, and the site as ``site, mpc, lat, lon, height_m``.
         Without a site the Earth is a sphere.
@@ -108,7 +109,7 @@ def sky_magnitudes(
     parts = np.broadcast_arrays(number(azimuth, "deg", "azimuth"), number(altitude, "deg", "altitude"))
     columns = [aligned(part.reshape(-1)) for part in parts]
     magnitude, range_km = _core.sky_magnitudes(
-        _setup(light),
+        _setup("sky_magnitudes", light, SkyLightOptions),
         str(model),
         columns[0],
         columns[1],
@@ -153,16 +154,16 @@ def body_map(
     Returns
     -------
     QTable or dict of arrays, ``(n_directions,)`` each
-        ``observer_longitude_deg``, ``observer_latitude_deg``, ``standard_magnitude``; model and settings are in the
-        table's ``meta``.
+        ``healpix_cell`` (with ``nside``), ``observer_longitude_deg``, ``observer_latitude_deg``,
+        ``standard_magnitude``; model and settings are in the table's ``meta``.
     """
     columns, facts = _core.body_map(
-        _setup(light),
+        _setup("body_map", light, LightOptions),
         str(model),
         scalar(sun_latitude, "deg", "sun_latitude"),
         scalar(height, "km", "height"),
         None if step is None else scalar(step, "deg", "step"),
-        nside,
+        None if nside is None else _count(nside, "nside", 1),
     )
     return table_of(columns, output, meta=json.loads(facts))
 
@@ -190,20 +191,24 @@ def sky_map(
     Returns
     -------
     QTable or dict of arrays, ``(n_directions,)`` each
-        ``azimuth_deg``, ``altitude_deg``, ``range_km``, ``magnitude``; model and settings are in the table's ``meta``.
+        ``healpix_cell`` (with ``nside``), ``azimuth_deg``, ``altitude_deg``, ``range_km``, ``magnitude``; model and
+        settings are in the table's ``meta``.
     """
     columns, facts = _core.sky_map(
-        _setup(light),
+        _setup("sky_map", light, SkyLightOptions),
         str(model),
         scalar(sun_altitude, "deg", "sun_altitude"),
         scalar(sun_azimuth, "deg", "sun_azimuth"),
         scalar(height, "km", "height"),
         None if step is None else scalar(step, "deg", "step"),
-        nside,
+        None if nside is None else _count(nside, "nside", 1),
     )
     return table_of(columns, output, meta=json.loads(facts))
 
 
-def _setup(light: Mapping[str, object]) -> str:
+def _setup(function: str, light: Mapping[str, object], options: type[LightOptions]) -> str:
     """Returns the configuration document; the height of the site is named ``height_m`` here."""
+    for name in light:
+        if name not in options.__annotations__:
+            raise TypeError(f"{function} has no argument '{name}'; allowed: {', '.join(options.__annotations__)}")
     return json.dumps(document({"height" if name == "height_m" else name: value for name, value in light.items()}))

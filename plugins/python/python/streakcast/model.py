@@ -71,7 +71,8 @@ class StreakModel(MeasureQueries):
         limit applies); ``any``, all lit satellites.
     policy : path or dict, optional
         All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, blocking,
-        margin_s, max_delay_s``.
+        margin_s, max_delay_s``. ``saturation_mag`` and ``crosstalk_mag`` can be ``"telescope"``: the limits of the
+        telescope.
     mjd_scale : {"utc", "tai", "tt"}, optional
         Time scale of numbers given as times. Without it they raise `TypeError`.
     epoch : time, optional
@@ -84,9 +85,31 @@ class StreakModel(MeasureQueries):
         Behaviour of an unpickled model if one of its files has changed: raises `ChangedFileError`, or warns and uses
         the new file.
     **more
-        ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, drag, shadow, eop,
-        learned, qs_mag, accept_bad_checksums, observer_elements, observer_norad, limb_height_km``, as on the
-        command line.
+        Other arguments; all are optional.
+
+        - ``mpc``: observatory code, ``"X05"``; or ``lat``, ``lon`` (degrees, east positive) and ``height`` (metres
+          above the ellipsoid, default 0), instead of ``site``.
+        - ``band``: band of the magnitudes, one of ``B V R I u g r i z y G`` (default ``"V"``).
+        - ``mag_system``: ``"Vega"`` or ``"AB"`` (default: the usual one of the band).
+        - ``earthshine``: whether models made of panels include earthshine (default `True`).
+        - ``extinction``: magnitudes per airmass, 0 to 5 (default: magnitudes outside the atmosphere).
+        - ``sun_distance``: whether magnitudes are for the Sun's distance of the day instead of 1 au (default `False`).
+        - ``min_probability``: least probability, above 0, at most 1: of a crossing brighter than a limit, for the
+          verdict ``avoid`` (default 0.5), and of near misses, which count only if it is given.
+        - ``max_delay``: longest delay in the search for the next start, with its unit, ``"10min"`` (the default) or a
+          `~astropy.units.Quantity`; at most one day.
+        - ``learned``: path of a file that `streakcast.learn` or ``streakcast learn`` wrote: corrections of magnitudes
+          and delays.
+        - ``qs_mag``: path of a table of standard magnitudes in the format of McCants' ``qs.mag``.
+        - ``drag``: drag of satellites that hold their orbits by thrust: ``"station-keeping"`` (none; default) or
+          ``"published"`` (as in the element set).
+        - ``shadow``: model of the Earth's shadow: ``"atmosphere"`` (default) or ``"geometric"`` (solid Earth).
+        - ``eop``: path of an IERS ``finals2000A`` file (default: UT1 table of the package).
+        - ``accept_bad_checksums``: whether element sets with a wrong checksum are accepted (default `False`).
+        - ``observer_elements``: path of the element set of a telescope in orbit, instead of a site.
+        - ``observer_norad``: catalogue number of the telescope in orbit, in that file or else in ``elements``.
+        - ``limb_height_km``: for a telescope in orbit, height of the Earth's limb, 0 to 1000 km (default 0): lower
+          lines of sight are rejected.
 
     Raises
     ------

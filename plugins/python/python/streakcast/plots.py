@@ -1,4 +1,7 @@
-"""Plots of the results of `StreakModel`, the same as those of ``streakcast plot``, as PNG, SVG and PDF.
+"""Plots of the results of `StreakModel` as PNG, SVG and PDF, in the form of those of ``streakcast plot``.
+
+They have no stars and no twilight, and a circle is the only outline of a field. Files do not state how the data were
+computed.
 
 >>> from streakcast import StreakModel, plots
 >>> model = StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
@@ -13,14 +16,17 @@ which notebooks display.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._quantities import directions, number, scalar
+from ._quantities import check_unmasked, directions, number, scalar
+from ._site_queries import _count
 from ._times import is_time, to_tai
+from ._warnings import warn
 from .typing import FloatArray, FloatArrayLike, FloatLike, PathLike, Sample, Samples, TableLike, TargetLike, TimeLike
 
 __all__ = ["Picture", "field", "light_curve", "night", "sky_chart", "sky_rate", "sun_altitude"]
@@ -28,6 +34,8 @@ __all__ = ["Picture", "field", "light_curve", "night", "sky_chart", "sky_rate", 
 #: MJD of 1970-01-01, the epoch of ``datetime64``.
 _UNIX_MJD = 40587.0
 _DAY_NS = 86_400e9
+#: Largest offset of a local clock from UTC, hours.
+_MAX_UTC_OFFSET_H = 14
 
 
 class Picture:
@@ -97,7 +105,8 @@ def night(
     Parameters
     ----------
     flags : QTable or dict of arrays, ``(n_exposures,)``
-        Result of `StreakModel.flags`: ``n_streaks`` and ``brightest_mag`` are drawn.
+        Result of `StreakModel.flags`: ``n_streaks`` and ``brightest_mag`` are drawn. Exposures with the ``verdict``
+        ``invalid`` are not drawn.
     start, exposure, scale
         Arguments of that call.
     limit_mag : float or `~astropy.units.Quantity`, optional
@@ -114,12 +123,36 @@ def night(
     Raises
     ------
     StreakcastError
-        There are no data, columns differ in length, or there is more than one night.
+        There are no data, columns differ in length, or exposures are more than two days apart.
+    ValueError
+        All exposures are invalid.
+
+    Warns
+    -----
+    StreakcastWarning
+        Number of invalid exposures.
     """
-    brightest = _numbers(flags, "brightest_mag")
-    streaks = _numbers(flags, "n_streaks")
-    start_mjd = np.broadcast_to(_mjd(start, scale), streaks.shape)
-    seconds = np.broadcast_to(number(exposure, "s", "exposure"), streaks.shape)
+    columns = {
+        "n_streaks": _numbers(flags, "n_streaks"),
+        "brightest_mag": _numbers(flags, "brightest_mag"),
+        "start": _mjd(start, scale),
+        "exposure": np.ravel(number(exposure, "s", "exposure")),
+    }
+    n_exposures = len(columns["n_streaks"])
+    lengths = {name: len(column) for name, column in columns.items()}
+    for name, length in lengths.items():
+        if length != n_exposures and (length != 1 or name not in ("start", "exposure")):
+            given = ", ".join(f"{name} {length}" for name, length in lengths.items())
+            raise _core.StreakcastError(f"columns differ in length: {given}; allowed: columns of one length")
+    is_drawn = np.ones(n_exposures, dtype=bool)
+    if "verdict" in flags.keys():
+        is_drawn = np.array(_texts(flags, "verdict"), dtype=np.str_) != "invalid"
+    n_invalid = n_exposures - int(is_drawn.sum())
+    if n_invalid and n_invalid == n_exposures:
+        raise ValueError(f"all {n_exposures} exposures are invalid; allowed: at least one valid exposure")
+    if n_invalid:
+        warn(f"{n_invalid} of {n_exposures} exposures are invalid and not drawn")
+    streaks, brightest, start_mjd, seconds = (np.broadcast_to(one, n_exposures)[is_drawn] for one in columns.values())
     return _drawn(
         "night", title, limit_mag=limit_mag, utc_offset=utc_offset,
         start_mjd=start_mjd, duration_s=seconds, n_streaks=streaks, brightest_mag=brightest,
@@ -149,13 +182,22 @@ def field(passes: TableLike, target: TargetLike, *, fov_deg: FloatLike | None = 
     StreakcastError
         There are neither streaks nor an outline, the diameter is not above 0 or is above 180 degrees, or a position is
         more than 75 degrees from the centre.
+    ValueError
+        The passes are of several exposures, or there are several targets.
     """
-    ra, dec = (float(np.ravel(axis)[0]) for axis in directions(target))
+    centre = np.broadcast_arrays(*directions(target))
+    if centre[0].size != 1:
+        raise ValueError(f"target has {centre[0].size} positions; allowed: one position")
+    exposures = np.unique(np.asarray(passes["exposure_id"])).tolist() if "exposure_id" in passes.keys() else []
+    if len(exposures) > 1:
+        one = f"passes[passes['exposure_id'] == {exposures[0]!r}]"
+        raise ValueError(f"passes are of {len(exposures)} exposures; allowed: rows of one exposure, for example {one}")
+    ra, dec = (axis.item() for axis in centre)
     diameter = None if fov_deg is None else scalar(fov_deg, "deg", "fov_deg")
     axes = [[_numbers(passes, f"{end}_{axis}_deg") for axis in ("ra", "dec")] for end in ("enter", "mid", "exit")]
     names, ids = _texts(passes, "name"), _numbers(passes, "norad_id")
     ends = [_mjd(passes[f"{end}_utc"], None) for end in ("enter", "exit")]
-    peak, sigma = _numbers(passes, "magnitude_peak"), _numbers(passes, "magnitude_sigma")
+    peak, sigma = _numbers(passes, "magnitude_peak"), _numbers(passes, "magnitude_peak_sigma")
     streaks = [
         (
             names[k] or f"NORAD {ids[k]:.0f}",
@@ -278,11 +320,22 @@ def sky_rate(
     ------
     StreakcastError
         There are no cells, a cell is invalid or repeated, or a rate is negative.
+    ValueError
+        ``nside`` is below 1, or a cell is masked or negative.
+    TypeError
+        Cells are not integers.
     """
-    numbers = np.ravel(np.asarray(cells)).astype(np.uint64).tolist()
+    numbers = _plain(cells, "cells")
+    if numbers.size and numbers.dtype.kind not in "iu":
+        raise TypeError(f"cells are {numbers.dtype}; allowed: integers, 0 or more")
+    negative = np.flatnonzero(numbers < 0)
+    if negative.size:
+        raise ValueError(f"cells[{negative[0]}] is {numbers[negative[0]]}; allowed: 0 or more")
     values = np.ravel(number(rate, "", "rate"))
     azimuth = scalar(sun_azimuth_deg, "deg", "sun_azimuth_deg")
-    return _drawn("sky_rate", title, nside=nside, cells=numbers, rate=values, sun_azimuth_deg=azimuth, subtitle=subtitle)
+    return _drawn(
+        "sky_rate", title, nside=_count(nside, "nside", 1), cells=numbers, rate=values, sun_azimuth_deg=azimuth, subtitle=subtitle,
+    )  # fmt: skip
 
 
 def sun_altitude(
@@ -318,13 +371,13 @@ def sun_altitude(
     StreakcastError
         There are no data, columns differ in length, or altitudes are invalid.
     ValueError
-        Only one of ``n_bright`` and ``limit_mag`` is given.
+        Only one of ``n_bright`` and ``limit_mag`` is given, or a number is masked.
     """
     if (n_bright is None) != (limit_mag is None):
         raise ValueError("n_bright and limit_mag require each other; specify both or neither")
     altitudes = np.ravel(number(sun_altitude_deg, "deg", "sun_altitude_deg")).tolist()
-    trails = np.ravel(np.asarray(n_trails, dtype=np.float64)).tolist()
-    bright = None if n_bright is None else np.ravel(np.asarray(n_bright, dtype=np.float64)).tolist()
+    trails = _plain(n_trails, "n_trails").astype(np.float64)
+    bright = None if n_bright is None else _plain(n_bright, "n_bright").astype(np.float64)
     return _drawn(
         "sun_altitude", title, limit_mag=limit_mag,
         sun_altitude_deg=altitudes, n_trails=trails, bin_deg=scalar(bin_deg, "deg", "bin_deg"), n_bright=bright,
@@ -341,6 +394,8 @@ def _drawn(
 ) -> Picture:
     """Draws a plot by name from its labels and columns."""
     hours = None if utc_offset is None else scalar(utc_offset, "h", "utc_offset")
+    if hours is not None and not abs(hours) <= _MAX_UTC_OFFSET_H:
+        raise ValueError(f"utc_offset is {hours} h; allowed: -{_MAX_UTC_OFFSET_H} to {_MAX_UTC_OFFSET_H} h")
     local = None if hours is None else (hours, _clock_name(hours))
     limit = None if limit_mag is None else scalar(limit_mag, "mag", "limit_mag")
     labels = {"title": title, "limit_mag": limit, "local": local}
@@ -362,6 +417,12 @@ def _clock_name(utc_offset: float) -> str:
     sign, minutes = ("−" if utc_offset < 0 else "+"), round(abs(utc_offset) * 60)
     rest = f":{minutes % 60:02}" if minutes % 60 else ""
     return f"local time (UTC{sign}{minutes // 60}{rest})"
+
+
+def _plain(values: ArrayLike, what: str) -> npt.NDArray[Any]:
+    """Returns one or several numbers as a flat array."""
+    check_unmasked(values, what, "allowed: unmasked numbers")
+    return np.ravel(np.asarray(values))
 
 
 def _numbers(table: TableLike, name: str) -> FloatArray:

@@ -35,6 +35,10 @@ __all__ = [
     "HeaderLike",
     "InjectionOptions",
     "Json",
+    "Learned",
+    "LearnedKind",
+    "LearnedMagnitude",
+    "LearnedSatellite",
     "LightOptions",
     "LimitLike",
     "ModelLike",
@@ -88,8 +92,8 @@ Options = Mapping[str, object]
 SiteLike = Union[str, "EarthLocation", Options]
 #: Site of a host: a location, or latitude, longitude (degrees, east positive) and height (metres).
 PlaceLike = Union["EarthLocation", Sequence[FloatLike]]
-#: Magnitude limit: one for all bands, or one for each.
-LimitLike = Union[FloatLike, str, Mapping[str, FloatLike]]
+#: Magnitude limit: one for all bands, or one for each, with ``"default"`` for the others.
+LimitLike = Union[FloatLike, Mapping[str, FloatLike]]
 #: Brightness model by name or as a JSON file, for all satellites or by generation.
 ModelLike = Union[PathLike, Mapping[str, PathLike]]
 #: World coordinates and other keywords of a frame; a string has one card per line, or cards of 80 characters.
@@ -128,6 +132,80 @@ TableLike = Union["QTable", Mapping[str, npt.NDArray[Any]]]
 TimeResult = Union["Time", npt.NDArray[np.datetime64]]
 #: Value of a JSON document.
 Json = Union[None, bool, int, float, str, "list[Json]", "dict[str, Json]"]
+
+# Learned files -------------------------------------------------------------------------------------------------------
+
+
+class _LearnedFrom(TypedDict):
+    #: Number of passes.
+    passes: int
+    #: Number of measurements.
+    measurements: int
+    #: Time of the first measurement, UTC.
+    first_utc: str
+    #: Time of the last measurement, UTC.
+    last_utc: str
+    #: Offset from the model (of a kind: mean of its satellites), mag; positive is fainter than the model.
+    offset_mag: float
+    #: One sigma of the offset, mag.
+    offset_sigma_mag: float
+    #: One sigma of a measurement in another pass (of a kind: of a satellite without an entry), mag.
+    sigma_mag: float
+
+
+class LearnedMagnitude(_LearnedFrom):
+    """Learned magnitudes of one kind of satellite."""
+
+    #: Source of the magnitudes of the model.
+    model: str
+    #: Number of satellites.
+    satellites: int
+    #: Standard deviation of the offsets of the satellites, mag.
+    satellite_sigma_mag: float
+    #: Scale of the differences between passes of a satellite, mag.
+    pass_scale_mag: float
+    #: One sigma of the measurements within a pass, mag.
+    point_sigma_mag: float
+
+
+class LearnedKind(TypedDict):
+    """Entry of a kind of satellite in a learned file."""
+
+    #: Kind of satellite.
+    kind: str
+    #: Magnitudes.
+    magnitude: LearnedMagnitude
+    #: Error along the track: missing, because `streakcast.learn` has no delays.
+    lateness: None
+
+
+class LearnedSatellite(_LearnedFrom):
+    """Entry of a satellite in a learned file."""
+
+    #: NORAD catalogue number.
+    norad_id: int
+    #: Kind of satellite.
+    kind: str
+
+
+class Learned(TypedDict):
+    """Content of a learned file, as returned by `streakcast.learn`."""
+
+    #: Version of the schema.
+    schema: int
+    #: Name and version of the program.
+    program: str
+    #: Kind and number of measurements.
+    provenance: dict[str, Json]
+    #: Time of the first measurement, UTC.
+    first_utc: str
+    #: Time of the last measurement, UTC.
+    last_utc: str
+    #: Kinds of satellites.
+    kinds: list[LearnedKind]
+    #: Satellites.
+    satellites: list[LearnedSatellite]
+
 
 # Keyword arguments ---------------------------------------------------------------------------------------------------
 

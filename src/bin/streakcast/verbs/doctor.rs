@@ -12,8 +12,8 @@ use serde_json::json;
 use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table};
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_between;
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, format_utc};
-use streakcast::schedule::AgeEffect;
+use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted, format_utc};
+use streakcast::schedule::{AgeEffect, VerdictKind};
 
 use super::schedule_verdicts::judge;
 use crate::cache::{FetchRecord, cache_folder, records_in};
@@ -120,16 +120,27 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
             return Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy);
         }
     };
-    let visits = judged.report.flags.len();
-    match judged.report.age_effect() {
-        None => Finding::fine(SUBJECT, format!("{visits} visits; no satellite crosses")),
-        Some(effect) if effect.changed_share < AgeEffect::LARGE_SHARE => {
-            Finding::fine(SUBJECT, format!("{visits} visits; {effect}"))
-        }
-        Some(effect) => {
-            let remedy = "use elements closer to the visits (streakcast fetch), or --min-probability";
-            Finding::new(Severity::Warning, SUBJECT, format!("{visits} visits; {effect}"), remedy)
-        }
+    let flags = &judged.report.flags;
+    let invalid = flags.iter().filter(|flag| flag.kind == VerdictKind::Invalid).count();
+    let visits = match invalid {
+        0 => counted(flags.len(), "visit", "visits"),
+        _ => format!("{invalid} of {} cannot be judged", counted(flags.len(), "visit", "visits")),
+    };
+    const SEE_REASONS: &str = "streakcast flag lists the reasons";
+    if invalid == flags.len() {
+        return Finding::new(Severity::Error, SUBJECT, visits, SEE_REASONS);
+    }
+    let effect = judged.report.age_effect();
+    let is_large = effect.as_ref().is_some_and(|effect| effect.changed_share >= AgeEffect::LARGE_SHARE);
+    let effect = effect.map_or("no satellite crosses".to_owned(), |effect| effect.to_string());
+    let finding = format!("{visits}; {effect}");
+    if is_large {
+        let remedy = "use elements closer to the visits (streakcast fetch), or --min-probability";
+        Finding::new(Severity::Warning, SUBJECT, finding, remedy)
+    } else if invalid > 0 {
+        Finding::new(Severity::Warning, SUBJECT, finding, SEE_REASONS)
+    } else {
+        Finding::fine(SUBJECT, finding)
     }
 }
 

@@ -9,8 +9,8 @@ use clap::Args;
 use serde_json::json;
 use streakcast::config::{Config, ForecastConfig, PreparedSky, parse_duration_s, state_scales};
 use streakcast::forecast::{
-    AngleType, EmptyNight, Forecast, ForecastRequest, PassColumns, PassRow, calendar, forecast, light_curve_table,
-    night_table, pass_table, readable_table, score_report, tdm,
+    AngleType, EmptyNight, Forecast, ForecastRequest, PassColumns, calendar, forecast, light_curve_table, night_table,
+    pass_table, readable_table, score_report, tdm,
 };
 use streakcast::geometry::Site;
 use streakcast::output::{Section, counted, format_utc};
@@ -117,18 +117,17 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let (from, to) = (request.start, request.end);
 
     let mut prepared = config.prepare(from, to)?;
-    notices.warn(&prepared.warnings);
+    notices.warn(&prepared.warnings_of(from, to, &|elements| selection.contains(elements)));
     let found = forecast(&prepared.sky, &request, &selection)?;
     notices.warn_left_out(&prepared, &found.found.left_out, from)?;
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
+    notices.warn(&found.fitted_range_warning());
     state(&mut prepared, &config, &typed.forecast, &request);
     let site = site_of(&prepared)?;
     let why_empty = found.why_empty(&prepared.sky, &request);
 
-    let elements = prepared.sky.elements();
-    let row = |pass| PassRow { pass, elements: &elements[pass.element_index], limit_mag: request.max_magnitude };
-    let rows = || found.found.passes.iter().map(row);
+    let rows = || found.rows(&prepared.sky, request.max_magnitude);
     // The formats of `Document` contain only visible passes.
     let is_invisible = found.found.passes.iter().all(|pass| pass.visible.is_none());
     let invisible = || is_invisible.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());

@@ -169,27 +169,12 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
     }
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
-        warnings
-            .push(format!("{repeated} exposures have the exposure_id of an earlier one, so that it does not identify the exposure of a streak"));
+        let exposures = counted(repeated, "exposure has", "exposures have");
+        warnings.push(format!(
+            "{exposures} the exposure_id of an earlier one, so that it does not identify the exposure of a streak"
+        ));
     }
-    for (name, limit) in [
-        ("limit_mag", &policy.limit_mag),
-        ("saturation_mag", &policy.saturation_mag),
-        ("crosstalk_mag", &policy.crosstalk_mag),
-    ] {
-        let bands = limit.as_ref().map(|limit| schedule.bands_without(limit)).unwrap_or_default();
-        if !bands.is_empty() {
-            let bands: Vec<&str> = bands.into_iter().collect();
-            warnings.push(format!("{name} of the policy has no value for band {} and no default", bands.join(", ")));
-        }
-    }
-    for (name, limit) in telescope.map(|telescope| policy.limits_of_telescope(telescope)).unwrap_or_default() {
-        let bands: Vec<&str> = schedule.bands_without(&limit).into_iter().collect();
-        if !bands.is_empty() {
-            let bands = bands.join(", ");
-            warnings.push(format!("{name} of the policy has no value for band {bands} in the file of the telescope"));
-        }
-    }
+    warnings.extend(policy.band_warnings(&schedule.bands(), telescope));
     warnings
 }
 
@@ -205,7 +190,9 @@ pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
 pub fn none_judged(schedule: &Schedule, path: &Path) -> String {
     let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
     let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();
-    format!("schedule {}: none of its {} rows can be judged{example}", path.display(), schedule.exposures.len())
+    let rows = schedule.exposures.len();
+    let none = if rows == 1 { "its only row cannot".to_owned() } else { format!("none of its {rows} rows can") };
+    format!("schedule {}: {none} be judged{example}", path.display())
 }
 
 pub fn options_json(config: &Config, policy: &Policy, telescope: Option<&str>) -> Value {

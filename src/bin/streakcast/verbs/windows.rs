@@ -10,7 +10,7 @@ use serde_json::json;
 use streakcast::config::parse_duration_s;
 use streakcast::config::{Config, RulesConfig, state_scales, time_range};
 use streakcast::forecast::Night;
-use streakcast::output::{Section, format_utc};
+use streakcast::output::{Section, counted, format_utc};
 use streakcast::schedule::{
     FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
     read_targets, window_table, window_target_table,
@@ -160,7 +160,8 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         )?;
     }
     let count: usize = report.by_target.iter().map(|one| one.windows.len()).sum();
-    notices.info(&format!("{} targets: {count} windows", listed.len()));
+    let targets = counted(listed.len(), "target", "targets");
+    notices.info(&format!("{targets}: {}", counted(count, "window", "windows")));
     Ok(Outcome::Done)
 }
 

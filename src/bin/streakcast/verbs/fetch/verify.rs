@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use streakcast::elements::{Keep, ReadOptions, Satellites, SourceFile};
 use streakcast::frames::{parse_moment, seconds_after, seconds_between};
-use streakcast::output::{format_utc, write_atomically};
+use streakcast::output::{counted, format_utc, write_atomically};
 
 use crate::cache::FetchRecord;
 
@@ -32,8 +32,9 @@ pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: boo
     if source.rejected as f64 > MAX_REJECTED * all as f64 || is_truncated {
         let first = catalogue.rejected.first().map(ToString::to_string).unwrap_or_default();
         return Err(anyhow!(
-            "the response is damaged: {} of {all} records are invalid, the first: {first}",
-            source.rejected
+            "the response is damaged: {} of {} invalid, the first: {first}",
+            source.rejected,
+            counted(all, "record is", "records are")
         ));
     }
     if let Some(before) = before
@@ -41,8 +42,8 @@ pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: boo
         && (source.records as f64) < LEAST_SHARE * before as f64
     {
         return Err(anyhow!(
-            "the response has {} records instead of {before}: more than half are missing (--accept-fewer accepts it)",
-            source.records
+            "the response has {} instead of {before}: more than half are missing (--accept-fewer accepts it)",
+            counted(source.records, "record", "records")
         ));
     }
     Ok(source)

@@ -8,7 +8,7 @@ use streakcast::fit::measurements::{
     measure, reduce,
 };
 use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
-use streakcast::output::Provenance;
+use streakcast::output::{Provenance, counted};
 use streakcast::photometry::Band;
 
 use super::arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};
@@ -147,8 +147,8 @@ fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow:
     let most = measurements.dropped.iter().max_by_key(|(_, count, _)| *count);
     match (measurements.points.len(), pixels, most) {
         (0, _, Some((reason, count, _))) => anyhow!(
-            "no measurement remains: {} rows left out, {count} of them for {}{}",
-            measurements.dropped.total(),
+            "no measurement remains: {} left out, {count} of them for {}{}",
+            counted(measurements.dropped.total() as usize, "row", "rows"),
             reason.name().replace('_', " "),
             remedy(reason)
         ),
@@ -171,7 +171,8 @@ fn remedy(reason: DropReason) -> &'static str {
 
 /// Prints the number of rows used, and the number of omitted rows for each reason.
 fn report_counts(notices: &Notices, dropped: &DropCounts, used: usize) {
-    notices.info(&format!("{used} measurements, {} rows left out", dropped.total()));
+    let used = counted(used, "measurement", "measurements");
+    notices.info(&format!("{used}, {} left out", counted(dropped.total() as usize, "row", "rows")));
     for (reason, count, example) in dropped.iter() {
         let first = example.map(|one| format!(" (first: {one})")).unwrap_or_default();
         notices.info(&format!("  {count} {}{first}", reason.name().replace('_', " ")));

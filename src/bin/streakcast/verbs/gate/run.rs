@@ -1,6 +1,7 @@
 //! Run of the gate: reads the job of the host and the pointing of the mount, waits for a clear field, and writes the
 //! status file.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
@@ -41,8 +42,8 @@ const NAMED: usize = 5;
 
 /// Result of a run.
 enum GateVerdict {
-    /// The field is clear, at once or after a wait.
-    Clear { waited_s: f64, until: Epoch },
+    /// The field is clear, at once or after a wait. If `is_limited`, satellites that exceed no limit may cross.
+    Clear { waited_s: f64, until: Epoch, is_limited: bool },
     /// There is no clear start within the longest wait.
     NotClear,
     /// The frame is not a light frame.
@@ -115,17 +116,11 @@ fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
 
 /// Returns the log line of a run.
 fn line(result: &Result<GateVerdict, Fault>, request: &Request) -> String {
-    let policy = &request.plan.policy;
-    let others = match policy.blocking == Blocking::Avoid && policy.has_magnitude_limit() {
-        true => "; satellites that exceed no limit may cross",
-        false => "",
-    };
     match result {
-        Ok(GateVerdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
-            format!("gate: clear after {waited_s:.1} s, starts until at least {}{others}", format_utc(*until, 0))
-        }
-        Ok(GateVerdict::Clear { until, .. }) => {
-            format!("gate: clear now, starts until at least {}{others}", format_utc(*until, 0))
+        Ok(GateVerdict::Clear { waited_s, until, is_limited }) => {
+            let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
+            let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
+            format!("gate: clear {after}, starts until at least {}{others}", format_utc(*until, 0))
         }
         Ok(GateVerdict::NotClear) => {
             format!(
@@ -180,6 +175,9 @@ fn verdict(
 
     let prepared = prepare(request, &site, satellites_before, status, notices)?;
     let now = request.clock.now();
+    let (policy, telescope) = (&request.plan.policy, request.plan.telescope.as_ref());
+    notices.warn(&policy.band_warnings(&BTreeSet::from([band.as_deref()]), telescope));
+    let is_limited = policy.blocking == Blocking::Avoid && policy.limits_band(band.as_deref(), telescope);
     let window_request = WindowRequest {
         conditions: request.plan.request(&prepared.sky),
         min_altitude_rad: 0.0,
@@ -223,7 +221,7 @@ fn verdict(
             return Err(Fault::new(FaultKind::Clock, message));
         }
     }
-    Ok(GateVerdict::Clear { waited_s, until })
+    Ok(GateVerdict::Clear { waited_s, until, is_limited })
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.

@@ -175,9 +175,11 @@ impl Columns {
         place_and_time(self.observer_name(), moments)
     }
 
-    /// Returns the limiting magnitude of the policy; `None` if it depends on the band or is missing.
+    /// Returns the limiting magnitude in the options of the table or in its policy; `None` if it depends on the band or
+    /// is missing.
     pub fn limit_mag(&self) -> Option<f64> {
-        self.stated("options")?.get("policy")?.get("limit_mag")?.as_f64()
+        let options = self.stated("options")?;
+        options.get("policy").unwrap_or(options).get("limit_mag")?.as_f64()
     }
 
     /// Returns the whole provenance.

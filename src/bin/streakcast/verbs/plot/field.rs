@@ -1,6 +1,6 @@
 //! `plot field`: plots a field with the streaks that cross it.
 
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use serde_json::Value;
 use streakcast::config::{Config, NameOrTable, Quantity};
 use streakcast::frames::{Direction, Gcrs, mjd_utc, parse_moment};
@@ -18,6 +18,8 @@ use super::target::{Target, required};
 
 /// Number of points of the outline of a circle.
 const CIRCLE_POINTS: usize = 180;
+/// Greatest distance from the centre that the projection of the chart shows, degrees.
+const FARTHEST_DEG: f64 = 75.0;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let include_dark = typed.include_dark.then_some(true);
@@ -31,17 +33,20 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
             anyhow!("table {} does not state its exposure; allowed: output of passes", path.display())
         })?;
         let field = stated_field(&config, &columns)?;
+        field.as_ref().map_or(Ok(()), check_size)?;
         target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?, &columns.provenance(), &notices)?;
         return Ok(outcome(&columns));
     }
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     let target = Target::new(&typed.picture)?;
+    let field = config.field_of_view()?;
+    check_size(&field)?;
     let prediction = predict(&config)?;
     let table = prediction.table(false);
     let columns = Columns::of(&table, &prediction.prepared.provenance);
     // The exposure is read from the provenance of the table, so that a file of the table gives the same picture.
     let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result does not state its exposure"))?;
-    let picture = picture(&columns, &exposure, Some(&config.field_of_view()?), title)?;
+    let picture = picture(&columns, &exposure, Some(&field), title)?;
     target.write(&picture, "passes", &table, &prediction.prepared.provenance, &prediction.notices)?;
     Ok(outcome(&columns))
 }
@@ -49,6 +54,21 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
 /// Returns exit code 1 if there are no crossings, as `passes` does, although the picture is written.
 fn outcome(columns: &Columns) -> Outcome {
     if columns.is_empty() { Outcome::No } else { Outcome::Done }
+}
+
+/// # Errors
+/// The field extends beyond the projection of the chart.
+fn check_size(field: &Field) -> anyhow::Result<()> {
+    let radius_deg = field.bounding_radius_rad().to_degrees();
+    // A rim at exactly this distance may be beyond it by rounding.
+    if radius_deg > FARTHEST_DEG - 1e-9 {
+        bail!(
+            "the field is too large for the chart, it extends to {radius_deg:.1} deg from its centre; allowed: below \
+             {FARTHEST_DEG} deg (a diameter below {} deg)",
+            2.0 * FARTHEST_DEG
+        );
+    }
+    Ok(())
 }
 
 /// Pointing and time of an exposure.
@@ -99,7 +119,7 @@ fn picture(
     let ids = columns.texts("norad_id")?;
     let (enter, exit) = (columns.moments("enter_utc")?, columns.moments("exit_utc")?);
     let peak = columns.numbers("magnitude_peak")?;
-    let sigma = columns.numbers("magnitude_sigma")?;
+    let sigma = columns.numbers("magnitude_peak_sigma")?;
     let ends = ["enter", "mid", "exit"].map(|end| {
         let of = |axis: &str| columns.numbers(&format!("{end}_{axis}_deg"));
         Ok::<_, anyhow::Error>((of("ra")?, of("dec")?))

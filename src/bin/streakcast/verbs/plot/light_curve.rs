@@ -99,10 +99,10 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     let chords: Vec<[String; 2]> =
         pass.chords.iter().map(|chord| [moments(chord.enter_s), moments(chord.exit_s)]).collect();
     let shutter = [moments(0.0), moments(prediction.exposure.duration_s)];
-    prediction
-        .prepared
-        .provenance
-        .state("track", json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter }));
+    prediction.prepared.provenance.state(
+        "track",
+        json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter, "limit_mag": typed.limit_mag }),
+    );
     let columns = Columns::of(&table, &prediction.prepared.provenance);
     let picture = picture(&columns, typed.limit_mag, clock.as_ref(), title)?;
     target.write(&picture, "track", &table, &prediction.prepared.provenance, &prediction.notices)?;
@@ -237,7 +237,7 @@ fn picture(
         sigma_mag: &sigma_mag,
         in_field: &in_field,
         shutter: stated.get("shutter_utc").and_then(span),
-        limit_mag,
+        limit_mag: limit_mag.or_else(|| stated.get("limit_mag")?.as_f64()),
         local: clock.zip(time_mjd.first()).map(|(clock, mjd)| clock.at(*mjd)),
     })?;
     Ok(drawn.with_subtitle(&subtitle))

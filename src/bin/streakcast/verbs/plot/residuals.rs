@@ -4,7 +4,7 @@ use anyhow::anyhow;
 use streakcast::config::{Config, RunConfig};
 use streakcast::geometry::ViewingGeometry;
 use streakcast::maps::BodyView;
-use streakcast::output::{Column, Provenance, Table, Value};
+use streakcast::output::{Column, Provenance, Table, Value, counted};
 use streakcast::plot::{
     PhaseCurve, Picture, ResidualHistogram, ResidualPanels, phase_curve, residual_histogram, residual_panels,
 };
@@ -60,7 +60,8 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     let target = Target::new(&typed.picture)?;
     let found = residuals(&typed, &config)?;
     if found.dark > 0 {
-        notices.info(&format!("warning: {} points omitted, without sunlit surfaces in the model", found.dark));
+        let points = counted(found.dark, "point", "points");
+        notices.info(&format!("warning: {points} omitted, without sunlit surfaces in the model"));
     }
     let of = match chart {
         Chart::Panels | Chart::Histogram => "observed minus computed",

@@ -2,7 +2,7 @@
 
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
-use serde_json::json;
+use serde_json::{Value, json};
 use streakcast::config::{Config, ExposureConfig, parse_duration_s, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::output::{Column, Kind, Provenance, Table};
@@ -45,39 +45,35 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
     let config = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let title = typed.title.title.as_deref();
-    let limit = config.rules.limit_mag.as_ref().and_then(|limit| limit.of(config.light.band.as_deref()));
+    let limit = config.policy()?.limit_mag.and_then(|limit| limit.of(config.light.band.as_deref()));
     if let Some(path) = &typed.from {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "exposures")?;
         let limit = limit.or_else(|| columns.limit_mag());
-        let drawn = picture(&columns, limit, typed.bin, title, "")?;
+        let drawn = picture(&columns, limit, typed.bin, title)?;
         target.write_picture(&drawn, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
     let inputs = required(&config, &typed.picture).satellites().site().field();
     if typed.schedule.is_some() { inputs } else { inputs.times() }.check()?;
     let target = Target::new(&typed.picture)?;
-    let (table, provenance, caption) = match &typed.schedule {
+    let (table, provenance) = match &typed.schedule {
         Some(schedule) => {
             let site =
                 site_of(&config)?.ok_or_else(|| anyhow!("missing site; specify --site, --mpc, or --lat and --lon"))?;
             let exposures = compute(&config, schedule, Some(&site), &config.eop_table()?)?;
-            (exposures.table, exposures.provenance, String::new())
+            (exposures.table, exposures.provenance)
         }
         None => grid(&typed, &config, limit)?,
     };
-    let picture = picture(&Columns::of(&table, &provenance), limit, typed.bin, title, &caption)?;
+    let picture = picture(&Columns::of(&table, &provenance), limit, typed.bin, title)?;
     target.write(&picture, "exposures", &table, &provenance, &Notices::of(&config))?;
     Ok(Outcome::Done)
 }
 
 /// Computes exposures on a grid over the sky, at equal time steps during a day while the Sun is below the limit.
-fn grid(
-    typed: &PlotSunAltitudeArguments,
-    config: &Config,
-    limit: Option<f64>,
-) -> anyhow::Result<(Table, Provenance, String)> {
+fn grid(typed: &PlotSunAltitudeArguments, config: &Config, limit: Option<f64>) -> anyhow::Result<(Table, Provenance)> {
     let notices = begin(config)?;
     let (start, duration_s) = start_and_length(config)?;
     let step_s = parse_duration_s("step", &typed.step)?;
@@ -127,11 +123,6 @@ fn grid(
             ]);
         }
     }
-    let caption = format!(
-        "Exposures of {duration_s} s evenly over the sky above {}°, every {:.0} min.",
-        typed.min_altitude,
-        step_s / 60.0
-    );
     let mut provenance = prepared.provenance;
     state_scales(&mut provenance, "utc", &photometry);
     provenance.state(
@@ -146,16 +137,19 @@ fn grid(
             "limit_mag": limit,
         }),
     );
-    Ok((Table { columns: COLUMNS.to_vec(), rows }, provenance, caption))
+    Ok((Table { columns: COLUMNS.to_vec(), rows }, provenance))
 }
 
-fn picture(
-    columns: &Columns,
-    limit: Option<f64>,
-    bin_deg: f64,
-    title: Option<&str>,
-    caption: &str,
-) -> anyhow::Result<Picture> {
+/// Returns the sentence of the caption about the exposures of a grid; `None` for those of a schedule.
+fn grid_caption(columns: &Columns) -> Option<String> {
+    let options = columns.stated("options")?;
+    let number = |name: &str| options.get(name).and_then(Value::as_f64);
+    let (duration_s, least_deg, step_s) = (number("exposure_s")?, number("min_altitude_deg")?, number("step_s")?);
+    let step_min = step_s / 60.0;
+    Some(format!("Exposures of {duration_s} s evenly over the sky above {least_deg}°, every {step_min:.0} min."))
+}
+
+fn picture(columns: &Columns, limit: Option<f64>, bin_deg: f64, title: Option<&str>) -> anyhow::Result<Picture> {
     let (sun, streaks, bright) =
         (columns.numbers("sun_altitude_deg")?, columns.numbers("n_streaks")?, columns.numbers("n_bright")?);
     // Invalid rows have neither streaks nor an altitude of the Sun.
@@ -163,7 +157,7 @@ fn picture(
     let of = |column: &[f64]| kept.iter().map(|&k| column[k]).collect::<Vec<f64>>();
     let (sun, streaks, bright) = (of(&sun), of(&streaks), of(&bright));
     let has_bright = limit.is_some() && bright.iter().all(|count| count.is_finite());
-    let caption = format!("{caption}{}", columns.simulation_note());
+    let caption = format!("{}{}", grid_caption(columns).unwrap_or_default(), columns.simulation_note());
     let starts = columns.moments("start_utc")?;
     let subtitle = columns.place_and_time(kept.iter().map(|&k| starts[k]));
     let drawn = sun_altitude(&SunAltitude {

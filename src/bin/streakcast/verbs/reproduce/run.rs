@@ -16,7 +16,7 @@ use streakcast::forecast::{
 use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::output::{Provenance, Section, format_utc};
+use streakcast::output::{Provenance, Section, counted, format_utc};
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, night_of};
@@ -180,20 +180,19 @@ fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::
     let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no valid visit; allowed: one or more"))?;
     let is_within = FIRST_VISITS_MJD[0] <= mjd_utc(first) && mjd_utc(last) < FIRST_VISITS_MJD[1];
     let is_first_visits = is_within && FIRST_VISITS.contains(&exposures.len());
+    let visits = counted(exposures.len(), "visit", "visits");
     if !is_first_visits {
         notices.warn(&[format!(
-            "{} visits from {} to {} are not the first 10,000 of the paper (2023-10-01 to 13): they are compared with the whole \
-             year, and season, field and schedule make differences of more than 20 %",
-            exposures.len(),
+            "the schedule ({visits} from {} to {}) is not that of the first 10,000 of the paper (2023-10-01 to 13): it is compared \
+             with the whole year, and season, field and schedule make differences of more than 20 %",
             format_utc(first, 0),
             format_utc(last, 0)
         )]);
     }
     let field = Field::circle(RUBIN_FIELD_DEG.to_radians())?;
     let assumed = format!(
-        "computed: {} visits from {} to {}, a circular field of {RUBIN_FIELD_DEG} deg, lit satellites of any magnitude, shells of \
+        "computed: {visits} from {} to {}, a circular field of {RUBIN_FIELD_DEG} deg, lit satellites of any magnitude, shells of \
          this library; published: the visits of a year",
-        exposures.len(),
         format_utc(first, 0),
         format_utc(last, 0)
     );

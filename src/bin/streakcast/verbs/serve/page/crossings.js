@@ -4,7 +4,7 @@ import { css } from "./colours.js";
 import { hover } from "./hover.js";
 import { clock, fixed, moment } from "./words.js";
 
-const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_sigma, 2)}`);
+const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_peak_sigma, 2)}`);
 
 /** Columns on the page: heading, function that returns the text of a cell, and meaning. */
 const COLUMNS = [

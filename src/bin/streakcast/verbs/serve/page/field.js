@@ -31,7 +31,7 @@ export class Field {
     hover(canvas, (x, y) => {
       const pass = closest(this.lines, x, y, 12)?.pass;
       const at = (end) => clock(moment(pass[`${end}_utc`]), 0, 1);
-      return pass && `${pass.name || pass.norad_id}: ${fixed(pass.magnitude_peak, 1)} ± ${fixed(pass.magnitude_sigma, 1)} mag, ${at("enter")} to ${at("exit")} UTC`;
+      return pass && `${pass.name || pass.norad_id}: ${fixed(pass.magnitude_peak, 1)} ± ${fixed(pass.magnitude_peak_sigma, 1)} mag, ${at("enter")} to ${at("exit")} UTC`;
     });
   }
 
