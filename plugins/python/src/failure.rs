@@ -23,6 +23,13 @@ pub fn as_arguments(message: &str) -> String {
     let mut words = message.split("--");
     let mut converted = words.next().unwrap_or_default().to_owned();
     for word in words {
+        // Not in the names of projections, as in DEC--TAN.
+        if converted.ends_with(|c: char| c.is_ascii_alphanumeric())
+            || !word.starts_with(|c: char| c.is_ascii_lowercase())
+        {
+            converted = converted + "--" + word;
+            continue;
+        }
         let end = word.find(|c: char| !c.is_ascii_alphabetic() && c != '-').unwrap_or(word.len());
         converted += &word[..end].replace('-', "_");
         converted += &word[end..];

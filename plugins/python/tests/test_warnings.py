@@ -98,3 +98,11 @@ def test_a_handler_receives_the_warnings_of_an_injection():
     hook = Hook(new_model(), "test")
     assert caught(lambda: hook.evaluate(CALLS["StreakModel.inject"], None)) == []
     assert hook.counts["warned"] >= 1 and hook.counts["failed"] == 0
+
+
+def test_bands_without_a_limit_are_named():
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", limit_mag={"g": 9, "r": 8})
+    for band, expected in ((None, "none"), ("gg", "gg"), (["g", "r"], None)):
+        found = [str(one.message) for one in caught(lambda: model.assess(([198.9] * 2, [7.7] * 2), START, 30.0, band=band))]
+        of_bands = [message for message in found if "no value for band" in message]
+        assert of_bands == ([] if expected is None else [f"limit_mag of the policy has no value for band {expected} and no default"])

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from ._results import VERDICTS, Assessment, ClearWindows
-from ._quantities import aligned, directions, number, scalar
-from ._site_queries import SiteQueries, _count
+from ._quantities import aligned, count, directions, number, scalar
+from ._site_queries import SiteQueries
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
 from ._times import to_tai
 from .typing import (
@@ -82,10 +82,10 @@ class ExposureQueries(SiteQueries):
         numbers = (result["brightest_mag"], result["lost_fraction"], result["p_any"], result["streak_length_deg"])
         is_lower_limit, p_crossing = result["p_any_is_lower_limit"], result["p_crossing"]
         if shape == ():
-            count = int(streaks[0])
+            n_streaks = int(streaks[0])
             brightest_mag, lost_fraction, p_any, length_deg = (float(one[0]) for one in numbers)
             return Assessment(
-                str(verdict[0]), count > 0, count, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0]),
+                str(verdict[0]), n_streaks > 0, n_streaks, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0]),
                 float(p_crossing[0]),
             )
         brightest, lost, any_brighter, length = (one.reshape(shape) for one in numbers)
@@ -200,7 +200,7 @@ class ExposureQueries(SiteQueries):
         exposures, _, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
         limits = None if limit_mag is None else _limits(limit_mag, shape)
         sky_cache, engine = self._open()
-        columns, warnings = engine.passes(exposures, bool(include_dark), _count(samples, "samples", 0), limits)
+        columns, warnings = engine.passes(exposures, bool(include_dark), count(samples, "samples", 0), limits)
         self._warn_once(sky_cache, warnings)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 

@@ -14,10 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._quantities import aligned, is_of, is_quantity, number, scalar
+from ._quantities import aligned, count, finite_scalar, is_of, is_quantity, number, scalar
 from ._setup import absolute, document
-from ._site_queries import _count
-from ._streak import _finite
 from ._tables import TRUTH, Main, table_of
 from ._times import to_tai
 from ._warnings import warn
@@ -191,16 +189,16 @@ def inject(
         Light was added without noise because the gain is unknown; chips were omitted; element sets are old.
     """
     options: dict[str, Json] = dict(
-        random_streaks=None if random_streaks is None else _count(random_streaks, "random_streaks", 0),
+        random_streaks=None if random_streaks is None else count(random_streaks, "random_streaks", 0),
         streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
         magnitude=_numbers(magnitude, "mag", "magnitude"),
         streak_rate_deg_s=_numbers(streak_rate_deg_s, "deg / s", "streak_rate_deg_s"), psf=psf,
         zero_point=_scalar(zero_point, "mag", "zero_point"), zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
-        gain=_scalar(gain, "electron / adu", "gain"), seed=_count(seed, "seed", 0),
+        gain=_scalar(gain, "electron / adu", "gain"), seed=count(seed, "seed", 0),
         track_rate=_numbers(track_rate, "arcsec / s", "track_rate"),
         tumbling=_mixed(tumbling, ("s", "mag", "cycle"), "tumbling"),
         glint=[_mixed(glint, ("mag", "s", "s"), f"glints[{index}]") for index, glint in enumerate(glints)],
-        resolve_panels=bool(resolve_panels), truth_points=_count(truth_points, "truth_points", 2), mask_bits=mask_bits,
+        resolve_panels=bool(resolve_panels), truth_points=count(truth_points, "truth_points", 2), mask_bits=mask_bits,
         pixels_only=bool(pixels_only), no_noise=not noise, hdu=_integers(hdu),
         seeing=_angle(seeing, "seeing"), pixel_scale=_angle(pixel_scale, "pixel_scale"),
         detector=None if detector is None else absolute(detector),
@@ -295,7 +293,7 @@ def _without_path(message: str) -> str:
 
 
 def _scalar(value: FloatLike | None, unit: str, what: str) -> float | None:
-    return None if value is None else _finite(value, unit, what)
+    return None if value is None else finite_scalar(value, unit, what)
 
 
 def _numbers(value: object, unit: str, what: str) -> list[Json]:
@@ -322,7 +320,7 @@ def _all_finite(numbers: list[float], what: str) -> list[Json]:
 
 
 def _integers(value: WholeLike | None) -> list[Json]:
-    return [] if value is None else [_count(one, "hdu", 0) for one in np.ravel(value).tolist()]
+    return [] if value is None else [count(one, "hdu", 0) for one in np.ravel(value).tolist()]
 
 
 def _angle(value: object, what: str) -> str | None:

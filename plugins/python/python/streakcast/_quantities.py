@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import operator
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
 
-from .typing import FloatArray
+from .typing import FloatArray, FloatLike
 
 if TYPE_CHECKING:
     from typing import TypeVar
@@ -96,6 +97,25 @@ def scalar(value: object, unit: str, what: str) -> float:
     if array.shape != ():
         raise ValueError(f"{what} has the shape {array.shape}; allowed: one number")
     return float(array)
+
+
+def finite_scalar(value: FloatLike, unit: str, what: str) -> float:
+    """Returns one finite number in the given unit."""
+    finite = scalar(value, unit, what)
+    if not np.isfinite(finite):
+        raise ValueError(f"{what} is {finite}; allowed: a number of {unit}")
+    return finite
+
+
+def count(value: SupportsIndex, what: str, least: int) -> int:
+    """Returns an integer that is not below the smallest accepted one."""
+    try:
+        integer = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{what} is {value!r}; allowed: integers, {least} or more") from None
+    if integer < least:
+        raise ValueError(f"{what} is {integer}; allowed: {least} or more")
+    return integer
 
 
 def directions(target: object) -> tuple[FloatArray, FloatArray]:

@@ -62,13 +62,13 @@ class Assessment(NamedTuple):
 
 
 class ClearWindows(NamedTuple):
-    """Intervals of clear exposure starts, ordered by target and time; each field has the shape ``(n_windows,)``."""
+    """Intervals in which exposures can start, ordered by target and time; each field has the shape ``(n_windows,)``."""
 
     #: Flat index of the target.
     target: WholeArray
-    #: First clear start: `astropy.time.Time` if astropy is installed, otherwise ``datetime64[ns]``, UTC.
+    #: First start: `astropy.time.Time` if astropy is installed, otherwise ``datetime64[ns]``, UTC.
     first_start: TimeResult
-    #: Last clear start.
+    #: Last start.
     last_start: TimeResult
     #: Time from the first to the last start, seconds.
     length_s: FloatArray

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import json
-import operator
 from collections.abc import Iterable
-from typing import SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
 from ._results import Forecast, Identification, Overhead
-from ._quantities import number, scalar
+from ._quantities import count, finite_scalar, number, scalar
 from ._state import ModelState
-from ._streak import _finite, streak_request
+from ._streak import streak_request
 from ._tables import CANDIDATES, EPHEMERIS, FORECAST, NIGHTS, STREAK, table_of
 from ._times import is_time, to_tai
 from .typing import (
@@ -104,12 +102,12 @@ class SiteQueries(ModelState):
             Number of passes of satellites with only a default brightness model; omitted satellites; old element sets.
         """
         options: dict[str, Json] = dict(
-            max_mag=None if max_mag is None else _finite(max_mag, "mag", "max_mag"),
-            min_altitude=_finite(min_altitude, "deg", "min_altitude"),
-            min_culmination=_finite(min_culmination, "deg", "min_culmination"),
-            sun_altitude_deg=None if max_sun_altitude is None else _finite(max_sun_altitude, "deg", "max_sun_altitude"),
+            max_mag=None if max_mag is None else finite_scalar(max_mag, "mag", "max_mag"),
+            min_altitude=finite_scalar(min_altitude, "deg", "min_altitude"),
+            min_culmination=finite_scalar(min_culmination, "deg", "min_culmination"),
+            sun_altitude_deg=None if max_sun_altitude is None else finite_scalar(max_sun_altitude, "deg", "max_sun_altitude"),
             generation=_texts(generation, "generation"), name=_texts(name, "name"), norad=_norad_ids(norad),
-            include_dark=bool(include_dark), samples=_count(samples, "samples", 0),
+            include_dark=bool(include_dark), samples=count(samples, "samples", 0),
         )  # fmt: skip
         if (start is None) != (end is None):
             raise ValueError("start and end require each other; specify both or neither")
@@ -274,7 +272,7 @@ class SiteQueries(ModelState):
         if not any(request.values()):
             raise ValueError("norad, name and generation are missing; allowed: at least one of them")
         if min_altitude is not None:
-            request["min_altitude"] = _finite(min_altitude, "deg", "min_altitude")
+            request["min_altitude"] = finite_scalar(min_altitude, "deg", "min_altitude")
         jd1, jd2 = to_tai(times, self._scale(scale), "times")
         if np.size(jd1) == 0:
             raise ValueError("times is empty; allowed: one time or several")
@@ -379,7 +377,7 @@ class SiteQueries(ModelState):
             origin=origin, hdu=hdu, region=region, start=start, exposure=exposure, whole_streak=whole_streak,
             place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
         )  # fmt: skip
-        listed = _count(top, "top", 1)
+        listed = count(top, "top", 1)
         sky_cache, _ = self._open()
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
         result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
@@ -406,21 +404,11 @@ def _norad_ids(value: WholeLike | None) -> list[Json]:
     """Returns one or several catalogue numbers as a list; empty for `None`."""
     numbers: list[Json] = []
     for one in [] if value is None else np.ravel(value).tolist():
-        number = _count(one, "norad", 1)
+        number = count(one, "norad", 1)
         if number > 999_999_999:
             raise ValueError(f"norad is {number}; allowed: NORAD catalogue numbers, 1 to 999999999")
         numbers.append(number)
     return numbers
-
-
-def _count(value: SupportsIndex, what: str, least: int) -> int:
-    try:
-        count = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{what} is {value!r}; allowed: integers, {least} or more") from None
-    if count < least:
-        raise ValueError(f"{what} is {count}; allowed: {least} or more")
-    return count
 
 
 def _dates(night: NightLike) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._quantities import directions, is_of, number, scalar
+from ._quantities import directions, finite_scalar, is_of, number
 from ._setup import absolute
 from ._times import to_tai
 from .typing import EndsLike, FloatLike, FloatOrArray, Json, PathLike, TargetLike, TimeLike
@@ -56,7 +56,7 @@ def streak_request(
             raise ValueError("missing position_angle of the streak at place; specify position_angle=...")
         ra, dec = directions(place)
         request["ra"], request["dec"] = _plain(ra, "ra"), _plain(dec, "dec")
-        request["position_angle"] = _finite(position_angle, "deg", "position_angle")
+        request["position_angle"] = finite_scalar(position_angle, "deg", "position_angle")
         request["length"] = _positive(length, "deg", "length")
     elif pixels is not None:
         if frame is None:
@@ -90,7 +90,7 @@ def streak_request(
             raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one time")
         request["start"] = _core.utc_text(float(jd1), float(jd2))
     if exposure is not None:
-        request["exposure"] = _plain(_finite(exposure, "s", "exposure"), "exposure") + "s"
+        request["exposure"] = _plain(finite_scalar(exposure, "s", "exposure"), "exposure") + "s"
     request["place_sigma"] = _positive(place_sigma, "arcsec", "place_sigma")
     request["time_sigma"] = _positive(time_sigma, "s", "time_sigma")
     request["angle_sigma"] = _positive(angle_sigma, "deg", "angle_sigma")
@@ -114,18 +114,11 @@ def _end_coordinates(ends: EndsLike) -> tuple[list[str], list[str]]:
     return ra, dec
 
 
-def _finite(value: FloatLike, unit: str, what: str) -> float:
-    finite = scalar(value, unit, what)
-    if not np.isfinite(finite):
-        raise ValueError(f"{what} is {finite}; allowed: a number of {unit}")
-    return finite
-
-
 def _positive(value: FloatLike | None, unit: str, what: str) -> str | None:
     """Returns a number above 0 as a string with its unit and all digits."""
     if value is None:
         return None
-    size = _finite(value, unit, what)
+    size = finite_scalar(value, unit, what)
     if size <= 0.0:
         raise ValueError(f"{what} is {size} {unit}; allowed: above 0 {unit}")
     return _plain(size, what) + unit

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _core
-from ._quantities import aligned, number, scalar
+from ._quantities import aligned, count, number, scalar
 from ._setup import document
-from ._site_queries import _count
 from ._tables import table_of
 from .typing import FloatArrayLike, FloatLike, FloatOrArray, LightOptions, Options, Output, SkyLightOptions, Table
 
@@ -163,7 +162,7 @@ def body_map(
         scalar(sun_latitude, "deg", "sun_latitude"),
         scalar(height, "km", "height"),
         None if step is None else scalar(step, "deg", "step"),
-        None if nside is None else _count(nside, "nside", 1),
+        None if nside is None else count(nside, "nside", 1),
     )
     return table_of(columns, output, meta=json.loads(facts))
 
@@ -201,7 +200,7 @@ def sky_map(
         scalar(sun_azimuth, "deg", "sun_azimuth"),
         scalar(height, "km", "height"),
         None if step is None else scalar(step, "deg", "step"),
-        None if nside is None else _count(nside, "nside", 1),
+        None if nside is None else count(nside, "nside", 1),
     )
     return table_of(columns, output, meta=json.loads(facts))
 

@@ -23,8 +23,7 @@ import numpy.typing as npt
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._quantities import check_unmasked, directions, number, scalar
-from ._site_queries import _count
+from ._quantities import check_unmasked, count, directions, number, scalar
 from ._times import is_time, to_tai
 from ._warnings import warn
 from .typing import FloatArray, FloatArrayLike, FloatLike, PathLike, Sample, Samples, TableLike, TargetLike, TimeLike
@@ -334,7 +333,7 @@ def sky_rate(
     values = np.ravel(number(rate, "", "rate"))
     azimuth = scalar(sun_azimuth_deg, "deg", "sun_azimuth_deg")
     return _drawn(
-        "sky_rate", title, nside=_count(nside, "nside", 1), cells=numbers, rate=values, sun_azimuth_deg=azimuth, subtitle=subtitle,
+        "sky_rate", title, nside=count(nside, "nside", 1), cells=numbers, rate=values, sun_azimuth_deg=azimuth, subtitle=subtitle,
     )  # fmt: skip
 
 

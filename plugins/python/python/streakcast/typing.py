@@ -73,7 +73,7 @@ FloatLike = Union[SupportsFloat, "Quantity"]
 FloatArrayLike = Union[npt.ArrayLike, "Quantity", Sequence["Quantity"]]
 #: An `astropy.time.Time`, an ISO 8601 string, an aware `datetime`, or, with a given scale, numbers (MJD) and
 #: `numpy.datetime64`; one or an array.
-TimeLike = Union["Time", datetime.datetime, Sequence[datetime.datetime], npt.ArrayLike]
+TimeLike = Union["Time", datetime.datetime, Sequence[datetime.datetime], Sequence["Time"], npt.ArrayLike]
 #: Local date of an evening, for example ``"2026-08-14"``; one or several.
 NightLike = Union[str, datetime.date, Sequence[Union[str, datetime.date]]]
 #: Position: a `SkyCoord` in any frame, or a pair (ra, dec), ICRS, degrees or `Quantity`.
