@@ -1,6 +1,7 @@
 """Warnings have one line, and point to the line of the caller."""
 
 import inspect
+import itertools
 import pickle
 import warnings
 
@@ -17,8 +18,10 @@ END = "2026-08-14T23:39:05Z"
 FRAME = np.zeros((100, 100), "float32")
 
 
-def new_model():
-    return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", limit_mag=7)
+def new_model(number=itertools.count()):
+    """Returns a model at another site each time: models of one sky share the warnings that are already issued."""
+    lon = -70.75 + 1e-6 * next(number)
+    return streakcast.StreakModel(lat=-30.24, lon=lon, height=2663, shells="starlink-gen1", telescope="rubin", limit_mag=7)
 
 
 def inject_random_streaks():
