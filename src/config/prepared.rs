@@ -159,7 +159,7 @@ impl PreparedSky {
         self.warnings_of(first, last, &|_| true)
     }
 
-    /// Returns the same warnings for a request that uses only some element sets.
+    /// Returns the same warnings for a request that uses only some element sets; warnings about files are for all.
     pub fn warnings_of(&self, first: Epoch, last: Epoch, is_selected: &dyn Fn(&ElementSet) -> bool) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, part)| *part != EphemerisCoverage::Whole);

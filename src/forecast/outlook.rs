@@ -119,13 +119,14 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
 impl Forecast {
     /// Returns the rows of the passes for tables. `sky` is that of the forecast, `limit_mag` the limit of `p_brighter`.
     pub fn rows<'a>(&'a self, sky: &'a Sky, limit_mag: Option<f64>) -> impl Iterator<Item = PassRow<'a>> {
-        let range = (self.night.start, self.night.end);
+        let (range, dark) = ((self.night.start, self.night.end), self.night.dark.as_slice());
         let elements = sky.elements();
         self.found.passes.iter().map(move |pass| PassRow {
             pass,
             elements: &elements[pass.element_index],
             limit_mag,
             range,
+            dark,
         })
     }
 
@@ -139,10 +140,9 @@ impl Forecast {
             .collect();
         let outside = lights.iter().filter(|light| !light.in_fitted_range).count();
         (outside > 0).then(|| {
-            format!(
-                "{outside} of {} are brightest where no photometry was fitted; their sigmas are larger",
-                counted(lights.len(), "pass", "passes")
-            )
+            let (is, their) = if outside == 1 { ("is", "its sigma is") } else { ("are", "their sigmas are") };
+            let passes = counted(lights.len(), "pass", "passes");
+            format!("{outside} of {passes} {is} brightest where no photometry was fitted; {their} larger")
         })
     }
 

@@ -22,6 +22,8 @@ pub struct PassRow<'a> {
     pub limit_mag: Option<f64>,
     /// Start and end of the forecast.
     pub range: (Epoch, Epoch),
+    /// Dark intervals of the forecast.
+    pub dark: &'a [(Epoch, Epoch)],
 }
 
 const P_BRIGHTER: Column = Column::real(
@@ -52,12 +54,12 @@ impl<'a> PassRow<'a> {
         let begin = self.pass.visible.as_ref()?.begin.epoch;
         Some(if is_at(begin, epoch_of(&self.pass.rise)) {
             "rise"
-        } else if is_at(begin, epoch_of(&self.pass.shadow_exit)) {
-            "shadow"
         } else if is_at(begin, Some(self.range.0)) {
             "start"
-        } else {
+        } else if self.dark.iter().any(|(dusk, _)| is_at(begin, Some(*dusk))) {
             "dusk"
+        } else {
+            "shadow"
         })
     }
 
@@ -66,12 +68,12 @@ impl<'a> PassRow<'a> {
         let end = self.pass.visible.as_ref()?.end.epoch;
         Some(if is_at(end, epoch_of(&self.pass.set)) {
             "set"
-        } else if is_at(end, epoch_of(&self.pass.shadow_entry)) {
-            "shadow"
         } else if is_at(end, Some(self.range.1)) {
             "end"
-        } else {
+        } else if self.dark.iter().any(|(_, dawn)| is_at(end, Some(*dawn))) {
             "dawn"
+        } else {
+            "shadow"
         })
     }
 }

@@ -68,10 +68,15 @@ mod tests {
         for name in ["M111", "NGC 22", "Pegasus", "O"] {
             assert!(error(name).contains(&format!("'{name}'; allowed: ")) && error(name).contains("--ra"), "{name}");
         }
-        assert_eq!(error("andromeda"), "unknown target 'andromeda'; similar names: Andromeda Galaxy");
-        assert_eq!(error("Owl"), "unknown target 'Owl'; similar names: Owl Cluster, Owl Nebula");
-        assert!(error("Veil").ends_with("similar names: Veil Nebula"), "{}", error("Veil"));
-        assert!(error("47 Tuc").ends_with("similar names: 47 Tucanae"), "{}", error("47 Tuc"));
+        for (name, similar) in [
+            ("andromeda", "Andromeda Galaxy"),
+            ("Owl", "Owl Cluster, Owl Nebula"),
+            ("Veil", "Veil Nebula"),
+            ("47 Tuc", "47 Tucanae"),
+        ] {
+            let expected = format!("unknown target '{name}'; similar names: {similar}; allowed: Messier");
+            assert!(error(name).starts_with(&expected), "{}", error(name));
+        }
     }
 
     #[test]

@@ -93,10 +93,9 @@ pub enum FramesError {
 
 /// Returns the names similar to an unknown one, or all accepted forms.
 fn known_targets(similar: &[String]) -> String {
-    if similar.is_empty() {
-        "allowed: Messier, Caldwell, and their NGC and IC numbers and names (M31, NGC 224), or --ra and --dec"
-            .to_owned()
-    } else {
-        format!("similar names: {}", similar.join(", "))
-    }
+    let similar = match similar {
+        [] => String::new(),
+        names => format!("similar names: {}; ", names.join(", ")),
+    };
+    similar + "allowed: Messier, Caldwell, and their NGC and IC numbers and names (M31, NGC 224), or --ra and --dec"
 }

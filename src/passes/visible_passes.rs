@@ -56,11 +56,13 @@ pub struct VisibleRequest {
 /// Part of a pass in which the satellite is visible.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
-    /// Start of the visible part: the rise, the return of full sunlight, or nightfall.
+    /// Start of the visible part: the rise, the return of full sunlight, nightfall, or the start of the search. If no
+    /// part of the pass is in full sunlight by night, the penumbra is the visible part.
     pub begin: TrackPoint,
     /// Highest point of the visible part.
     pub highest: TrackPoint,
-    /// End of the visible part: the set, the start of the penumbra, or dawn.
+    /// End of the visible part: the set, the start of the penumbra (or its end, as for `begin`), dawn, or the end of the
+    /// search.
     pub end: TrackPoint,
     /// Brightest point of the visible part; `None` if the model gives no light.
     pub peak: Option<TrackPoint>,

@@ -10,7 +10,7 @@ use super::picture::{INK, Picture, half_size};
 const LINE: RGBColor = RGBColor(120, 140, 170);
 const LABEL_SIZE: f64 = 15.0;
 /// Largest distance of points from the centre, degrees. Positions on the tangent plane diverge at 90 degrees.
-const FARTHEST_DEG: f64 = 75.0;
+pub const FARTHEST_FIELD_DEG: f64 = 75.0;
 
 /// Number of steps along a line.
 const STEPS: usize = 240;
@@ -194,7 +194,7 @@ pub(super) fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f6
     let (sin_ra, cos_ra) = (ra - ra0).to_radians().sin_cos();
     let depth = sin0 * sin + cos0 * cos * cos_ra;
     let plane = [cos * sin_ra / depth, (cos0 * sin - sin0 * cos * cos_ra) / depth];
-    (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
+    (depth > FARTHEST_FIELD_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
 }
 
 /// Returns the right ascension minus that of the centre, -180 to 180 degrees, and the declination, degrees, of a point

@@ -45,6 +45,7 @@ pub use encode::{PictureFormat, data_url};
 pub use error::PlotError;
 pub use field_chart::{FieldChart, FieldStreak, field_chart};
 pub use file_options::{FileOptions, PictureSize};
+pub use graticule::FARTHEST_FIELD_DEG;
 pub use light_curve::{LightCurve, light_curve};
 pub use maps::{LayerPanel, Layers, body_picture, layers, paper_picture, sky_picture};
 pub use night::{NightTimeline, night_timeline};

@@ -195,13 +195,8 @@ impl Policy {
             let what = "limit_mag is \"telescope\"; allowed: a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
             return Err(ScheduleError::PolicySyntax(what.to_owned()));
         }
-        let magnitudes = [
-            ("limit_mag", &self.limit_mag),
-            ("saturation_mag", &self.saturation_mag),
-            ("crosstalk_mag", &self.crosstalk_mag),
-        ];
-        for (field, limit) in magnitudes {
-            for value in limit.iter().flat_map(MagnitudeLimit::numbers) {
+        for (field, limit) in self.magnitude_limits() {
+            for value in limit.numbers() {
                 if !(-30.0..=40.0).contains(&value) {
                     return Err(ScheduleError::PolicyOutOfRange { field, value, allowed: "-30 to 40 mag" });
                 }
@@ -253,14 +248,26 @@ impl Policy {
 
     /// Returns true if the policy has any magnitude limit.
     pub fn has_magnitude_limit(&self) -> bool {
-        [&self.limit_mag, &self.saturation_mag, &self.crosstalk_mag].into_iter().any(Option::is_some)
+        self.magnitude_limits().next().is_some()
+    }
+
+    /// Magnitude limits by key.
+    fn magnitude_limits(&self) -> impl Iterator<Item = (&'static str, &MagnitudeLimit)> {
+        [
+            ("limit_mag", &self.limit_mag),
+            ("saturation_mag", &self.saturation_mag),
+            ("crosstalk_mag", &self.crosstalk_mag),
+        ]
+        .into_iter()
+        .filter_map(|(name, limit)| Some((name, limit.as_ref()?)))
     }
 
     /// Returns true if a magnitude limit applies to exposures in this band.
     pub fn limits_band(&self, band: Option<&str>, telescope: Option<&Telescope>) -> bool {
         let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
-        let given = [&self.limit_mag, &self.saturation_mag, &self.crosstalk_mag].into_iter().flatten();
-        given.chain(of_telescope.iter().map(|(_, limit)| limit)).any(|limit| limit.of(band).is_some())
+        let mut limits =
+            self.magnitude_limits().map(|(_, limit)| limit).chain(of_telescope.iter().map(|(_, limit)| limit));
+        limits.any(|limit| limit.of(band).is_some())
     }
 
     /// Returns a warning for each limit that has no value for some of the bands of the exposures. `None`
@@ -273,17 +280,13 @@ impl Policy {
                 .then(|| format!("{name} of the policy has no value for band {}{end}", without.join(", ")))
         };
         let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
-        [
-            ("limit_mag", &self.limit_mag),
-            ("saturation_mag", &self.saturation_mag),
-            ("crosstalk_mag", &self.crosstalk_mag),
-        ]
-        .into_iter()
-        .filter_map(|(name, limit)| Some((name, limit.as_ref()?)))
-        .filter(|(_, limit)| !matches!(limit, MagnitudeLimit::OfTelescope(_)))
-        .filter_map(|(name, limit)| warning(name, limit, " and no default"))
-        .chain(of_telescope.iter().filter_map(|(name, limit)| warning(name, limit, " in the file of the telescope")))
-        .collect()
+        self.magnitude_limits()
+            .filter(|(_, limit)| !matches!(limit, MagnitudeLimit::OfTelescope(_)))
+            .filter_map(|(name, limit)| warning(name, limit, " and no default"))
+            .chain(
+                of_telescope.iter().filter_map(|(name, limit)| warning(name, limit, " in the file of the telescope")),
+            )
+            .collect()
     }
 
     /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.

@@ -50,6 +50,13 @@ fn verif_columns_rows_and_json_agree() {
         }
     }
     let night = &answer["night"][0];
+    // Passes that are only in the penumbra end with the shadow.
+    let of_night = json(&[NIGHT, SKY]);
+    let dark = &of_night["night"][0];
+    for pass in of_night["passes"].as_array().unwrap() {
+        assert!(pass["ends_by"] != "dawn" || pass["end_utc"] == dark["dark_until_utc"], "{pass}");
+        assert!(pass["begins_by"] != "dusk" || pass["begin_utc"] == dark["dark_from_utc"], "{pass}");
+    }
     assert!((8.0..14.0).contains(&number(&night["dark_h"])) && night["why_empty"].is_null(), "{night}");
     let began = |pass: &Value| pass["begin_utc"].as_str().unwrap().to_owned();
     assert!(passes.iter().all(|pass| began(pass).as_str() >= night["dark_from_utc"].as_str().unwrap()));

@@ -438,7 +438,8 @@ impl Engine {
         let policy = Policy { blocking: limits.blocking.unwrap_or(self.policy.blocking), ..self.policy.clone() };
         let times: Vec<(Exposure, Option<String>)> =
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
-        let (mut found, mut warnings) = (Vec::new(), Vec::new());
+        let bands = times.iter().map(|(_, band)| band.as_deref()).collect();
+        let (mut found, mut warnings) = (Vec::new(), policy.band_warnings(&bands, self.telescope.as_ref()));
         for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start))? {
             let conditions = FlagRequest { policy: &policy, ..self.request(field, &prepared) };
             let Limits { min_altitude_rad, max_sun_altitude_rad, .. } = *limits;

@@ -80,7 +80,10 @@ impl Nights {
         self.nights.rows.extend(night_row.rows);
         let left_out = prepared.left_out_warning(&found.found.left_out, request.start).map_err(failure::setup)?;
         let unknown = selection.unknown_warning(sky.elements());
-        let warnings = [left_out, unknown, found.prior_warning(sky, request.max_magnitude)].into_iter().flatten();
+        let warnings =
+            [left_out, unknown, found.prior_warning(sky, request.max_magnitude), found.fitted_range_warning()]
+                .into_iter()
+                .flatten();
         self.warnings.extend(warnings.map(|warning| failure::as_arguments(&warning)));
         Ok(self)
     }

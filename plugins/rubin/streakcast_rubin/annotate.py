@@ -33,6 +33,7 @@ PASS_COLUMNS = {
     "norad_id": "INTEGER",
     "name": "TEXT",
     "magnitude_peak": "REAL",
+    "magnitude_peak_sigma": "REAL",
     "magnitude_sigma": "REAL",
     "mag_source": "TEXT",
     "effective_magnitude": "REAL",

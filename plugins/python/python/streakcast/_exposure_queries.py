@@ -137,13 +137,14 @@ class ExposureQueries(SiteQueries):
         exposure: FloatArrayLike,
         *,
         rotation: FloatArrayLike = 0.0,
+        band: TextLike | None = None,
         scale: str | None = None,
     ) -> FloatOrArray:
         """Returns the delay of each exposure until no satellite that the policy's ``blocking`` selects crosses its field.
 
         Parameters
         ----------
-        target, start, exposure, rotation, scale
+        target, start, exposure, rotation, band, scale
             As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s), and its ``margin_s`` is
             applied.
 
@@ -153,7 +154,7 @@ class ExposureQueries(SiteQueries):
             Delay, seconds, to the millisecond; 0 if no satellite blocks now, NaN if there is no start within the limit.
             With a magnitude limit and ``blocking="avoid"``, fainter satellites may cross the delayed exposure.
         """
-        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
         columns, warnings = engine.flags(exposures, bands)
         self._warn_once(sky_cache, warnings)

@@ -16,7 +16,7 @@ class ResultTable(QTable):  # type: ignore[misc]
     def write(self, *arguments: object, **options: object) -> None:
         """Writes the table, as `QTable.write`, without the formats of its columns.
 
-        Lists are written as JSON text, except to ECSV, which has lists. Times are written to VOTable as ISO 8601 text.
+        Unlike there, it is a plain method, without ``list_formats``. Lists are written as JSON text, except to ECSV, which has lists. Times are written to VOTable as ISO 8601 text.
         """
         table = QTable(self, copy=True)
         form = str(options.get("format") or (arguments[0] if arguments else "")).lower()
@@ -43,7 +43,7 @@ def _is_masked_time(column: object) -> bool:
     return isinstance(column, Time) and bool(getattr(column, "masked"))
 
 
-def _is_of_lists(column: Column) -> bool:
+def _is_of_lists(column: object) -> bool:
     if not isinstance(column, Column) or column.dtype != object:
         return False
     return all(isinstance(cell, list) or cell is np.ma.masked for cell in column)
@@ -59,7 +59,7 @@ def _simplify(table: QTable, *, are_times_text: bool) -> None:
                 continue
             texts = ["" if is_masked else str(text) for text, is_masked in zip(column.isot, column.mask)]
         elif _is_of_lists(column):
-            texts = ["" if cell is np.ma.masked else json.dumps(cell) for cell in column]
+            texts = ["" if cell is np.ma.masked else json.dumps(cell, default=lambda number: number.item()) for cell in column]
         else:
             continue
         table[name] = Column(np.array(texts, dtype=np.str_), description=column.info.description)

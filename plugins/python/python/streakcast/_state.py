@@ -203,7 +203,7 @@ class ModelState:
         return json.dumps([state["setup"], state["config"], state["epoch"], state["files"]], sort_keys=True)
 
     def _warn_once(self, sky_cache: _core.SkyCache, warnings_of_call: list[str]) -> None:
-        """Issues each warning once per model. Warnings of later calls that differ only in numbers are omitted."""
+        """Issues each warning once per model. Those of later calls with other numbers of the same length are omitted."""
         messages = dict.fromkeys([*sky_cache.news(), *warnings_of_call])
         new = {message: form for message in messages if (form := _without_numbers(message)) not in self._issued_warnings}
         self._issued_warnings.update(new.values())
@@ -212,8 +212,12 @@ class ModelState:
 
 
 def _without_numbers(message: str) -> str:
-    """Returns a message without its numbers. Digits of names, as in ``starlink-gen1``, are kept."""
-    return re.sub(r"(?<![\w.])\d[\d.,]*", "#", message)
+    """Returns a message without dates, and with one mark for each digit before the decimal point of a number.
+
+    Digits of names, as in ``starlink-gen1`` and ``STARLINK-1008``, are kept.
+    """
+    message = re.sub(r"\d{4}-\d\d-\d\d(T[\d:.]+Z?)?", "date", message)
+    return re.sub(r"(?<![\w.-])(\d[\d,]*)(\.\d+)?", lambda number: "#" * len(number[1].replace(",", "")), message)
 
 
 def _files(setup: str, config: str | None) -> list[str]:

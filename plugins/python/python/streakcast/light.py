@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from . import _core
-from ._quantities import aligned, count, number, scalar
+from ._quantities import aligned, count, finite_scalar, number, scalar
 from ._setup import document
 from ._tables import table_of
 from .typing import FloatArrayLike, FloatLike, FloatOrArray, LightOptions, Options, Output, SkyLightOptions, Table
@@ -207,6 +207,8 @@ def sky_map(
 
 def _setup(function: str, light: Mapping[str, object], options: type[LightOptions]) -> str:
     """Returns the configuration document; the height of the site is named ``height_m`` here."""
+    if light.get("height_m") is not None:
+        finite_scalar(light["height_m"], "m", "height_m")
     for name in light:
         if name not in options.__annotations__:
             raise TypeError(f"{function} has no argument '{name}'; allowed: {', '.join(options.__annotations__)}")

@@ -30,7 +30,7 @@ pub struct DoctorArguments {
     /// Time to check, for example 2024-08-14T00:30:00Z; now if omitted
     #[arg(long, value_name = "TIME")]
     pub now: Option<String>,
-    /// Schedule whose verdicts are checked for the effect of old elements; other inputs as for flag
+    /// Schedule whose visits are checked for invalid rows and the effect of old elements; other inputs as for flag
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Exit with code 1 on a warning, or if elements or site are not given
@@ -108,7 +108,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Returns the finding on how old elements affect the verdicts of a schedule.
+/// Returns the finding on visits of a schedule that cannot be judged, and on how old elements affect its verdicts.
 fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
     const SUBJECT: &str = "schedule";
     // The thread pool exists already, and warnings about inputs are reported as findings.

@@ -106,6 +106,8 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         min_altitude_rad: min_altitude_deg.to_radians(),
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };
+    let bands = targets.iter().map(|target| target.band.as_deref()).collect();
+    notices.warn(&plan.policy.band_warnings(&bands, plan.telescope.as_ref()));
     let report = clear_windows(&targets, from, to, &request)?;
     notices.warn_left_out(&prepared, &report.left_out, from)?;
     if let Some(site) = prepared.sky.viewpoint().site() {

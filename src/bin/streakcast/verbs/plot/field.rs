@@ -5,7 +5,7 @@ use serde_json::Value;
 use streakcast::config::{Config, NameOrTable, Quantity};
 use streakcast::frames::{Direction, Gcrs, mjd_utc, parse_moment};
 use streakcast::passes::Field;
-use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
+use streakcast::plot::{FARTHEST_FIELD_DEG, FieldChart, FieldStreak, Picture, field_chart};
 
 use super::arguments::PlotFieldArguments;
 use crate::failure::Outcome;
@@ -18,8 +18,6 @@ use super::target::{Target, required};
 
 /// Number of points of the outline of a circle.
 const CIRCLE_POINTS: usize = 180;
-/// Greatest distance from the centre that the projection of the chart shows, degrees.
-const FARTHEST_DEG: f64 = 75.0;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let include_dark = typed.include_dark.then_some(true);
@@ -61,11 +59,11 @@ fn outcome(columns: &Columns) -> Outcome {
 fn check_size(field: &Field) -> anyhow::Result<()> {
     let radius_deg = field.bounding_radius_rad().to_degrees();
     // A rim at exactly this distance may be beyond it by rounding.
-    if radius_deg > FARTHEST_DEG - 1e-9 {
+    if radius_deg > FARTHEST_FIELD_DEG - 1e-9 {
         bail!(
             "the field is too large for the chart, it extends to {radius_deg:.1} deg from its centre; allowed: below \
-             {FARTHEST_DEG} deg (a diameter below {} deg)",
-            2.0 * FARTHEST_DEG
+             {FARTHEST_FIELD_DEG} deg (a diameter below {} deg)",
+            2.0 * FARTHEST_FIELD_DEG
         );
     }
     Ok(())

@@ -50,7 +50,13 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "exposures")?;
-        let limit = limit.or_else(|| columns.limit_mag());
+        let stored = columns.limit_mag();
+        if let Some(limit) = limit.filter(|limit| Some(*limit) != stored) {
+            let allowed =
+                stored.map_or("no limit".to_owned(), |stored| format!("{stored}, that of the counts in the data"));
+            bail!("limit-mag is {limit} mag; allowed with these data: {allowed}");
+        }
+        let limit = stored;
         let drawn = picture(&columns, limit, typed.bin, title)?;
         target.write_picture(&drawn, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);

@@ -22,7 +22,7 @@ const COLUMNS = [
   ["angle °", (pass) => fixed(pass.min_separation_deg, 3), "Least distance from the field's centre"],
   ["phase °", (pass) => fixed(pass.phase_angle_deg, 1), "Phase angle at the satellite, between Sun and observer"],
   ["rate °/s", (pass) => fixed(pass.angular_rate_deg_s, 3), "Angular speed"],
-  ["light", (pass) => pass.illumination, "Sunlit, in the penumbra, or in the shadow"],
+  ["light", (pass) => pass.illumination, "Sunlit, in the penumbra, or in the shadow, at the middle of the pass"],
   ["age d", (pass) => fixed(pass.element_age_days, 1), "Time since the epoch of the element set, days"],
   ["P", (pass) => fixed(pass.probability, 2), "Probability that the satellite crosses the field"],
 ];
@@ -47,6 +47,7 @@ const FILE = [
   ["apparent_magnitude", (pass) => pass.magnitude],
   ["apparent_magnitude_uncert", (pass) => pass.magnitude_sigma],
   ["magnitude_peak", (pass) => pass.magnitude_peak],
+  ["magnitude_peak_sigma", (pass) => pass.magnitude_peak_sigma],
   ["mag_source", (pass) => pass.mag_source],
   ["epoch_age_days", (pass) => pass.element_age_days],
   ["probability", (pass) => pass.probability],
