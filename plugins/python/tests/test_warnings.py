@@ -82,8 +82,12 @@ def test_a_warning_with_other_numbers_is_not_repeated():
 
 def test_names_in_warnings_differ():
     without = _state._without_numbers
-    assert without("3 of 1,234 records, the farthest by 4.5 days (2026-10-01)") == "# of # records, the farthest by # days (#-#-#)"
-    assert without("constellation starlink-gen1 (4,408 satellites)") == "constellation starlink-gen1 (# satellites)"
+    assert without("3 of 1,234 records, the farthest by 4.5 days (2026-10-01)") == "# of #### records, the farthest by # days (date)"
+    assert without("at 2026-10-01T12:30:00Z") == without("at 2026-10-02T09:00:00Z") == "at date"
+    assert without("constellation starlink-gen1 (4,408 satellites)") == "constellation starlink-gen1 (#### satellites)"
+    assert without("STARLINK-1008 is old") == "STARLINK-1008 is old"
+    # A large change is a new warning.
+    assert without("3 of 9,000 old") != without("8,900 of 9,000 old") and without("1.2 %") != without("45.0 %")
     assert without("brdf:starlink-v1.5") == "brdf:starlink-v1.5"
 
 
