@@ -113,3 +113,19 @@ def test_bands_without_a_limit_are_named():
         found = [str(one.message) for one in caught(lambda: model.assess(([198.9] * 2, [7.7] * 2), START, 30.0, band=band))]
         of_bands = [message for message in found if "no value for band" in message]
         assert of_bands == ([] if expected is None else [f"limit_mag of the policy has no value for band {expected} and no default"])
+
+
+def test_delays_and_windows_use_the_limit_of_the_band():
+    limits = dict(shells="starlink-gen1", telescope="rubin", limit_mag={"g": -20, "r": 20})
+    model = streakcast.StreakModel(mpc="X05", **limits)
+    wait_s = {band: model.next_clear_start(TARGET, START, 30.0, band=band) for band in ("g", "r")}
+    # No satellite is brighter than magnitude -20; one fainter than 20 does not cross.
+    assert wait_s["g"] == 0.0 and wait_s["r"] > 0.0
+    without = streakcast.StreakModel(mpc="X05", **limits)
+    found = [str(one.message) for one in caught(lambda: without.clear_windows(TARGET, START, END, 30.0, band="gg"))]
+    assert any("no value for band gg" in message for message in found), found
+
+
+def test_the_height_of_the_site_is_named_in_errors():
+    with pytest.raises(ValueError, match="^height_m is nan"):
+        streakcast.sky_map("v2mini", sun_altitude=-14, lat=-30, lon=-70, height_m=np.nan)
