@@ -538,13 +538,19 @@ window.addEventListener("hashchange", () => {
   load(state.night);
 });
 // Charts are drawn again after a change of their size.
-const sizes = new ResizeObserver(() => requestAnimationFrame(drawAll));
+const redraw = () => requestAnimationFrame(drawAll);
+const sizes = new ResizeObserver(redraw);
 for (const canvas of document.querySelectorAll("canvas")) sizes.observe(canvas);
-// Charts are also drawn again after a change of the pixel ratio.
-function sharpen() {
-  matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", () => (drawAll(), sharpen()), { once: true });
-}
-sharpen();
+// Charts are also drawn again after a change of the pixel ratio (zoom, another screen). The ratio is compared regularly,
+// because no event is reliable: in one of 40 changes Chromium sent neither that of a media query nor of an observer of
+// device pixels.
+const RATIO_MS = 500;
+let ratio = devicePixelRatio;
+setInterval(() => {
+  if (ratio === devicePixelRatio) return;
+  ratio = devicePixelRatio;
+  redraw();
+}, RATIO_MS);
 
 showLight();
 crossings.heads($("columns"));
