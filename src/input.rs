@@ -8,15 +8,25 @@ use std::path::Path;
 /// Files are read into memory as a whole.
 pub const LARGEST_INPUT: u64 = 2_000_000_000;
 
-/// Opens a regular file, or an open stream of the process (see [`is_stream`]).
+/// Opens a regular file, or an open stream of the process (see [`is_stream`]). Other code does not open input files
+/// (`tests/imports.rs`).
 ///
 /// # Errors
 /// The file is a pipe, device, socket or directory, or the system reports an error.
 pub fn open(path: &Path) -> io::Result<File> {
-    if !is_stream(path) {
-        check_regular(path)?;
+    if is_stream(path) {
+        return File::open(path);
     }
-    File::open(path)
+    // The type is checked before, because opening a device can have an effect, and after, because another file can have
+    // taken the name.
+    check_regular(path)?;
+    let mut options = File::options();
+    // Opening does not wait for the writer of a pipe.
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, rustix::fs::OFlags::NONBLOCK.bits() as i32);
+    let file = options.read(true).open(path)?;
+    check_kind(file.metadata()?.file_type())?;
+    Ok(file)
 }
 
 /// Reads a file of at most [`LARGEST_INPUT`] bytes.
@@ -36,6 +46,76 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
 pub fn read_to_string(path: &Path) -> io::Result<String> {
     String::from_utf8(read(path)?)
         .map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+}
+
+/// Largest number of rows of a table.
+pub const MOST_ROWS: usize = 5_000_000;
+/// Largest number of bytes of a row of a small table, such as a list of stars.
+const LONGEST_ROW: usize = 10_000;
+
+/// Rows of a small CSV table with a line of names, read one by one. Lines that begin with `#` are comments, and blanks
+/// around cells are ignored.
+pub struct CsvRows {
+    rows: csv::StringRecordsIntoIter<io::Take<File>>,
+    names: csv::StringRecord,
+    count: usize,
+}
+
+impl CsvRows {
+    /// Opens a table and reads its names.
+    ///
+    /// # Errors
+    /// The errors of [`open`], a file that is too large, and text that is not CSV in UTF-8.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let file = open(path)?;
+        check_size(&file)?;
+        let mut reader =
+            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(file.take(LARGEST_INPUT));
+        let names = reader.headers().map_err(csv_error)?.clone();
+        Ok(Self { rows: reader.into_records(), names, count: 0 })
+    }
+
+    /// Returns the index of a column.
+    ///
+    /// # Errors
+    /// The column is missing; the message names `allowed`.
+    pub fn column(&self, name: &str, allowed: &str) -> io::Result<usize> {
+        let found = self.names.iter().position(|found| found == name);
+        found.ok_or_else(|| invalid(format!("missing column {name}; allowed: {allowed}")))
+    }
+}
+
+impl Iterator for CsvRows {
+    /// Line, from 1, and cells of a row.
+    type Item = io::Result<(u64, csv::StringRecord)>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = match self.rows.next()? {
+            Ok(row) => row,
+            Err(error) => return Some(Err(csv_error(error))),
+        };
+        self.count += 1;
+        let line = row.position().map_or(0, csv::Position::line);
+        Some(if self.count > MOST_ROWS {
+            Err(invalid(format!("more than {MOST_ROWS} rows; allowed: at most {MOST_ROWS}")))
+        } else if row.as_slice().len() > LONGEST_ROW {
+            Err(invalid(format!("line {line} is longer than {LONGEST_ROW} bytes; allowed: at most {LONGEST_ROW}")))
+        } else {
+            Ok((line, row))
+        })
+    }
+}
+
+fn invalid(what: String) -> io::Error {
+    io::Error::new(ErrorKind::InvalidData, what)
+}
+
+fn csv_error(error: csv::Error) -> io::Error {
+    let text = error.to_string();
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        _ => invalid(text),
+    }
 }
 
 /// Reads all bytes of a reader, for example of a decoder, if they are at most `limit`.
@@ -67,7 +147,10 @@ pub fn is_stream(path: &Path) -> bool {
 /// # Errors
 /// A pipe, device, socket or directory, or the system reports an error.
 pub fn check_regular(path: &Path) -> io::Result<()> {
-    let kind = fs::metadata(path)?.file_type();
+    check_kind(fs::metadata(path)?.file_type())
+}
+
+fn check_kind(kind: FileType) -> io::Result<()> {
     if kind.is_file() {
         return Ok(());
     }

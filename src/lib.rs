@@ -49,6 +49,8 @@ pub mod maps;
 #[doc(hidden)]
 pub mod math;
 pub mod measure;
+#[doc(hidden)]
+pub mod message;
 pub mod orbit;
 #[doc(hidden)]
 pub mod output;

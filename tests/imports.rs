@@ -5,10 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Allowed imports of each module. Every module may import `constants` and `input`.
+/// Modules that every module may import.
+const FOR_ALL: [&str; 3] = ["constants", "input", "message"];
+
+/// Allowed imports of each module besides [`FOR_ALL`].
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("input", &[]),
+    ("message", &[]),
     ("math", &[]),
     ("elements", &[]),
     ("frames", &["math"]),
@@ -72,6 +76,7 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("saphyr", &["schedule"]),
     ("saphyr_parser", &["schedule"]),
     ("tempfile", &["output"]),
+    ("rustix", &["input", "output"]),
     ("fitsio", &["images"]),
     ("fitsio_sys", &["images"]),
     ("plotters", &["plot"]),
@@ -127,6 +132,18 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "rand::rng(",
     "from_os_rng",
     "StdRng",
+];
+
+/// Functions that open a file for reading. Only `src/input.rs` calls them: it rejects devices and pipes, which block the
+/// program or have no end, and bounds the size.
+const OPEN_A_FILE: &[&str] = &["File::open(", "fs::read(", "fs::read_to_string(", "from_path(", ".read(true)"];
+
+/// Files that may call these functions.
+const MAY_OPEN: &[&str] = &[
+    "input.rs",
+    // Its own temporary files, which it also writes.
+    "images/fits/tiles.rs",
+    "output/atomic.rs",
 ];
 
 /// Keywords that must not start a line of a `mod.rs`, apart from visibility: such a file only declares modules and
@@ -244,8 +261,7 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
             for module in imported_modules(code) {
                 let is_known = MAY_IMPORT.iter().any(|(known, _)| *known == module);
                 if module != source.module
-                    && module != "constants"
-                    && module != "input"
+                    && !FOR_ALL.contains(&module.as_str())
                     && !(is_known && allowed.contains(&module.as_str()))
                 {
                     violation(format!("{} must not import {module}", source.module));
@@ -260,6 +276,14 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
         if is_library {
             for never in NEVER_IN_THE_LIBRARY.iter().filter(|never| names(code, never)) {
                 violation(format!("{never} in the library"));
+            }
+        }
+        let name = path.to_string_lossy().replace('\\', "/");
+        if !in_tests && !MAY_OPEN.contains(&&*name) {
+            for open in
+                OPEN_A_FILE.iter().filter(|open| names(code, open) || open.starts_with('.') && code.contains(**open))
+            {
+                violation(format!("{open}...) opens a file; use input::open, input::read or input::CsvRows"));
             }
         }
         for (restricted, modules) in RESTRICTED_CRATES {
@@ -498,6 +522,13 @@ fn verif_the_check_itself_can_fail() {
         ("orbit/mod.rs", "pub fn helper() {}"),
         ("orbit/mod.rs", "pub(crate) const X: f64 = 1.0;"),
         ("newroom/file.rs", "use crate::frames::Epoch;"),
+        ("streaks/light/curve.rs", "let file = File::open(path)?;"),
+        ("images/fits/hdu.rs", "let file = std::fs::File::open(path)?;"),
+        ("bin/streakcast/cache.rs", "let bytes = std::fs::read(path)?;"),
+        ("bin/streakcast/cache.rs", "let text = fs::read_to_string(path)?;"),
+        ("fit/points.rs", "let mut rows = csv::Reader::from_path(path)?;"),
+        ("fit/points.rs", "let mut rows = csv::ReaderBuilder::new().from_path(path)?;"),
+        ("fit/points.rs", "let file = File::options().read(true).open(path)?;"),
     ] {
         assert!(offends(path, line), "{path}: {line}");
     }
@@ -511,6 +542,10 @@ fn verif_the_check_itself_can_fail() {
         ("orbit/mod.rs", "pub use arc::Arc;"),
         ("fit/measurements/simulate.rs", "use rand_chacha::ChaCha8Rng;"),
         ("config/document.rs", "use crate::{frames::EopTable, schedule::Policy};"),
+        ("input.rs", "let file = File::open(path)?;"),
+        ("fit/points.rs", "let file = input::open(path)?; let frame = FrameFile::open(path)?;"),
+        ("fit/points.rs", "let entries = std::fs::read_dir(folder)?;"),
+        ("fit/points.rs", "mod tests {\n    let text = std::fs::read_to_string(path)?;\n}"),
     ] {
         assert!(!offends(path, line), "{path}: {line}: {:?}", violations(Path::new(path), line));
     }

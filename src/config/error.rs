@@ -12,6 +12,7 @@ use crate::identify::IdentifyError;
 use crate::images::ImagesError;
 #[cfg(all(feature = "fits", unix))]
 use crate::measure::MeasureError;
+use crate::message::Quoted;
 use crate::orbit::OrbitError;
 use crate::passes::{LearnedError, SkyError};
 use crate::photometry::PhotometryError;
@@ -37,6 +38,16 @@ pub enum ConfigError {
         path: String,
         /// Error of the operating system.
         source: io::Error,
+    },
+    /// The content of a file of the configuration is invalid.
+    #[error("{what} {path}: {source}")]
+    File {
+        /// Purpose of the file.
+        what: &'static str,
+        /// Path of the file.
+        path: String,
+        /// Error of the content.
+        source: Box<ConfigError>,
     },
     /// The configuration file is invalid.
     #[error("configuration {path}: {message}")]
@@ -71,7 +82,7 @@ pub enum ConfigError {
         second: &'static str,
     },
     /// The text of a value has an invalid form.
-    #[error("invalid {what} '{given}'; allowed: {allowed}")]
+    #[error("invalid {what} '{given}'; allowed: {allowed}", given = Quoted::new(.given))]
     Value {
         /// Name of the value.
         what: &'static str,
@@ -81,7 +92,7 @@ pub enum ConfigError {
         allowed: &'static str,
     },
     /// The site is unknown, and no known name is similar.
-    #[error("unknown site {0:?}; allowed: a name listed by streakcast sites, or --lat and --lon")]
+    #[error("unknown site {given:?}; allowed: a name listed by streakcast sites, or --lat and --lon", given = Quoted::new(.0))]
     UnknownSite(String),
     /// The file has no element set of the telescope in orbit.
     #[error(
@@ -163,7 +174,7 @@ pub enum ConfigError {
         first: String,
     },
     /// The generation of satellites is unknown.
-    #[error("unknown generation {given:?}; allowed: {known}")]
+    #[error("unknown generation {given:?}; allowed: {known}", given = Quoted::new(.given))]
     UnknownGeneration {
         /// Unknown name.
         given: String,

@@ -14,7 +14,8 @@ use super::site::no_site_in;
 use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, ImagesError, Telescope};
-use crate::input;
+use crate::input::{self, CsvRows};
+use crate::message::Quoted;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
@@ -395,33 +396,24 @@ fn text_of(what: &str, path: &Path) -> Result<String, ConfigError> {
 }
 
 fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
-    let shown = path.display();
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?;
-    let headers =
-        reader.headers().map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?.clone();
-    let column = |name: &str| {
-        headers.iter().position(|header| header == name).ok_or_else(|| {
-            ConfigError::invalid(format!("light curve {shown}: missing column {name}; allowed: time_s, delta_mag"))
-        })
-    };
-    let (time, delta) = (column("time_s")?, column("delta_mag")?);
+    const FORM: &str = "time_s, delta_mag";
+    let failed =
+        |error: &dyn std::fmt::Display| ConfigError::invalid(format!("light curve {}: {error}", path.display()));
+    let rows = CsvRows::open(path).map_err(|error| failed(&error))?;
+    let column = |name: &str| rows.column(name, FORM).map_err(|error| failed(&error));
+    let columns = [column("time_s")?, column("delta_mag")?];
     let mut points = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?;
-        let line = record.position().map_or(0, csv::Position::line);
+    for row in rows {
+        let (line, row) = row.map_err(|error| failed(&error))?;
         let number = |index: usize| {
-            let text = record.get(index).unwrap_or_default();
-            text.parse::<f64>().map_err(|_| {
-                ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is not a number; allowed: numbers in time_s and delta_mag"))
-            })
+            let text = row.get(index).unwrap_or_default();
+            let not_a_number =
+                || format!("line {line}: '{}' is not a number; allowed: numbers in {FORM}", Quoted::new(text));
+            text.parse::<f64>().map_err(|_| failed(&not_a_number()))
         };
-        points.push((number(time)?, number(delta)?));
+        points.push((number(columns[0])?, number(columns[1])?));
     }
-    LightCurve::new(points).map_err(|error| ConfigError::invalid(format!("{shown}: {error}")))
+    LightCurve::new(points).map_err(|error| failed(&error))
 }
 
 pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {

@@ -92,7 +92,7 @@ impl Config {
     /// The file cannot be read or is invalid.
     pub fn eop_table(&self) -> Result<EopTable, ConfigError> {
         match &self.eop {
-            Some(path) => Ok(EopTable::from_finals2000a(&read_text("Earth orientation", path)?)?),
+            Some(path) => parse_file("Earth orientation", path, EopTable::from_finals2000a),
             None => Ok(EopTable::embedded().without_polar_motion()),
         }
     }
@@ -124,7 +124,7 @@ impl Config {
         let mut all = Vec::new();
         for name in &self.shells {
             if is_file_name(name) {
-                all.extend(Constellation::from_toml(&read_text("shells", Path::new(name))?)?);
+                all.extend(parse_file("shells", Path::new(name), Constellation::from_toml)?);
             } else {
                 all.push(Constellation::by_name(name)?);
             }
@@ -176,7 +176,7 @@ impl Config {
         }
         let qs_mag = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()));
         if let Some(path) = qs_mag {
-            let magnitudes = StandardMagnitudes::from_qs_mag(&read_text("standard magnitudes", path)?)?;
+            let magnitudes = parse_file("standard magnitudes", path, StandardMagnitudes::from_qs_mag)?;
             choice = choice.with_standard_magnitudes(magnitudes);
         }
         // Learned offsets are checked against the models that are set above.
@@ -185,6 +185,19 @@ impl Config {
         }
         Ok(choice)
     }
+}
+
+/// Reads and parses a text file. Errors begin with its purpose `what` and its path.
+pub(super) fn parse_file<T, E: Into<ConfigError>>(
+    what: &'static str,
+    path: &Path,
+    parse: impl FnOnce(&str) -> Result<T, E>,
+) -> Result<T, ConfigError> {
+    parse(&read_text(what, path)?).map_err(|source| ConfigError::File {
+        what,
+        path: path.display().to_string(),
+        source: Box::new(source.into()),
+    })
 }
 
 /// Reads a text file. `what` is its purpose, for errors.

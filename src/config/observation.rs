@@ -6,7 +6,7 @@ use hifitime::TimeScale;
 
 use super::document::{Config, ExposureConfig};
 use super::error::ConfigError;
-use super::inputs::read_text;
+use super::inputs::{parse_file, read_text};
 use super::values::{
     NameOrTable, Quantity, in_range, is_file_name, parse_duration_s, parse_size_deg, parse_time_scale,
 };
@@ -78,7 +78,7 @@ impl Config {
                 (diameter_deg, None) => Field::circle(diameter_deg.to_radians())?,
                 (width_deg, Some(height_deg)) => Field::rectangle_deg(width_deg, height_deg)?,
             }),
-            (None, Some(NameOrTable::Name(path))) => Ok(Field::from_json(&read_text("field", path)?)?),
+            (None, Some(NameOrTable::Name(path))) => parse_file("field", path, Field::from_json),
             (None, Some(NameOrTable::Table(table))) => field_of_table(table),
             (None, None) => match self.telescope()? {
                 Some(telescope) => field_of_telescope(&telescope),
@@ -284,7 +284,7 @@ fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
         return Ok(Field::from_json(&text)?);
     }
     if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
-        return Ok(Field::from_json(&read_text("field", Path::new(path))?)?);
+        return parse_file("field", Path::new(path), Field::from_json);
     }
     Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
 }

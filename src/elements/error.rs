@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use super::element_set::NoradId;
 use super::record::{ElementFormat, Rejected};
+use crate::message::Quoted;
 
 /// Accepted formats, for error messages.
 const ALLOWED: &str =
@@ -88,7 +89,7 @@ pub enum ElementsError {
         allowed: String,
     },
     /// The name of a constellation is unknown.
-    #[error("unknown shells {name:?}: expected one of {known}")]
+    #[error("unknown shells {name:?}: expected one of {known}", name = Quoted::new(.name))]
     UnknownShells {
         /// Unknown name.
         name: String,
@@ -99,7 +100,7 @@ pub enum ElementsError {
     #[error("constellation file: {0}")]
     ShellSyntax(String),
     /// A number is out of range.
-    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: allowed {allowed}")]
+    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: allowed {allowed}", name = Quoted::new(.name))]
     ShellOutOfRange {
         /// Name of the constellation.
         name: String,
@@ -113,7 +114,7 @@ pub enum ElementsError {
         allowed: &'static str,
     },
     /// The stated total differs from the sum of the shells.
-    #[error("constellation {name:?} states {stated} satellites, but its shells have {sum} (allowed: 1 to 999999)")]
+    #[error("constellation {name:?} states {stated} satellites, but its shells have {sum} (allowed: 1 to 999999)", name = Quoted::new(.name))]
     ShellTotal {
         /// Name of the constellation.
         name: String,

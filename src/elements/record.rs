@@ -7,13 +7,14 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::element_set::ElementSet;
+use crate::message::Quoted;
 
 /// Reason for which a record is rejected.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RejectReason {
     /// A field in fixed columns is not a valid number.
-    #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}")]
+    #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}", text = Quoted::new(.text))]
     NotANumber {
         /// Line of the element set, 1 or 2.
         line: u8,
@@ -28,7 +29,7 @@ pub enum RejectReason {
     },
     /// The catalogue number of a TLE is neither digits nor Alpha-5 (a letter and four digits).
     #[error(
-        "line {line}: invalid catalogue number {text:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O"
+        "line {line}: invalid catalogue number {text:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O", text = Quoted::new(.text)
     )]
     BadTleId {
         /// Line of the element set, 1 or 2.
@@ -82,13 +83,13 @@ pub enum RejectReason {
     #[error("line 2 of an element set is not preceded by its line 1")]
     LineTwoAlone,
     /// A line does not belong to an element set.
-    #[error("unexpected line {text:?}: neither part nor name of an element set")]
+    #[error("unexpected line {text:?}: neither part nor name of an element set", text = Quoted::new(.text))]
     Stray {
         /// Text of the line, shortened.
         text: String,
     },
     /// A field of an OMM, or a cell of a CSV file, is not a valid number.
-    #[error("{field} {text:?} is not a number")]
+    #[error("{field} {text:?} is not a number", text = Quoted::new(.text))]
     FieldNotANumber {
         /// Keyword.
         field: &'static str,
@@ -102,13 +103,13 @@ pub enum RejectReason {
         field: &'static str,
     },
     /// The catalogue number of an OMM is neither a number of one to nine digits nor Alpha-5.
-    #[error("invalid NORAD_CAT_ID {text:?}: expected 1 to 999999999, or Alpha-5")]
+    #[error("invalid NORAD_CAT_ID {text:?}: expected 1 to 999999999, or Alpha-5", text = Quoted::new(.text))]
     BadId {
         /// Text of the field.
         text: String,
     },
     /// The epoch is invalid.
-    #[error("invalid epoch {text:?}: expected {allowed}")]
+    #[error("invalid epoch {text:?}: expected {allowed}", text = Quoted::new(.text))]
     BadEpoch {
         /// Text of the field.
         text: String,
@@ -126,7 +127,7 @@ pub enum RejectReason {
         allowed: &'static str,
     },
     /// The mean elements are of a theory, frame or time system that SGP4 does not use.
-    #[error("unsupported {field} {text:?}: allowed {allowed}")]
+    #[error("unsupported {field} {text:?}: allowed {allowed}", text = Quoted::new(.text))]
     Unsupported {
         /// Keyword.
         field: &'static str,

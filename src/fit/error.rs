@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::measurements::DropExample;
+use crate::message::Quoted;
 
 /// Names of the formats of photometry, for error messages.
 pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
@@ -33,7 +34,7 @@ pub enum FitError {
     },
     /// The header of a file matches none of the known formats.
     #[error(
-        "{file}: the format with the header '{header}' is unknown; allowed: {FORMATS}, or any table with a column map"
+        "{file}: the format with the header '{header}' is unknown; allowed: {FORMATS}, or any table with a column map", header = Quoted::new(.header)
     )]
     UnknownFormat {
         /// Name of the file.
@@ -42,13 +43,13 @@ pub enum FitError {
         header: String,
     },
     /// The name of a format is unknown.
-    #[error("unknown format of photometry '{name}'; allowed: {FORMATS}")]
+    #[error("unknown format of photometry '{name}'; allowed: {FORMATS}", name = Quoted::new(.name))]
     UnknownFormatName {
         /// Given name.
         name: String,
     },
     /// A required column is missing.
-    #[error("{file}: no column '{column}'")]
+    #[error("{file}: no column '{column}'", column = Quoted::new(.column))]
     Column {
         /// Name of the file.
         file: String,
@@ -62,14 +63,14 @@ pub enum FitError {
         problem: String,
     },
     /// A column of times has no time scale. TAI that is read as UTC would be wrong by 37 s.
-    #[error("column map: the times of column '{column}' have no scale; allowed: time_scale = utc, tai or tt")]
+    #[error("column map: the times of column '{column}' have no scale; allowed: time_scale = utc, tai or tt", column = Quoted::new(.column))]
     NoTimeScale {
         /// Name of the column of times.
         column: String,
     },
     /// A file contains several filters, and none was selected.
     #[error(
-        "{file} data row {row}: filter is '{other}' after rows of filter '{first}'; allowed: one filter, unless the filters are specified"
+        "{file} data row {row}: filter is '{other}' after rows of filter '{first}'; allowed: one filter, unless the filters are specified", other = Quoted::new(.other), first = Quoted::new(.first)
     )]
     MixedFilters {
         /// Name of the file.
@@ -122,7 +123,7 @@ pub enum FitError {
         least: usize,
     },
     /// A parameter is unknown.
-    #[error("unknown parameter {given:?} of the model {form}; allowed: {allowed}")]
+    #[error("unknown parameter {given:?} of the model {form}; allowed: {allowed}", given = Quoted::new(.given))]
     Parameter {
         /// Given name.
         given: String,

@@ -1,12 +1,13 @@
 //! Errors of times, angles and Earth orientation.
 
+use crate::message::Quoted;
 use thiserror::Error;
 
 /// Errors of times, angles and Earth orientation.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FramesError {
     /// A name outside the table of deep-sky objects.
-    #[error("unknown target '{name}'; {}", known_targets(similar))]
+    #[error("unknown target '{name}'; {}", known_targets(similar), name = Quoted::new(.name))]
     UnknownObject {
         /// Given name.
         name: String,
@@ -32,7 +33,7 @@ pub enum FramesError {
         scale: hifitime::TimeScale,
     },
     /// An invalid number in a finals2000A file.
-    #[error("finals2000A line {line}: {column} is {text:?}; allowed: a number")]
+    #[error("finals2000A line {line}: {column} is {text:?}; allowed: a number", text = Quoted::new(.text))]
     BadEopNumber {
         /// Line in the file, from 1.
         line: usize,
@@ -58,7 +59,7 @@ pub enum FramesError {
         lines: usize,
     },
     /// Text that is not an angle of the requested kind.
-    #[error("{text:?} is not {wanted}")]
+    #[error("{text:?} is not {wanted}", text = Quoted::new(.text))]
     BadAngle {
         /// Given text.
         text: String,
@@ -66,10 +67,10 @@ pub enum FramesError {
         wanted: &'static str,
     },
     /// The text is not ISO 8601.
-    #[error("invalid time '{0}'; allowed: ISO 8601, for example 2024-08-14T00:30:00.000Z")]
+    #[error("invalid time '{given}'; allowed: ISO 8601, for example 2024-08-14T00:30:00.000Z", given = Quoted::new(.0))]
     NotATime(String),
     /// A field is out of range.
-    #[error("invalid time '{text}': {field} {value} is out of range; allowed: {allowed}")]
+    #[error("invalid time '{text}': {field} {value} is out of range; allowed: {allowed}", text = Quoted::new(.text))]
     TimeField {
         /// Given text.
         text: String,
@@ -81,12 +82,12 @@ pub enum FramesError {
         allowed: &'static str,
     },
     /// A second 60 is given for a minute without a leap second.
-    #[error("invalid time '{0}'; allowed: second 60 only where a leap second was inserted")]
+    #[error("invalid time '{given}'; allowed: second 60 only where a leap second was inserted", given = Quoted::new(.0))]
     NoLeapSecond(String),
     /// The time has no scale.
     #[error(
-        "time '{0}' has no time scale; allowed: a time that ends in Z (UTC), or any time with --time-scale utc, tai or tt \
-         (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
+        "time '{given}' has no time scale; allowed: a time that ends in Z (UTC), or any time with --time-scale utc, tai or tt \
+         (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)", given = Quoted::new(.0)
     )]
     NoScale(String),
 }

@@ -1,10 +1,12 @@
 //! Errors of sites.
 
+use crate::message::Quoted;
+
 /// Errors of sites: invalid coordinates and unknown names.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GeometryError {
     /// A coordinate outside its range.
-    #[error("{what} of site {site:?} is {value} {unit}; allowed: {first} to {last} {unit}")]
+    #[error("{what} of site {site:?} is {value} {unit}; allowed: {first} to {last} {unit}", site = Quoted::new(.site))]
     CoordinateOutOfRange {
         /// The site's name.
         site: String,
@@ -20,7 +22,7 @@ pub enum GeometryError {
         last: f64,
     },
     /// A site name that is not in the table.
-    #[error("unknown site {name:?}: {}", near(nearest))]
+    #[error("unknown site {name:?}: {}", near(nearest), name = Quoted::new(.name))]
     UnknownSite {
         /// Given name.
         name: String,
@@ -29,7 +31,7 @@ pub enum GeometryError {
     },
     /// An observatory code that is not in the table.
     #[error(
-        "unknown MPC observatory code {code:?}; allowed: the {known} codes of the bundled table, or latitude, longitude and height"
+        "unknown MPC observatory code {code:?}; allowed: the {known} codes of the bundled table, or latitude, longitude and height", code = Quoted::new(.code)
     )]
     UnknownMpcCode {
         /// Given code.

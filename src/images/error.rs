@@ -4,6 +4,7 @@ use std::fmt::Display;
 #[cfg(all(feature = "fits", unix))]
 use std::path::{Path, PathBuf};
 
+use crate::message::Quoted;
 use thiserror::Error;
 
 /// Errors of frames, headers, world coordinates, detectors and telescopes.
@@ -32,7 +33,7 @@ pub enum ImagesError {
     },
     /// A header without axes of right ascension and declination.
     #[error(
-        "{location}no celestial coordinates: CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}; allowed: one RA---xxx and one DEC--xxx"
+        "{location}no celestial coordinates: CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}; allowed: one RA---xxx and one DEC--xxx", ctype1 = Quoted::new(.ctype1), ctype2 = Quoted::new(.ctype2)
     )]
     NoCelestialAxes {
         /// The file and the HDU, each followed by a colon and a blank; empty for a header alone.

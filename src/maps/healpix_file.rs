@@ -6,7 +6,6 @@
 //! and latitude in the satellite's frame; they are not celestial coordinates. Header text is ASCII: accents are
 //! removed, and text that is too long is truncated and ends in three dots.
 
-use std::fs;
 use std::path::Path;
 
 use crate::images::{Card, CardValue, Cells, TableColumn, write_table};
@@ -97,7 +96,7 @@ fn to_fits(
     };
     let columns: Vec<TableColumn> = columns.iter().map(column).collect();
     write_table(&path, "HEALPIX", &columns, &cards(nside, facts)).map_err(|error| MapError::Fits(error.to_string()))?;
-    fs::read(&path).map_err(|error| MapError::Scratch(format!("folder {}: {error}", scratch.display())))
+    crate::input::read(&path).map_err(|error| MapError::Scratch(format!("folder {}: {error}", scratch.display())))
 }
 
 fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {

@@ -2,8 +2,7 @@
 //! is renamed at the end.
 //!
 //! A program that ends at a signal removes its temporary files with [`remove_unfinished`]. Those of a process that was
-//! killed are removed by the next process that writes into the folder: a process keeps its temporary files locked, and
-//! the system drops the locks when it ends.
+//! killed are removed by the next process that writes into the folder (`abandoned`).
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -13,10 +12,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// Beginning of the names of temporary files and folders.
-const PREFIX: &str = ".streakcast-";
-/// File in a temporary folder that is locked while the folder is in use.
-const LOCK: &str = "lock";
+use super::abandoned::{LOCK, MARKER, PREFIX, RANDOM_CHARACTERS, SUFFIX};
 
 /// Temporary files of this process.
 struct Unfinished {
@@ -42,7 +38,8 @@ pub fn remove_unfinished() {
     std::mem::forget(unfinished);
 }
 
-/// Number of attempts to remove a folder, in which another thread may create files meanwhile.
+/// Number of attempts to remove a folder, in which another thread may create files meanwhile, and to create a file that
+/// no other process locks.
 const ATTEMPTS: usize = 100;
 
 fn remove(path: &Path) {
@@ -57,35 +54,55 @@ fn remove(path: &Path) {
 /// Removes the temporary files of ended processes from a folder, once in each process. On Windows they are kept,
 /// because there [`lock`] does not mark those in use.
 fn remove_abandoned(folder: &Path) {
-    if !unfinished().cleaned.insert(folder.to_owned()) || cfg!(not(unix)) {
-        return;
-    }
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX)) {
-        let (path, Ok(kind)) = (entry.path(), entry.file_type()) else { continue };
-        let locked = if kind.is_dir() { path.join(LOCK) } else { path.clone() };
-        // Files on systems without locks are kept.
-        if let Some(file) = File::options().write(true).open(locked).ok().filter(|_| kind.is_dir() || kind.is_file())
-            && file.try_lock().is_ok()
-        {
-            remove(&path);
-        }
+    let _is_first = unfinished().cleaned.insert(folder.to_owned());
+    #[cfg(unix)]
+    if _is_first {
+        super::abandoned::remove_abandoned(folder);
     }
 }
 
-/// Locks a file until it is closed. Waits for a process that tests whether the file is in use, and returns false if
-/// that process has removed it.
+/// Returns a builder of temporary files and folders with the names that [`super::abandoned`] recognises.
+fn builder() -> Builder<'static, 'static> {
+    let mut builder = Builder::new();
+    builder.prefix(PREFIX).rand_bytes(RANDOM_CHARACTERS).suffix(SUFFIX);
+    builder
+}
+
+/// Locks a new file until it is closed. Returns false if another process holds the lock, or has removed the file while
+/// it tested whether the file is in use. It does not wait, because any process that can read the file can lock it.
 #[cfg(unix)]
 fn lock(file: &File, path: &Path) -> bool {
     // The error of a file system without locks is ignored.
-    let _ = file.lock();
-    path.exists()
+    !matches!(file.try_lock(), Err(std::fs::TryLockError::WouldBlock)) && path.exists()
 }
 
 /// On Windows a lock would also exclude other handles of this process.
 #[cfg(not(unix))]
 fn lock(_: &File, _: &Path) -> bool {
     true
+}
+
+/// Gives a finished file the permissions of the file that it replaces and, where the system allows it, its owner and
+/// group.
+#[cfg(unix)]
+fn keep_access(new: &File, old: &std::fs::Metadata) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let (made, mut mode) = (new.metadata()?, old.mode() & 0o777);
+    if made.uid() != old.uid() {
+        let _ = fchown(new, Some(old.uid()), None);
+    }
+    if made.gid() != old.gid() && fchown(new, None, Some(old.gid())).is_err() {
+        // Members of another group get no more than both the old group and all others had.
+        mode &= !0o070 | (mode & 0o007) << 3;
+    }
+    // A file system without permissions (FAT) rejects this. The file was created with the same ones.
+    let _ = new.set_permissions(std::fs::Permissions::from_mode(mode));
+    Ok(())
+}
+
+#[cfg(not(unix))]
+fn keep_access(_: &File, _: &std::fs::Metadata) -> io::Result<()> {
+    Ok(())
 }
 
 /// Entry in the list of temporary files. It is removed from the list when this value is dropped.
@@ -120,7 +137,9 @@ pub struct AtomicFile {
 
 impl AtomicFile {
     /// Creates the temporary file in the folder of `target`. If `target` is a symbolic link, the file it points to is
-    /// replaced, and the link is kept.
+    /// replaced, and the link is kept. The new file gets the permissions of the file that it replaces and, where the
+    /// system allows it, owner and group; otherwise the permissions that the umask leaves. Other hard links to the
+    /// replaced file keep its old content.
     ///
     /// # Errors
     /// The folder is missing or not writable; the target is a directory, a pipe or a device; or symbolic links form a
@@ -136,18 +155,23 @@ impl AtomicFile {
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         remove_abandoned(folder);
-        let mut builder = Builder::new();
-        builder.prefix(PREFIX).suffix(".part");
-        // A new file gets the usual permissions; by default temporary files are readable only by their owner.
+        let mut builder = builder();
+        // By default temporary files are readable only by their owner. A new file gets the usual permissions, and one
+        // that replaces another is never more open than that.
         #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        loop {
+        builder.permissions({
+            use std::os::unix::fs::PermissionsExt;
+            let mode = target.metadata().map_or(0o666, |old| old.permissions().mode() & 0o666 | 0o600);
+            PermissionsExt::from_mode(mode)
+        });
+        for _ in 0..ATTEMPTS {
             let (temporary, listed) = Listed::create(|| builder.tempfile_in(folder), NamedTempFile::path)
                 .map_err(|error| folder_error(folder, &error))?;
             if lock(temporary.as_file(), temporary.path()) {
                 return Ok(Self { temporary, target, _listed: listed });
             }
         }
+        Err(folder_error(folder, &busy()))
     }
 
     /// Checks that a file can be created at `target`, for use before a long computation.
@@ -175,6 +199,8 @@ impl AtomicFile {
     pub fn take(&mut self, made: &Path) -> io::Result<()> {
         let file = File::options().read(true).write(true).open(made)?;
         lock(&file, made);
+        // Some file systems have no permissions.
+        let _ = file.set_permissions(self.file().metadata()?.permissions());
         std::fs::rename(made, self.path())?;
         *self.temporary.as_file_mut() = file;
         Ok(())
@@ -204,6 +230,9 @@ impl AtomicFile {
     }
 
     fn rename(self) -> io::Result<()> {
+        if let Ok(old) = self.target.metadata() {
+            keep_access(self.file(), &old)?;
+        }
         self.temporary.persist(&self.target).map(drop).map_err(|error| error.error)
     }
 }
@@ -225,21 +254,32 @@ impl ScratchFolder {
     /// `parent` is missing or not writable.
     pub fn new(parent: &Path) -> io::Result<Self> {
         remove_abandoned(parent);
-        loop {
-            let (folder, listed) = Listed::create(|| Builder::new().prefix(PREFIX).tempdir_in(parent), TempDir::path)
-                .map_err(|error| folder_error(parent, &error))?;
-            let file = folder.path().join(LOCK);
-            let locked = File::create(&file).map_err(|error| folder_error(parent, &error))?;
-            if lock(&locked, &file) {
-                return Ok(Self { folder, _listed: listed, _lock: locked });
+        let failed = |error| folder_error(parent, &error);
+        for _ in 0..ATTEMPTS {
+            let (folder, listed) = Listed::create(|| builder().tempdir_in(parent), TempDir::path).map_err(failed)?;
+            // The marker is written after the file was locked: without it the folder counts as empty.
+            let path = folder.path().join(LOCK);
+            match File::create_new(&path) {
+                Ok(mut file) if lock(&file, &path) => {
+                    file.write_all(MARKER.as_bytes()).map_err(failed)?;
+                    return Ok(Self { folder, _listed: listed, _lock: file });
+                }
+                // Another process has just removed the empty folder.
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
+                _ => {}
             }
         }
+        Err(failed(busy()))
     }
 
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         self.folder.path()
     }
+}
+
+fn busy() -> io::Error {
+    io::Error::other("another process locks or removes each new temporary file")
 }
 
 /// Returns the error with the name of the folder in place of the name of the temporary file, which the user does not
@@ -333,34 +373,78 @@ mod tests {
     }
 
     #[cfg(unix)]
+    fn mode(path: &Path) -> u32 {
+        use std::os::unix::fs::PermissionsExt;
+        path.metadata().unwrap().permissions().mode() & 0o7777
+    }
+
+    #[cfg(unix)]
     #[test]
-    fn files_of_ended_processes_are_removed_and_those_in_use_are_kept() {
+    fn a_replaced_file_keeps_its_permissions_and_a_new_one_has_those_of_the_umask() {
+        use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
-        let made = |name: &str| {
-            let path = folder.path().join(name);
-            path.parent().map(std::fs::create_dir_all).unwrap().unwrap();
-            File::create(&path).unwrap()
+        let path = folder.path().join("out.csv");
+        let usual = folder.path().join("usual");
+        File::create(&usual).unwrap();
+        let write = |path: &Path| {
+            let file = AtomicFile::new(path).unwrap();
+            let unfinished = mode(file.path());
+            file.finish().unwrap();
+            unfinished
         };
-        for name in [".streakcast-a.part", ".streakcast-b/lock", ".streakcast-b/out.fits", "streakcast-c.part"] {
-            drop(made(name));
+        write(&path);
+        assert_eq!(mode(&path), mode(&usual));
+        for kept in [0o600, 0o640, 0o666, 0o400, 0o755] {
+            std::fs::set_permissions(&path, PermissionsExt::from_mode(kept)).unwrap();
+            let unfinished = write(&path);
+            assert_eq!(
+                unfinished & !(kept | 0o600),
+                0,
+                "{unfinished:o} during the replacement of a file with {kept:o}"
+            );
+            assert_eq!(mode(&path), kept);
         }
-        let in_use = [made(".streakcast-d.part"), made(".streakcast-e/lock")];
-        in_use.iter().for_each(|file| file.lock().unwrap());
-        // A folder without its lock is just being made.
-        std::fs::create_dir(folder.path().join(".streakcast-f")).unwrap();
-        let (file, scratch) =
-            (AtomicFile::new(&folder.path().join("out.csv")).unwrap(), ScratchFolder::new(folder.path()).unwrap());
-        // Other processes see the locks of this one.
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_another_program_made_in_the_folder_of_fits_keeps_permissions() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, made) = (folder.path().join("out.fits"), folder.path().join("made"));
+        for name in [&path, &made] {
+            std::fs::write(name, "old").unwrap();
+        }
+        std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).unwrap();
+        let mut file = AtomicFile::new(&path).unwrap();
+        file.take(&made).unwrap();
+        assert_eq!(mode(file.path()), 0o600);
+        file.finish().unwrap();
+        assert_eq!(mode(&path), 0o600);
+    }
+
+    #[test]
+    fn other_hard_links_keep_the_old_content() {
+        let folder = tempfile::tempdir().unwrap();
+        let [path, link] = ["out.csv", "link.csv"].map(|name| folder.path().join(name));
+        std::fs::write(&path, "old").unwrap();
+        std::fs::hard_link(&path, &link).unwrap();
+        write_atomically(&path, |out| out.write_all(b"new")).unwrap();
+        assert_eq!([&path, &link].map(|path| std::fs::read_to_string(path).unwrap()), ["new", "old"]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn other_processes_see_the_locks_of_temporary_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = AtomicFile::new(&folder.path().join("out.csv")).unwrap();
+        let scratch = ScratchFolder::new(folder.path()).unwrap();
         for path in [file.path().to_owned(), scratch.path().join(LOCK)] {
             assert!(File::options().write(true).open(path).unwrap().try_lock().is_err());
         }
-        drop((file, scratch));
-        let mut left: Vec<String> = std::fs::read_dir(folder.path())
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        left.sort();
-        assert_eq!(left, [".streakcast-d.part", ".streakcast-e", ".streakcast-f", "streakcast-c.part"]);
+        // The files of this process are not abandoned.
+        super::super::abandoned::remove_abandoned(folder.path());
+        assert!(file.path().exists() && scratch.path().join(LOCK).exists());
     }
 
     #[test]

@@ -18,6 +18,14 @@ pub fn write_csv(out: &mut dyn Write, table: &Table, provenance: &Provenance) ->
     write_records(out, table)
 }
 
+/// Writes the rows of a table as CSV without its header, for tables that are written in parts.
+///
+/// # Errors
+/// Any error of the writer.
+pub fn write_csv_rows(out: &mut dyn Write, table: &Table) -> io::Result<()> {
+    write_rows(&mut csv_writer(out), table)
+}
+
 /// Writes the table as comma-separated ECSV that `astropy.table.Table.read` opens with units and metadata.
 ///
 /// In astropy, the provenance is in `meta['provenance']`. Texts in the header are JSON strings, which are valid YAML. A
@@ -68,8 +76,16 @@ pub(crate) fn csv_cell(text: &str) -> String {
 
 /// Writes the line of column names and the rows, which are the same in CSV and ECSV.
 fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
-    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(out);
+    let mut writer = csv_writer(out);
     writer.write_record(table.columns.iter().map(|column| column.name)).map_err(io_error)?;
+    write_rows(&mut writer, table)
+}
+
+fn csv_writer(out: &mut dyn Write) -> csv::Writer<&mut dyn Write> {
+    csv::WriterBuilder::new().flexible(true).from_writer(out)
+}
+
+fn write_rows(writer: &mut csv::Writer<&mut dyn Write>, table: &Table) -> io::Result<()> {
     for row in &table.rows {
         writer
             .write_record(table.columns.iter().zip(row).map(|(column, value)| column.text(value)))

@@ -3,6 +3,7 @@
 //! A table is a list of [`Column`]s with unit and description, and rows of [`Value`]s. The same rows are written to
 //! CSV, ECSV, JSON, JSON lines, VOTable and (feature `parquet`) Parquet with the same digits.
 
+mod abandoned;
 mod atomic;
 mod delimited;
 mod json;
@@ -15,7 +16,7 @@ mod votable;
 
 pub use atomic::{AtomicFile, ScratchFolder, check_target, remove_unfinished, write_atomically};
 pub(crate) use delimited::{csv_cell, ecsv_column};
-pub use delimited::{write_csv, write_ecsv};
+pub use delimited::{write_csv, write_csv_rows, write_ecsv};
 pub use json::{Section, write_json, write_json_lines};
 #[cfg(feature = "parquet")]
 pub use parquet::write_parquet;

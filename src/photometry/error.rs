@@ -1,5 +1,6 @@
 //! Errors of model files, bands and tables of standard magnitudes, and the checks of model files that return them.
 
+use crate::message::Quoted;
 use thiserror::Error;
 
 /// Version of the model file schema that is supported.
@@ -9,7 +10,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 #[derive(Debug, Error)]
 pub enum PhotometryError {
     /// A name that no model has.
-    #[error("unknown model '{given}'; allowed: {known}")]
+    #[error("unknown model '{given}'; allowed: {known}", given = Quoted::new(.given))]
     UnknownModel {
         /// Given value.
         given: String,
@@ -47,7 +48,7 @@ pub enum PhotometryError {
         greatest: f64,
     },
     /// A text is not one of the allowed ones.
-    #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}")]
+    #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}", given = Quoted::new(.given))]
     ModelText {
         /// Name of the file.
         origin: String,
@@ -71,7 +72,7 @@ pub enum PhotometryError {
         key: &'static str,
     },
     /// A name refers to something that is not defined in the file.
-    #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}")]
+    #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}", given = Quoted::new(.given))]
     ModelReference {
         /// Name of the file.
         origin: String,
@@ -96,13 +97,13 @@ pub enum PhotometryError {
         problem: String,
     },
     /// The name of a band is unknown.
-    #[error("unknown band {given:?}; allowed: B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
+    #[error("unknown band {given:?}; allowed: B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)", given = Quoted::new(.given))]
     UnknownBand {
         /// Given name.
         given: String,
     },
     /// The name of a magnitude system is unknown.
-    #[error("unknown magnitude system {given:?}; allowed: Vega and AB")]
+    #[error("unknown magnitude system {given:?}; allowed: Vega and AB", given = Quoted::new(.given))]
     UnknownSystem {
         /// Given name.
         given: String,

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use crate::message::Quoted;
 use hifitime::TimeScale;
 use thiserror::Error;
 
@@ -40,6 +41,14 @@ pub enum ScheduleError {
     NoRows {
         /// Path of the file.
         path: String,
+    },
+    /// The file has more rows than the largest number.
+    #[error("schedule {path} has more than {most} rows; allowed: at most {most}; split it")]
+    TooManyRows {
+        /// Path of the file.
+        path: String,
+        /// The largest number of rows.
+        most: usize,
     },
     /// The format is not supported.
     #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable (TABLEDATA) or Parquet")]
@@ -109,7 +118,7 @@ pub enum ScheduleError {
         given: TimeScale,
     },
     /// The unit of a column contradicts its name.
-    #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}")]
+    #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}", unit = Quoted::new(.unit))]
     Unit {
         /// Path of the file.
         path: String,
@@ -199,19 +208,19 @@ pub enum ScheduleError {
     )]
     PolicySyntax(String),
     /// The magnitude limit is neither a number nor numbers by band.
-    #[error("invalid magnitude limit '{given}'; allowed: a number, or numbers by band such as g=7,y=5,default=6")]
+    #[error("invalid magnitude limit '{given}'; allowed: a number, or numbers by band such as g=7,y=5,default=6", given = Quoted::new(.given))]
     PolicyLimit {
         /// Text that cannot be parsed.
         given: String,
     },
     /// A choice of blocking satellites is not one of the allowed words.
-    #[error("blocking is '{given}'; allowed: any, avoid")]
+    #[error("blocking is '{given}'; allowed: any, avoid", given = Quoted::new(.given))]
     PolicyBlocking {
         /// Text that is not allowed.
         given: String,
     },
     /// A band has two limits.
-    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, such as g=7,y=5,default=6")]
+    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, such as g=7,y=5,default=6", given = Quoted::new(.given))]
     PolicyBand {
         /// Name of the band.
         band: String,

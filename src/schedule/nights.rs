@@ -10,6 +10,7 @@ use thiserror::Error;
 use crate::frames::{mjd_utc, seconds_after};
 
 use super::scheduled::{Schedule, ScheduledExposure};
+use crate::message::Quoted;
 
 /// Returns start and end of the night that begins on the evening of a date: from local mean noon to the next, at a
 /// longitude in radians (east positive).
@@ -40,7 +41,7 @@ pub struct Shard {
 
 /// Invalid shard text.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("invalid shard '{given}'; allowed: I/N with 1 <= I <= N <= 1000000, for example 3/100")]
+#[error("invalid shard '{given}'; allowed: I/N with 1 <= I <= N <= 1000000, for example 3/100", given = Quoted::new(.given))]
 pub struct ShardError {
     given: String,
 }

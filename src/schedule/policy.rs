@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::ScheduleError;
 use crate::images::Telescope;
+use crate::message::listed;
 
 /// Magnitude limit: one number for all bands, one number for each band, or the limits of the telescope file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -277,7 +278,7 @@ impl Policy {
             let without: Vec<&str> =
                 bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
             (!without.is_empty())
-                .then(|| format!("{name} of the policy has no value for band {}{end}", without.join(", ")))
+                .then(|| format!("{name} of the policy has no value for band {}{end}", listed(without)))
         };
         let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
         self.magnitude_limits()

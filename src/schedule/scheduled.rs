@@ -1,12 +1,12 @@
 //! Schedules: exposures in the order of their rows. An invalid row has a reason instead of an exposure.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ScheduleError;
-use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
+use super::formats::{Cell, ColumnMap, RawTable, Row, ScheduleFormat, StartColumn, StartForm, display, read_raw};
 use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
@@ -75,8 +75,10 @@ impl Schedule {
 
     /// Returns the number of rows whose identifier also occurs in an earlier row.
     pub fn repeated_ids(&self) -> usize {
-        let distinct: HashSet<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
-        self.exposures.len() - distinct.len()
+        // Takes less memory than a hash table of millions of texts.
+        let mut ids: Vec<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
+        ids.sort_unstable();
+        ids.windows(2).filter(|pair| pair[0] == pair[1]).count()
     }
 
     /// Returns the bands of all rows; `None` for rows without a band.
@@ -103,7 +105,7 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         .rows
         .iter()
         .enumerate()
-        .map(|(row, cells)| scheduled_exposure(row, cells, &map, scale, options))
+        .map(|(row, cells)| scheduled_exposure(row, &cells, &map, scale, options))
         .collect();
     Ok(Schedule { format: table.format, exposures, start_column: map.start.name, time_scale: scale })
 }
@@ -133,8 +135,7 @@ fn start_scale(
             && table
                 .rows
                 .iter()
-                .flatten()
-                .filter_map(|cells| cells.get(start.index)?.text())
+                .filter_map(|cells| cells.as_ref().as_ref().ok()?.get(start.index)?.text())
                 .all(|text| !matches!(parse_instant(&text, None), Err(FramesError::NoScale(_))))
     };
     if let (Some(named), Some(given)) = (start.scale.or(of_header), options.time_scale)
@@ -174,7 +175,7 @@ fn check_units(path: &Path, table: &RawTable, map: &ColumnMap) -> Result<(), Sch
 
 fn scheduled_exposure(
     row: usize,
-    cells: &Result<Vec<Cell>, String>,
+    cells: &Row,
     map: &ColumnMap,
     scale: TimeScale,
     options: &ScheduleOptions,

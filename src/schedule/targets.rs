@@ -66,7 +66,7 @@ pub fn read_targets(
     let [name, right_ascension, declination, exposure] = columns;
     let listed = table.rows.iter().enumerate().map(|(row, cells)| {
         let numbered = (row + 1).to_string();
-        let cells = match cells {
+        let cells = match cells.as_ref() {
             Ok(cells) => cells,
             Err(reason) => {
                 return ListedTarget { name: numbered.clone(), unique_id: numbered, target: Err(reason.clone()) };

@@ -203,7 +203,7 @@ fn no_temporary_files_remain() {
         let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
         assert!(sent.success() && child.wait().unwrap().code().is_none(), "{signal}");
     };
-    for signal in ["-INT", "-TERM"] {
+    for signal in ["-HUP", "-INT", "-QUIT", "-TERM"] {
         ended_by(signal);
         assert_eq!(temporary(), Vec::<String>::new(), "{signal}");
     }

@@ -5,6 +5,8 @@ mod common;
 
 mod annotate_formats;
 mod bad_input;
+#[cfg(unix)]
+mod bounded_input;
 #[cfg(feature = "cli")]
 mod doctor;
 mod element_ages;
@@ -49,4 +51,6 @@ mod serve;
 mod serve_errors;
 mod shorthands;
 mod space_observer;
+#[cfg(unix)]
+mod user_files;
 mod windows;

@@ -4,18 +4,19 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use streakcast::message::bounded;
 
 pyo3::create_exception!(streakcast, StreakcastError, PyValueError, "Invalid request.");
 pyo3::create_exception!(streakcast, SetupError, StreakcastError, "Invalid arguments of a model.");
 
 /// Returns the exception for an invalid request.
 pub fn request(error: impl std::fmt::Display) -> PyErr {
-    StreakcastError::new_err(error.to_string())
+    StreakcastError::new_err(bounded(&error.to_string()).into_owned())
 }
 
 /// Returns the exception for invalid arguments of a model. Flags of the command line in the message become arguments.
 pub fn setup(error: impl std::fmt::Display) -> PyErr {
-    SetupError::new_err(as_arguments(&error.to_string()))
+    SetupError::new_err(bounded(&as_arguments(&error.to_string())).into_owned())
 }
 
 /// Replaces flags by argument names, for example `--observer-elements` by `observer_elements`.

@@ -47,7 +47,7 @@ impl FetchRecord {
 
     /// Reads the sidecar of a file; `None` if it is missing or unreadable, in which case the next download replaces it.
     pub fn read(file: &Path) -> Option<Self> {
-        serde_json::from_slice(&std::fs::read(Self::sidecar_path(file)).ok()?).ok()
+        serde_json::from_slice(&streakcast::input::read(&Self::sidecar_path(file)).ok()?).ok()
     }
 }
 

@@ -6,7 +6,8 @@ use std::process::ExitCode;
 use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-use crate::screen::printable;
+use crate::output::cannot_print;
+use streakcast::message::{bounded, printable};
 
 /// Verbs that exist only in builds with a Cargo feature, and the feature.
 const FEATURES: [(&str, &str); 8] = [
@@ -52,16 +53,16 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// Writes a message on one line of standard error. A closed standard error is ignored.
 fn report(message: &str) {
     let message: Vec<&str> = message.split_whitespace().collect();
-    let line = format!("error: {}\n", message.join(" "));
-    let _ = io::Write::write_all(&mut io::stderr(), printable(&line).as_bytes());
+    let line = format!("error: {}", message.join(" "));
+    let _ = io::Write::write_fmt(&mut io::stderr(), format_args!("{}\n", bounded(&printable(&line))));
 }
 
 /// Prints help and version on standard output, and a usage error on one line of standard error.
 pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
-            let _ = error.print();
-            ExitCode::SUCCESS
+            let printed = error.print().and_then(|()| io::Write::flush(&mut io::stdout()));
+            exit_code(printed.map(|()| Outcome::Done).map_err(|error| cannot_print("the help", error)))
         }
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let _ = error.print();

@@ -7,12 +7,14 @@ use std::time::Duration;
 use hifitime::Epoch;
 use indicatif::{ProgressBar, ProgressStyle};
 use streakcast::config::{Config, PreparedSky};
+use streakcast::message::{bounded, printable};
 use streakcast::orbit::LeftOut;
-
-use crate::screen::printable;
 
 /// Smallest number of exposures for which a progress bar is shown.
 const LONG_WORK: usize = 2000;
+
+/// Number of warnings of one kind that are printed.
+const MOST_WARNINGS: usize = 3;
 
 /// Writer of messages to standard error.
 pub struct Notices {
@@ -48,6 +50,17 @@ impl Notices {
         }
     }
 
+    /// Prints the first three warnings of one kind, and the number of the others. `what` describes them in plural, for
+    /// example "targets without a window".
+    pub fn warn_first(&self, warnings: impl IntoIterator<Item = String>, what: &str) {
+        let mut warnings = warnings.into_iter();
+        self.warn(&warnings.by_ref().take(MOST_WARNINGS).collect::<Vec<_>>());
+        let others = warnings.count();
+        if others > 0 {
+            self.info(&format!("warning: {others} more {what}"));
+        }
+    }
+
     /// Prints a warning if the position of satellites cannot be computed; with `verbose` it lists all of them.
     ///
     /// # Errors
@@ -67,7 +80,7 @@ impl Notices {
     pub fn info(&self, line: &str) {
         if !self.quiet {
             // A closed standard error is ignored.
-            let _ = writeln!(stderr(), "{}", printable(line));
+            let _ = writeln!(stderr(), "{}", bounded(&printable(line)));
         }
     }
 

@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::output::{
-    Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
-    write_votable,
+    Provenance, Section, Table, check_target, write_atomically, write_csv, write_csv_rows, write_ecsv, write_json,
+    write_json_lines, write_votable,
 };
 
 use crate::notices::Notices;
-use crate::screen::{Style, printable, render, terminal_width};
+use crate::screen::{Style, render, terminal_width};
+use streakcast::message::printable;
 
 /// Argument that stands for standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -149,7 +150,8 @@ impl Output {
                 out.write_all(&bytes)
             }
         };
-        self.put(notices, |out| {
+        let name = result.sections.first().map_or("result", |section| section.name);
+        self.put(&format!("the table {name}"), notices, |out| {
             if self.format == Format::Table || !self.is_on_terminal() {
                 return write_data(out);
             }
@@ -157,6 +159,29 @@ impl Output {
             let mut bytes = Vec::new();
             write_data(&mut bytes)?;
             out.write_all(printable(&String::from_utf8_lossy(&bytes)).as_bytes())
+        })
+    }
+
+    /// Returns true if the format is CSV for a file or a pipe, which can be written in parts.
+    pub fn takes_parts(&self) -> bool {
+        self.format == Format::Csv && !self.is_on_terminal()
+    }
+
+    /// Writes a table in parts as CSV, so that not all of its rows are in memory. `empty` has its columns and no rows.
+    pub fn write_parts(
+        &self,
+        name: &str,
+        empty: &Table,
+        parts: impl Iterator<Item = Table>,
+        provenance: &Provenance,
+        notices: &Notices,
+    ) -> anyhow::Result<()> {
+        self.put(&format!("the table {name}"), notices, |out| {
+            write_csv(out, empty, provenance)?;
+            for part in parts {
+                write_csv_rows(out, &part)?;
+            }
+            Ok(())
         })
     }
 
@@ -194,10 +219,16 @@ impl Output {
 
     /// Writes text unchanged.
     pub fn write_text(&self, text: &str, notices: &Notices) -> anyhow::Result<()> {
-        self.put(notices, |out| out.write_all(text.as_bytes()))
+        self.put("the result", notices, |out| out.write_all(text.as_bytes()))
     }
 
-    fn put(&self, notices: &Notices, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+    /// Writes to the file or to standard output; `what` is written, for errors.
+    fn put(
+        &self,
+        what: &str,
+        notices: &Notices,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> anyhow::Result<()> {
         match &self.path {
             Some(path) => {
                 write_atomically(path, write).map_err(|error| cannot_write(path, &error))?;
@@ -206,11 +237,17 @@ impl Output {
             }
             None => {
                 let mut out = BufWriter::new(stdout().lock());
-                write(&mut out)?;
-                Ok(out.flush()?)
+                write(&mut out).and_then(|()| out.flush()).map_err(|error| cannot_print(what, error))
             }
         }
     }
+}
+
+/// Returns the error of standard output. The error of the system remains its cause, because a closed pipe is not an
+/// error of the program.
+pub fn cannot_print(what: &str, error: io::Error) -> anyhow::Error {
+    let message = format!("cannot write {what} to standard output: {error}");
+    anyhow::Error::new(error).context(message)
 }
 
 /// Checks that a file can be written. It is called before long computations.

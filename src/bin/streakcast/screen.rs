@@ -4,19 +4,8 @@ use std::borrow::Cow;
 
 use comfy_table::presets::NOTHING;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table as Screen};
+use streakcast::message::printable;
 use streakcast::output::{Kind, Table, Value};
-
-/// Escapes control characters except line breaks in text from files, because terminals interpret them. Unicode controls
-/// of the writing direction are escaped too, because they change the order in which text appears.
-pub fn printable(text: &str) -> Cow<'_, str> {
-    let is_hidden =
-        |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    if !text.contains(is_hidden) {
-        return Cow::Borrowed(text);
-    }
-    let escaped = |c: char| if is_hidden(c) { c.escape_default().to_string() } else { c.to_string() };
-    Cow::Owned(text.chars().map(escaped).collect())
-}
 
 /// Column of a table on a terminal: name in the data table, heading, and number of decimals.
 pub struct Shown {

@@ -12,6 +12,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::input;
 use crate::output::{AtomicFile, ScratchFolder};
 
 use super::super::card::{Card, CardValue};
@@ -52,7 +53,7 @@ impl<'a> FrameCopy<'a> {
     /// # Errors
     /// The target is the input, or the folder of the target is missing or not writable.
     pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, ImagesError> {
-        let input = File::open(source.path()).map_err(ImagesError::io(source.path()))?;
+        let input = input::open(source.path()).map_err(ImagesError::io(source.path()))?;
         if let (Ok(here), Ok(there)) = (source.path().canonicalize(), target.canonicalize())
             && here == there
         {
@@ -193,7 +194,7 @@ impl<'a> FrameCopy<'a> {
             }
             let data = info.data_at..info.data_at + info.data_length;
             match (repacked.get(&hdu), self.light.get(&hdu)) {
-                (Some(tiles), _) => copy_range(&File::open(&tiles.path)?, output, tiles.data.clone())?,
+                (Some(tiles), _) => copy_range(&input::open(&tiles.path)?, output, tiles.data.clone())?,
                 (None, Some(light)) => {
                     input.seek(SeekFrom::Start(data.start))?;
                     changed.insert(hdu, write_changed(&mut input.take(info.data_length), output, info, light)?);
@@ -206,7 +207,7 @@ impl<'a> FrameCopy<'a> {
             at = padded(end);
         }
         if !self.appended.is_empty() {
-            let made = File::open(new)?;
+            let made = input::open(new)?;
             copy_range(&made, output, BLOCK as u64..made.metadata()?.len())?;
         }
         output.set_len(output.stream_position()?)?;

@@ -1,6 +1,5 @@
 //! Reader of frames in FITS files.
 
-use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::super::error::ImagesError;
@@ -33,8 +32,7 @@ impl FrameFile {
     /// - A header does not describe its data, or an HDU is followed by bytes that are not a header.
     pub fn open(path: &Path) -> Result<Self, ImagesError> {
         let io = ImagesError::io(path);
-        input::check_regular(path).map_err(&io)?;
-        let mut file = File::open(path).map_err(&io)?;
+        let mut file = input::open(path).map_err(&io)?;
         let (hdus, headers) = scan(path, &mut file)?.into_iter().unzip();
         Ok(Self { path: path.to_owned(), hdus, headers })
     }

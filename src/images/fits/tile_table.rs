@@ -3,7 +3,6 @@
 //! CFITSIO allocates the lengths that the descriptors of tiles give, and writes as many pixels as a compressed stream
 //! announces. Before CFITSIO reads the table, both are compared with the size of the file and of the tiles.
 
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
@@ -11,6 +10,7 @@ use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::hdu::{HduInfo, HduKind};
 use super::tile_header::{COMPRESSED, Column, UNCOMPRESSED, check_compressed, columns};
+use crate::input;
 
 /// Rows of the table, and sizes of the image and its tiles.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ impl TileTable {
         let columns = columns(header).map_err(of_hdu)?;
         let count = |keyword: &str| header.integer(keyword).map_or(0, |number| number as usize);
         let (row_length, rows) = (count("NAXIS1"), count("NAXIS2"));
-        let mut file = File::open(path).map_err(&io)?;
+        let mut file = input::open(path).map_err(&io)?;
         file.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
         let mut bytes = vec![0; row_length * rows];
         file.read_exact(&mut bytes).map_err(&io)?;

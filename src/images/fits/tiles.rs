@@ -29,6 +29,7 @@ use super::new_hdu::empty_primary;
 use super::pixel_format::{Bitpix, PixelFormat, Stored};
 use super::tile_header::{COMPRESSED, GZIPPED};
 use super::tile_table::TileTable;
+use crate::input;
 
 /// Quantised number of a pixel without a value (ZBLANK), and of a pixel that is exactly 0 (SUBTRACTIVE_DITHER_2).
 const QUANTISED_BLANK: f64 = -2_147_483_648.0;
@@ -126,7 +127,7 @@ pub(super) fn repack(
         let dither = quantisation.is_some_and(|q| q != Quantisation::Plain).then(Dither::new);
         let format_of = |number: usize| tile_format(info, header, &table, quantisation, dither.as_ref(), number);
         edit(scratch, &table, stored, &tiles, format_of, &mut changed).map_err(|error| error.of_file(source))?;
-        let made = scan(scratch, &mut File::open(scratch).map_err(&io)?)?;
+        let made = scan(scratch, &mut input::open(scratch).map_err(&io)?)?;
         let (made, made_header) =
             made.get(1).ok_or_else(|| failed("the scratch file has no table of tiles".to_owned()))?;
         copy_sizes(made_header, header);
@@ -223,7 +224,7 @@ fn write_view(source: &Path, info: &HduInfo, view: &Header, scratch: &Path, is_n
         return file.write_all(&bytes);
     }
     file.write_all(&bytes)?;
-    copy_range(&File::open(source)?, &file, info.data_at..info.data_at + info.data_length)?;
+    copy_range(&input::open(source)?, &file, info.data_at..info.data_at + info.data_length)?;
     let end = file.seek(SeekFrom::End(0))?;
     file.set_len(end.next_multiple_of(BLOCK as u64))
 }

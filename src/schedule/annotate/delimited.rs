@@ -29,15 +29,15 @@ pub(super) fn annotate_csv(
         Lines::new(body, layout.delimiter, &flags, trailing_columns(input, &layout.names, &flags, annotation)?);
     lines.append_names(0..layout.header_end)?;
     let mut start = layout.header_end;
-    for (row, (&end, cells)) in layout.row_ends.iter().zip(&layout.rows).enumerate() {
+    for (row, &(end, cells)) in layout.rows.iter().enumerate() {
         if !annotation.is_kept(row) {
             // Comments before a removed row are kept.
             lines.edits.remove(start + before_record(&body[start..end]).len()..end);
         } else {
             // A row with more or fewer cells than the header has no cells of an earlier annotation. A short row is
             // padded with empty cells, so that the verdict columns are aligned with their names.
-            let earlier = if cells.len() == width { lines.earlier } else { 0 };
-            lines.append_flags(start..end, earlier, (width - lines.earlier).saturating_sub(cells.len()))?;
+            let earlier = if cells == width { lines.earlier } else { 0 };
+            lines.append_flags(start..end, earlier, (width - lines.earlier).saturating_sub(cells))?;
         }
         start = end;
     }

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use rusqlite::backup::Backup;
 use rusqlite::types::Value as SqlValue;
-use rusqlite::{Connection, params, params_from_iter};
+use rusqlite::{Connection, Error, params, params_from_iter};
 
 use super::super::error::ScheduleError;
 use super::super::formats::{ID, display, open_read_only};
@@ -26,18 +26,22 @@ pub(super) fn annotate(
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, ScheduleError> {
     let source = open_read_only(input)?;
-    let sqlite = |source| ScheduleError::AnnotateSqlite { path: display(output), source };
-    let earlier = earlier_tables(&source).map_err(sqlite)?;
+    let of_input = |source| ScheduleError::Sqlite { path: display(input), source };
+    let earlier = earlier_tables(&source).map_err(of_input)?;
     if !annotation.replace && !earlier.is_empty() {
         let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();
         let what = format!("tables {}", names.join(", "));
         return Err(ScheduleError::AlreadyThere { path: display(input), what });
     }
-    let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(sqlite)?;
+    let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(of_input)?;
     annotation.check_rows(input, usize::try_from(rows).unwrap_or(0))?;
     let write_error = |source| ScheduleError::Write { path: display(output), source };
     let file = AtomicFile::new(output).map_err(write_error)?;
-    write_copy(&source, file.path(), &earlier, annotation).map_err(sqlite)?;
+    write_copy(&source, file.path(), &earlier, annotation).map_err(|source| match source {
+        // Texts and numbers of the input that cannot be read.
+        Error::FromSqlConversionFailure(..) | Error::InvalidColumnType(..) | Error::Utf8Error(..) => of_input(source),
+        source => ScheduleError::AnnotateSqlite { path: display(output), source },
+    })?;
     drop(source);
     file.finish().map_err(write_error)?;
     Ok(vec![output.to_owned()])

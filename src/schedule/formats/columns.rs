@@ -1,12 +1,12 @@
 //! Column names of schedules, which are the same in all formats, and tables of cells.
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::path::Path;
 
 use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
+use crate::message::{Quoted, listed};
 
 /// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
@@ -134,13 +134,7 @@ fn with_hint(missing: &str, names: &[String]) -> String {
 
 /// Returns the names as a list, shortened if there are many.
 fn names_text(names: &[String]) -> String {
-    const SHOWN: usize = 12;
-    let short = |name: &String| name.chars().take(40).filter(|c| !c.is_control()).collect::<String>();
-    let mut shown: Vec<String> = names.iter().take(SHOWN).map(short).collect();
-    if names.len() > SHOWN {
-        shown.push(format!("and {} more", names.len() - SHOWN));
-    }
-    if shown.is_empty() { "no columns".to_owned() } else { shown.join(", ") }
+    if names.is_empty() { "no columns".to_owned() } else { listed(names.iter().map(String::as_str)) }
 }
 
 /// Format of a schedule file.
@@ -225,7 +219,7 @@ impl Cell {
         let number = match self {
             Cell::Missing => return Err("is missing".to_owned()),
             Cell::Number(number) => *number,
-            Cell::Text(text) => text.parse().map_err(|_| format!("'{text}' is not a number"))?,
+            Cell::Text(text) => text.parse().map_err(|_| format!("'{}' is not a number", Quoted::new(text)))?,
         };
         if number.is_finite() { Ok(number) } else { Err(format!("is {number}")) }
     }
@@ -240,27 +234,8 @@ impl Cell {
     }
 }
 
-/// Table of a schedule file, with names, units and time scales of its columns.
-#[derive(Clone, Debug)]
-pub(in crate::schedule) struct RawTable {
-    /// Format of the file.
-    pub format: ScheduleFormat,
-    /// Column names in order.
-    pub names: Vec<String>,
-    /// Rows, each with as many cells as `names`, or the reason why a row is invalid.
-    pub rows: Vec<Result<Vec<Cell>, String>>,
-    /// Units by column name, if the file states them.
-    pub units: BTreeMap<String, String>,
-    /// Time scales by column name, if the file states them.
-    pub time_scales: BTreeMap<String, TimeScale>,
-}
-
-impl RawTable {
-    /// Creates a table without rows, units or time scales.
-    pub fn new(format: ScheduleFormat, names: Vec<String>) -> Self {
-        Self { format, names, rows: Vec::new(), units: BTreeMap::new(), time_scales: BTreeMap::new() }
-    }
-}
+/// Cells of a row, or the reason why the row is invalid.
+pub(in crate::schedule) type Row = Result<Vec<Cell>, String>;
 
 #[cfg(test)]
 mod tests {

@@ -8,92 +8,24 @@ use saphyr::{LoadableYamlNode, ScanError, YamlOwned};
 use saphyr_parser::{Event, Parser};
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{ScheduleFormat, display};
+use super::csv_text::{CsvText, cells};
+use super::raw_table::{RawTable, Rows};
+use crate::input::MOST_ROWS;
 
 /// Deepest accepted nesting of an ECSV header. Astropy writes about five levels. The YAML loader is recursive and
 /// overflows the stack after some thousands of levels.
 const DEEPEST_HEADER: usize = 64;
 
-/// Byte positions of the header and the rows of a CSV file.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::schedule) struct CsvLayout {
-    /// Separator of cells.
-    pub delimiter: u8,
-    /// Column names.
-    pub names: Vec<String>,
-    /// End of the line of names, without the line break.
-    pub header_end: usize,
-    /// End of each row, without the line break.
-    pub row_ends: Vec<usize>,
-    /// The cells of each row.
-    pub rows: Vec<Vec<String>>,
-}
-
-/// Finds the line of names and the rows of CSV text.
-///
-/// # Errors
-/// There is no line of names.
-pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayout, ScheduleError> {
-    let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'));
-    let Some(header) = header else { return Err(ScheduleError::Empty { path: display(path) }) };
-    let delimiter = delimiter_of(header);
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .delimiter(delimiter)
-        .comment(Some(b'#'))
-        .from_reader(text.as_bytes());
-    let mut layout = CsvLayout { delimiter, names: Vec::new(), header_end: 0, row_ends: Vec::new(), rows: Vec::new() };
-    let mut record = csv::StringRecord::new();
-    loop {
-        let line = reader.position().line();
-        let more = reader.read_record(&mut record).map_err(|error| ScheduleError::Line {
-            path: display(path),
-            line,
-            what: error.to_string(),
-        })?;
-        if !more {
-            break;
-        }
-        // The reader may stop between \r and \n; the record ends before both.
-        let end = text[..reader.position().byte() as usize].trim_end_matches(['\r', '\n']).len();
-        if layout.names.is_empty() {
-            layout.names = record.iter().map(|name| name.trim().to_owned()).collect();
-            layout.header_end = end;
-        } else {
-            layout.row_ends.push(end);
-            layout.rows.push(record.iter().map(str::to_owned).collect());
-        }
-    }
-    Ok(layout)
-}
-
-/// Returns the most frequent separator of the header; a comma if it has none.
-fn delimiter_of(header: &str) -> u8 {
-    let count = |delimiter: u8| header.bytes().filter(|byte| *byte == delimiter).count();
-    [b',', b';', b'\t'].into_iter().rev().max_by_key(|delimiter| count(*delimiter)).unwrap_or(b',')
-}
-
 /// Reads CSV text.
 ///
 /// # Errors
-/// There is no line of names.
-pub(super) fn read_csv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
-    let layout = csv_layout(path, text)?;
-    let mut table = RawTable::new(ScheduleFormat::Csv, layout.names);
-    let width = table.names.len();
-    table.rows = layout.rows.iter().map(|row| cells(row.iter().map(String::as_str), width)).collect();
+/// There is no line of names, or there are too many rows.
+pub(super) fn read_csv(path: &Path, text: String) -> Result<RawTable, ScheduleError> {
+    let (names, rows) = CsvText::new(path, text)?;
+    let mut table = RawTable::new(ScheduleFormat::Csv, names);
+    table.rows = Rows::Csv(rows);
     Ok(table)
-}
-
-/// Returns the cells of one row, or the reason why it is invalid.
-pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> Result<Vec<Cell>, String> {
-    let cells: Vec<Cell> = texts.map(Cell::from_text).collect();
-    if cells.len() == width {
-        Ok(cells)
-    } else {
-        Err(format!("the row has {} cells but the header has {width}", cells.len()))
-    }
 }
 
 const SIGNATURE: &str = "# %ECSV ";
@@ -132,6 +64,9 @@ pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<EcsvLa
 fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>), ScheduleError> {
     let error = |line: usize, what: String| ScheduleError::Line { path: display(path), line: line as u64, what };
     let mut lines: Vec<(usize, usize)> = Vec::new();
+    if text.matches('\n').count() > MOST_ROWS {
+        return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+    }
     for line in text.split_inclusive('\n') {
         let start = lines.last().map_or(0, |(_, end)| *end);
         lines.push((start, start + line.len()));
@@ -209,7 +144,7 @@ pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleErr
     let mut table = RawTable::new(ScheduleFormat::Ecsv, layout.names);
     let width = table.names.len();
     let records = layout.rows.iter().map(|(start, end)| record(&text[*start..*end], layout.delimiter));
-    table.rows = records.map(|record| cells(record.iter().map(String::as_str), width)).collect();
+    table.rows = Rows::Cells(records.map(|record| cells(record.iter().map(String::as_str), width)).collect());
     if let Some(header) = &header {
         read_units(header, &mut table);
         read_time_columns(header, &mut table);
@@ -315,6 +250,7 @@ fn blank_record(line: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::columns::Cell;
     use super::*;
 
     /// QTable with a Time column, written by astropy 8.0.2: folded description, ordered map, tags and anchors.
@@ -346,32 +282,13 @@ a 30.0 1.5 60536.02083
 ";
 
     #[test]
-    fn records_end_where_their_bytes_end() {
-        let text = "# note\r\na,b\r\n1,\"x\r\ny\"\r\n\r\n# between\r\n2,z\n3,w";
-        let layout = csv_layout(Path::new("t.csv"), text).unwrap();
-        assert_eq!(layout.names, ["a", "b"]);
-        assert!(text[..layout.header_end].ends_with("a,b"));
-        let ends: Vec<&str> = layout.row_ends.iter().map(|&end| &text[end - 2..end]).collect();
-        assert_eq!(ends, ["y\"", ",z", ",w"]);
-        assert_eq!(layout.rows[0], ["1", "x\r\ny"]);
-    }
-
-    #[test]
-    fn the_separator_is_found_in_the_header() {
-        assert_eq!(delimiter_of("a,b,c"), b',');
-        assert_eq!(delimiter_of("a;b;c"), b';');
-        assert_eq!(delimiter_of("a\tb"), b'\t');
-        assert_eq!(delimiter_of("only"), b',');
-    }
-
-    #[test]
     fn units_and_time_scale_come_from_the_header_of_astropy() {
         let table = read_ecsv(Path::new("t.ecsv"), ASTROPY).unwrap();
         assert_eq!(table.names, ["exposure_id", "duration_s", "ra_deg", "start_mjd"]);
         assert_eq!(table.units.get("ra_deg").map(String::as_str), Some("deg"));
         assert_eq!(table.units.get("duration_s").map(String::as_str), Some("s"));
         assert_eq!(table.time_scales.get("start_mjd"), Some(&TimeScale::TAI));
-        let second = table.rows[1].as_ref().unwrap();
+        let second = table.rows.iter().nth(1).unwrap().into_owned().unwrap();
         assert_eq!(second[0], Cell::Text("b \"c\"".to_owned()));
         assert_eq!(second[2], Cell::Missing);
     }
@@ -382,7 +299,7 @@ a 30.0 1.5 60536.02083
             "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n# - {name: a, datatype: string}\na,b\n\"x, y\",2\n";
         let table = read_ecsv(Path::new("t.ecsv"), text).unwrap();
         assert_eq!(table.names, ["a", "b"]);
-        assert_eq!(table.rows[0].as_ref().unwrap()[0], Cell::Text("x, y".to_owned()));
+        assert_eq!(table.rows.iter().next().unwrap().into_owned().unwrap()[0], Cell::Text("x, y".to_owned()));
     }
 
     #[test]

@@ -1,48 +1,100 @@
 //! JSON: an array of rows, or an object with this array as `exposures` (schedules) or `targets` (target lists).
 
+use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
-use serde::de::{Deserializer, MapAccess, Visitor};
+use serde::de::{Deserializer, Error, MapAccess, Visitor};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, ScheduleFormat, display};
+use super::raw_table::RawTable;
+use crate::input::MOST_ROWS;
+use crate::message::Quoted;
 
 /// Names of the array of rows if the document is an object.
 const ARRAYS: [&str; 2] = ["exposures", "targets"];
+
+/// Largest number of columns. Every row has a cell in every column.
+const MOST_COLUMNS: usize = 1000;
+
+/// Largest number of commas, for [`MOST_ROWS`] rows of 40 members.
+const MOST_COMMAS: usize = 40 * MOST_ROWS;
 
 /// Reads JSON text. The columns are the keys that occur in any row.
 ///
 /// # Errors
 /// The text is not JSON, or has no array of rows.
 pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
-    let document: Value = serde_json::from_str(text).map_err(|error| bad(path, &error))?;
-    let rows = match &document {
-        Value::Array(rows) => rows,
-        Value::Object(object) => match ARRAYS.iter().find_map(|name| object.get(*name)) {
-            Some(Value::Array(rows)) => rows,
-            _ => return Err(format(path, "JSON without an array 'exposures' or 'targets'")),
-        },
-        _ => return Err(format(path, "JSON that is neither an array of rows nor an object with one")),
-    };
     let mut table = RawTable::new(ScheduleFormat::Json, Vec::new());
-    for row in rows {
-        for name in row.as_object().into_iter().flat_map(|object| object.keys()) {
-            if !table.names.contains(name) {
+    let mut columns: HashMap<String, usize> = HashMap::new();
+    let mut rows = Vec::new();
+    for row in raw_rows(path, text)?.1 {
+        let Some(object) = object_of(path, text, row)? else {
+            rows.push(Err("the row is not an object".to_owned()));
+            continue;
+        };
+        let mut cells = vec![Cell::Missing; columns.len()];
+        for (name, value) in object.0 {
+            let value = serde_json::from_str(value.get()).map_err(|error| bad_at(path, text, value, &error))?;
+            let next = columns.len();
+            let index = *columns.entry(name).or_insert_with_key(|name| {
                 table.names.push(name.clone());
+                next
+            });
+            if index == MOST_COLUMNS {
+                return Err(format(path, &format!("JSON with more than {MOST_COLUMNS} keys of rows")));
             }
+            if index == cells.len() {
+                cells.push(Cell::Missing);
+            }
+            cells[index] = cell(&value);
         }
+        rows.push(Ok(cells));
     }
-    table.rows = rows
-        .iter()
-        .map(|row| match row {
-            Value::Object(object) => Ok(table.names.iter().map(|name| cell(object.get(name))).collect()),
-            _ => Err("the row is not an object".to_owned()),
-        })
-        .collect();
+    for cells in rows.iter_mut().flatten() {
+        cells.resize(table.names.len(), Cell::Missing);
+    }
+    table.rows = rows.into();
     Ok(table)
+}
+
+/// Returns the document, unless it is an array, and its rows.
+fn raw_rows<'a>(path: &Path, text: &'a str) -> Result<(Option<Object<'a>>, Vec<&'a RawValue>), ScheduleError> {
+    let document: &RawValue = serde_json::from_str(text).map_err(|error| bad(path, &error))?;
+    let (document, array) = match object_of(path, text, document)? {
+        Some(object) => {
+            let array = ARRAYS.iter().find_map(|name| object.0.iter().find(|(key, _)| key == name));
+            let array = array.map(|(_, value)| *value);
+            let array = array.ok_or_else(|| format(path, "JSON without an array 'exposures' or 'targets'"))?;
+            (Some(object), array)
+        }
+        None => (None, document),
+    };
+    if !array.get().starts_with('[') {
+        let what = match document {
+            Some(_) => "JSON without an array 'exposures' or 'targets'",
+            None => "JSON that is neither an array of rows nor an object with one",
+        };
+        return Err(format(path, what));
+    }
+    // Before memory is taken for each row.
+    if array.get().bytes().filter(|byte| *byte == b',').take(MOST_COMMAS + 1).count() > MOST_COMMAS {
+        return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+    }
+    let rows: Vec<&RawValue> = serde_json::from_str(array.get()).map_err(|error| bad_at(path, text, array, &error))?;
+    if rows.len() > MOST_ROWS {
+        return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+    }
+    Ok((document, rows))
+}
+
+/// Returns the members of a value; `None` if it is not an object.
+fn object_of<'a>(path: &Path, text: &str, value: &'a RawValue) -> Result<Option<Object<'a>>, ScheduleError> {
+    let object = value.get().starts_with('{').then(|| serde_json::from_str(value.get())).transpose();
+    object.map_err(|error| bad_at(path, text, value, &error))
 }
 
 /// Byte positions of the members of an object.
@@ -84,24 +136,14 @@ pub(in crate::schedule) struct JsonLayout {
 /// # Errors
 /// Same as [`read`].
 pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, ScheduleError> {
-    let error = |error: serde_json::Error| bad(path, &error);
     let offset = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
-    let (array, document) = if text.trim_start().starts_with('{') {
-        let object: Object<'_> = serde_json::from_str(text).map_err(error)?;
-        let array =
-            ARRAYS.iter().find_map(|name| object.0.iter().find(|(key, _)| key == name)).map(|(_, value)| *value);
-        let array = array.ok_or_else(|| format(path, "JSON without an array 'exposures' or 'targets'"))?;
-        (array.get(), Some(members(text, &object, offset)))
-    } else {
-        (text, None)
-    };
-    let rows: Vec<&RawValue> = serde_json::from_str(array).map_err(error)?;
+    let (document, rows) = raw_rows(path, text)?;
+    let document = document.map(|object| members(text, &object, offset));
     let rows = rows
         .into_iter()
         .map(|row| {
             let start = offset(row.get());
-            let object = row.get().starts_with('{').then(|| serde_json::from_str::<Object<'_>>(row.get())).transpose();
-            let object = object.map_err(error)?;
+            let object = object_of(path, text, row)?;
             let members = object.map(|object| members(&text[start..], &object, |piece| offset(piece) - start));
             let members = members.map(|members| Members {
                 ends: members.ends.into_iter().map(|(key, end)| (key, end + start)).collect(),
@@ -135,8 +177,14 @@ impl<'de> serde::Deserialize<'de> for Object<'de> {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut members = Vec::new();
-                while let Some(member) = map.next_entry()? {
+                while let Some(member) = map.next_entry::<String, &RawValue>()? {
                     members.push(member);
+                }
+                let mut keys: Vec<&str> = members.iter().map(|(key, _)| key.as_str()).collect();
+                keys.sort_unstable();
+                if let Some(twice) = keys.windows(2).find(|keys| keys[0] == keys[1]) {
+                    let key = Quoted::new(twice[0]);
+                    return Err(A::Error::custom(format!("the key '{key}' occurs twice; allowed: once in an object")));
                 }
                 Ok(Object(members))
             }
@@ -149,17 +197,27 @@ fn bad(path: &Path, error: &serde_json::Error) -> ScheduleError {
     ScheduleError::Line { path: display(path), line: error.line() as u64, what: error.to_string() }
 }
 
+/// Returns the error of a part of the text, with its line in the text.
+fn bad_at(path: &Path, text: &str, part: &RawValue, error: &serde_json::Error) -> ScheduleError {
+    let start = part.get().as_ptr() as usize - text.as_ptr() as usize;
+    let line = text[..start].matches('\n').count() + error.line().max(1);
+    // The error ends with its line and column in this part.
+    let what = error.to_string();
+    let what = what.rsplit_once(" at line ").map_or(&*what, |(what, _)| what).to_owned();
+    ScheduleError::Line { path: display(path), line: line as u64, what }
+}
+
 fn format(path: &Path, what: &str) -> ScheduleError {
     ScheduleError::Format { path: display(path), what: what.to_owned() }
 }
 
-fn cell(value: Option<&Value>) -> Cell {
+fn cell(value: &Value) -> Cell {
     match value {
-        None | Some(Value::Null) => Cell::Missing,
+        Value::Null => Cell::Missing,
         // Integers keep all digits: an identifier may have more digits than a double can represent.
-        Some(Value::Number(number)) if number.is_f64() => Cell::Number(number.as_f64().unwrap_or(f64::NAN)),
-        Some(Value::Number(number)) => Cell::Text(number.to_string()),
-        Some(Value::String(text)) => Cell::from_text(text),
-        Some(other) => Cell::Text(other.to_string()),
+        Value::Number(number) if number.is_f64() => Cell::Number(number.as_f64().unwrap_or(f64::NAN)),
+        Value::Number(number) => Cell::Text(number.to_string()),
+        Value::String(text) => Cell::from_text(text),
+        other => Cell::Text(other.to_string()),
     }
 }

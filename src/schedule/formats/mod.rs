@@ -1,22 +1,26 @@
 //! Schedule files in several formats, each read into a raw table of named columns.
 
 mod columns;
+mod csv_text;
 mod delimited;
 mod json;
 #[cfg(feature = "sqlite")]
 mod opsim;
 #[cfg(feature = "parquet")]
 mod parquet;
+mod raw_table;
 mod read;
 mod votable;
 
 pub use columns::ScheduleFormat;
-pub(super) use columns::{Cell, ColumnMap, ID, RawTable, StartColumn, StartForm, display};
-pub(super) use delimited::{csv_layout, ecsv_layout};
+pub(super) use columns::{Cell, ColumnMap, ID, Row, StartColumn, StartForm, display};
+pub(super) use csv_text::csv_layout;
+pub(super) use delimited::ecsv_layout;
 pub(super) use json::{Members, json_layout};
 #[cfg(feature = "sqlite")]
 pub(super) use opsim::open_read_only;
 #[cfg(feature = "parquet")]
 pub(super) use parquet::batches;
+pub(super) use raw_table::RawTable;
 pub(super) use read::read_raw;
 pub(super) use votable::{Span, votable_layout};

@@ -6,14 +6,14 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, ColumnMap, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, ColumnMap, ScheduleFormat, display};
+use super::raw_table::RawTable;
+use crate::input::MOST_ROWS;
 
-/// Largest number of rows. Rubin's ten-year simulations have 2.1 million. The limit stops views that return rows
-/// endlessly; this many rows take 1.2 GB.
-const MOST_ROWS: usize = 4_000_000;
-/// Largest total length of text, bytes: 125 bytes for each of the largest number of rows.
+/// Largest total length of text, bytes: 100 bytes for each of the largest number of rows. Rubin's ten-year simulations
+/// have 2.1 million rows. The limits stop views that return rows endlessly.
 const MOST_TEXT: u64 = 500_000_000;
-/// Largest number of instructions of SQLite's virtual machine: 25 times those for the largest number of rows, about 10
+/// Largest number of instructions of SQLite's virtual machine: 20 times those for the largest number of rows, about 10
 /// s. The limit stops views that compute endlessly without returning a row.
 const MOST_INSTRUCTIONS: i32 = 1_000_000_000;
 
@@ -63,10 +63,10 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
         )),
         _ => sqlite(error),
     };
-    let mut text_bytes = 0;
+    let (mut text_bytes, mut cells_of_rows) = (0, Vec::new());
     while let Some(row) = rows.next().map_err(next_error)? {
-        if table.rows.len() == most_rows {
-            return Err(without_end(format!("SQLite with more than {most_rows} rows; split it")));
+        if cells_of_rows.len() == most_rows {
+            return Err(ScheduleError::TooManyRows { path: display(path), most: most_rows });
         }
         let cells: Result<Vec<Cell>, rusqlite::Error> =
             (0..table.names.len()).map(|index| row.get_ref(index).map(cell)).collect();
@@ -76,8 +76,9 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
         if text_bytes > MOST_TEXT {
             return Err(without_end(format!("SQLite with more than {MOST_TEXT} bytes of text; split it")));
         }
-        table.rows.push(Ok(cells));
+        cells_of_rows.push(Ok(cells));
     }
+    table.rows = cells_of_rows.into();
     Ok(table)
 }
 
@@ -120,9 +121,9 @@ mod tests {
 
     #[test]
     fn verif_views_without_end_are_refused() {
-        assert_eq!(read_view("LIMIT 1000", 1000).unwrap().rows.len(), 1000);
+        assert_eq!(read_view("LIMIT 1000", 1000).unwrap().rows.iter().count(), 1000);
         let error = |condition, most_rows| read_view(condition, most_rows).unwrap_err().to_string();
-        assert!(error("", 1000).contains("SQLite with more than 1000 rows; split it"));
+        assert!(error("", 1000).contains("more than 1000 rows; allowed: at most 1000"));
         assert!(error("WHERE n < 0", 1000).contains("its rows take more than 1000000 instructions of SQLite"));
         assert!(error("", usize::MAX).contains("its rows take more than 1000000 instructions of SQLite"));
     }

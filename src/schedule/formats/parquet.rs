@@ -1,6 +1,5 @@
 //! Parquet: columns of numbers and text. Nested columns are not read.
 
-use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
@@ -13,7 +12,8 @@ use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchR
 use parquet::file::metadata::ParquetMetaData;
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, ScheduleFormat, display};
+use super::raw_table::{RawTable, Rows};
 
 /// Returns the record batches of a file, with the metadata of its footer.
 ///
@@ -22,7 +22,7 @@ use super::columns::{Cell, RawTable, ScheduleFormat, display};
 pub(in crate::schedule) fn batches(
     path: &Path,
 ) -> Result<(ParquetRecordBatchReader, std::sync::Arc<ParquetMetaData>), ScheduleError> {
-    let file = File::open(path).map_err(|source| ScheduleError::Io { path: display(path), source })?;
+    let file = crate::input::open(path).map_err(|source| ScheduleError::Io { path: display(path), source })?;
     let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| broken(path, &error))?;
     let metadata = builder.metadata().clone();
     let reader = builder.build().map_err(|error| broken(path, &error))?;
@@ -47,15 +47,17 @@ fn read_batches(path: &Path) -> Result<RawTable, ScheduleError> {
     let schema = arrow_array::RecordBatchReader::schema(&reader);
     let names = schema.fields().iter().map(|field| field.name().clone()).collect();
     let mut table = RawTable::new(ScheduleFormat::Parquet, names);
+    let mut rows = Vec::new();
     for batch in reader {
         let batch: RecordBatch = batch.map_err(|error| broken(path, &error))?;
         let columns: Vec<Vec<Cell>> = batch.columns().iter().map(cells).collect();
-        table.rows.extend(
+        rows.extend(
             (0..batch.num_rows()).map(|row| {
                 Ok(columns.iter().map(|column| column.get(row).cloned().unwrap_or(Cell::Missing)).collect())
             }),
         );
     }
+    table.rows = Rows::Cells(rows);
     Ok(table)
 }
 

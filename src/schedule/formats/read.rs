@@ -5,7 +5,8 @@ use std::io::Read;
 use std::path::Path;
 
 use super::super::error::ScheduleError;
-use super::columns::{RawTable, display};
+use super::columns::display;
+use super::raw_table::RawTable;
 use super::{delimited, json, votable};
 use crate::input;
 
@@ -46,12 +47,15 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
         );
         ScheduleError::Format { path: display(path), what }
     })?;
-    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let text = match text.strip_prefix('\u{feff}') {
+        Some(text) => text.to_owned(),
+        None => text,
+    };
     let body = text.trim_start();
     if body.is_empty() {
         Err(ScheduleError::Empty { path: display(path) })
     } else if votable::is_votable(body) {
-        votable::read(path, text)
+        votable::read(path, &text)
     } else if body.starts_with('<') {
         Err(ScheduleError::Format { path: display(path), what: "XML or HTML, but not a VOTable".to_owned() })
     } else if body.starts_with(['{', '[']) {

@@ -9,9 +9,11 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, RawTable, ScheduleFormat, display};
-use super::delimited::cells;
+use super::columns::{Cell, Row, ScheduleFormat, display};
+use super::csv_text::cells;
+use super::raw_table::{RawTable, Rows};
 use crate::elements::excerpt;
+use crate::input::MOST_ROWS;
 
 /// Number of bytes at the start of the file that are searched for the root element. XML declaration, comments and
 /// processing instructions may precede it.
@@ -171,6 +173,9 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                     "TR" if tables == 1 => {
                         row.span.end = now;
                         layout.rows.push(std::mem::take(&mut row));
+                        if layout.rows.len() > MOST_ROWS {
+                            return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+                        }
                     }
                     "TABLE" => {
                         table.end = now;
@@ -223,7 +228,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let mut table = RawTable::new(ScheduleFormat::VoTable, layout.names);
     let width = table.names.len();
     let rows = layout.rows.iter().map(|row| cells(row.texts.iter().map(String::as_str), width));
-    table.rows = rows.collect();
+    let mut rows: Vec<Row> = rows.collect();
     for (index, fact) in layout.attributes.iter().enumerate() {
         if let Some(unit) = fact.unit.clone().filter(|unit| !unit.is_empty()) {
             table.units.insert(fact.name.clone(), unit);
@@ -232,12 +237,13 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
             table.time_scales.insert(fact.name.clone(), *scale);
         }
         let Some(null) = &fact.null else { continue };
-        for row in table.rows.iter_mut().flatten() {
+        for row in rows.iter_mut().flatten() {
             if row.get(index).is_some_and(|cell| matches!(cell, Cell::Text(text) if text == null)) {
                 row[index] = Cell::Missing;
             }
         }
     }
+    table.rows = Rows::Cells(rows);
     Ok(table)
 }
 
@@ -273,9 +279,10 @@ mod tests {
         let table = read(path, TEXT).unwrap();
         assert_eq!(table.names, ["id", "start_mjd"]);
         assert_eq!(table.time_scales.get("start_mjd"), Some(&TimeScale::TAI));
-        assert_eq!(table.rows.len(), 2);
-        assert_eq!(table.rows[0].as_ref().unwrap()[1], Cell::Text("60536.1".into()));
-        assert_eq!(*table.rows[1].as_ref().unwrap(), [Cell::Missing, Cell::Missing]);
+        let rows: Vec<Row> = table.rows.iter().map(std::borrow::Cow::into_owned).collect();
+        assert_eq!(rows.len(), 2);
+        assert_eq!(rows[0].as_ref().unwrap()[1], Cell::Text("60536.1".into()));
+        assert_eq!(*rows[1].as_ref().unwrap(), [Cell::Missing, Cell::Missing]);
         let layout = votable_layout(path, TEXT).unwrap();
         let shown = |span: &Span| &TEXT[span.start..span.end];
         assert_eq!(shown(&layout.fields[1]), "<FIELD name=\"start_mjd\" datatype=\"double\" ref=\"t\" unit=\"d\"/>");

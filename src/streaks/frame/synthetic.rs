@@ -15,6 +15,8 @@ use crate::frames::{Direction, mjd_utc};
 use crate::images::{
     Card, CardValue, Detector, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs, write_frame,
 };
+use crate::input::CsvRows;
+use crate::message::Quoted;
 use crate::output::format_utc;
 use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e};
 
@@ -235,29 +237,26 @@ impl SyntheticFrame {
 const STAR_LIST_FORM: &str = "CSV with ra_deg, dec_deg (-90 to 90) and magnitude (-30 to 60)";
 
 fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, StreaksError> {
-    #[derive(Deserialize)]
-    struct Row {
-        ra_deg: f64,
-        dec_deg: f64,
-        magnitude: f64,
-    }
     let shown = path.display();
-    let failed = |error: csv::Error| {
+    let failed = |error: std::io::Error| {
         StreaksError::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
     };
-    let mut reader =
-        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(failed)?;
+    let rows = CsvRows::open(path).map_err(failed)?;
+    let column = |name: &str| rows.column(name, STAR_LIST_FORM).map_err(failed);
+    let columns = [column("ra_deg")?, column("dec_deg")?, column("magnitude")?];
     let mut stars = Vec::new();
-    for row in reader.deserialize::<Row>() {
-        let row = row.map_err(failed)?;
-        let flux_e = flux_e(row.magnitude, zero_point_mag);
-        if !(row.ra_deg.is_finite() && row.dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&row.magnitude)) {
-            let Row { ra_deg, dec_deg, magnitude } = row;
-            let what = format!("star list {shown}: star {}", stars.len() + 1);
-            let given = format!("at ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}");
+    for row in rows {
+        let (line, row) = row.map_err(failed)?;
+        let cell = |column: usize| row.get(column).unwrap_or_default();
+        let [ra_deg, dec_deg, magnitude] = columns.map(|column| cell(column).parse().unwrap_or(f64::NAN));
+        if !(ra_deg.is_finite() && dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&magnitude)) {
+            let what = format!("star list {shown}, line {line}: star");
+            let [ra, dec, magnitude] = columns.map(|column| Quoted::new(cell(column)));
+            let given = format!("at ra {ra}, dec {dec}, magnitude {magnitude}");
             return Err(StreaksError::invalid(what, given, STAR_LIST_FORM));
         }
-        let direction = Direction::from_lon_lat_rad(row.ra_deg.to_radians(), row.dec_deg.to_radians());
+        let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        let flux_e = flux_e(magnitude, zero_point_mag);
         stars.push(SkyStar { direction, flux_e, over_s: [0.0, exposure_s] });
     }
     Ok(stars)

@@ -289,7 +289,7 @@ def _without_none(options: Mapping[str, Json]) -> dict[str, Json]:
 
 def _without_path(message: str) -> str:
     """Returns the message with `frame` instead of the temporary file of an array."""
-    return re.sub(re.escape(tempfile.gettempdir()) + r"/\.streakcast-\w+/image", "frame", message)
+    return re.sub(re.escape(tempfile.gettempdir()) + r"/\.streakcast-\w+\.part/image", "frame", message)
 
 
 def _scalar(value: FloatLike | None, unit: str, what: str) -> float | None:

@@ -19,8 +19,9 @@ use super::schedule_verdicts::judge;
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Style, printable};
+use crate::screen::Style;
 use crate::start::begin;
+use streakcast::message::printable;
 
 #[derive(Args)]
 pub struct DoctorArguments {

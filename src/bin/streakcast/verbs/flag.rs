@@ -43,6 +43,9 @@ pub enum FailOn {
     Avoid,
 }
 
+/// Number of rows of the table that are in memory at the same time if it is written as CSV.
+const ROWS_AT_A_TIME: usize = 10_000;
+
 const ON_SCREEN: &[Shown] = &[
     shown("exposure_id", "exposure"),
     shown("verdict", "verdict"),
@@ -85,17 +88,28 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
     let judged = judge(&config, &schedule, typed.shard, None)?;
-    let flags = flag_table_with_exposures(&judged.report.flags, &judged.schedule.exposures);
-    let left_out = left_out_table(&judged.report.left_out);
-    output.write(
-        &VerbResult {
-            sections: vec![Section { name: "flags", table: &flags }, Section { name: "left_out", table: &left_out }],
-            main: &flags,
-            provenance: &judged.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
-        &judged.notices,
-    )?;
+    let (flags, exposures) = (&judged.report.flags, &judged.schedule.exposures);
+    if output.takes_parts() {
+        let parts = flags.chunks(ROWS_AT_A_TIME).zip(exposures.chunks(ROWS_AT_A_TIME));
+        let parts = parts.map(|(flags, exposures)| flag_table_with_exposures(flags, exposures));
+        let empty = flag_table_with_exposures(&[], &[]);
+        output.write_parts("flags", &empty, parts, &judged.provenance, &judged.notices)?;
+    } else {
+        let flags = flag_table_with_exposures(flags, exposures);
+        let left_out = left_out_table(&judged.report.left_out);
+        output.write(
+            &VerbResult {
+                sections: vec![
+                    Section { name: "flags", table: &flags },
+                    Section { name: "left_out", table: &left_out },
+                ],
+                main: &flags,
+                provenance: &judged.provenance,
+                style: Style { columns: ON_SCREEN, bold_row: None },
+            },
+            &judged.notices,
+        )?;
+    }
     if typed.fail_on.is_some() {
         check_judged(&judged.report, &schedule)?;
     }

@@ -187,8 +187,8 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
         notices.info(remark);
     }
     notices.warn(&done.warnings);
+    notices.warn_first(done.frames.iter().flat_map(|frame| frame.warnings.clone()), "warnings about frames");
     for frame in &done.frames {
-        notices.warn(&frame.warnings);
         notices.info(&format!("wrote {}: {}", frame.output.display(), frame.summary));
     }
     #[cfg(feature = "plot")]

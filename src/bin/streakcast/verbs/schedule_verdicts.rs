@@ -27,7 +27,7 @@ pub struct Judged {
     /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
-    /// Streaks: one row for each exposure and satellite.
+    /// Streaks, if an annotated file is written: one row for each exposure and satellite.
     pub streaks: Table,
     /// For a batch share: for each row of the file, true if it is in `schedule`.
     pub keep: Option<Vec<bool>>,
@@ -59,7 +59,7 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>, annotated: Opti
             // If there are more shares than nights, some shares have no rows.
             (FlagReport::default(), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
         }
-        Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
+        Some(span) => judge_rows(config, &schedule, span, &plan, annotated.is_some(), &notices)?,
         None => {
             // Without a valid time the sky cannot be prepared. All rows are invalid, each with its reason.
             (invalid_rows(&schedule), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
@@ -92,12 +92,14 @@ fn invalid_rows(schedule: &Schedule) -> FlagReport {
     FlagReport { flags, ..FlagReport::default() }
 }
 
-/// Judges all rows of a schedule from `first` to `last`. Returns the report, the streaks and their provenance.
+/// Judges all rows of a schedule from `first` to `last`. Returns the report, the streaks if they are wanted, and their
+/// provenance.
 fn judge_rows(
     config: &Config,
     schedule: &Schedule,
     (first, last): (Epoch, Epoch),
     plan: &ObservationPlan,
+    with_streaks: bool,
     notices: &Notices,
 ) -> anyhow::Result<(FlagReport, Table, Provenance)> {
     let ObservationPlan { telescope, photometry, policy, .. } = plan;
@@ -106,8 +108,8 @@ fn judge_rows(
     let report = flag_rows(&prepared, schedule, first, plan, notices)?;
 
     let limit_mag = |row: &ScheduledExposure| policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
-    let judged: Vec<(&Exposure, Option<f64>, &Vec<_>)> = schedule
-        .exposures
+    let rows = if with_streaks { &schedule.exposures[..] } else { &[] };
+    let judged: Vec<(&Exposure, Option<f64>, &Vec<_>)> = rows
         .iter()
         .zip(&report.flags)
         .filter_map(|(row, flag)| row.exposure.as_ref().ok().map(|exposure| (exposure, limit_mag(row), &flag.passes)))

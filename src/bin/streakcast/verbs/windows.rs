@@ -10,6 +10,7 @@ use serde_json::json;
 use streakcast::config::parse_duration_s;
 use streakcast::config::{Config, RulesConfig, state_scales, time_range};
 use streakcast::forecast::Night;
+use streakcast::message::{Quoted, listed as listed_names};
 use streakcast::output::{Section, counted, format_utc};
 use streakcast::schedule::{
     FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
@@ -115,11 +116,11 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         notices.warn(&night.why_never_dark(&site.site().name));
     }
     let found = found(&listed, &report);
-    for one in &found {
-        if let Some(reason) = one.reason() {
-            notices.warn(&[format!("target {} has no window: {reason}", one.listed.name)]);
-        }
-    }
+    let without = found.iter().filter_map(|one| {
+        let name = Quoted::new(&one.listed.name);
+        one.reason().map(|reason| format!("target {name} has no window: {reason}"))
+    });
+    notices.warn_first(without, "targets without a window");
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &plan.photometry);
     prepared.provenance.state(
@@ -139,10 +140,10 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         let (text, left_out) = shape.text(&found, overhead_s);
         output.write_text(&text, &notices)?;
         if !left_out.is_empty() {
-            let names: Vec<&str> = left_out.iter().map(|listed| listed.name.as_str()).collect();
+            let names = left_out.iter().map(|listed| listed.name.as_str());
             notices.warn(&[format!(
                 "targets without a window are omitted from the file, where no window would mean any time: {}",
-                names.join(", ")
+                listed_names(names)
             )]);
         }
     } else {

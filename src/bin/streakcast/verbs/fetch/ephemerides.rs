@@ -2,7 +2,7 @@
 //! Starlink satellites have 22 GB; those of the candidates of a schedule are a few hundred files of 2 MB each.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -19,6 +19,7 @@ use super::verify::{first_words, verify};
 use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
+use crate::output::cannot_print;
 
 /// Description of a response that contains a file.
 const OK: &str = "200 OK";
@@ -71,7 +72,7 @@ pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::R
     }
     let mut out = std::io::stdout().lock();
     for name in found {
-        writeln!(out, "{}", folder.join(name).display())?;
+        writeln!(out, "{}", folder.join(name).display()).map_err(|error| cannot_print("the paths of files", error))?;
     }
     Ok(Outcome::Done)
 }
@@ -131,7 +132,7 @@ impl Session<'_> {
         let (source, file) = (self.manifest, self.manifest_file());
         let record = FetchRecord::read(&file).unwrap_or_default();
         if record.wait_left_s(self.now, source.wait_s).is_some() {
-            match fs::read_to_string(&file) {
+            match input::read_to_string(&file) {
                 Ok(text) => return Ok(text),
                 Err(_) => self.check_wait()?,
             }

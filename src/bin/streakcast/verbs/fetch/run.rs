@@ -1,7 +1,7 @@
 //! Steps of a download: check and record the time of the request, send it, verify the response, replace the cached
 //! file.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
@@ -17,6 +17,7 @@ use super::verify::verify;
 use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
+use crate::output::cannot_print;
 
 pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let common = typed.source.common();
@@ -116,7 +117,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
 
 /// Returns true if the file has the SHA-256 stored in its sidecar.
 fn is_intact(file: &Path, record: &FetchRecord) -> bool {
-    let Ok(bytes) = fs::read(file) else { return false };
+    let Ok(bytes) = streakcast::input::read(file) else { return false };
     verify("", &bytes, None, true).is_ok_and(|source| Some(source.sha256) == record.sha256)
 }
 
@@ -152,6 +153,6 @@ fn use_cached(
 /// Prints only the path on standard output, for use as `--elements "$(streakcast fetch ...)"`.
 fn print_path(file: &Path) -> anyhow::Result<Outcome> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", file.display())?;
+    writeln!(out, "{}", file.display()).map_err(|error| cannot_print("the path of the file", error))?;
     Ok(Outcome::Done)
 }

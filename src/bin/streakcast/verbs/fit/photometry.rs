@@ -10,6 +10,8 @@ use streakcast::fit::measurements::{
     ColumnMap, Format, OrbitRadius, PhotometryOptions, Placement, PositionSource, Selection,
 };
 use streakcast::frames::EopTable;
+use streakcast::input::{self, CsvRows};
+use streakcast::message::Quoted;
 use streakcast::output::Provenance;
 
 use super::arguments::{PhotometryArguments, TableArguments};
@@ -23,12 +25,12 @@ pub fn config(typed: &TableArguments) -> Config {
 pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<PhotometryOptions> {
     let columns = typed.columns.as_ref().map(|given| {
         // Text with an equals sign is a list of pairs; other text is a file name.
-        let text = if given.contains('=') {
-            given.clone()
-        } else {
-            streakcast::input::read_to_string(given.as_ref()).map_err(|error| anyhow!("columns {given}: {error}"))?
-        };
-        Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
+        if given.contains('=') {
+            return Ok::<_, anyhow::Error>(ColumnMap::from_text(given)?);
+        }
+        let failed = |error: &dyn std::fmt::Display| anyhow!("columns {given}: {error}");
+        let text = input::read_to_string(given.as_ref()).map_err(|error| failed(&error))?;
+        ColumnMap::from_text(&text).map_err(|error| failed(&error))
     });
     Ok(PhotometryOptions {
         format: typed.format_name.as_deref().map(Format::by_name).transpose()?,
@@ -127,27 +129,22 @@ pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
 
 /// Reads the table of the satellite of each track. Rows without a catalogue number are omitted.
 fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
-    let read_error = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(read_error)?;
-    let headers = reader.headers().map_err(read_error)?.clone();
-    let column = |name: &str| {
-        let found = headers.iter().position(|header| header.trim() == name);
-        found.ok_or_else(|| anyhow!("identified {}: missing column {name}; allowed: track, norad", path.display()))
-    };
+    let shown = path.display();
+    let read_error = |error: std::io::Error| anyhow!("identified {shown}: {error}");
+    let rows = CsvRows::open(path).map_err(read_error)?;
+    let column = |name: &str| rows.column(name, "track, norad").map_err(read_error);
     let (track, norad) = (column("track")?, column("norad")?);
     let mut tracks = HashMap::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(read_error)?;
-        let (track, text) =
-            (record.get(track).unwrap_or_default().trim(), record.get(norad).unwrap_or_default().trim());
+    for row in rows {
+        let (line, row) = row.map_err(read_error)?;
+        let (track, text) = (row.get(track).unwrap_or_default(), row.get(norad).unwrap_or_default());
         if text.is_empty() {
             continue;
         }
         let number: u32 = text.parse().map_err(|_| {
+            let given = Quoted::new(text);
             anyhow!(
-                "identified {}: row {}: invalid norad {text}; allowed: a catalogue number, or an empty cell",
-                path.display(),
-                row + 1
+                "identified {shown}, line {line}: invalid norad {given}; allowed: a catalogue number, or an empty cell"
             )
         })?;
         if number > 0 {

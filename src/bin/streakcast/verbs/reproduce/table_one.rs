@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use streakcast::elements::{Generation, GenerationTable, NoradId, Satellites};
 use streakcast::fit::Lu2024Row;
+use streakcast::input::CsvRows;
+use streakcast::message::Quoted;
 
 /// Printed counts of 12 January 2024, with the generations that the paper counts together.
 const PRINTED: [(&str, f64, &[Generation]); 4] = [
@@ -64,23 +66,19 @@ fn is_launched(designator: &str) -> bool {
 }
 
 fn of_satcat(path: &Path) -> anyhow::Result<BTreeSet<(NoradId, Generation)>> {
-    let failed = |error: csv::Error| anyhow!("satcat {}: {error}", path.display());
-    let mut reader = csv::Reader::from_path(path).map_err(failed)?;
-    let headers = reader.headers().map_err(failed)?.clone();
-    let column = |name: &str| {
-        headers.iter().position(|header| header.trim() == name).ok_or_else(|| {
-            anyhow!("satcat {}: missing column {name}; allowed: the SATCAT of CelesTrak as CSV", path.display())
-        })
-    };
+    let shown = path.display();
+    let failed = |error: std::io::Error| anyhow!("satcat {shown}: {error}");
+    let rows = CsvRows::open(path).map_err(failed)?;
+    let column = |name: &str| rows.column(name, "the SATCAT of CelesTrak as CSV").map_err(failed);
     let [name, designator, id] = [column("OBJECT_NAME")?, column("OBJECT_ID")?, column("NORAD_CAT_ID")?];
     let table = GenerationTable::embedded();
     let mut objects = BTreeSet::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(failed)?;
-        let cell = |column: usize| record.get(column).unwrap_or_default().trim();
+    for row in rows {
+        let (line, row) = row.map_err(failed)?;
+        let cell = |column: usize| row.get(column).unwrap_or_default();
         let number = cell(id).parse().map_err(|_| {
-            let (path, given) = (path.display(), cell(id));
-            anyhow!("satcat {path}: row {}: invalid NORAD_CAT_ID '{given}'; allowed: a catalogue number", row + 1)
+            let given = Quoted::new(cell(id));
+            anyhow!("satcat {shown}, line {line}: invalid NORAD_CAT_ID '{given}'; allowed: a catalogue number")
         })?;
         if is_launched(cell(designator)) {
             let id = NoradId(number);

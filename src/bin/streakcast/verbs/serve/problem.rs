@@ -4,11 +4,9 @@ use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde_json::json;
+use streakcast::message::{Quoted, bounded};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
-
-/// Largest number of characters of a parameter value in a message.
-const MAX_SHOWN: usize = 60;
 
 /// Content of an error response.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +21,7 @@ pub struct Problem {
 
 impl Problem {
     pub fn new(status: u16, detail: impl Into<String>) -> Self {
-        Self { status, detail: detail.into(), parameter: None, header: None }
+        Self { status, detail: bounded(&detail.into()).into_owned(), parameter: None, header: None }
     }
 
     fn of_parameter(name: &str, detail: String) -> Self {
@@ -32,9 +30,7 @@ impl Problem {
 
     /// Returns the error for an invalid value of a parameter.
     pub fn parameter(name: &str, given: &str, allowed: &str) -> Self {
-        let shown: String = given.chars().take(MAX_SHOWN).collect();
-        let cut = if shown.len() < given.len() { "..." } else { "" };
-        Self::of_parameter(name, format!("invalid {name} '{shown}{cut}'; allowed: {allowed}"))
+        Self::of_parameter(name, format!("invalid {name} '{}'; allowed: {allowed}", Quoted::new(given)))
     }
 
     /// Returns the error for a missing parameter.

@@ -1,0 +1,155 @@
+//! CSV: a line of names, then one row for each exposure. Lines that begin with `#` are comments.
+
+use std::path::Path;
+
+use super::super::error::ScheduleError;
+use super::columns::{Cell, Row, display};
+use crate::input::MOST_ROWS;
+
+/// Byte positions of the header and the rows of a CSV file.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct CsvLayout {
+    /// Separator of cells.
+    pub delimiter: u8,
+    /// Column names.
+    pub names: Vec<String>,
+    /// End of the line of names, without the line break.
+    pub header_end: usize,
+    /// End of each row, without the line break, and its number of cells.
+    pub rows: Vec<(usize, usize)>,
+}
+
+/// Finds the line of names and the rows of CSV text.
+///
+/// # Errors
+/// There is no line of names.
+pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayout, ScheduleError> {
+    let mut rows = Vec::new();
+    let (header, header_end) = visit(path, text, |record, end| rows.push((end, record.len())))?;
+    Ok(CsvLayout { delimiter: delimiter_of(first_line(text)), names: names_of(&header), header_end, rows })
+}
+
+/// Calls `row` with the cells of each row and the end of its text. Returns the record of the names with its end.
+fn visit(
+    path: &Path,
+    text: &str,
+    mut row: impl FnMut(&csv::StringRecord, usize),
+) -> Result<(csv::StringRecord, usize), ScheduleError> {
+    if first_line(text).is_empty() {
+        return Err(ScheduleError::Empty { path: display(path) });
+    }
+    let mut reader = reader(text);
+    let (mut header, mut record) = (None, csv::StringRecord::new());
+    loop {
+        let line = reader.position().line();
+        let more = reader.read_record(&mut record).map_err(|error| ScheduleError::Line {
+            path: display(path),
+            line,
+            what: error.to_string(),
+        })?;
+        if !more {
+            break;
+        }
+        // The reader may stop between \r and \n; the record ends before both.
+        let end = text[..reader.position().byte() as usize].trim_end_matches(['\r', '\n']).len();
+        match header {
+            None => header = Some((record.clone(), end)),
+            Some(_) => row(&record, end),
+        }
+    }
+    header.ok_or_else(|| ScheduleError::Empty { path: display(path) })
+}
+
+fn reader(text: &str) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(delimiter_of(first_line(text)))
+        .comment(Some(b'#'))
+        .from_reader(text.as_bytes())
+}
+
+fn names_of(header: &csv::StringRecord) -> Vec<String> {
+    header.iter().map(|name| name.trim().to_owned()).collect()
+}
+
+/// Returns the first line that is neither blank nor a comment; empty if there is none.
+fn first_line(text: &str) -> &str {
+    text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default()
+}
+
+/// Returns the most frequent separator of the header; a comma if it has none.
+fn delimiter_of(header: &str) -> u8 {
+    let count = |delimiter: u8| header.bytes().filter(|byte| *byte == delimiter).count();
+    [b',', b';', b'\t'].into_iter().rev().max_by_key(|delimiter| count(*delimiter)).unwrap_or(b',')
+}
+
+/// Text of a CSV file whose rows were counted.
+#[derive(Clone, Debug)]
+pub(in crate::schedule) struct CsvText {
+    text: String,
+    /// Number of columns.
+    width: usize,
+    /// Number of rows.
+    pub rows: usize,
+}
+
+impl CsvText {
+    /// Finds the column names and the rows of a text. Returns the names.
+    ///
+    /// # Errors
+    /// There is no line of names, or there are too many rows.
+    pub fn new(path: &Path, text: String) -> Result<(Vec<String>, Self), ScheduleError> {
+        let mut rows = 0;
+        let (header, _) = visit(path, &text, |_, _| rows += 1)?;
+        if rows > MOST_ROWS {
+            return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+        }
+        Ok((names_of(&header), Self { text, width: header.len(), rows }))
+    }
+
+    /// Returns the rows in order.
+    pub fn rows(&self) -> impl Iterator<Item = Row> {
+        // The text is UTF-8 and was read once, so that there are no errors.
+        let records = reader(&self.text).into_records().skip(1).map_while(Result::ok);
+        records.map(|record| cells(record.iter(), self.width))
+    }
+}
+
+/// Returns the cells of one row, or the reason why it is invalid.
+pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> Row {
+    let cells: Vec<Cell> = texts.map(Cell::from_text).collect();
+    if cells.len() == width {
+        Ok(cells)
+    } else {
+        Err(format!("the row has {} cells but the header has {width}", cells.len()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn records_end_where_their_bytes_end() {
+        let text = "# note\r\na,b\r\n1,\"x\r\ny\"\r\n\r\n# between\r\n2,z\n3,w";
+        let layout = csv_layout(Path::new("t.csv"), text).unwrap();
+        assert_eq!(layout.names, ["a", "b"]);
+        assert!(text[..layout.header_end].ends_with("a,b"));
+        let ends: Vec<&str> = layout.rows.iter().map(|&(end, _)| &text[end - 2..end]).collect();
+        assert_eq!(ends, ["y\"", ",z", ",w"]);
+        assert!(layout.rows.iter().all(|(_, cells)| *cells == 2));
+        let (_, read) = CsvText::new(Path::new("t.csv"), text.to_owned()).unwrap();
+        let rows: Vec<Row> = read.rows().collect();
+        let row = |cells: [&str; 2]| Ok(cells.map(|cell| Cell::Text(cell.to_owned())).to_vec());
+        assert_eq!(rows, [row(["1", "x\r\ny"]), row(["2", "z"]), row(["3", "w"])]);
+    }
+
+    #[test]
+    fn the_separator_is_found_in_the_header() {
+        assert_eq!(delimiter_of("a,b,c"), b',');
+        assert_eq!(delimiter_of("a;b;c"), b';');
+        assert_eq!(delimiter_of("a\tb"), b'\t');
+        assert_eq!(delimiter_of("only"), b',');
+    }
+}

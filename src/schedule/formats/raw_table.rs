@@ -1,0 +1,64 @@
+//! Table of cells, as read from a schedule file of any format.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use hifitime::TimeScale;
+
+use super::columns::{Row, ScheduleFormat};
+use super::csv_text::CsvText;
+
+/// Rows of a table.
+#[derive(Clone, Debug)]
+pub(in crate::schedule) enum Rows {
+    /// Cells of all rows.
+    Cells(Vec<Row>),
+    /// Text of a CSV file, whose rows are split into cells one by one: the cells take several times its memory.
+    Csv(CsvText),
+}
+
+impl Rows {
+    /// Returns true if there are no rows.
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Rows::Cells(rows) => rows.is_empty(),
+            Rows::Csv(text) => text.rows == 0,
+        }
+    }
+
+    /// Returns the rows in order.
+    pub fn iter(&self) -> Box<dyn Iterator<Item = Cow<'_, Row>> + '_> {
+        match self {
+            Rows::Cells(rows) => Box::new(rows.iter().map(Cow::Borrowed)),
+            Rows::Csv(text) => Box::new(text.rows().map(Cow::Owned)),
+        }
+    }
+}
+
+impl From<Vec<Row>> for Rows {
+    fn from(rows: Vec<Row>) -> Self {
+        Rows::Cells(rows)
+    }
+}
+
+/// Table of a schedule file, with names, units and time scales of its columns.
+#[derive(Clone, Debug)]
+pub(in crate::schedule) struct RawTable {
+    /// Format of the file.
+    pub format: ScheduleFormat,
+    /// Column names in order.
+    pub names: Vec<String>,
+    /// Rows; a valid one has as many cells as `names`.
+    pub rows: Rows,
+    /// Units by column name, if the file states them.
+    pub units: BTreeMap<String, String>,
+    /// Time scales by column name, if the file states them.
+    pub time_scales: BTreeMap<String, TimeScale>,
+}
+
+impl RawTable {
+    /// Creates a table without rows, units or time scales.
+    pub fn new(format: ScheduleFormat, names: Vec<String>) -> Self {
+        Self { format, names, rows: Rows::Cells(Vec::new()), units: BTreeMap::new(), time_scales: BTreeMap::new() }
+    }
+}
