@@ -54,6 +54,7 @@ fn small_tables_are_regular_files() {
         for command in commands {
             let error = error(command);
             assert!(error.contains(input) && error.contains(kind), "{error}");
+            assert!([&output, &tables].iter().all(|path| !fs::exists(path).unwrap()), "{error}");
         }
     }
 }

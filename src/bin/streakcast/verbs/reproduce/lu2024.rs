@@ -141,11 +141,11 @@ pub fn run(
         bail!("steps is {steps}; allowed: more than the {BURN_IN} steps of burn-in");
     }
     let output = Output::new(format, None)?;
+    let mut rows = table_one::rows(typed.satcat.as_deref(), &typed.elements)?;
     if !folder.is_dir() {
         fs::create_dir(folder).map_err(|error| anyhow!("cannot create the folder {}: {error}", folder.display()))?;
     }
     ["report.md", "table.csv", "model.json"].iter().try_for_each(|name| check(&folder.join(name)))?;
-    let mut rows = table_one::rows(typed.satcat.as_deref(), &typed.elements)?;
     let base = base()?;
     let form = form(&base)?;
     let source = source(typed, config, &base, notices)?;
