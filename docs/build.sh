@@ -13,7 +13,7 @@ python=${PYTHON:-python3}
 environment docs docs/requirements.txt
 if [ "${1:-}" = --install ]; then exit; fi
 if [ -z "${STREAKCAST_BIN:-}" ]; then
-    cargo build --quiet --bin streakcast
+    cargo build --quiet --workspace --bin streakcast
     STREAKCAST_BIN=$target/debug/streakcast
 fi
 export STREAKCAST_BIN STREAKCAST_ROOT=$PWD

@@ -22,7 +22,7 @@ case "$mode" in
         "$python" docs/tables.py "$work/figures.tsv" >"$work/$mode.md"
         ;;
     measuring)
-        cargo test --quiet --all-features --test images fluxes_of_many -- --ignored --nocapture >"$work/log"
+        cargo test --quiet --test images fluxes_of_many -- --ignored --nocapture >"$work/log"
         grep '^|' "$work/log" >"$work/$mode.md" || { echo "docs/tables.sh: fluxes_of_many prints no table" >&2; exit 1; }
         ;;
     lu2024)

@@ -12,7 +12,7 @@ python=${PYTHON:-python3}
 environment independent tests/reference/requirements.txt
 if [ "${1:-}" = --install ]; then exit; fi
 if [ -z "${STREAKCAST_BIN:-}" ]; then
-    cargo build --quiet
+    cargo build --quiet --workspace --bin streakcast
     STREAKCAST_BIN=$target/debug/streakcast
 fi
 "$target/venv-independent/bin/python" tests/reference/check_tdm.py "$STREAKCAST_BIN"

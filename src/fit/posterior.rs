@@ -1,19 +1,14 @@
 //! Posterior of a fit, sampled by an ensemble of walkers, and the file that stores the chain.
 //!
-//! The file is a NumPy archive (.npz) with the arrays `chain` (n_step, n_walker, n_param), `log_prob` (n_step,
-//! n_walker), `accepted` (n_walker), and `about`, the bytes of a JSON text that identifies the fit.
-//! `numpy.load(path)["chain"]` has the form of emcee's `get_chain()`.
+//! The file is an ECSV table with one row for each step and walker: `step`, `walker`, the parameters, and `log_prob`.
+//! The metadata identify the fit. With astropy, `Table.read(path)["c3"].reshape(-1, walkers)` has the axes step, walker.
 
-use std::fs::File;
-use std::io::{Read, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use npyz::{NpyFile, WriterBuilder};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
-use zip::write::SimpleFileOptions;
-use zip::{ZipArchive, ZipWriter};
 
 use super::error::FitError;
 use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};
@@ -170,74 +165,109 @@ pub struct ChainAbout {
     pub fingerprint: String,
 }
 
-/// Writes a chain to a file.
+/// Metadata of a file of chains.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChainMeta {
+    chain: ChainHeader,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChainHeader {
+    about: ChainAbout,
+    steps: usize,
+    /// Number of accepted proposals of each walker.
+    accepted: Vec<u64>,
+}
+
+/// Names of the columns before and after those of the parameters.
+const INDEX_COLUMNS: [&str; 2] = ["step", "walker"];
+const LOG_PROBABILITY_COLUMN: &str = "log_prob";
+const META: &str = "# meta: ";
+
+/// Writes a chain to an ECSV file, with as many digits as the numbers have.
 ///
 /// # Errors
 /// [`FitError::ChainFile`] for any error of the operating system; an older file is then unchanged.
 pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), FitError> {
-    let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
-    let io = |error: std::io::Error| failed(error.to_string());
-    let file = AtomicFile::new(path).map_err(io)?;
-    let mut archive = ZipWriter::new(file.file());
-    let [steps, walkers, parameters] = [chain.steps(), chain.walkers(), chain.parameters()].map(|n| n as u64);
-    let text = serde_json::to_vec(about).map_err(|error| failed(error.to_string()))?;
-    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.positions()).map_err(io)?;
-    write_array(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
-    write_array(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
-    write_array(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
-    archive.finish().map_err(|error| failed(error.to_string()))?;
-    file.finish().map_err(io)
+    let failed = |error: io::Error| FitError::ChainFile { path: path.to_owned(), problem: error.to_string() };
+    let file = AtomicFile::new(path).map_err(failed)?;
+    let mut out = BufWriter::new(file.file());
+    write_table(&mut out, chain, about).and_then(|()| out.flush()).map_err(failed)?;
+    drop(out);
+    file.finish().map_err(failed)
 }
 
-fn write_array<T: npyz::AutoSerialize + Copy>(
-    archive: &mut ZipWriter<&File>,
-    name: &str,
-    shape: &[u64],
-    values: &[T],
-) -> std::io::Result<()> {
-    // The archive is not compressed, because random digits cannot be compressed.
-    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(true);
-    archive.start_file(format!("{name}.npy"), options)?;
-    let mut bytes = Vec::with_capacity(128 + size_of_val(values));
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
-    writer.extend(values.iter().copied())?;
-    writer.finish()?;
-    archive.write_all(&bytes)
+fn write_table(out: &mut impl Write, chain: &Chain, about: &ChainAbout) -> io::Result<()> {
+    let header = ChainHeader { about: about.clone(), steps: chain.steps(), accepted: chain.accepted().to_vec() };
+    writeln!(out, "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:")?;
+    let names = columns(about);
+    for (index, name) in names.iter().enumerate() {
+        let datatype = if index < INDEX_COLUMNS.len() { "int64" } else { "float64" };
+        // Strings of JSON are valid YAML.
+        writeln!(out, "# - {{name: {}, datatype: {datatype}}}", serde_json::to_string(name)?)?;
+    }
+    writeln!(out, "{META}{}\n# schema: astropy-2.0", serde_json::to_string(&ChainMeta { chain: header })?)?;
+    csv::Writer::from_writer(&mut *out).write_record(&names)?;
+    for step in 0..chain.steps() {
+        for walker in 0..chain.walkers() {
+            write!(out, "{step},{walker}")?;
+            let log_probability = chain.log_probabilities()[step * chain.walkers() + walker];
+            for value in chain.at(step, walker).iter().chain([&log_probability]) {
+                // The shortest digits that identify the number, with an exponent if it is very small or large.
+                write!(out, ",{value:?}")?;
+            }
+            writeln!(out)?;
+        }
+    }
+    Ok(())
 }
 
-/// Reads a chain from a file.
+fn columns(about: &ChainAbout) -> Vec<&str> {
+    let parameters = about.parameters.iter().map(String::as_str);
+    INDEX_COLUMNS.into_iter().chain(parameters).chain([LOG_PROBABILITY_COLUMN]).collect()
+}
+
+/// Reads a chain from a file of [`write_chain`].
 ///
 /// # Errors
 /// [`FitError::ChainFile`] if the file is missing, truncated or invalid.
 pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
-    let file = input::open(path).map_err(|error| failed(error.to_string()))?;
-    let mut archive = ZipArchive::new(file)
-        .map_err(|_| failed("invalid .npz file; allowed: a chain written by fit run --mcmc".to_owned()))?;
-    let (positions, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
-    let (log_probabilities, _) = read_array::<f64>(&mut archive, "log_prob").map_err(failed)?;
-    let (accepted, _) = read_array::<u64>(&mut archive, "accepted").map_err(failed)?;
-    let (about, _) = read_array::<u8>(&mut archive, "about").map_err(failed)?;
-    let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
-    let &[_, walkers, parameters] = &shape[..] else {
-        return Err(failed(format!("chain has {} axes; allowed: 3 (steps, walkers, parameters)", shape.len())));
+    let text = input::read_to_string(path).map_err(|error| failed(error.to_string()))?;
+    let meta = text.lines().take_while(|line| line.starts_with('#')).find_map(|line| line.strip_prefix(META));
+    let meta = meta.and_then(|meta| serde_json::from_str::<ChainMeta>(meta).ok());
+    let Some(ChainMeta { chain: ChainHeader { about, steps, accepted } }) = meta else {
+        return Err(failed("not a file of chains; allowed: an ECSV file written by fit run --mcmc".to_owned()));
     };
-    if parameters as usize != about.parameters.len() {
+    let (positions, log_probabilities) = read_rows(&text, &about).map_err(failed)?;
+    if log_probabilities.len() != steps.saturating_mul(accepted.len()) {
         return Err(failed(format!(
-            "the file has {} names of parameters; allowed: {parameters}, one for each parameter of the chain",
-            about.parameters.len()
+            "{} rows; allowed: one for each of {steps} steps and {} walkers",
+            log_probabilities.len(),
+            accepted.len()
         )));
     }
-    let chain = Chain::from_parts(walkers as usize, parameters as usize, positions, log_probabilities, accepted)?;
+    let chain = Chain::from_parts(accepted.len(), about.parameters.len(), positions, log_probabilities, accepted)?;
     Ok((chain, about))
 }
 
-fn read_array<T: npyz::Deserialize>(archive: &mut ZipArchive<File>, name: &str) -> Result<(Vec<T>, Vec<u64>), String> {
-    let wrong = |error: String| format!("array {name}: {error}");
-    let mut entry = archive.by_name(&format!("{name}.npy")).map_err(|error| wrong(error.to_string()))?;
-    let mut bytes = Vec::new();
-    entry.read_to_end(&mut bytes).map_err(|error| wrong(error.to_string()))?;
-    let array = NpyFile::new(&bytes[..]).map_err(|error| wrong(error.to_string()))?;
-    let shape = array.shape().to_vec();
-    Ok((array.into_vec::<T>().map_err(|error| wrong(error.to_string()))?, shape))
+/// Returns positions, `(n_step, n_walker, n_param)`, and log probabilities, `(n_step, n_walker)`, of all rows.
+fn read_rows(text: &str, about: &ChainAbout) -> Result<(Vec<f64>, Vec<f64>), String> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let names = reader.headers().map_err(|error| error.to_string())?;
+    if !names.iter().eq(columns(about)) {
+        return Err("the names of the columns differ from those of the parameters in the header".to_owned());
+    }
+    let (mut positions, mut log_probabilities) = (Vec::new(), Vec::new());
+    let mut record = csv::StringRecord::new();
+    while reader.read_record(&mut record).map_err(|error| error.to_string())? {
+        for (index, cell) in record.iter().enumerate().skip(INDEX_COLUMNS.len()) {
+            let line = record.position().map_or(0, csv::Position::line);
+            let value = cell.parse().map_err(|_| format!("line {line}: '{cell}'; allowed: a number"))?;
+            if index + 1 < record.len() { positions.push(value) } else { log_probabilities.push(value) }
+        }
+    }
+    Ok((positions, log_probabilities))
 }

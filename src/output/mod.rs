@@ -1,14 +1,12 @@
 //! Output files: tables in every text format, files written completely or not at all, and provenance.
 //!
 //! A table is a list of [`Column`]s with unit and description, and rows of [`Value`]s. The same rows are written to
-//! CSV, ECSV, JSON, JSON lines, VOTable and (feature `parquet`) Parquet with the same digits.
+//! CSV, ECSV, JSON, JSON lines and VOTable with the same digits.
 
 mod abandoned;
 mod atomic;
 mod delimited;
 mod json;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod provenance;
 mod table;
 mod text;
@@ -18,10 +16,6 @@ pub use atomic::{AtomicFile, ScratchFolder, check_target, remove_unfinished, wri
 pub(crate) use delimited::{csv_cell, ecsv_column};
 pub use delimited::{write_csv, write_csv_rows, write_ecsv};
 pub use json::{Section, write_json, write_json_lines};
-#[cfg(feature = "parquet")]
-pub use parquet::write_parquet;
-#[cfg(feature = "parquet")]
-pub(crate) use parquet::{parquet_columns, parquet_fields};
 pub use provenance::Provenance;
 pub use table::{Column, Kind, Table, TableField, Value, json_members, json_rows};
 pub use text::{counted, format_utc};

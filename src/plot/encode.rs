@@ -1,4 +1,4 @@
-//! Pictures as PNG, SVG and PDF bytes.
+//! Pictures as PNG and SVG bytes.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -9,7 +9,6 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
 use super::file_options::{FileOptions, NATURAL_DPI, PROGRAM, PROVENANCE, TITLE};
-use super::pdf;
 use super::picture::{Canvas, Picture, Underlay, font_style_sheet};
 
 /// Supersampling factor of PNGs, which makes lines and letters smooth.
@@ -30,21 +29,19 @@ pub enum PictureFormat {
     Png,
     /// Scalable lines and text over an embedded pixel image.
     Svg,
-    /// The same as in an SVG, on one page with selectable text.
-    Pdf,
 }
 
 impl PictureFormat {
     /// Returns the format that the extension of a file name indicates.
     ///
     /// # Errors
-    /// The name does not end in `.png`, `.svg` or `.pdf`.
+    /// The name does not end in `.png` or `.svg`.
     pub fn of(path: &Path) -> Result<Self, PlotError> {
         let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match end.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("svg") => Ok(Self::Svg),
-            Some("pdf") => Ok(Self::Pdf),
+            Some("pdf") => Err(PlotError::Pdf { name: path.display().to_string() }),
             _ => Err(PlotError::UnknownFormat { name: path.display().to_string() }),
         }
     }
@@ -72,7 +69,6 @@ impl Picture {
         match format {
             PictureFormat::Png => self.png_with(options),
             PictureFormat::Svg => self.svg_with(options).map(String::into_bytes),
-            PictureFormat::Pdf => pdf::of_svg(&self.svg_with(options)?, &self.metadata(options)),
         }
     }
 

@@ -8,9 +8,18 @@ use crate::maps::MapError;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// The extension of a file name is none of `.png`, `.svg` and `.pdf`.
-    #[error("invalid picture name {name}; allowed: a name that ends in .png, .svg or .pdf")]
+    /// The extension of a file name is neither `.png` nor `.svg`.
+    #[error("invalid picture name {name}; allowed: a name that ends in .png or .svg")]
     UnknownFormat {
+        /// Given name.
+        name: String,
+    },
+    /// The extension of a file name is `.pdf`.
+    #[error(
+        "invalid picture name {name}: PDF is not supported; allowed: a name that ends in .png or .svg \
+         (rsvg-convert and Inkscape convert SVG to PDF)"
+    )]
+    Pdf {
         /// Given name.
         name: String,
     },

@@ -1,6 +1,6 @@
-//! Maps and charts as PNG, SVG and PDF pictures.
+//! Maps and charts as PNG and SVG pictures.
 //!
-//! A [`Picture`] is a list of lines, texts and pixels, which `encode` and `pdf` convert to a file. `scale` assigns
+//! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file. `scale` assigns
 //! colours to values, `contour` computes lines of equal value, and `sky_disk` projects a hemisphere. `maps` draws the
 //! maps of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
 //! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
@@ -24,7 +24,6 @@ mod light_curve;
 mod maps;
 mod night;
 mod numbers;
-mod pdf;
 mod picture;
 mod residuals;
 mod scale;

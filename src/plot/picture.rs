@@ -25,7 +25,7 @@ pub(super) const PAPER: [u8; 3] = [255, 255, 255];
 const SUBTITLE: f64 = 51.0;
 const SUN: RGBColor = RGBColor(255, 190, 0);
 
-/// Picture of a map or a chart, which can be encoded as PNG, SVG or PDF.
+/// Picture of a map or a chart, which can be encoded as PNG or SVG.
 pub struct Picture {
     width: usize,
     height: usize,

@@ -23,15 +23,13 @@ pub enum ScheduleError {
         source: io::Error,
     },
     /// The path is a directory.
-    #[error("schedule {path} is a directory; allowed: one file, opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet")]
+    #[error("schedule {path} is a directory; allowed: one file, opsim SQLite, CSV, ECSV, JSON or VOTable")]
     Directory {
         /// The path.
         path: String,
     },
     /// The file is empty.
-    #[error(
-        "schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet with at least one exposure"
-    )]
+    #[error("schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON or VOTable with at least one exposure")]
     Empty {
         /// Path of the file.
         path: String,
@@ -51,7 +49,7 @@ pub enum ScheduleError {
         most: usize,
     },
     /// The format is not supported.
-    #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable (TABLEDATA) or Parquet")]
+    #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV, JSON or VOTable (TABLEDATA)")]
     Format {
         /// Path of the file.
         path: String,
@@ -183,15 +181,6 @@ pub enum ScheduleError {
         path: String,
         /// Error of the operating system.
         source: io::Error,
-    },
-    /// Parquet reported an error.
-    #[cfg(feature = "parquet")]
-    #[error("cannot write {path}: {what}")]
-    AnnotateParquet {
-        /// Path of the file.
-        path: String,
-        /// Error of the Parquet library.
-        what: String,
     },
     /// SQLite reported an error while the annotated copy was written.
     #[cfg(feature = "sqlite")]

@@ -1,6 +1,6 @@
 //! Verdicts on scheduled exposures, next clear starts, and clear windows of targets.
 //!
-//! A [`Schedule`] is read from Rubin opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet. [`flag_exposures`] judges its
+//! A [`Schedule`] is read from Rubin opsim SQLite, CSV, ECSV, JSON or VOTable. [`flag_exposures`] judges its
 //! exposures by the passes that cross them and a [`Policy`], and computes their next clear starts; [`annotate`] adds
 //! the results to the file. [`clear_windows`] computes the opening times for which an exposure of a target is clear.
 //! Rows that cannot be judged are kept, with the reason.

@@ -102,20 +102,22 @@ fn an_output_never_replaces_an_input_or_another_output() {
     assert_eq!(fs::read_to_string(&schedule).unwrap(), text);
 }
 
-/// A build without Parquet support reports an error, and does not write another format.
-#[cfg(not(feature = "parquet"))]
+/// Parquet is not supported: a schedule gives an error that names a converter, and no other format is written under
+/// such a name.
 #[test]
 fn parquet_is_rejected_without_a_file() {
     let folder = TempDir::new().unwrap();
-    let schedule = file(&folder, "s.csv", HEADER.as_bytes());
+    let schedule = file(&folder, "s.csv", format!("{HEADER}a,2026-08-14T23:30:00Z,30,217,-30\n").as_bytes());
     for name in ["out.parquet", "OUT.PARQUET"] {
         let out = folder.path().join(name);
-        fails(
-            &[&flag(&schedule), &["-o", out.to_str().unwrap()]],
-            &["'parquet' needs a build with", "allowed: table, csv"],
-        );
+        fails(&[&flag(&schedule), &["-o", out.to_str().unwrap()]], &["is not a format; allowed: .csv, .ecsv"]);
+        let mut annotate = flag(&schedule);
+        annotate[0] = "annotate";
+        fails(&[&annotate, &["-o", out.to_str().unwrap()]], &["has the extension of another format; allowed: .csv"]);
         assert!(!out.exists());
     }
+    let schedule = file(&folder, "s.parquet", b"PAR1\x15\x04\x15\x10PAR1");
+    fails(&[&flag(&schedule)], &["s.parquet: Parquet file; convert it to CSV first", "pandas.read_parquet"]);
 }
 
 /// An argument that is not UTF-8 is reported like any other unknown argument.

@@ -110,24 +110,24 @@ fn verif_interrupted_chains_can_be_resumed() {
             format!("--folds 0 --mcmc {steps} --burn-in 5 --seed 4 --chains {chains} --threads {threads} -o m.json");
         run(folder.path(), &format!("{FIT} {more}"))
     };
-    for (steps, chains, threads) in [(60, "whole.npz", 1), (25, "cut.npz", 2), (60, "cut.npz", 2)] {
+    for (steps, chains, threads) in [(60, "whole.ecsv", 1), (25, "cut.ecsv", 2), (60, "cut.ecsv", 2)] {
         let (code, _, stderr) = fit(steps, chains, threads);
         assert!(code < 2, "{stderr}");
     }
-    let (whole, about) = read_chain(&at("whole.npz")).expect("chains");
-    let (cut, _) = read_chain(&at("cut.npz")).expect("chains");
+    let (whole, about) = read_chain(&at("whole.ecsv")).expect("chains");
+    let (cut, _) = read_chain(&at("cut.ecsv")).expect("chains");
     assert_eq!((whole.steps(), whole.walkers(), whole.parameters()), (60, 32, 7));
     assert_eq!(about.parameters, ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"]);
     assert_eq!(whole, cut);
     // A saved chain for other points belongs to another fit, and is rejected.
     let (code, _, stderr) = run(
         folder.path(),
-        &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"),
+        &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.ecsv -o m.json"),
     );
     assert!(code == 2 && stderr.contains("another fit"), "{stderr}");
-    fs::write(at("broken.npz"), b"PK not really").expect("a file");
-    let (code, _, stderr) = fit(60, "broken.npz", 1);
-    assert!(code == 2 && stderr.contains("broken.npz"), "{stderr}");
+    fs::write(at("broken.ecsv"), b"# %ECSV 1.0\n# not really\n").expect("a file");
+    let (code, _, stderr) = fit(60, "broken.ecsv", 1);
+    assert!(code == 2 && stderr.contains("broken.ecsv"), "{stderr}");
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (format!("{FIT} -o m.json --report ./m.json"), vec!["m.json is also another output"]),
         (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["is also another output"]),
         (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is also an input"]),
-        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains nowhere/c.npz"), vec!["nowhere"]),
+        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains nowhere/c.ecsv"), vec!["nowhere"]),
         (format!("{FIT} -o m.json --nside 8"), vec!["--nside", "--raw-points"]),
         (format!("{FIT} -o m.json --seed 3"), vec!["--mcmc"]),
         (format!("{FIT} -o m.json --identified mmt.csv"), vec!["--elements"]),

@@ -306,39 +306,6 @@ fn passes(count: usize) -> String {
     format!("{count} {}", if count == 1 { "pass" } else { "passes" })
 }
 
-/// In Parquet, numbers are stored as numbers and other columns as the text of CSV. The provenance is in the metadata.
-#[cfg(feature = "parquet")]
-#[test]
-fn verif_parquet_has_the_rows_of_csv() {
-    use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
-    use arrow_array::cast::AsArray;
-    use arrow_array::types::{Float64Type, Int64Type};
-    let folder = tempfile::tempdir().unwrap();
-    let file = path(&folder, "night.parquet");
-    done(&[NIGHT, SKY, PLANES, &["-o", &file]]);
-    let rows = records(&done(&[NIGHT, SKY, PLANES, &["--format", "csv"]]));
-    let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&file).unwrap()).unwrap();
-    let metadata = builder.metadata().file_metadata().key_value_metadata().unwrap().clone();
-    assert!(
-        metadata.iter().any(|one| one.key == "provenance" && one.value.as_ref().unwrap().contains("starlink-gen1"))
-    );
-    let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
-    assert_eq!(batches.iter().map(|batch| batch.num_rows()).sum::<usize>(), rows.len() - 1);
-    let names: Vec<_> = batches[0].schema().fields().iter().map(|field| field.name().clone()).collect();
-    assert_eq!(names.join(","), HEADER);
-    let (ids, magnitudes) = (
-        batches[0].column(0).as_primitive::<Int64Type>(),
-        names.iter().position(|name| name == "peak_magnitude").unwrap(),
-    );
-    let magnitude = batches[0].column(magnitudes).as_primitive::<Float64Type>();
-    let peaks = batches[0].column(10).as_string::<i32>();
-    for (row, cells) in rows[1..].iter().enumerate().take(batches[0].num_rows()) {
-        assert_eq!(ids.value(row).to_string(), cells[0]);
-        assert_eq!(magnitude.value(row), cells[magnitudes].parse::<f64>().unwrap());
-        assert_eq!(peaks.value(row), &cells[10]);
-    }
-}
-
 #[test]
 fn messages_use_the_singular_for_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -402,11 +369,6 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
         (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),
-        #[cfg(not(feature = "parquet"))]
-        (
-            &["--night", "2024-08-14", "--format", "parquet"],
-            &["'parquet' needs a build with the cargo feature parquet"],
-        ),
         (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
         (
             &["--night", "2024-08-14", "--light-curves", "lc.foo"],
@@ -498,12 +460,7 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
 #[test]
 fn help_names_every_format() {
     let help = done(&[&["forecast", "--help"]]).split_whitespace().collect::<Vec<_>>().join(" ");
-    for format in [
-        "votable, parquet (in builds",
-        "ics (calendar)",
-        "tdm (CCSDS tracking data message)",
-        "score (columns of SCORE)",
-    ] {
+    for format in ["votable, ics (calendar)", "tdm (CCSDS tracking data message)", "score (columns of SCORE)"] {
         assert!(help.contains(format), "{format}: {help}");
     }
 }

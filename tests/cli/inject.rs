@@ -594,7 +594,6 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "0.02 to 1e5"]),
         (&plain, &output, [random, seeing, &["--exposure", "0s"]].concat(), &["exposure", "above 0"]),
         (&plain, &output, [random, seeing, &["--mask-bits", "sdss"]].concat(), &["sdss", "lsst, desdm"]),
-        #[cfg(not(feature = "parquet"))]
         (&plain, &output, [random, seeing, &["--truth", "t.parquet"]].concat(), &["t.parquet", ".csv"]),
         (&plain, &output, [random, seeing, &["--gain=-1"]].concat(), &["gain is -1", "above 0"]),
         (&plain, &output, [&["--random-streaks", "1", "--magnitude", "9,3"], seeing].concat(), &["brighter first"]),

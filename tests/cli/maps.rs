@@ -193,8 +193,11 @@ fn verif_invalid_arguments() {
     {
         fails(
             &[SKY, &["--picture", "map.gif"], &out],
-            &["invalid picture name map.gif; allowed: a name that ends in .png, .svg or .pdf"],
+            &["invalid picture name map.gif; allowed: a name that ends in .png or .svg"],
         );
+        for flag in ["--picture", "-o"] {
+            fails(&[SKY, &[flag, "map.PDF"]], &["invalid picture name map.PDF: PDF is not supported"]);
+        }
         fails(&[SKY, &["--picture", "no/such/folder/map.png"], &out], &["no/such/folder"]);
         fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot create the folder no/such/folder"]);
     }
@@ -243,7 +246,6 @@ fn verif_file_name_extensions() {
         &[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]],
         &["does not have the format ecsv", "allowed: the extension .ecsv"],
     );
-    #[cfg(not(feature = "parquet"))]
     fails(
         &[SKY, &["--format", "parquet"]],
         &["unknown format 'parquet'; allowed: table, csv, ecsv, json, jsonl, votable, fits"],

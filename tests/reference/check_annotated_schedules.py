@@ -2,15 +2,13 @@
 
     python check_annotated_schedules.py ../data/schedules FOLDER
 
-FOLDER contains the annotated files with the same names, and their .streaks files. Run manually; requires astropy 8 and
-pyarrow.
+FOLDER contains the annotated files with the same names, and their .streaks files. Run manually; requires astropy 8.
 """
 import json
 import sys
 from pathlib import Path
 
 import numpy as np
-import pyarrow.parquet
 from astropy.io.votable import parse
 from astropy.table import Table
 
@@ -50,13 +48,5 @@ for name, rows in (("obsplan.json", lambda document: document), ("obsplan_object
     assert [{key: row[key] for key in before} for before, row in zip(old, new, strict=True)] == old
     assert all(list(row)[: len(before)] == list(before) for before, row in zip(old, new))
     print(f"{name}: {len(old)} rows identical")
-if (folder / "consdb.parquet").exists():
-    old, new = (pyarrow.parquet.read_table(place / "consdb.parquet") for place in (samples, folder))
-    assert new.select(old.schema.names).schema.equals(old.schema, check_metadata=True)
-    for column in old.schema.names:
-        a, b = old[column].combine_chunks(), new[column].combine_chunks()
-        assert a.equals(b) or repr(a) == repr(b), column
-    print(f"consdb.parquet: {old.num_rows} rows, {old.num_columns} columns and metadata identical")
-    streaks.append(pyarrow.parquet.read_table(folder / "consdb.streaks.parquet").num_rows)
 assert len(set(streaks)) == 1, streaks
 print(f"streaks: {streaks[0]} in each")

@@ -1,6 +1,6 @@
 """Writes schedules in the formats of common tools, for tests/cli/annotate_formats.rs.
 
-    python make_schedule_samples.py ../data/schedules      (astropy 8, pyarrow)
+    python make_schedule_samples.py ../data/schedules      (astropy 8)
 
 Columns, types and units follow the published schemas; the values are invented:
 - ConsDB: lsst/sdm_schemas, cdb_lsstcam.yaml, table visit1 (obs_start_mjd: "MJD ... TAI").
@@ -12,8 +12,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pyarrow
-import pyarrow.parquet
 from astropy import units as u
 from astropy.table import MaskedColumn, Table
 from astropy.time import Time
@@ -46,12 +44,6 @@ consdb.write(folder / "consdb.csv", format="ascii.csv", overwrite=True)
 consdb.write(folder / "consdb.ecsv", format="ascii.ecsv", overwrite=True)
 consdb.write(folder / "consdb_comma.ecsv", format="ascii.ecsv", delimiter=",", overwrite=True)
 consdb.write(folder / "consdb.vot", format="votable", overwrite=True)
-arrow = pyarrow.table({name: pyarrow.array(np.ma.filled(column, 0) if column.dtype.kind != "U" else list(column.filled("")) if hasattr(column, "filled") else list(column),
-                                           mask=np.ma.getmaskarray(column)) for name, column in consdb.columns.items()})
-arrow = arrow.replace_schema_metadata({"origin": "cdb_lsstcam.visit1", "pandas": json.dumps({"columns": [], "index_columns": []})})
-arrow = arrow.append_column("obs_start", pyarrow.array((start.tai.mjd * 86400e6).astype("int64"), pyarrow.timestamp("us")))
-arrow = arrow.append_column("list", pyarrow.array([[1.5, float("nan")], None] * (rows // 2)))
-pyarrow.parquet.write_table(arrow, folder / "consdb.parquet", row_group_size=5)
 plan = [
     {
         "t_planning": float(start.utc.mjd[n]),

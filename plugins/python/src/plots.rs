@@ -36,7 +36,7 @@ impl Picture {
         failure::without_lock(py, || self.0.to_svg().map_err(failure::request))
     }
 
-    /// Writes a file atomically, as PNG, SVG or PDF by the file name extension.
+    /// Writes a file atomically, as PNG or SVG by the file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
         let format = PictureFormat::of(path).map_err(|error| PyValueError::new_err(error.to_string()))?;

@@ -1,7 +1,10 @@
 """Results compared with the JSON output of the command line program."""
 
 import csv
+import json
 import math
+import os
+import subprocess
 from decimal import Decimal
 
 import numpy as np
@@ -120,3 +123,33 @@ def test_verif_real_catalogue(data, command_line):
     digest = model.provenance(start)["elements"][0]["sha256"]
     assert digest == answer["provenance"]["elements"][0]["sha256"]
     assert model.satellites(start) == pytest.approx(answer["provenance"]["satellites"])
+
+
+def test_verif_samples_of_a_posterior_are_read_by_astropy(tmp_path):
+    """The file of `fit run --chains`, read as in docs/how-to/fit.md."""
+    from astropy.table import Table
+
+    binary = os.environ.get("STREAKCAST_BIN") or pytest.fail("set STREAKCAST_BIN, or run plugins/test.sh")
+
+    def run(*arguments):
+        done = subprocess.run([binary, *arguments, "--quiet"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode in (0, 1), done.stderr
+
+    run("forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", "2026-08-14", "--min-culmination", "60", "-o", "passes.csv", "--light-curves", "curves.ecsv")
+    curves = Table.read(tmp_path / "curves.ecsv")
+    points = curves[(curves["illumination"] == "sunlit") & (curves["altitude_deg"] > 20)][::16]
+    scatter = 0.4 * np.sin(np.arange(len(points)) ** 2)
+    photometry = Table({"time": points["utc"], "norad": points["norad_id"], "ra": points["ra_deg"], "dec": points["dec_deg"], "mag": points["magnitude"] + scatter, "range": points["range_km"]})
+    photometry.write(tmp_path / "photometry.csv")
+    columns = {"time": "time", "time_scale": "utc", "magnitude": "mag", "norad": "norad", "right_ascension": "ra", "declination": "dec", "distance": "range"}
+    (tmp_path / "columns.toml").write_text("".join(f'{name} = "{column}"\n' for name, column in columns.items()))
+    fit = ["fit", "run", "--photometry", "photometry.csv", "--columns", "columns.toml", "--mpc", "X05", "--model", "starlink-v1.5", "--raw-points", "--hold", "c1=0", "--hold", "n_sail=5"]
+    run(*fit, "--folds", "0", "-o", "mine.json", "--mcmc", "40", "--burn-in", "10", "--chains", "mine.ecsv")
+    chain = Table.read(tmp_path / "mine.ecsv")
+    assert chain.colnames == ["step", "walker", "c2", "c3", "c4", "c5", "n_base", "log_prob"]
+    walkers = chain["walker"].max() + 1
+    assert (chain["step"].reshape(-1, walkers) == np.arange(40)[:, None]).all() and (chain["walker"].reshape(-1, walkers) == np.arange(walkers)).all()
+    assert chain.meta["chain"]["about"]["parameters"] == chain.colnames[2:-1] and chain.meta["chain"]["steps"] == 40
+    # The best walker is near the fitted value.
+    fitted = json.loads((tmp_path / "mine.json").read_text())["coefficients"]["c5"]
+    assert abs(chain["c5"][np.argmax(chain["log_prob"])] / fitted - 1) < 0.3

@@ -10,8 +10,7 @@ use crate::output::Output;
 /// Format and file of the output.
 #[derive(Args)]
 pub struct OutputArguments {
-    /// Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable,
-    /// parquet (in builds with the Cargo feature parquet)
+    /// Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// Output file; standard output if omitted

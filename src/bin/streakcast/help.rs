@@ -271,7 +271,10 @@ const VERBS: &[VerbHelp] = &[
             "--model visorsat --sun-latitude-deg 20 --no-data -o body.svg",
         ],
     ),
-    verb("plot corner", ["--chains chains.npz -o corner.png", "--chains chains.npz --parameters c1,c2 -o corner.svg"]),
+    verb(
+        "plot corner",
+        ["--chains chains.ecsv -o corner.png", "--chains chains.ecsv --parameters c1,c2 -o corner.svg"],
+    ),
     verb(
         "plot residuals",
         [
@@ -325,7 +328,7 @@ const VERBS: &[VerbHelp] = &[
         "fit run",
         [
             "--photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json --report fit.html",
-            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.npz -o fitted.json",
+            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.ecsv -o fitted.json",
         ],
     ),
     verb(

@@ -87,7 +87,7 @@ enum Verb {
     Identify(Box<IdentifyArguments>),
     /// Map magnitudes over the sky of a site or over the directions around a satellite
     Map(MapArguments),
-    /// Plot nights, fields, light curves, skies and fits as PNG, SVG or PDF, with data files
+    /// Plot nights, fields, light curves, skies and fits as PNG or SVG, with data files
     #[cfg(feature = "plot")]
     Plot(Box<PlotArguments>),
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables

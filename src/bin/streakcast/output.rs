@@ -26,41 +26,26 @@ pub enum Format {
     Json,
     JsonLines,
     VoTable,
-    #[cfg(feature = "parquet")]
-    Parquet,
 }
 
 /// Names of the formats, for error messages.
-#[cfg(not(feature = "parquet"))]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable";
-/// Names of the formats, for error messages.
-#[cfg(feature = "parquet")]
-pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable, parquet";
 
 /// File extensions of the formats, for error messages.
-#[cfg(not(feature = "parquet"))]
 pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable";
-/// File extensions of the formats, for error messages.
-#[cfg(feature = "parquet")]
-pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable, .parquet";
 
 impl Format {
     /// Returns the format for a file extension; CSV if there is no extension.
     fn by_extension(path: &Path) -> anyhow::Result<Self> {
         match extension(path).as_str() {
             "" => Ok(Format::Csv),
-            // `required` returns an error if this build does not support the format.
-            "parquet" => Self::required("parquet"),
             end => Self::by_name(end)
                 .ok_or_else(|| anyhow!("the extension of {} is not a format; allowed: {EXTENSIONS}", path.display())),
         }
     }
 
     fn required(name: &str) -> anyhow::Result<Self> {
-        Self::by_name(name).ok_or_else(|| match name {
-            "parquet" => anyhow!("format 'parquet' needs a build with the cargo feature parquet; allowed: {FORMATS}"),
-            name => anyhow!("unknown format '{name}'; allowed: {FORMATS}"),
-        })
+        Self::by_name(name).ok_or_else(|| anyhow!("unknown format '{name}'; allowed: {FORMATS}"))
     }
 
     pub fn by_name(name: &str) -> Option<Self> {
@@ -71,8 +56,6 @@ impl Format {
             "json" => Some(Format::Json),
             "jsonl" => Some(Format::JsonLines),
             "votable" | "vot" => Some(Format::VoTable),
-            #[cfg(feature = "parquet")]
-            "parquet" => Some(Format::Parquet),
             _ => None,
         }
     }
@@ -142,13 +125,6 @@ impl Output {
             Format::Json => write_json(out, &result.sections, result.provenance),
             Format::JsonLines => write_json_lines(out, result.main, result.provenance),
             Format::VoTable => write_votable(out, result.main, result.provenance),
-            #[cfg(feature = "parquet")]
-            Format::Parquet => {
-                // The Parquet writer writes to a file or a buffer, not to a stream.
-                let mut bytes = Vec::new();
-                streakcast::output::write_parquet(&mut bytes, result.main, result.provenance)?;
-                out.write_all(&bytes)
-            }
         };
         let name = result.sections.first().map_or("result", |section| section.name);
         self.put(&format!("the table {name}"), notices, |out| {

@@ -5,8 +5,6 @@ mod delimited;
 mod json;
 #[cfg(feature = "sqlite")]
 mod opsim;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod votable;
 mod write;
 

@@ -19,8 +19,6 @@ use super::{delimited, json, votable};
 ///   `streak_provenance` of the document, or in `NAME.streaks.json` if the document is an array.
 /// - **VOTable** (TABLEDATA): the original text, with verdicts as `FIELD`s and cells of the first table; streaks as a
 ///   table `streaks` after it.
-/// - **Parquet** (feature `parquet`): every column with its type, values, nulls and metadata, and the metadata of the
-///   file; verdicts as additional columns, streaks in `NAME.streaks.parquet`.
 ///
 /// For rows without an identifier (ObsLocTAP), a column `exposure_id` with the row number, from 1, is added.
 ///
@@ -43,9 +41,7 @@ pub fn annotate(
         ScheduleFormat::VoTable => votable::annotate(input, output, annotation),
         #[cfg(feature = "sqlite")]
         ScheduleFormat::Opsim => super::opsim::annotate(input, output, annotation),
-        #[cfg(feature = "parquet")]
-        ScheduleFormat::Parquet => super::parquet::annotate(input, output, annotation),
-        #[cfg(not(all(feature = "sqlite", feature = "parquet")))]
+        #[cfg(not(feature = "sqlite"))]
         unwritten => Err(ScheduleError::AnnotateFormat { path: display(input), format: unwritten.to_string() }),
     }
 }
@@ -55,7 +51,8 @@ pub fn annotate(
 /// # Errors
 /// The extension of `output` is that of another format; that of `input` is always allowed.
 pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> Result<(), ScheduleError> {
-    let is_other = ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
+    let is_parquet = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
+    let is_other = is_parquet || ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
     if is_other && output.extension() != input.extension() {
         return Err(ScheduleError::OutputExtension {
             path: display(output),

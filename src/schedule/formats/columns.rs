@@ -150,8 +150,6 @@ pub enum ScheduleFormat {
     Json,
     /// A VOTable with its first table in TABLEDATA.
     VoTable,
-    /// Apache Parquet.
-    Parquet,
 }
 
 impl ScheduleFormat {
@@ -164,14 +162,13 @@ impl ScheduleFormat {
             ScheduleFormat::Ecsv => &["ecsv"],
             ScheduleFormat::Json => &["json"],
             ScheduleFormat::VoTable => &["xml", "vot", "votable"],
-            ScheduleFormat::Parquet => &["parquet"],
         }
     }
 
     /// Returns the format whose usual extension is that of `path`.
     pub fn by_extension(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        let all = [Self::Opsim, Self::Csv, Self::Ecsv, Self::Json, Self::VoTable, Self::Parquet];
+        let all = [Self::Opsim, Self::Csv, Self::Ecsv, Self::Json, Self::VoTable];
         all.into_iter().find(|format| format.extensions().contains(&&*extension))
     }
 }
@@ -184,7 +181,6 @@ impl fmt::Display for ScheduleFormat {
             ScheduleFormat::Ecsv => "ECSV",
             ScheduleFormat::Json => "JSON",
             ScheduleFormat::VoTable => "VOTable",
-            ScheduleFormat::Parquet => "Parquet",
         })
     }
 }

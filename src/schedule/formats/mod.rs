@@ -6,8 +6,6 @@ mod delimited;
 mod json;
 #[cfg(feature = "sqlite")]
 mod opsim;
-#[cfg(feature = "parquet")]
-mod parquet;
 mod raw_table;
 mod read;
 mod votable;
@@ -19,8 +17,6 @@ pub(super) use delimited::ecsv_layout;
 pub(super) use json::{Members, json_layout};
 #[cfg(feature = "sqlite")]
 pub(super) use opsim::open_read_only;
-#[cfg(feature = "parquet")]
-pub(super) use parquet::batches;
 pub(super) use raw_table::RawTable;
 pub(super) use read::read_raw;
 pub(super) use votable::{Span, votable_layout};

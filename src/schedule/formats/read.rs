@@ -25,10 +25,11 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     if head == *b"SQLite format 3\0" {
         return read_sqlite(path);
     }
-    if head.starts_with(b"PAR1") {
-        return read_parquet(path);
-    }
     let what = match head.as_slice() {
+        [b'P', b'A', b'R', b'1', ..] => Some(
+            "Parquet file; convert it to CSV first, in Python with pandas.read_parquet(NAME).to_csv(NAME, index=False), \
+             or pass its columns to the Python package",
+        ),
         [0x1f, 0x8b, ..] => Some("compressed with gzip; decompress it first"),
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16 text; convert it to UTF-8 first"),
         [b'S', b'I', b'M', b'P', b'L', b'E', ..] => Some("FITS file"),
@@ -75,16 +76,5 @@ fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
 #[cfg(not(feature = "sqlite"))]
 fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
     let what = "SQLite, which this build does not support (cargo feature sqlite)".to_owned();
-    Err(ScheduleError::Format { path: display(path), what })
-}
-
-#[cfg(feature = "parquet")]
-fn read_parquet(path: &Path) -> Result<RawTable, ScheduleError> {
-    super::parquet::read(path)
-}
-
-#[cfg(not(feature = "parquet"))]
-fn read_parquet(path: &Path) -> Result<RawTable, ScheduleError> {
-    let what = "Parquet, which this build does not support (cargo feature parquet)".to_owned();
     Err(ScheduleError::Format { path: display(path), what })
 }

@@ -3,8 +3,8 @@
 use streakcast::geometry::Site;
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    FieldChart, FieldStreak, FileOptions, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyChart, SkyRate,
-    SkyTrack, SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
+    FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, SkyChart, SkyRate, SkyTrack, SunAltitude,
+    field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
 
 use super::{close, has, near, pixels, words};
@@ -350,35 +350,6 @@ fn verif_a_sky_chart_rejects_invalid_input() {
         error_of(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before")
     );
     assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("allowed: a finite number"));
-}
-
-/// A PDF has one page of the given size, the embedded font, and the title in its document information. Text and
-/// positions are those of the SVG from which it is made.
-#[test]
-fn verif_a_pdf_has_its_size_font_and_metadata() {
-    let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
-    let picture = night_timeline(&timeline(&one, &[])).unwrap();
-    let options = FileOptions {
-        size: Some("8x5in".parse().unwrap()),
-        provenance: Some("{\"site\":\"X05\"}".to_owned()),
-        ..FileOptions::default()
-    };
-    let pdf = picture.to_file(PictureFormat::Pdf, &options).unwrap();
-    // The order in dictionaries of a PDF is arbitrary, so files of equal data have equal bytes in another order.
-    let sorted = |mut bytes: Vec<u8>| {
-        bytes.sort_unstable();
-        bytes
-    };
-    let again = picture.to_file(PictureFormat::Pdf, &options).unwrap();
-    assert!(sorted(pdf.clone()) == sorted(again), "pictures of equal data differ");
-    assert!(pdf.starts_with(b"%PDF-"));
-    let text = String::from_utf8_lossy(&pdf);
-    for part in ["/Count 1", "/MediaBox [0 0 576 360]", "+DejaVuSans", "/ToUnicode", "/Provenance"] {
-        assert!(text.contains(part), "{part}");
-    }
-    assert!(text.contains(r#"({"site":"X05"})"#), "no provenance");
-    assert!(text.contains(&format!("/Title ({})", picture.title())), "no title {}", picture.title());
-    assert!(text.contains(&format!("/Creator (streakcast {})", env!("CARGO_PKG_VERSION"))));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-"""Plots of the results of `StreakModel` as PNG, SVG and PDF, in the form of those of ``streakcast plot``.
+"""Plots of the results of `StreakModel` as PNG and SVG, in the form of those of ``streakcast plot``.
 
 They have no stars and no twilight, and a circle is the only outline of a field. Files do not state how the data were
 computed.
@@ -68,7 +68,7 @@ class Picture:
         Parameters
         ----------
         path : str or path
-            File name that ends in ``.png``, ``.svg`` or ``.pdf``.
+            File name that ends in ``.png`` or ``.svg``.
 
         Raises
         ------

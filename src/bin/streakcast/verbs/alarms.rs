@@ -24,7 +24,7 @@ pub struct AlarmsArguments {
     /// Largest probability of an alarm, multiplied by the number of tests (column looks)
     #[arg(long, value_name = "P", default_value_t = 1e-4, help_heading = "Alarms")]
     pub probability: f64,
-    /// Picture of the differences against time, .png, .svg or .pdf
+    /// Picture of the differences against time, .png or .svg
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,

@@ -14,7 +14,7 @@ use crate::required::Required;
 
 #[derive(Args)]
 pub struct AnnotateArguments {
-    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON or VOTable
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     #[command(flatten)]

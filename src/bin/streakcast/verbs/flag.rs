@@ -19,7 +19,7 @@ use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct FlagArguments {
-    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON or VOTable
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     #[command(flatten)]

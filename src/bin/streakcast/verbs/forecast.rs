@@ -26,8 +26,7 @@ use crate::start::begin;
 
 /// Help of `--format`, with the additional formats of a forecast.
 const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable, \
-     parquet (in builds with the Cargo feature parquet), ics (calendar), tdm (CCSDS tracking data message), score (columns of \
-     SCORE)";
+     ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
 
 #[derive(Args)]
 #[command(mut_arg("format", |format| format.help(FORMAT_HELP)))]

@@ -38,7 +38,7 @@ pub struct MeasureArguments {
     /// Telescope and instrument, for --format score
     #[arg(long, value_name = "TEXT", help_heading = "SCORE")]
     pub instrument: Option<String>,
-    /// Picture of the frame along each track, with the profiles across the tracks, .png, .svg or .pdf
+    /// Picture of the frame along each track, with the profiles across the tracks, .png or .svg
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,

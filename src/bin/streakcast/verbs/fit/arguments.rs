@@ -214,7 +214,7 @@ pub struct FitRunArguments {
     /// Seed of the random numbers
     #[arg(long, requires = "mcmc", value_name = "N", default_value_t = 1, help_heading = "Posterior")]
     pub seed: u64,
-    /// File of the posterior samples (.npz), saved regularly; an interrupted run continues from it
+    /// File of the posterior samples (.ecsv), saved regularly; an interrupted run continues from it
     #[arg(long, value_name = "FILE", requires = "mcmc", help_heading = "Posterior")]
     pub chains: Option<PathBuf>,
     /// Name of the fitted model; the name of --model followed by -fit if omitted
@@ -258,7 +258,7 @@ pub struct FitReduceArguments {
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "picture", help_heading = "Output")]
     pub layer: Option<f64>,
-    /// Picture, .png, .svg or .pdf: one layer with --layer, otherwise number against spread of all pixels (figure 3 of
+    /// Picture, .png or .svg: one layer with --layer, otherwise number against spread of all pixels (figure 3 of
     /// Lu 2024)
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]

@@ -48,7 +48,7 @@ pub struct MapOutputArguments {
     /// Output file of the table; if omitted standard output, or no table if --picture is given
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
-    /// Picture of the map: a file with the extension .png, .svg or .pdf
+    /// Picture of the map: a file with the extension .png or .svg
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
@@ -123,7 +123,6 @@ pub struct MapSkyArguments {
 pub enum PictureName {
     Png,
     Svg,
-    Pdf,
 }
 
 #[cfg(feature = "plot")]

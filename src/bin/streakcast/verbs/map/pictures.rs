@@ -42,7 +42,6 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
     let (format, end) = match typed.format {
         PictureName::Png => (PictureFormat::Png, "png"),
         PictureName::Svg => (PictureFormat::Svg, "svg"),
-        PictureName::Pdf => (PictureFormat::Pdf, "pdf"),
     };
     // The maps of the paper have no atmospheric extinction.
     let options = PhotometryOptions { extinction_mag_per_airmass: None, ..config.photometry()? };

@@ -46,9 +46,12 @@ impl Ending {
                 path.with_extension("").display()
             ),
             #[cfg(feature = "plot")]
-            "png" | "svg" | "pdf" => bail!("output {shown} is a picture; allowed: --picture {shown}"),
-            #[cfg(not(feature = "plot"))]
             "png" | "svg" | "pdf" => {
+                streakcast::plot::PictureFormat::of(path)?;
+                bail!("output {shown} is a picture; allowed: --picture {shown}")
+            }
+            #[cfg(not(feature = "plot"))]
+            "png" | "svg" => {
                 bail!("output {shown} is a picture, which needs a build with the cargo feature plot; allowed: a table")
             }
             _ => Ok(if Format::by_name(&end).is_some() { Self::Table } else { Self::Other }),

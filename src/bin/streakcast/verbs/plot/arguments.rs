@@ -52,7 +52,7 @@ pub enum PlotVerb {
 /// Outputs: pictures and their data.
 #[derive(Args)]
 pub struct PictureArguments {
-    /// Output picture, .png, .svg or .pdf; may be repeated
+    /// Output picture, .png or .svg; may be repeated
     #[arg(long, short, value_name = "FILE", help_heading = "Picture (required: -o)")]
     pub output: Vec<PathBuf>,
     /// Data of the picture: a .ecsv, .csv, .json or .jsonl file; NAME-data.ecsv for the picture NAME.png if omitted
@@ -97,7 +97,7 @@ pub struct ClockArguments {
 
 #[derive(Args)]
 pub struct PlotNightArguments {
-    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON or VOTable
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Input table: data of an earlier plot night, or, with --schedule, output of flag (CSV, ECSV or JSON)
@@ -284,7 +284,7 @@ pub struct PlotBodyArguments {
 #[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct PlotCornerArguments {
-    /// Chains of fit run --mcmc (.npz)
+    /// Chains of fit run --mcmc (.ecsv)
     #[arg(long, value_name = "FILE")]
     pub chains: PathBuf,
     /// Number of discarded steps at the beginning; a quarter of all steps if omitted

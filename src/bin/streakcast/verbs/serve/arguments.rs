@@ -11,7 +11,7 @@ use crate::local_time::{LocalTime, local_time};
 
 #[derive(Args)]
 pub struct ServeArguments {
-    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet; without one, the page
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON or VOTable; without one, the page
     /// shows any target
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
