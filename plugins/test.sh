@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Tests the plugins, each in its own virtual environment: builds the command line program and the wheel, then runs the
-# tests of each plugin. `plugins/test.sh [NAME...]`; without a name all plugins. `--install` only creates the
-# environments. Requires cargo, Python 3.11 or newer (for the pinned tools) and a package index for the pinned
+# tests of each plugin. `plugins/test.sh [NAME...]`; without a name all plugins. `--all` also runs tests that are marked
+# `whole` (more nights of schedulers) and those under the oldest Python. `--install` only creates the environments.
+# Requires cargo, Python 3.11 or newer (for the pinned tools) and a package index for the pinned
 # requirements. The wheel supports Python 3.10 and newer: if there is a Python 3.10 (in the PATH or in pyenv), the tests
 # that need only NumPy are also run with it. STREAKCAST_BIN is the command line program with which results are compared;
 # by default it is built.
@@ -9,21 +10,22 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 # Every folder with pinned requirements is a plugin. The others depend on the wheel of `python`.
-all=(python)
+every=(python)
 for folder in plugins/*/; do
     name=$(basename "$folder")
-    if [ "$name" != python ] && [ -f "$folder/requirements.txt" ]; then all+=("$name"); fi
+    if [ "$name" != python ] && [ -f "$folder/requirements.txt" ]; then every+=("$name"); fi
 done
-usage="usage: plugins/test.sh [--install] [$(IFS='|'; echo "${all[*]}")]..."
-names=() install=no
+usage="usage: plugins/test.sh [--install] [--all] [$(IFS='|'; echo "${every[*]}")]..."
+names=() install=no all=no
 for name in "$@"; do
     case "$name" in
         -h | --help) echo "$usage"; exit 0 ;;
         --install) install=yes ;;
-        *) if [[ " ${all[*]} " == *" $name "* ]]; then names+=("$name"); else echo "$usage" >&2; exit 2; fi ;;
+        --all) all=yes ;;
+        *) if [[ " ${every[*]} " == *" $name "* ]]; then names+=("$name"); else echo "$usage" >&2; exit 2; fi ;;
     esac
 done
-if [ ${#names[@]} = 0 ]; then names=("${all[@]}"); fi
+if [ ${#names[@]} = 0 ]; then names=("${every[@]}"); fi
 
 command -v cargo >/dev/null || { echo "plugins/test.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
 python=${PYTHON:-python3}
@@ -49,7 +51,7 @@ for name in python "${names[@]}"; do
     environment "$name" "plugins/$name/requirements.txt"
 done
 oldest=""
-if [[ " ${names[*]} " == *" python "* ]]; then
+if [[ $all = yes && " ${names[*]} " == *" python "* ]]; then
     oldest=$(python_3_10)
     if [ -n "$oldest" ]; then environment python-3.10 plugins/python/requirements-3.10.txt "$oldest"; fi
 fi
@@ -57,16 +59,19 @@ if [ "$install" = yes ]; then exit; fi
 
 # Command line program with which results are compared.
 if [ -z "${STREAKCAST_BIN:-}" ]; then
-    cargo build --quiet --bin streakcast
+    cargo build --quiet --workspace --bin streakcast
     STREAKCAST_BIN=$target/debug/streakcast
 fi
 export STREAKCAST_BIN
 
+marked=(-m "not whole")
+if [ "$all" = yes ]; then marked=(-m ""); fi
 wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
-# Built with the profile of the tests, to use their compiled dependencies. A release build takes four minutes more.
+# Built with the profile and the features of `cargo test --workspace`, to use what that has compiled: library and
+# dependencies. Releases build the optimised wheel, with the features that it needs.
 PATH=$target/venv-python/bin:$PATH \
-    maturin build --quiet --locked --manifest-path plugins/python/Cargo.toml --out "$wheels"
+    maturin build --quiet --profile dev --locked --manifest-path plugins/python/Cargo.toml --features streakcast/default --out "$wheels"
 
 for name in "${names[@]}"; do
     echo "plugins/$name"
@@ -82,11 +87,11 @@ for name in "${names[@]}"; do
         plugins/licences.py "$name"
         cd "plugins/$name"
         mypy --no-error-summary
-        python -m pytest --quiet -rs
+        python -m pytest --quiet -rs "${marked[@]}"
     )
 done
 
-if [[ " ${names[*]} " == *" python "* ]]; then
+if [[ $all = yes && " ${names[*]} " == *" python "* ]]; then
     if [ -z "$oldest" ]; then
         echo "***** SKIPPED the wheel under Python 3.10: not found with venv in the PATH or among pyenv's versions ***"
     else

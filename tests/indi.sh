@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tests `gate --indi` with Debian's INDI server and simulators: a mount is slewed, and the gate must read its pointing.
-# Installs indi-bin with apt; if that is not possible, prints that the test is skipped. STREAKCAST is the program
-# (default: it is built).
+# Installs indi-bin with apt; if that is not possible, prints that the test is skipped. `--install` only installs it.
+# STREAKCAST is the program (default: it is built).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -17,9 +17,10 @@ if ! command -v indiserver >/dev/null; then
 fi
 command -v indi_simulator_telescope >/dev/null || skip "indiserver without indi_simulator_telescope"
 command -v indi_setprop >/dev/null || skip "indiserver without indi_setprop"
+if [ "${1:-}" = --install ]; then exit; fi
 
 if [ -z "${STREAKCAST:-}" ]; then
-    cargo build --quiet
+    cargo build --quiet --workspace --bin streakcast
     STREAKCAST=${CARGO_TARGET_DIR:-target}/debug/streakcast
 fi
 work=$(mktemp -d)

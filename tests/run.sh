@@ -1,15 +1,35 @@
 #!/usr/bin/env bash
-# Runs all checks of the project, with one line of output per step. `tests/run.sh --quick` before a commit;
-# `tests/run.sh` before a merge.
+# Runs the tests of the project, with one line of output per step: its time, and its processor time on all cores.
+#
+#   tests/run.sh --quick   before a commit: format, lints, unit tests, import rules
+#   tests/run.sh           shows that everything works on this machine: Rust tests, Python package, one night with each
+#                          scheduler, commands of the documentation, the page of `serve` in a browser
+#   tests/run.sh --all     before a merge, and in CI: also what LONG lists below
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: tests/run.sh [--quick]"
-mode=full
+# What only `--all` runs, with its processor time in seconds (November 2026, a loaded machine; - if not measured).
+LONG="   45  samples of measured streaks
+   12  samples of crossing probabilities
+   45  more schedules with astroplan
+   60  more nights with Rubin's scheduler
+  169  lints of all targets
+   59  documentation of the library without warnings
+   71  sets of features: none; serve and fit; fits, plot and sqlite
+    -  set of features: the command line alone
+    -  examples
+    -  gate against INDI's server
+   43  outputs read by independent programs
+    -  serve under load, and fuzzing of the API
+    -  wheel under Python 3.10
+   31  site of the documentation"
+usage="usage: tests/run.sh [--quick | --all]"
+mode=default
 for argument in "$@"; do
     case "$argument" in
         --quick) mode=quick ;;
-        -h | --help) echo "$usage"; exit 0 ;;
+        --all) mode=all ;;
+        -h | --help) printf '%s\n\nOnly with --all:\n%s\n' "$usage" "$LONG"; exit 0 ;;
         *) echo "$usage" >&2; exit 2 ;;
     esac
 done
@@ -17,20 +37,22 @@ done
 command -v cargo >/dev/null || { echo "tests/run.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
 
 log=$(mktemp -d)
-beside=""
-trap 'if [ -n "$beside" ]; then kill -- "-$beside" 2>/dev/null || true; fi; rm -rf "$log"' EXIT
+# Process groups that run in parallel to the steps.
+beside_programs="" beside_plugins=""
+trap 'for group in $beside_programs $beside_plugins; do kill -- "-$group" 2>/dev/null || true; done; rm -rf "$log"' EXIT
 begin=$SECONDS
 
-# step NAME COMMAND...: runs a command and prints its time. If it fails, prints the lines with errors and then the whole
+# step NAME COMMAND...: runs a command and prints its times. If it fails, prints the lines with errors and then the whole
 # output.
 step() {
-    local name=$1 start=$SECONDS
+    local name=$1 start=$SECONDS code=0 user system TIMEFORMAT='%0U %0S'
     shift
-    if "$@" >"$log/step" 2>&1; then
-        printf 'ok    %4d s  %s\n' $((SECONDS - start)) "$name"
-    else
-        local code=$?
-        printf 'FAIL  %4d s  %s\n' $((SECONDS - start)) "$name"
+    { time "$@" >"$log/step" 2>&1; } 2>"$log/time" || code=$?
+    read -r user system < <(tail -n 1 "$log/time")
+    local times
+    times=$(printf '%4d s (processor %4d s)' $((SECONDS - start)) $((user + system)))
+    if [ "$code" != 0 ]; then
+        echo "FAIL  $times  $name"
         if grep -aE -A 6 'panicked at|^error|^(FAILED|ERROR) |^E  |\.\.\. FAILED|No space left' "$log/step" | sed -n 1,80p >"$log/failed"; then
             cat "$log/failed"
             echo "--- whole output of $name:"
@@ -38,23 +60,26 @@ step() {
         cat "$log/step"
         exit "$code"
     fi
+    echo "ok    $times  $name"
     cat "$log/step" >>"$log/all"
 }
 
-# start_beside COMMAND...: starts a command in parallel to the next steps, in its own process group; `finish_beside`
-# waits until it ends.
+# start_beside programs|plugins COMMAND...: starts a command in parallel to the next steps, in its own process group;
+# `finish_beside` waits until it ends.
 start_beside() {
+    local name=$1
+    shift
     set -m
-    "$@" >"$log/beside" 2>&1 &
-    beside=$!
+    "$@" >"$log/beside-$name" 2>&1 &
+    printf -v "beside_$name" %s "$!"
     set +m
 }
 
 finish_beside() {
-    local code=0
-    wait "$beside" || code=$?
-    beside=""
-    cat "$log/beside"
+    local code=0 group=beside_$1
+    wait "${!group}" || code=$?
+    printf -v "$group" %s ""
+    cat "$log/beside-$1"
     return "$code"
 }
 
@@ -80,79 +105,86 @@ counts() {
          }' "$log/all"
 }
 
-# Installs the programs of later steps, which mostly waits for the network.
+is_all() { [ "$mode" = all ]; }
+with_plugins() { [ "${STREAKCAST_PLUGINS:-yes}" != no ]; }
+with_serve() { [ "${STREAKCAST_SERVE:-yes}" != no ]; }
+
+# Programs of the steps after the Rust tests. Mostly waits for the network.
 install_programs() {
-    if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
-        plugins/test.sh --install
-        tests/independent.sh --install
-        docs/build.sh --install
+    if with_serve; then tests/serve.sh --install ${serve[@]+"${serve[@]}"}; fi
+    if is_all; then
+        tests/indi.sh --install
+        if with_plugins; then
+            tests/independent.sh --install
+            docs/build.sh --install
+        fi
     fi
-    if [ "${STREAKCAST_SERVE:-yes}" != no ]; then tests/serve.sh --install; fi
 }
 
+# Installs the environments of the plugins while the program is built, and tests the plugins beside the Rust tests.
+test_plugins() {
+    plugins/test.sh --install ${plugins[@]+"${plugins[@]}"}
+    until [ -e "$STREAKCAST_BIN" ]; do sleep 1; done
+    plugins/test.sh ${plugins[@]+"${plugins[@]}"}
+}
+
+# Arguments of the scripts without `--all`.
+serve=(--browser) plugins=()
+if is_all; then
+    serve=() plugins=(--all)
+    # Larger samples in Rust tests.
+    export STREAKCAST_ALL=yes
+fi
 lint=(-- -D warnings)
-step "cargo fmt --check" cargo fmt --check
-step "cargo fmt --check (plugins/python)" cargo fmt --check --manifest-path plugins/python/Cargo.toml
+step "cargo fmt --check" cargo fmt --all --check
 if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports
+    counts
+    echo "all passed in $((SECONDS - begin)) s"
+    exit
+fi
+
+mkdir "$log/bin"
+export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
+start_beside programs install_programs
+if with_plugins; then start_beside plugins test_plugins; else skipped "plugins and what needs a package index: STREAKCAST_PLUGINS=no"; fi
+
+# `--workspace`: the Python extension uses the same compiled dependencies.
+step "build of program, tests and examples" cargo test --workspace --no-run
+target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+cp "$target/debug/streakcast" "$log/bin/new"
+mv "$log/bin/new" "$STREAKCAST_BIN"
+# Twice as many tests as cores at a time, because many wait for a server, a clock or another process.
+export RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN)))}
+step "cargo test" cargo test --workspace
+# Commands that require real data are skipped with a message if the folder STREAKCAST_DATA is missing.
+step "commands of the README and the documentation" tests/docs.py
+step "programs of the next steps (the rest of it)" finish_beside programs
+if with_serve; then
+    step "serve: page in a browser" tests/serve.sh ${serve[@]+"${serve[@]}"}
 else
-    start_beside install_programs
-    # Tests are built with all features only. Other sets of features are only checked, further below.
-    step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
-    # Twice as many tests as cores at a time, because many wait for a server, a clock or another process.
-    export RUST_TEST_THREADS=${RUST_TEST_THREADS:-$((2 * $(getconf _NPROCESSORS_ONLN)))}
-    step "cargo test" cargo test --all-features
-    step "programs of the next steps (the rest of it)" finish_beside
-    # Uses the binary built by the tests. `cargo build` would build it again, without features that development
-    # dependencies enable.
-    target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
-    mkdir "$log/bin"
-    cp "$target/debug/streakcast" "$log/bin/streakcast"
-    export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
-    # The plugins are tested in their own environments, with packages from the index; STREAKCAST_PLUGINS=no skips them.
-    # They take as long as all other steps after `cargo test` and mostly use one core, so they run in parallel.
-    if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
-        skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
-    else
-        start_beside plugins/test.sh
-    fi
-    step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
-    step "default features" cargo check --quiet
+    skipped "serve.sh: STREAKCAST_SERVE=no"
+fi
+if is_all; then
+    step "cargo clippy" cargo clippy --quiet --workspace --all-targets "${lint[@]}"
+    step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --workspace --no-deps
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
     step "serve and fit" cargo check --quiet --no-default-features --features serve,fit
     step "fits, plot and sqlite" cargo check --quiet --no-default-features --features fits,plot,sqlite
-    step "example flag_exposures" cargo run --quiet --all-features --example flag_exposures
-    step "example forecast_night" cargo run --quiet --all-features --example forecast_night
-    step "example identify_streak" cargo run --quiet --all-features --example identify_streak
-    step "example plot_pass" cargo run --quiet --all-features --example plot_pass -- "$log"
-    step "example sky_map" cargo run --quiet --all-features --example sky_map
-    step "example fit_photometry" cargo run --quiet --all-features --example fit_photometry
-    step "example inject_streaks" cargo run --quiet --all-features --example inject_streaks
+    for example in flag_exposures forecast_night identify_streak sky_map fit_photometry inject_streaks learn_offsets; do
+        step "example $example" "$target/debug/examples/$example"
+    done
+    for example in plot_pass charts; do step "example $example" "$target/debug/examples/$example" "$log"; done
     step "a synthetic frame with the README's streaks" "$STREAKCAST_BIN" inject --synthetic examples/synthetic.toml \
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
-    step "example learn_offsets" cargo run --quiet --all-features --example learn_offsets
-    step "example charts" cargo run --quiet --all-features --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
-    # Requires programs from the package index; STREAKCAST_PLUGINS=no skips this step and the plugins.
-    if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
-        skipped "independent.sh: STREAKCAST_PLUGINS=no"
-    else
+    if with_plugins; then
         step "outputs read by independent programs" tests/independent.sh
-    fi
-    # Installs its requirements with apt, npm and pip; STREAKCAST_SERVE=no skips this step.
-    if [ "${STREAKCAST_SERVE:-yes}" = no ]; then
-        skipped "serve.sh: STREAKCAST_SERVE=no"
-    else
-        step "serve: page in a browser, load, and fuzzing of the API" tests/serve.sh
-    fi
-    # Commands that require real data are skipped with a message if the folder STREAKCAST_DATA is missing.
-    step "commands of the README and the documentation" tests/docs.py
-    if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
-        step "docs/build.sh" docs/build.sh
-        step "plugins/test.sh (the rest of it)" finish_beside
+        step "site of the documentation" docs/build.sh
     fi
 fi
+if with_plugins; then step "plugins/test.sh (the rest of it)" finish_beside plugins; fi
 counts
 echo "all passed in $((SECONDS - begin)) s"

@@ -1,16 +1,17 @@
 #!/usr/bin/env bash
-# Tests `streakcast serve` in a browser, under load, and with schemathesis: `tests/serve.sh [--load SECONDS]`. Installs
-# pinned versions of chromium (apt), playwright-core (npm) and schemathesis (pip); prints what is skipped if that is not
-# possible. `--install` only installs them. STREAKCAST is the program (default: it is built), SERVE_PICTURES a folder
-# for screenshots.
+# Tests `streakcast serve` in a browser, under load, and with schemathesis: `tests/serve.sh [--load SECONDS]`, or only in
+# a browser: `tests/serve.sh --browser`. Installs pinned versions of chromium (apt), playwright-core (npm) and
+# schemathesis (pip); prints what is skipped if that is not possible. `--install` only installs them. STREAKCAST is the
+# program (default: it is built), SERVE_PICTURES a folder for screenshots.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: tests/serve.sh [--install | --load SECONDS]"
-load_s=3 install=no
+usage="usage: tests/serve.sh [--install] [--browser | --load SECONDS]"
+load_s=3 install=no browser=no
 while [ $# -gt 0 ]; do
     case "$1" in
         --install) install=yes; shift ;;
+        --browser) browser=yes; shift ;;
         --load) load_s=${2:?$usage}; shift 2 ;;
         -h | --help) echo "$usage"; exit 0 ;;
         *) echo "$usage" >&2; exit 2 ;;
@@ -43,11 +44,11 @@ if ! sha256sum --check --status "$tools/lock.sha256" 2>/dev/null; then
     (cd "$tools" && npm ci --silent --no-audit --no-fund --ignore-scripts) || skip "npm cannot install playwright-core"
     (cd "$tools" && sha256sum "$tools/package-lock.json" >lock.sha256)
 fi
-environment serve tests/serve/requirements.txt || skip "pip cannot install schemathesis"
+if [ "$browser" = no ]; then environment serve tests/serve/requirements.txt || skip "pip cannot install schemathesis"; fi
 if [ "$install" = yes ]; then exit; fi
 
 if [ -z "${STREAKCAST:-}" ]; then
-    cargo build --quiet
+    cargo build --quiet --workspace --bin streakcast
     STREAKCAST=$target/debug/streakcast
 fi
 work=$(mktemp -d)
@@ -64,11 +65,13 @@ done
 url=$(head -n 1 "$work/address")
 
 node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
-node "$tools/load.mjs" "$url" "$server" "$load_s"
-# schemathesis sends valid and invalid values of every parameter. No response may be a server error or undocumented.
-(cd "$work" && "$target/venv-serve/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
-    --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
-    --request-timeout 300) | tail -n 60
+if [ "$browser" = no ]; then
+    node "$tools/load.mjs" "$url" "$server" "$load_s"
+    # schemathesis sends valid and invalid values of every parameter. No response may be a server error or undocumented.
+    (cd "$work" && "$target/venv-serve/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
+        --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
+        --request-timeout 300) | tail -n 60
+fi
 
 kill -TERM "$server"
 wait "$server" || { echo "serve.sh: the server did not stop gracefully" >&2; exit 1; }

@@ -42,6 +42,12 @@ pub fn data_dir() -> Option<PathBuf> {
     None
 }
 
+/// Returns true if larger samples are tested, as by `tests/run.sh --all`: the environment variable `STREAKCAST_ALL` is
+/// set.
+pub fn is_all() -> bool {
+    std::env::var_os("STREAKCAST_ALL").is_some()
+}
+
 /// Returns the folder of golden data and small samples of this project.
 pub fn golden_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("data")

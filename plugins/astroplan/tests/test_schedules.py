@@ -1,4 +1,7 @@
-"""Schedules of astroplan, checked by a brute-force computation without streakcast."""
+"""Schedules of astroplan, checked by a brute-force computation without streakcast.
+
+Tests marked `whole` make further schedules, and run with `plugins/test.sh --all`.
+"""
 
 import time
 
@@ -51,7 +54,11 @@ def schedule_of(scheduler, observer, targets, constraint):
     return schedule, time.process_time() - begun
 
 
-@pytest.fixture(scope="module", params=[PriorityScheduler, SequentialScheduler], ids=lambda one: one.__name__)
+@pytest.fixture(
+    scope="module",
+    params=[PriorityScheduler, pytest.param(SequentialScheduler, marks=pytest.mark.whole)],
+    ids=lambda one: one.__name__,
+)
 def schedules(request, observer, targets, model):
     """Returns schedules without and with the constraint, and the time needed."""
     constraint = Timed(model, exposure=EXPOSURE, readout=READOUT)
@@ -106,6 +113,7 @@ def test_verif_the_streak_table_agrees(schedules, model, sky):
     assert len(streak_table(model, with_it, **options)) == 0
 
 
+@pytest.mark.whole
 def test_scores_prefer_clear_blocks_and_lose_none(observer, targets, model, sky):
     constraint = SatelliteStreakConstraint(model, exposure=EXPOSURE, readout=READOUT, boolean_constraint=False)
     few = targets[:12]

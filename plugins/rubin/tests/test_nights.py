@@ -1,4 +1,7 @@
-"""Simulated nights checked by brute force: short versions of the runs in the README."""
+"""Simulated nights checked by brute force: short versions of the runs in the README.
+
+Tests marked `whole` simulate further nights, and run with `plugins/test.sh --all`.
+"""
 
 import warnings
 
@@ -16,6 +19,7 @@ MIN_REDUCTION = {4408: 0.80, 40768: 0.60}
 MAX_LOST, MAX_SLEW_INCREASE = 0.03, 0.15
 
 
+@pytest.mark.whole
 def test_pairs_all_night_under_4408_satellites(folder, models, truths, pairs_night):
     manager = StreakQueueManager(models[4408], detailers=[RotspUpdateDetailer()])
     dodged = night.run(EVENING, "pairs", folder, queue_manager=manager)
@@ -74,6 +78,7 @@ def greedy_evening(folder):
     return night.run(EVENING, "greedy", folder, hours=0.7)
 
 
+@pytest.mark.whole
 def test_greedy_with_the_mask(folder, models, truths, greedy_evening):
     """At twilight more than half of the sky is crossed; default options are used."""
     plain = greedy_evening
@@ -89,6 +94,7 @@ def test_greedy_with_the_mask(folder, models, truths, greedy_evening):
     assert mask.counts["asked"] <= len(dodged.visits) + 2
 
 
+@pytest.mark.whole
 def test_a_wholly_blocked_sky_still_returns_visits(folder, models, pairs_evening):
     """A field of 140 degrees is never clear."""
     manager = StreakQueueManager(models[40768].with_options(fov="140deg"), detailers=[RotspUpdateDetailer()])
@@ -101,6 +107,7 @@ def test_a_wholly_blocked_sky_still_returns_visits(folder, models, pairs_evening
     assert not [one for one in caught if "rejected everything" in str(one.message)]
 
 
+@pytest.mark.whole
 def test_a_wholly_blocked_sky_still_returns_greedy_visits(folder, models, greedy_evening):
     mask = StreakMaskBasisFunction(models[40768].with_options(fov="60deg"))
     done = night.run(EVENING, "greedy", folder, hours=0.5, masks=[mask])
@@ -120,6 +127,7 @@ def test_rewards_are_recorded(folder, models):
     assert reward.counts["made"] < reward.counts["asked"]
 
 
+@pytest.mark.whole
 @pytest.mark.parametrize("hours", [HOURS])
 def test_a_limit_costs_less(folder, models, pairs_evening, dodged_evening, hours):
     """If only satellites brighter than 7 mag are avoided, fewer visits are lost, and there are fewer bright streaks."""
