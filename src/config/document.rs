@@ -369,6 +369,25 @@ impl Config {
         files
     }
 
+    /// Returns the configuration without the values that are read from files, so that it can be checked without them.
+    pub fn without_files(&self) -> Config {
+        let is_file = |telescope: &TelescopeChoice| matches!(telescope, NameOrTable::Name(name) if is_file_name(name));
+        Config {
+            elements: Vec::new(),
+            shells: self.shells.iter().filter(|name| !is_file_name(name)).cloned().collect(),
+            eop: None,
+            observer_elements: None,
+            qs_mag: None,
+            learned: None,
+            models: None,
+            model: Vec::new(),
+            field: None,
+            telescope: self.telescope.clone().filter(|telescope| !is_file(telescope)),
+            rules: RulesConfig { policy: None, ..self.rules.clone() },
+            ..self.clone()
+        }
+    }
+
     fn start_paths_from(&mut self, folder: &Path) {
         self.visit_paths(|path| *path = folder.join(&*path));
     }

@@ -173,6 +173,12 @@ pub enum ConfigError {
         /// Reason why the first element set cannot be propagated.
         first: String,
     },
+    /// The positions of the satellites are unknown at the time of the request, because their elements are too old.
+    #[error("{reason}; specify elements of about the date of the request")]
+    UnknownPositions {
+        /// Age of the elements, and number of satellites.
+        reason: String,
+    },
     /// The generation of satellites is unknown.
     #[error("unknown generation {given:?}; allowed: {known}", given = Quoted::new(.given))]
     UnknownGeneration {

@@ -13,7 +13,7 @@ use super::warnings;
 use crate::elements::{Constellation, ElementSet, Ephemeris, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
-use crate::orbit::{EphemerisCoverage, LeftOut};
+use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::{BrightObjects, PhotometryOptions};
@@ -194,18 +194,35 @@ impl PreparedSky {
         }
     }
 
-    /// Returns a warning with the number of satellites whose position cannot be computed; `None` if there are none.
+    /// Returns a warning with the number of satellites whose position cannot be computed or is unknown; `None` if there
+    /// are none.
     ///
     /// # Errors
-    /// No satellite has a position; an empty result would be misleading.
+    /// No satellite can be propagated; an empty result would be misleading.
     pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, ConfigError> {
         if left_out.is_empty() {
             return Ok(None);
         }
-        if left_out.len() == self.sky.elements().len() {
+        let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
+        let unknown = left_out.iter().filter(is_unknown).count();
+        let satellites = self.sky.elements().len();
+        if left_out.len() == satellites && unknown == 0 {
             return Err(nothing_propagates(&self.sky, left_out, moment));
         }
-        Ok(Some(warnings::of_left_out(left_out.len(), self.sky.elements().len())))
+        Ok(Some(warnings::of_left_out(left_out, unknown, satellites)))
+    }
+
+    /// Rejects a request for times from `first` to `last` if the positions of the satellites are unknown at its start,
+    /// middle and end.
+    ///
+    /// # Errors
+    /// The elements are too old.
+    pub fn check_known(&self, first: Epoch, last: Epoch) -> Result<(), ConfigError> {
+        let reasons = [first, middle_of(first, last), last].map(|epoch| self.sky.predictability(epoch).reason());
+        match reasons {
+            [Some(reason), Some(_), Some(_)] => Err(ConfigError::UnknownPositions { reason }),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -5,6 +5,7 @@ use hifitime::{Epoch, TimeScale, Unit};
 use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::math::quantile::median;
+use crate::orbit::{LeftOut, OrbitError, elements_of_age};
 use crate::output::{counted, format_utc};
 use crate::passes::{OrbitingObserver, Sky};
 
@@ -16,9 +17,33 @@ const OLD_OBSERVER_DAYS: f64 = 3.0;
 /// Largest number of items listed in a warning.
 const NAMED: usize = 3;
 
-/// Returns the warning about element sets that SGP4 cannot propagate to the time of the request.
-pub(super) fn of_left_out(left_out: usize, satellites: usize) -> String {
-    format!("{} of {} cannot be propagated to this date", grouped(left_out), element_sets(satellites))
+/// Returns the warning about element sets that SGP4 cannot propagate to the time of the request, and about those that
+/// are too old: the number of these is `unknown`.
+pub(super) fn of_left_out(left_out: &[LeftOut], unknown: usize, satellites: usize) -> String {
+    let failed = left_out.len() - unknown;
+    let all = element_sets(satellites);
+    let cannot = format!("{} of {all} cannot be propagated to this date", grouped(failed));
+    if unknown == 0 {
+        return cannot;
+    }
+    let ages = left_out.iter().filter_map(|one| match one.reason {
+        OrbitError::Unknown { age_days, .. } => Some(age_days),
+        _ => None,
+    });
+    let named: Vec<String> = left_out
+        .iter()
+        .filter(|one| matches!(one.reason, OrbitError::Unknown { .. }))
+        .take(NAMED)
+        .map(|one| one.norad_id.to_string())
+        .collect();
+    let (are, more) = (if unknown == 1 { "is" } else { "are" }, if unknown > NAMED { ", ..." } else { "" });
+    let old = format!(
+        "{} of {all} {are} too old to predict positions (median: {}) and left out: {}{more}",
+        grouped(unknown),
+        elements_of_age(median(ages.collect())),
+        named.join(", ")
+    );
+    if failed == 0 { old } else { format!("{old}; {cannot}") }
 }
 
 /// Returns the warning about simulated constellations.
@@ -124,14 +149,23 @@ pub(super) fn of_age(
     let old: Vec<usize> = selected.iter().copied().filter(is_old).collect();
     let age_days = |index: usize| days(elements[index].epoch, first).max(days(last, elements[index].epoch));
     let farthest = old.iter().map(|&index| age_days(index)).max_by(f64::total_cmp)?;
-    let late_s: Vec<f64> = old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
+    let known: Vec<usize> = old.iter().copied().filter(|&index| sky.is_known(index, age_days(index))).collect();
+    let late_s: Vec<f64> = known.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
     let (are, they) = if old.len() == 1 { ("is", "it is") } else { ("are", "they are") };
+    let lateness = match (known.len(), old.len() - known.len()) {
+        (0, _) => "too old to predict positions".to_owned(),
+        (_, 0) => format!("{they} early or late by {:.1} s (68 %, median)", median(late_s)),
+        (_, unknown) => format!(
+            "{} too old to predict positions, the others early or late by {:.1} s (68 %, median)",
+            grouped(unknown),
+            median(late_s)
+        ),
+    };
     Some(format!(
         "{} of {} {are} more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
-         {they} early or late by {:.1} s (68 %, median)",
+         {lateness}",
         grouped(old.len()),
         element_sets(selected.len()),
-        median(late_s),
     ))
 }
 

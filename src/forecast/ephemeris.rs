@@ -159,9 +159,9 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
                 "along_track_sigma_s",
                 "s",
                 2,
-                "Lateness: half width that holds 68 % of the delays along the track, early or late.",
+                "Lateness: half width that holds 68 % of the delays along the track, early or late; empty if it is unknown.",
             ),
-            |row| row.point.uncertainty.along_track_s.into(),
+            |row| row.point.is_known.then_some(row.point.uncertainty.along_track_s).into(),
         ),
         field(
             Column::real("cross_track_sigma_deg", "deg", 4, "One-sigma error across the track as an angle."),

@@ -7,6 +7,7 @@ use super::pass_table::PassRow;
 use super::request::{ForecastRequest, Selection};
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
+use crate::orbit::{LeftOut, OrbitError};
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
 use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
@@ -172,6 +173,11 @@ impl Forecast {
         if let Some(limit) = request.max_magnitude.filter(|_| count.too_faint > 0) {
             let is = verb(count.too_faint, "is", "are");
             reasons.push(format!("{} {is} predicted fainter than mag {limit}", passes(count.too_faint)));
+        }
+        let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
+        let unknown = self.found.left_out.iter().filter(is_unknown).count();
+        if unknown > 0 {
+            reasons.push(format!("the elements of {unknown} of {satellites} satellites are too old to predict passes"));
         }
         if reasons.is_empty() {
             let lowest_deg = request.min_altitude_rad.to_degrees();

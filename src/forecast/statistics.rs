@@ -100,6 +100,8 @@ pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
 /// A number is out of range, the observer is in orbit, or the time is outside the planetary ephemerides.
 pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, ForecastError> {
     request.check()?;
+    // Positions along the orbit need not be known: only numbers of satellites are computed.
+    let sky = &sky.clone().with_elements_of_any_age();
     let observer = sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
     let (mut counts, mut missed, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     let moments = moments_of(sky, observer, request);

@@ -72,6 +72,8 @@ pub fn predictions(
         pointing,
         rotation_rad: 0.0,
     };
+    // Positions along the orbit need not be known: streaks are searched for about the predictions.
+    let sky = &sky.clone().with_elements_of_any_age();
     let field = Field::circle(2.0 * (radius_rad + MARGIN_RAD))?;
     let query = PassOptions { samples: SAMPLES, photometry: *photometry, ..PassOptions::default() };
     let mut crossings = sky.field_passes(std::slice::from_ref(&exposure), &field, &query)?;

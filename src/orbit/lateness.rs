@@ -107,7 +107,26 @@ impl Lateness {
 
     /// True if delays longer than those that are searched are so probable that probabilities are lower limits.
     pub fn is_cut(&self) -> bool {
-        self.parts[0].1 > 0.0 && self.share(-self.reach_s(), self.reach_s()) < 1.0 - LARGEST_SHARE_LEFT_OUT
+        self.searched_share() < 1.0 - LARGEST_SHARE_LEFT_OUT
+    }
+
+    /// Share of the delays that are searched: the share of the crossings of a satellite that the search finds, (0, 1].
+    pub fn searched_share(&self) -> f64 {
+        if self.parts[0].1 > 0.0 { self.share(-self.reach_s(), self.reach_s()) } else { 1.0 }
+    }
+
+    /// Share of the crossings of an exposure that its nominal tracks predict, [0, 1]: the time at which a satellite
+    /// crosses is uniform in the exposure of `duration_s`, and its nominal track crosses in the exposure or within
+    /// `margin_s` before or after it (seconds, not negative).
+    pub fn predicted_share(&self, duration_s: f64, margin_s: f64) -> f64 {
+        if duration_s <= 0.0 {
+            return self.share(-margin_s, margin_s);
+        }
+        // 1/T ∫₀ᵀ du [F(u + m) - F(u - T - m)], with the integral I of F
+        let integral_s = |x_s: f64| self.cumulative_integral_s(x_s);
+        let before_s = integral_s(duration_s + margin_s) - integral_s(margin_s);
+        let after_s = integral_s(-margin_s) - integral_s(-duration_s - margin_s);
+        ((before_s - after_s) / duration_s).clamp(0.0, 1.0)
     }
 
     /// P(δ ≤ x). If the delay is certain (sigma 0), it is 1 for x ≥ 0 and 0 for x < 0.
@@ -165,6 +184,28 @@ mod tests {
             (certain.share(-1.0, 0.0), certain.share(0.1, 5.0), certain.cumulative_integral_s(-1.0), certain.is_cut()),
             (1.0, 0.0, 0.0, false)
         );
+    }
+
+    #[test]
+    fn verif_shares_of_crossings_that_are_predicted() {
+        let lateness = Lateness::core_and_manoeuvres([(0.7, 4.0), (0.3, 13.0)], (0.1, 500.0));
+        // The mean over the times of crossing, in steps of 0.01 s.
+        for (duration_s, margin_s) in [(10.0, 2.0), (300.0, 0.0), (30.0, 60.0)] {
+            let steps = (duration_s * 100.0) as u32;
+            let of_time = |step: u32| {
+                let time_s = (f64::from(step) + 0.5) / 100.0;
+                lateness.share(time_s - duration_s - margin_s, time_s + margin_s)
+            };
+            let mean = (0..steps).map(of_time).sum::<f64>() / f64::from(steps);
+            assert!((lateness.predicted_share(duration_s, margin_s) - mean).abs() < 1e-4, "{duration_s} {margin_s}");
+        }
+        assert_eq!(lateness.predicted_share(0.0, 5.0), lateness.share(-5.0, 5.0));
+        assert_eq!(Lateness::gaussian(0.0).predicted_share(10.0, 0.0), 1.0);
+        // A delay with a sigma of 37 s makes the prediction useless for 10 s, and hardly matters for 5 min.
+        let late = Lateness::gaussian(37.0);
+        assert!(late.predicted_share(10.0, 2.0) < 0.15 && late.predicted_share(300.0, 2.0) > 0.9);
+        assert_eq!(late.searched_share(), late.share(-129.5, 129.5));
+        assert_eq!(Lateness::gaussian(0.0).searched_share(), 1.0);
     }
 
     #[test]

@@ -14,8 +14,10 @@ mod uncertainty;
 pub use arc::OrbitArc;
 pub use ephemeris::PositionSource;
 pub use lateness::Lateness;
-pub use propagator::{DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex};
+pub use propagator::{
+    DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex, elements_of_age,
+};
 pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
 pub use state::State;
 pub use station_keeping::{DragModel, StationKeeping};
-pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
+pub use uncertainty::{LEAST_KNOWN_SHARE, OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};

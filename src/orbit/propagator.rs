@@ -69,6 +69,14 @@ pub enum OrbitError {
         /// Predicted distance from the Earth's centre, km.
         radius_km: f64,
     },
+    /// The elements are so old that the position is unknown ([`OrbitClass::is_known`]).
+    #[error("satellite {norad_id}: position unknown, {}", elements_of_age(*.age_days))]
+    Unknown {
+        /// NORAD catalogue number.
+        norad_id: NoradId,
+        /// Days from the element epoch to the requested time; negative if the epoch is later.
+        age_days: f64,
+    },
     /// The ephemeris in use has no state at the requested time.
     #[error("satellite {norad_id}: its ephemeris does not cover {days_since_epoch:.4} days after the element epoch")]
     NotCovered {
@@ -77,6 +85,14 @@ pub enum OrbitError {
         /// Days from the element epoch to the requested time.
         days_since_epoch: f64,
     },
+}
+
+/// Returns the age of element sets as text: `elements 216 days old`, or `elements 30 days newer than the exposure`.
+pub fn elements_of_age(age_days: f64) -> String {
+    match age_days {
+        days if days < 0.0 => format!("elements {:.0} days newer than the exposure", -days),
+        days => format!("elements {days:.0} days old"),
+    }
 }
 
 /// SGP4 (or SDP4) constants of one satellite, in the AFSPC mode with WGS72: the model with which element sets are
@@ -153,6 +169,11 @@ impl Propagator {
     pub fn position_source(&self) -> PositionSource {
         let of_file = |attached: &Attached| PositionSource::Ephemeris(attached.table.file().clone());
         self.ephemeris.as_ref().map_or(PositionSource::ElementSet, of_file)
+    }
+
+    /// Returns true if positions are interpolated in an ephemeris.
+    pub fn has_ephemeris(&self) -> bool {
+        self.ephemeris.is_some()
     }
 
     /// Returns the errors of one sigma of the attached ephemeris at a time; `None` for SGP4.

@@ -54,6 +54,13 @@ const CROSS_FLOOR_KM: f64 = 0.3;
 const CAP_TURNS: f64 = 0.3413;
 /// Cap across the track, km.
 const CROSS_CAP_KM: f64 = 1_000.0;
+/// Largest age in the calibration of satellites that hold their orbits, days.
+const CALIBRATED_STATION_KEEPING_DAYS: f64 = 21.0;
+/// Largest age in the calibration of all other satellites, days.
+const CALIBRATED_DAYS: f64 = 400.0;
+/// Smallest share of the crossings that must be found for a prediction to be of use. Below it, more crossings are missed
+/// than found, so that "no crossing" has no meaning.
+pub const LEAST_KNOWN_SHARE: f64 = 0.5;
 /// Published ṅ/2 above which a satellite of a constellation counts as manoeuvring, rev/day²; at 550 km the height then
 /// changes by 190 m a day.
 const MANOEUVRING_REV_DAY2: f64 = 3e-4;
@@ -136,6 +143,20 @@ impl OrbitClass {
             kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age)),
         };
         usual.scaled(self.lateness_factor)
+    }
+
+    /// Returns true if the position along the orbit is known well enough for predictions: the age (days, of either
+    /// sign) is within the ages of the calibration (21 days for satellites that hold their orbits, 400 days for all
+    /// others), and the search finds at least half of the crossings ([`Lateness::searched_share`]).
+    ///
+    /// With a Gaussian lateness the limit is 445 s, because delays of up to 300 s are searched.
+    pub fn is_known(&self, age_days: f64) -> bool {
+        let calibrated_days = match self.kind {
+            OrbitKind::Synthetic => return true,
+            OrbitKind::StationKeeping(_) => CALIBRATED_STATION_KEEPING_DAYS,
+            _ => CALIBRATED_DAYS,
+        };
+        age_days.abs() <= calibrated_days && self.lateness(age_days).searched_share() >= LEAST_KNOWN_SHARE
     }
 
     /// Returns the class with a factor of the error along the track.
@@ -365,6 +386,26 @@ mod tests {
                 assert!(sigma.cross_track_km >= CROSS_FLOOR_KM && sigma.cross_track_km <= 1_000.0);
             }
         }
+    }
+
+    #[test]
+    fn positions_are_known_up_to_an_age() {
+        for class in classes() {
+            let is_synthetic = class.kind == OrbitKind::Synthetic;
+            assert!(class.is_known(0.0), "{class:?}");
+            assert_eq!(class.is_known(45_290.0), is_synthetic, "{class:?}");
+            // Known up to one age, of either sign, and unknown beyond it.
+            let known: Vec<bool> = (0..900).map(|half_days| class.is_known(f64::from(half_days) * 0.5)).collect();
+            assert!(known.windows(2).all(|pair| pair[0] || !pair[1]), "{class:?}");
+            assert_eq!(class.is_known(-30.0), class.is_known(30.0));
+        }
+        let starlink = OrbitClass::new(OrbitKind::StationKeeping(StationKeeping::Starlink), 15.3, 2e-5);
+        assert!(starlink.is_known(21.0) && !starlink.is_known(21.1));
+        // 0.0019 t² s: hundreds of seconds after a year without drag.
+        let high = OrbitClass::new(OrbitKind::LowEarth, 12.6, 0.0);
+        assert!(high.is_known(216.0) && high.is_known(400.0) && !high.is_known(401.0));
+        let low = OrbitClass::new(OrbitKind::LowEarth, 15.5, 1e-4);
+        assert!(low.is_known(30.0) && !low.is_known(216.0));
     }
 
     #[test]

@@ -52,6 +52,8 @@ pub struct EphemerisPoint {
     pub element_age_days: f64,
     /// Uncertainty of the predicted position at this age.
     pub uncertainty: OrbitUncertainty,
+    /// False if the elements are so old that the position along the orbit, and its uncertainty, are unknown.
+    pub is_known: bool,
 }
 
 impl EphemerisPoint {
@@ -189,6 +191,7 @@ impl Sky {
             position_source: propagator.position_source(),
             element_age_days: self.element_age_days(element_index, epoch),
             uncertainty,
+            is_known: self.unknown_position(element_index, propagator, epoch).is_none(),
             point,
         }))
     }

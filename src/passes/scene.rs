@@ -12,7 +12,7 @@ use hifitime::{Duration, Epoch};
 use crate::constants::DAY_S;
 use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
+use crate::orbit::{MAX_WINDOW_S, OrbitError, Reach, SatelliteIndex, Window};
 
 /// Sun, Earth orientation and orbits during one group of exposures. Times are seconds after its start.
 pub(in crate::passes) struct Scene {
@@ -96,6 +96,16 @@ pub(in crate::passes) enum SearchScope {
     Delayed,
 }
 
+/// Returns the number of the window of six hours that contains a time.
+pub(in crate::passes) fn window_number(epoch: Epoch) -> i64 {
+    (seconds_between(Epoch::from_tai_duration(Duration::ZERO), epoch) / MAX_WINDOW_S).floor() as i64
+}
+
+/// Returns the middle of the window with this number.
+pub(in crate::passes) fn middle_of_window(number: i64) -> Epoch {
+    seconds_after(Epoch::from_tai_duration(Duration::ZERO), MAX_WINDOW_S * (number as f64 + 0.5))
+}
+
 /// Number of a window on the grid of six hours, and its scope.
 type Key = (i64, SearchScope);
 
@@ -109,7 +119,8 @@ impl WindowCache {
     /// Returns the windows that contain the time from `start` to `end`, in order. Missing windows are computed on all
     /// threads.
     ///
-    /// `reach` returns the distance from the predicted position within which a satellite is searched for; its arguments
+    /// `unknown` returns the reason why a satellite has no known position at a time; its arguments are the element index
+    /// and the middle of a window. `reach` returns the distance from the predicted position within which a satellite is searched for; its arguments
     /// are the element index and the two ends of a window. It must be the same function for the same `scope`.
     pub fn over(
         &self,
@@ -117,12 +128,12 @@ impl WindowCache {
         start: Epoch,
         end: Epoch,
         scope: SearchScope,
+        unknown: &(dyn Fn(usize, Epoch) -> Option<OrbitError> + Sync),
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
     ) -> Vec<Arc<Window>> {
         let most = (CACHED_SATELLITES / index.len().max(1)).max(LEAST_CACHED_WINDOWS);
         let grid = Epoch::from_tai_duration(Duration::ZERO);
-        let number = |epoch: Epoch| (seconds_between(grid, epoch) / MAX_WINDOW_S).floor() as i64;
-        (number(start)..=number(end))
+        (window_number(start)..=window_number(end))
             .map(|number| {
                 let key = (number, scope);
                 if let Some(window) = self.kept(key) {
@@ -131,8 +142,14 @@ impl WindowCache {
                 // Computed while the lock is not held, because the threads that compute the window may use the cache.
                 let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
                 let ends = [from, seconds_after(from, MAX_WINDOW_S)];
-                let window =
-                    Arc::new(Window::new(index, ends[0], ends[1], &|element_index| reach(element_index, ends)));
+                let middle = middle_of_window(number);
+                let window = Arc::new(Window::new(
+                    index,
+                    ends[0],
+                    ends[1],
+                    &|element_index| unknown(element_index, middle),
+                    &|element_index| reach(element_index, ends),
+                ));
                 self.keep(key, &window, most);
                 window
             })

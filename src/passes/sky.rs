@@ -7,6 +7,7 @@ use hifitime::Epoch;
 use super::error::SkyError;
 use super::exposure::Exposure;
 use super::models::ModelChoice;
+use super::predictability::PredictabilityCache;
 use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
@@ -35,7 +36,10 @@ pub struct Sky {
     drag: DragModel,
     shadow: ShadowModel,
     eop: EopTable,
+    /// True if satellites are not left out for the age of their elements.
+    of_any_age: bool,
     windows: Arc<WindowCache>,
+    predictabilities: Arc<PredictabilityCache>,
     almanac: Arc<Almanac>,
 }
 
@@ -71,7 +75,9 @@ impl Sky {
             drag,
             shadow: ShadowModel::default(),
             eop,
+            of_any_age: false,
             windows: Arc::default(),
+            predictabilities: Arc::default(),
             almanac: Arc::default(),
         }
     }
@@ -103,6 +109,7 @@ impl Sky {
                     .collect(),
             ),
             windows: Arc::default(),
+            predictabilities: Arc::default(),
             drag,
             ..self
         }
@@ -118,8 +125,17 @@ impl Sky {
             index: Arc::new(index.with_ephemerides(&self.elements, &ephemerides, &self.eop)),
             ephemerides: Arc::new(ephemerides),
             windows: Arc::default(),
+            predictabilities: Arc::default(),
             ..self
         }
+    }
+
+    /// Returns the sky with all satellites, whatever the age of their elements. By default, satellites whose position
+    /// along the orbit is unknown ([`OrbitClass::is_known`]) are left out of all results.
+    ///
+    /// Statistics of many satellites, and comparisons with measured positions, do not need the position along the orbit.
+    pub fn with_elements_of_any_age(self) -> Self {
+        Self { of_any_age: true, windows: Arc::default(), predictabilities: Arc::default(), ..self }
     }
 
     /// Returns the satellites with ephemerides, by the index of their element sets, and the part of the time between
@@ -176,6 +192,11 @@ impl Sky {
         uncertainty(self.classes[element_index], age_days)
     }
 
+    /// Returns true if the position of a satellite is known when its elements have this age ([`OrbitClass::is_known`]).
+    pub fn is_known(&self, element_index: usize, age_days: f64) -> bool {
+        self.of_any_age || self.classes[element_index].is_known(age_days)
+    }
+
     /// Returns the days from the epoch of an element set to a time; negative if the elements are newer.
     pub(super) fn element_age_days(&self, element_index: usize, epoch: Epoch) -> f64 {
         seconds_between(self.elements[element_index].epoch, epoch) / DAY_S
@@ -214,6 +235,10 @@ impl Sky {
     /// Returns the observer at a site, for queries that require a horizon.
     pub(super) fn site_observer(&self) -> Result<&Observer, SkyError> {
         self.viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint.name() })
+    }
+
+    pub(super) fn predictabilities(&self) -> &PredictabilityCache {
+        &self.predictabilities
     }
 
     pub(super) fn index(&self) -> &SatelliteIndex {
@@ -291,7 +316,8 @@ impl Sky {
                 }
             }
         };
-        scene.windows = self.windows.over(&self.index, start, seconds_after(start, span_s), scope, &reach);
+        let unknown = |element_index: usize, middle: Epoch| self.too_old(element_index, middle);
+        scene.windows = self.windows.over(&self.index, start, seconds_after(start, span_s), scope, &unknown, &reach);
         scene
     }
 }

@@ -254,6 +254,10 @@ impl Search<'_> {
     fn passes(&self, element_index: usize, span: &Span, kept: &mut Vec<Outcome>) -> Result<(), OrbitError> {
         let ends = [span.from_s, span.until_s].map(|time_s| seconds_after(self.scene.start, time_s));
         let Some(propagator) = self.sky.index().propagator_over(element_index, ends) else { return Ok(()) };
+        let middle = seconds_after(ends[0], 0.5 * seconds_between(ends[0], ends[1]));
+        if let Some(reason) = self.sky.unknown_position(element_index, propagator, middle) {
+            return Err(reason);
+        }
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let horizon = HorizonSearch { scene: self.scene, propagator, minutes, observer: self.observer };
         // The shadow is convex: a satellite that is dark at its rise and at its set is dark in between, and a satellite

@@ -49,16 +49,12 @@ impl FlagReport {
     /// Estimates the effect of along-track errors on the verdicts; `None` if no satellite crosses or may cross.
     pub fn age_effect(&self) -> Option<AgeEffect> {
         let passes = self.flags.iter().flat_map(|flag| &flag.passes);
-        let crossing: Vec<SatelliteAge> = passes
-            .map(|pass| SatelliteAge {
-                element_age_days: pass.element_age_days,
-                along_track_sigma_s: pass.along_track_sigma_s,
-            })
-            .collect();
+        let crossing: Vec<SatelliteAge> = passes.map(SatelliteAge::of).collect();
         let is_of_crossings = !crossing.is_empty();
         let satellites = if is_of_crossings { &crossing } else { &self.may_cross };
         satellites.first()?;
-        let judged = self.flags.iter().filter(|flag| flag.kind != VerdictKind::Invalid);
+        // Where positions are unknown, there is no probability.
+        let judged = self.flags.iter().filter(|flag| flag.p_crossing.is_finite());
         let changes: Vec<f64> = judged
             .map(|flag| match flag.kind {
                 VerdictKind::Clear => flag.p_crossing,
@@ -66,6 +62,9 @@ impl FlagReport {
                 _ => 1.0 - flag.p_crossing,
             })
             .collect();
+        if changes.is_empty() {
+            return None;
+        }
         Some(AgeEffect {
             median_age_days: median(satellites.iter().map(|one| one.element_age_days).collect()),
             is_of_crossings,

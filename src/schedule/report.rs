@@ -5,15 +5,19 @@ use std::collections::HashMap;
 use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
+use crate::math::quantile::median;
 use crate::orbit::LeftOut;
 use crate::output::counted;
-use crate::passes::{CrossingProbability, Exposure, Field, Pass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::passes::{
+    CrossingProbability, Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint,
+};
 use crate::photometry::{Band, PhotometryOptions};
 
 use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::policy::{Blocking, LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
+use super::starts::{LATE_SIGMAS, reason_for_unknown_starts};
 use super::verdict::{Verdict, VerdictKind};
 use super::verdict_rules::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
 
@@ -24,10 +28,6 @@ pub(super) const GUARD_S: f64 = 0.002;
 pub(super) const TICK_S: f64 = 0.001;
 /// Largest number of steps by which a start that fails its check is moved to later times.
 const MOST_STEPS: f64 = 60.0;
-/// Allowance for early and late satellites if the policy has a `min_probability`, in sigmas along the track. A
-/// satellite is late by more than this with a probability of 0.00135.
-const LATE_SIGMAS: f64 = 3.0;
-
 /// Sky, field, policy, telescope and photometry for judging exposures.
 #[derive(Copy, Clone)]
 pub struct FlagRequest<'a> {
@@ -63,6 +63,13 @@ pub struct SatelliteAge {
     pub along_track_sigma_s: f64,
 }
 
+impl SatelliteAge {
+    /// Returns age and error of the satellite of a pass.
+    pub(super) fn of(pass: &Pass) -> Self {
+        Self { element_age_days: pass.element_age_days, along_track_sigma_s: pass.along_track_sigma_s }
+    }
+}
+
 /// Verdicts on all rows of a schedule.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlagReport {
@@ -92,7 +99,7 @@ impl FlagReport {
         (limits > 0).then(|| {
             format!(
                 "p_any and the expected loss are lower limits for {limits} of {} exposures: more than 10 % of the delays of a satellite are outside \
-                 the range searched (3.5 sigmas without manoeuvres, at most 300 s)",
+                 the range searched (3.5 sigmas without manoeuvres, at most 300 s), or more than 10 % of the satellites are of unknown position",
                 self.flags.len()
             )
         })
@@ -163,7 +170,7 @@ struct Judged<'a> {
     report: FlagReport,
     /// Verdict of each row; `None` until the row is judged.
     flags: Vec<Option<Verdict>>,
-    /// Rows whose pointing is above the horizon, with their index.
+    /// Rows whose pointing is above the horizon while the positions of the satellites are known, with their index.
     above: Vec<(usize, &'a Exposure)>,
     /// Passes that count, by row: lit crossings, and probable near misses if the policy has a `min_probability`.
     counted: Vec<Vec<Pass>>,
@@ -194,14 +201,43 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
         } else {
             expected_of(&satellites, request, &|_| 1.0)
         };
-        report.may_cross.extend(satellites.iter().map(|one| SatelliteAge {
-            element_age_days: seconds_between(request.sky.elements()[one.element_index].epoch, exposure.start) / DAY_S,
-            along_track_sigma_s: one.along_track_sigma_s,
-        }));
-        flags[*row] = Some(judge_exposure(exposure, band, &passes, &expected, &rules));
+        let may_cross: Vec<SatelliteAge> = satellites
+            .iter()
+            .map(|one| SatelliteAge {
+                element_age_days: seconds_between(request.sky.elements()[one.element_index].epoch, exposure.start)
+                    / DAY_S,
+                along_track_sigma_s: one.along_track_sigma_s,
+            })
+            .collect();
+        let flag = judge_exposure(exposure, band, &passes, &expected, &rules);
         counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
+        flags[*row] = Some(with_age(flag, &counted[*row], &may_cross, &request.sky.predictability(exposure.start)));
+        report.may_cross.extend(may_cross);
     }
+    let is_known = |epoch| !request.sky.predictability(epoch).is_unknown();
+    let above = above.into_iter().filter(|(_, exposure)| is_known(exposure.start)).collect();
     Ok(Judged { report, flags, above, counted })
+}
+
+/// Adds age and lateness of the satellites that decide a verdict, which is `unknown` if positions are not known.
+fn with_age(flag: Verdict, counted: &[Pass], may_cross: &[SatelliteAge], known: &Predictability) -> Verdict {
+    let crossing: Vec<SatelliteAge> = counted.iter().map(SatelliteAge::of).collect();
+    let deciding = if crossing.is_empty() { may_cross } else { &crossing };
+    let of =
+        |value: fn(&SatelliteAge) -> f64| (!deciding.is_empty()).then(|| median(deciding.iter().map(value).collect()));
+    let age_days = Some(known.element_age_days).filter(|age_days| age_days.is_finite());
+    match known.reason() {
+        Some(reason) => {
+            let flag = flag.without_known_positions(reason);
+            Verdict { elements_age_days: age_days, late_s: None, ..flag }
+        }
+        None => Verdict {
+            p_any_is_lower_limit: flag.p_any_is_lower_limit || known.misses_many(),
+            elements_age_days: of(|one| one.element_age_days).or(age_days),
+            late_s: of(|one| one.along_track_sigma_s).or(known.late_s),
+            ..flag
+        },
+    }
 }
 
 fn finished(mut report: FlagReport, flags: Vec<Option<Verdict>>, counted: Vec<Vec<Pass>>) -> FlagReport {
@@ -419,6 +455,13 @@ fn find_starts(
             flag.kind = VerdictKind::Streaked;
             flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
         }
+        let why_unknown =
+            reason_for_unknown_starts(request.sky, request.field, policy, exposure.start, exposure.duration_s);
+        if let Some(why) = why_unknown {
+            flag.set_next_start(blocking, None);
+            flag.reasons.push(format!("no {} start is known: {why}", start_name(blocking)));
+            continue;
+        }
         let allowance_s = |pass: &Pass| lateness_allowance_s(pass, policy).min(max_delay_s);
         let search = StartSearch { row: *row, blocking, blocked: blocked(&allowance_s), last_start_s };
         search.find(exposure, policy, 0.0, flag);
@@ -460,10 +503,7 @@ impl StartSearch {
         let start = delay_s.filter(|_| !sets).map(|delay_s| (seconds_after(exposure.start, delay_s), delay_s));
         flag.set_next_start(self.blocking, start);
         if start.is_none() {
-            let state = match self.blocking {
-                Blocking::Any => "clear",
-                Blocking::Avoid => "acceptable",
-            };
+            let state = start_name(self.blocking);
             flag.reasons.push(if sets {
                 format!(
                     "no {state} start before the pointing sets, {:.0} s after the scheduled start",
@@ -473,6 +513,14 @@ impl StartSearch {
                 format!("no {state} start within {max_delay_s} s")
             });
         }
+    }
+}
+
+/// Returns the name, in reasons, of the starts that no satellite selected by `blocking` blocks.
+fn start_name(blocking: Blocking) -> &'static str {
+    match blocking {
+        Blocking::Any => "clear",
+        Blocking::Avoid => "acceptable",
     }
 }
 

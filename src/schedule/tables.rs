@@ -9,7 +9,7 @@ use crate::passes::{Chord, Exposure, Pass, TrackPoint};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 use super::scheduled::ScheduledExposure;
-use super::verdict::Verdict;
+use super::verdict::{Verdict, VerdictKind};
 
 /// Returns exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
 pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> Table {
@@ -83,7 +83,11 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             flag.exposure_id.as_str().into()
         }),
         field(
-            Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid if the exposure cannot be judged."),
+            Column::new(
+                "verdict",
+                Kind::Text,
+                "clear, streaked, avoid, unknown if the elements are too old, or invalid if time or pointing are.",
+            ),
             |flag| flag.kind.name().into(),
         ),
         field(
@@ -92,7 +96,7 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 Kind::Integer,
                 "Number of lit satellites with nominal tracks that cross the field.",
             ),
-            |flag| flag.n_streaks.into(),
+            |flag| (flag.kind != VerdictKind::Unknown).then_some(flag.n_streaks).map_or(Value::Null, Value::from),
         ),
         field(
             Column::real("brightest_mag", "mag", 3, "Brightest magnitude of the lit crossings in the field."),
@@ -166,6 +170,24 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
         field(
             Column::real("acceptable_delay_s", "s", 3, "Delay of the next acceptable start after the scheduled start."),
             |flag| flag.acceptable_delay_s.into(),
+        ),
+        field(
+            Column::real(
+                "elements_age_days",
+                "d",
+                2,
+                "Age of the elements of the satellites that decide the verdict (median); negative if their epochs are later.",
+            ),
+            |flag| flag.elements_age_days.into(),
+        ),
+        field(
+            Column::real(
+                "late_s",
+                "s",
+                2,
+                "Lateness of these satellites (median): 68 % of the delays are at most this long; empty if it is unknown.",
+            ),
+            |flag| flag.late_s.into(),
         ),
     ]
 }

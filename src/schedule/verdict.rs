@@ -21,17 +21,22 @@ pub enum VerdictKind {
     /// A limit of the policy is exceeded: magnitude, with at least the probability of the policy, or expected pixel
     /// loss.
     Avoid,
-    /// The exposure cannot be judged.
+    /// The positions of the satellites are unknown, because their elements are too old
+    /// ([`Predictability::is_unknown`](crate::passes::Predictability::is_unknown)), and no satellite of known position
+    /// exceeds a limit of the policy.
+    Unknown,
+    /// The exposure is invalid: it has no valid time, pointing or length, or its pointing is below the horizon.
     Invalid,
 }
 
 impl VerdictKind {
-    /// Returns the kind as a word: `clear`, `streaked`, `avoid` or `invalid`.
+    /// Returns the kind as a word: `clear`, `streaked`, `avoid`, `unknown` or `invalid`.
     pub fn name(self) -> &'static str {
         match self {
             VerdictKind::Clear => "clear",
             VerdictKind::Streaked => "streaked",
             VerdictKind::Avoid => "avoid",
+            VerdictKind::Unknown => "unknown",
             VerdictKind::Invalid => "invalid",
         }
     }
@@ -65,7 +70,8 @@ pub struct Verdict {
     /// Probability that at least one lit satellite crosses, of any brightness.
     pub p_crossing: f64,
     /// True if `p_any`, `p_crossing` and the expected loss are lower limits: for at least one satellite, more than 10 %
-    /// of the possible delays are outside the range searched.
+    /// of the possible delays are outside the range searched, or more than 10 % of the satellites are of unknown
+    /// position.
     pub p_any_is_lower_limit: bool,
     /// Total length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,
@@ -85,6 +91,13 @@ pub struct Verdict {
     pub norad_ids: Vec<NoradId>,
     /// Lit crossings in order of entry, and probable near misses if the policy has a `min_probability`.
     pub passes: Vec<Pass>,
+    /// Age of the elements of the satellites that decide the verdict, days, negative if their epochs are later: the
+    /// median over `passes`, or, if there are none, over the satellites that may cross, or, if there are none, over the
+    /// catalogue. `None` if the exposure is invalid.
+    pub elements_age_days: Option<f64>,
+    /// Lateness of these satellites, seconds: the median of the half widths that contain 68 % of the delays. `None` if
+    /// it is unknown.
+    pub late_s: Option<f64>,
 }
 
 impl Verdict {
@@ -124,6 +137,30 @@ impl Verdict {
             acceptable_delay_s: None,
             norad_ids: Vec::new(),
             passes: Vec::new(),
+            elements_age_days: None,
+            late_s: None,
+        }
+    }
+
+    /// Returns the verdict with its probabilities, losses and starts unknown, and the kind `unknown` unless a satellite
+    /// of known position exceeds a limit.
+    pub(super) fn without_known_positions(self, reason: String) -> Self {
+        let (kind, reasons) = match self.kind {
+            VerdictKind::Avoid => (VerdictKind::Avoid, [self.reasons, vec![reason]].concat()),
+            _ => (VerdictKind::Unknown, vec![reason]),
+        };
+        Self {
+            kind,
+            reasons,
+            expected_lost_pixel_fraction: None,
+            p_any: f64::NAN,
+            p_crossing: f64::NAN,
+            streak_length_deg: if kind == VerdictKind::Unknown { f64::NAN } else { self.streak_length_deg },
+            next_clear_start: None,
+            delay_s: None,
+            next_acceptable_start: None,
+            acceptable_delay_s: None,
+            ..self
         }
     }
 }

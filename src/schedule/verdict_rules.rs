@@ -211,8 +211,10 @@ pub(super) fn judge_exposure(
         next_acceptable_start: clear.then_some(exposure.start),
         acceptable_delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
-        // The caller sets the passes.
+        // The caller sets the passes, ages and latenesses.
         passes: Vec::new(),
+        elements_age_days: None,
+        late_s: None,
     }
 }
 

@@ -30,7 +30,9 @@ impl FoundWindows<'_> {
             (Ok(_), Some(found)) if found.observable.is_empty() => {
                 Some("never above the lowest altitude in the dark".to_owned())
             }
-            (Ok(_), Some(found)) if found.windows.is_empty() => Some("never clear".to_owned()),
+            (Ok(_), Some(found)) if found.windows.is_empty() => {
+                Some(found.unknown.as_ref().map_or("never clear".to_owned(), |why| format!("unknown: {why}")))
+            }
             _ => None,
         }
     }

@@ -11,6 +11,7 @@ use super::horizon::{altitude_rad, sampling_interval_s};
 use super::policy::Blocking;
 use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
+use super::starts::reason_for_unknown_starts;
 use super::verdict_rules::{CameraLimits, Rules, blocks};
 
 /// Sky, policy and constraints for clear windows.
@@ -52,6 +53,8 @@ pub struct TargetWindows {
     pub observable: Vec<ClearWindow>,
     /// Passes that block part of the range, in order of entry.
     pub blocking_passes: Vec<Pass>,
+    /// Reason why windows of a part of the range, or all of them, are unknown and omitted; `None` if there is none.
+    pub unknown: Option<String>,
 }
 
 /// Windows of all targets.
@@ -69,6 +72,12 @@ pub struct WindowReport {
 /// policy applies before and after the exposure, so the shutter may also open late by up to the margin. With a
 /// `min_probability`, near misses count, and blocked intervals are extended by three sigmas for early and late
 /// satellites. A blocking pass blocks from its entry to its exit, also while the satellite is faint or in shadow.
+///
+/// Windows at times at which the positions of the satellites are unknown are omitted, and so are those of exposures of
+/// which nominal tracks predict less than half of the crossings ([`Predictability::reason_for_starts`]). A
+/// `min_probability` extends the margin by three sigmas.
+///
+/// [`Predictability::reason_for_starts`]: crate::passes::Predictability::reason_for_starts
 ///
 /// The altitudes of target and Sun are sampled once a minute (every 10 s for the limb): a target above its limit for
 /// less than that may have no window.
@@ -119,7 +128,7 @@ fn windows_of(
             ..target.exposure.clone()
         })
         .collect();
-    let policy = request.conditions.policy;
+    let FlagRequest { sky, field, policy, .. } = request.conditions;
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
     let every_crossing_blocks =
         (policy.blocking == Blocking::Any || !policy.has_magnitude_limit()) && policy.min_probability.is_none();
@@ -147,11 +156,21 @@ fn windows_of(
             let clear = observable
                 .iter()
                 .flat_map(|interval| clear_starts(&intervals, exposure.duration_s, margin_s, GUARD_S, *interval));
+            let mut unknown = None;
+            let mut windows: Vec<ClearWindow> = clear.filter_map(|interval| window(from, interval)).collect();
+            windows.retain(|window| {
+                let reason = [window.first, window.last]
+                    .into_iter()
+                    .find_map(|epoch| reason_for_unknown_starts(sky, field, policy, epoch, exposure.duration_s));
+                unknown = unknown.take().or(reason.clone());
+                reason.is_none()
+            });
             if !with_passes {
                 blocking_passes.clear();
             }
             TargetWindows {
-                windows: clear.filter_map(|interval| window(from, interval)).collect(),
+                windows,
+                unknown,
                 observable: observable.iter().filter_map(|interval| window(from, *interval)).collect(),
                 blocking_passes,
             }

@@ -21,8 +21,8 @@ const NOW: &str = "2024-08-14T23:30:00.000Z";
 const ELEMENTS_NOW: &str = "2026-08-14T23:30:00.000Z";
 /// Time limit that only stops a blocked run.
 const LONG: &str = "600s";
-/// Time limit of runs that end with a timeout.
-const SHORT: &str = "3s";
+/// Time limit of runs in which standard input or a server does not answer, which takes half of it.
+const SHORT: &str = "10s";
 
 #[track_caller]
 fn gate(folder: &TempDir, more: &[&str]) -> (i32, String, Value) {
@@ -143,7 +143,9 @@ fn exit_codes_and_counters_are_as_documented() {
     let (code, _, stderr) = run_never(&[]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("warning: gate: no clear start within 20 s"), "{stderr}");
-    assert_eq!(run_never(&["--strict"]).0, 1);
+    assert!(stderr.contains("the exposure starts and will be streaked"), "{stderr}");
+    let (code, _, stderr) = run_never(&["--strict"]);
+    assert!(code == 1 && stderr.contains("no clear start") && !stderr.contains("the exposure starts"), "{stderr}");
     let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
     assert_eq!((record["verdict"].as_str(), record["exit_code"].as_i64()), (Some("not_clear"), Some(1)));
     assert_eq!((record["counters"]["runs"].as_i64(), record["counters"]["not_clear"].as_i64()), (Some(2), Some(2)));
@@ -257,7 +259,95 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert!(is_believed(&quarter, 11, "clear now"));
     // Element sets that are weeks old are too inaccurate for waiting times.
     fs::write(&elements, &many).unwrap();
-    check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
+    check("stale_elements", "elements 762 days old: positions unknown", 1, "2028-09-15T23:30:00Z");
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!((record["positions_known"].as_bool(), record["late_s"].as_f64()), (Some(false), None), "{record}");
+    assert!(!record["message"].as_str().unwrap().contains("the exposure starts"), "{record}");
+    // After ten weeks the satellites are early or late by minutes: useless for 10 s, sufficient for half an hour.
+    let late = "2026-10-24T23:30:00Z";
+    check("stale_elements", "of the crossings of an exposure of 10 s with a margin of 2 s are predicted", 2, late);
+    let long: &[&str] = &["--exposure", "2h", "--max-wait", "1s", "--now", late, "--status-file", &status];
+    let pole = &["--ra", "0", "--dec=-80"];
+    let (code, _, stderr) = run(&[&base[..7], &["--limit-mag=-20"], pole, long]);
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!((code, record["verdict"].as_str()), (0, Some("clear")), "{stderr}");
+    assert_eq!(record["positions_known"], true, "{record}");
+    assert!(record["late_s"].as_f64().unwrap() > 60.0 && record["elements_age_days"].as_f64().unwrap() > 60.0);
+}
+
+/// Files that are missing or invalid are faults: N.I.N.A. ends a sequence at any exit code except 0.
+#[test]
+fn missing_and_invalid_files_open_the_gate() {
+    let folder = tempfile::tempdir().unwrap();
+    let corrupt = path(&folder, "corrupt");
+    fs::write(&corrupt, "\u{0}[[[ not a file = { of any kind").unwrap();
+    for name in ["toml", "json", "csv"] {
+        fs::copy(&corrupt, format!("{corrupt}.{name}")).unwrap();
+    }
+    let status = path(&folder, "status.json");
+    let base: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--exposure", "10s", "--now", NOW];
+    let fov: &[&str] = &["--fov", "8deg"];
+    for file in ["/nowhere/file", &corrupt, folder.path().to_str().unwrap()] {
+        let named = |extension: &str| {
+            if file == corrupt { format!("{file}.{extension}") } else { format!("{file}.{extension}") }
+        };
+        let (toml, json) = (named("toml"), named("json"));
+        for (more, kind) in [
+            (&[fov, &["--policy", &toml]][..], "setup"),
+            (&[fov, &["--config", &toml]], "setup"),
+            (&[&["--field", &json]], "setup"),
+            (&[&["--telescope", &toml]], "setup"),
+            (&[fov, &["--model", &json]], "setup"),
+            (&[fov, &["--eop", &toml]], "setup"),
+            (&[fov, &["--qs-mag", &toml]], "setup"),
+        ] {
+            let (code, _, stderr) = run(&[base, POINTING, &more.concat(), &["--status-file", &status]]);
+            assert_eq!(code, 0, "{more:?}: {stderr}");
+            let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+            assert_eq!(
+                (record["fault"].as_str(), record["exit_code"].as_i64()),
+                (Some(kind), Some(0)),
+                "{more:?}: {stderr}"
+            );
+            assert_eq!(run(&[base, POINTING, &more.concat(), &["--strict"]]).0, 2, "{more:?}");
+        }
+    }
+    // Limits of a camera, and numbers in a policy, depend on the file too.
+    let policy = path(&folder, "policy.toml");
+    for text in ["saturation_mag = 'telescope'", "margin_s = -5", "max_lost_fraction = 0.1", "limit_mag = 'bright'"] {
+        fs::write(&policy, text).unwrap();
+        let (code, _, stderr) = run(&[base, POINTING, fov, &["--policy", &policy]]);
+        assert_eq!(code, 0, "{text}: {stderr}");
+    }
+}
+
+/// The kernel's log is a regular file of which the last read blocks, like a file on a hung network file system.
+#[cfg(target_os = "linux")]
+#[test]
+fn files_that_block_do_not_delay_the_gate() {
+    const BLOCKING: &str = "/proc/kmsg";
+    if fs::File::open(BLOCKING).is_err() {
+        eprintln!("skipped: {BLOCKING} cannot be read by this user");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let status = path(&folder, "status.json");
+    let base: &[&str] = &["gate", "--mpc", "X05", "--fov", "8deg", "--exposure", "10s", "--now", NOW];
+    let shells: &[&str] = &["--shells", "starlink-gen1"];
+    for more in [&["--elements", BLOCKING][..], &["--targets", BLOCKING, "--target", "M 31"]] {
+        let pointing = if more[0] == "--targets" { &[] } else { POINTING };
+        let shells = if more[0] == "--elements" { &[] } else { shells };
+        let (code, _, stderr) =
+            run(&[base, shells, pointing, more, &["--timeout", "1s", "--strict", "--status-file", &status]]);
+        assert_eq!(code, 2, "{stderr}");
+        let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        assert_eq!(record["fault"], "timeout", "{record}");
+        assert!(
+            stderr.contains("no result within 1 s (--timeout), after the start of: reading /proc/kmsg"),
+            "{stderr}"
+        );
+        assert!(!stderr.contains("the exposure starts"), "{stderr}");
+    }
 }
 
 #[test]
@@ -477,6 +567,12 @@ fn faulty_servers_do_not_stop_the_gate() {
         assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");
         assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
     }
+    // Names of devices are shortened, and so is their list.
+    let many: String = (0..3000).map(|number| CCD.replace("CCD", &format!("{number}{}", "x".repeat(900)))).collect();
+    let numbered = many.replace("defTextVector", "defNumberVector").replace("defText", "defNumber");
+    let (code, stderr, status) = run_with_indi(&folder, vec![numbered], true, &["--now", NOW]);
+    assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");
+    assert!(stderr.len() < 1000 && stderr.contains("and 2992 more"), "{} bytes: {stderr}", stderr.len());
     let closed_port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
     let (code, stderr, status) = gate(&folder, &["--indi", &closed_port, "--now", NOW]);
     assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");

@@ -51,6 +51,7 @@ mod serve;
 mod serve_errors;
 mod shorthands;
 mod space_observer;
+mod unknown;
 #[cfg(unix)]
 mod user_files;
 mod windows;

@@ -254,11 +254,25 @@ fn warnings_of_the_command_line_are_in_the_responses() {
     let (folder, server) = stale();
     let path = folder.path().join("old.tle").display().to_string();
     let (_, _, stderr) = run(&[&["flag", "--elements", &path, "--mpc", "X05", "--fov", "3.5deg"], RULES]);
-    let warned: Vec<Value> =
-        stderr.lines().filter_map(|line| line.strip_prefix("warning: ")).map(without_hint).map(Value::from).collect();
+    // The number of exposures that cannot be judged is not a warning of the responses, which have a verdict for each.
+    let warned: Vec<Value> = stderr
+        .lines()
+        .filter_map(|line| line.strip_prefix("warning: "))
+        .filter(|line| !line.contains("cannot be judged"))
+        .map(without_hint)
+        .map(Value::from)
+        .collect();
     let night = server.json("/api/v1/night");
     assert_eq!(night["warnings"], json!(warned));
-    assert_eq!((&night["left_out_count"], &night["utc_offset_h"]), (&json!(1), &json!(-4.5)));
+    assert_eq!((&night["left_out_count"], &night["utc_offset_h"]), (&json!(2), &json!(-4.5)));
+    for flag in night["flags"].as_array().unwrap() {
+        assert_eq!(
+            (&flag["verdict"], &flag["p_any"], &flag["late_s"]),
+            (&json!("unknown"), &json!(null), &json!(null))
+        );
+        let reason = flag["reasons"][0].as_str().unwrap();
+        assert!(reason.starts_with("elements 73") && reason.ends_with(" days old: positions unknown"), "{reason}");
+    }
     assert!(warned.iter().any(|one| one.as_str().unwrap().contains("element sets are more than 14 days")), "{stderr}");
     for (start, words) in [
         ("2026-08-14T23:29:05Z", "(the farthest by 730."),
@@ -271,22 +285,16 @@ fn warnings_of_the_command_line_are_in_the_responses() {
         assert!(has(words) && has("rejected"), "{start}: {warnings:?}");
         let left_out = response["left_out"].as_array().unwrap().len();
         assert_eq!(
-            (response["left_out_count"].as_u64(), has("cannot be propagated")),
+            (response["left_out_count"].as_u64(), has("too old to predict positions")),
             (Some(left_out as u64), left_out > 0),
             "{start}"
         );
     }
-    // Responses for the sky and of the SatChecker paths have the same warnings. The time at which SGP4 fails for a
-    // satellite depends on the request.
-    let words = |response: &Value| -> Vec<String> {
-        let warnings = response["warnings"].as_array().unwrap().iter();
-        warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
-    };
-    let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
+    // Responses without a verdict are errors: without satellites they would be taken as clear.
     for target in at_the_first_exposure() {
-        let response = server.json(&target);
-        assert_eq!(words(&response), words(&exposure), "{target}");
-        assert_eq!((&response["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
+        let refused = server.get(&target);
+        let detail = refused.json()["detail"].as_str().unwrap().to_owned();
+        assert!(refused.status == 400 && detail.contains("days old: positions unknown"), "{target}: {detail}");
     }
     // Simulated satellites are generated for the day of the schedule; a request for another day has a warning.
     let response = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
@@ -326,18 +334,21 @@ fn at_the_first_exposure() -> [String; 4] {
 fn a_sky_that_cannot_be_computed_is_not_empty() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.tle").display().to_string();
-    // Valid on the night of the schedule; the satellite has decayed years later.
+    // Too old on the night of the schedule; the satellite has decayed years later.
     std::fs::write(&path, old(90001, 0.001)).unwrap();
     let server = Server::start(&[&["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet"], RULES].concat());
     let later = |target: &str| target.replace("2026-08-14", "2090-08-14").replace("2461267.", "2484643.");
-    let exposure = server.get(&later(&format!("/api/v1/exposure?{FIRST}")));
-    assert_eq!(exposure.status, 400);
+    for exposure in [format!("/api/v1/exposure?{FIRST}"), later(&format!("/api/v1/exposure?{FIRST}"))] {
+        let flag = &server.json(&exposure)["flags"][0];
+        assert_eq!((&flag["verdict"], &flag["p_any"]), (&json!("unknown"), &json!(null)), "{flag}");
+    }
     for target in at_the_first_exposure() {
-        assert_eq!(server.get(&target).status, 200, "{target}");
-        let refused = server.get(&later(&target));
-        assert_eq!(refused.status, 400, "{target}");
-        let words = refused.json()["detail"].as_str().unwrap().to_owned();
-        assert!(words.contains("90001") || words.contains("satellite"), "{words}");
+        for target in [later(&target), target] {
+            let refused = server.get(&target);
+            assert_eq!(refused.status, 400);
+            let words = refused.json()["detail"].as_str().unwrap().to_owned();
+            assert!(words.contains("positions unknown"), "{words}");
+        }
     }
 }
 

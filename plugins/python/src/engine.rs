@@ -108,6 +108,12 @@ impl Engine {
     }
 }
 
+/// Rejects a request for times at which the positions of the satellites are unknown.
+fn check_known(prepared: &PreparedSky, times: impl IntoIterator<Item = Epoch>) -> PyResult<()> {
+    let reason = times.into_iter().find_map(|time| prepared.sky.predictability(time).reason());
+    reason.map_or(Ok(()), |reason| Err(failure::unknown(reason)))
+}
+
 fn left_out(
     prepared: &PreparedSky,
     left_out: &[streakcast::orbit::LeftOut],
@@ -165,7 +171,7 @@ impl Engine {
         self.policy.blocking.name()
     }
 
-    /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`,
+    /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`, `brightest_mag`,
     /// `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`.
     #[pyo3(signature = (exposures, bands))]
     fn judge<'py>(
@@ -336,6 +342,7 @@ impl Engine {
         limits_mag: &[f64],
     ) -> PyResult<WithWarnings<SkyRows>> {
         let prepared = self.sky_cache.get().of(start)?;
+        check_known(&prepared, [start])?;
         let sky = &prepared.sky;
         let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::request)?;
         let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
@@ -389,6 +396,7 @@ impl Engine {
         let mut warnings = Vec::new();
         for Night { prepared, indices } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
             let of_night: Vec<Exposure> = indices.iter().map(|index| exposures[*index].clone()).collect();
+            check_known(&prepared, of_night.iter().map(|exposure| exposure.start))?;
             let passes = prepared.sky.field_passes(&of_night, field, &options).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &passes.left_out, of_night[0].start)?);
             found.extend(
@@ -459,6 +467,9 @@ impl Engine {
                 let targets: Vec<WindowTarget> = indices.iter().map(target).collect();
                 let report = clear_windows_without_passes(&targets, first, last, &request).map_err(failure::request)?;
                 warnings.extend(left_out(&prepared, &report.left_out, first)?);
+                if let Some(reason) = report.by_target.iter().find_map(|target| target.unknown.clone()) {
+                    return Err(failure::unknown(reason));
+                }
                 for (index, target) in indices.into_iter().zip(report.by_target) {
                     found.extend(target.windows.into_iter().map(|window| (index, window)));
                 }
@@ -484,5 +495,6 @@ fn code(verdict: VerdictKind) -> u8 {
         VerdictKind::Streaked => 1,
         VerdictKind::Avoid => 2,
         VerdictKind::Invalid => 3,
+        VerdictKind::Unknown => 4,
     }
 }

@@ -8,6 +8,17 @@ use streakcast::message::bounded;
 
 pyo3::create_exception!(streakcast, StreakcastError, PyValueError, "Invalid request.");
 pyo3::create_exception!(streakcast, SetupError, StreakcastError, "Invalid arguments of a model.");
+pyo3::create_exception!(
+    streakcast,
+    UnknownPositionsError,
+    StreakcastError,
+    "The positions of the satellites are unknown, because their elements are too old."
+);
+
+/// Returns the exception for a request at a time at which the positions of the satellites are unknown.
+pub fn unknown(reason: impl std::fmt::Display) -> PyErr {
+    UnknownPositionsError::new_err(reason.to_string())
+}
 
 /// Returns the exception for an invalid request.
 pub fn request(error: impl std::fmt::Display) -> PyErr {

@@ -24,6 +24,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("StreakcastError", py.get_type::<failure::StreakcastError>())?;
     module.add("SetupError", py.get_type::<failure::SetupError>())?;
+    module.add("UnknownPositionsError", py.get_type::<failure::UnknownPositionsError>())?;
     module.add_class::<sky_cache::SkyCache>()?;
     module.add_class::<engine::Engine>()?;
     module.add_function(wrap_pyfunction!(exposures::times_from_text, module)?)?;

@@ -67,6 +67,7 @@ impl Nights {
     fn with(mut self, sky_cache: &SkyCache, request: &ForecastRequest, selection: &Selection) -> PyResult<Self> {
         let prepared = sky_cache.over(request.start, request.end).map_err(failure::setup)?;
         let sky = &prepared.sky;
+        prepared.check_known(request.start, request.end).map_err(failure::unknown)?;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
         let rows = found.rows(sky, request.max_magnitude);
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();

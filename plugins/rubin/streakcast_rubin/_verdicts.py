@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from streakcast import StreakModel
+from streakcast import StreakModel, UnknownPositionsError
 from streakcast.hosts import Hook
 
 from ._arrays import BoolArray, FloatArray, IntArray, Visits
@@ -113,6 +113,8 @@ def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) 
     if rules.blocking == "avoid" and rules.limit_mag is None:
         # All limits of the policy are applied, including those of loss and probability, which include near misses.
         assessment = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)
+        if (np.asarray(assessment.verdict) == "unknown").any():
+            raise UnknownPositionsError("the elements are too old to predict positions")
         lost = np.where(np.isfinite(assessment.lost_fraction), assessment.lost_fraction, np.nan_to_num(assessment.streak_length_deg))
         blocked = np.asarray(assessment.avoid)
         n_streaks, brightest_mag = np.asarray(assessment.n_streaks), np.asarray(assessment.brightest_mag)

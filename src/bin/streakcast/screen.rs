@@ -154,7 +154,7 @@ fn color(text: &str) -> Option<Color> {
         "clear" => Some(Color::Green),
         "streaked" => Some(Color::Yellow),
         "avoid" => Some(Color::Red),
-        "invalid" => Some(Color::Magenta),
+        "unknown" | "invalid" => Some(Color::Magenta),
         _ => None,
     }
 }

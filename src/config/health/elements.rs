@@ -124,7 +124,9 @@ pub struct ElementState {
     pub ages: Vec<AgeBin>,
     /// Median age of the element sets, days.
     pub median_age_days: f64,
-    /// Median along-track error (one sigma), seconds.
+    /// Number of satellites whose position is unknown, because their elements are too old.
+    pub unknown: usize,
+    /// Median along-track error (one sigma) of all others, seconds; 0 if there are none.
     pub median_along_track_sigma_s: f64,
     /// State of the operator ephemerides.
     pub ephemerides: EphemerisState,
@@ -145,7 +147,9 @@ impl ElementState {
         let sigmas: Vec<f64> = sets
             .iter()
             .zip(&ages)
-            .map(|(set, age)| uncertainty(OrbitClass::of(set, drag), *age).along_track_s)
+            .map(|(set, age)| (OrbitClass::of(set, drag), *age))
+            .filter(|(class, age)| class.is_known(*age))
+            .map(|(class, age)| uncertainty(class, age).along_track_s)
             .collect();
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
@@ -167,6 +171,7 @@ impl ElementState {
             satellites: sets.len(),
             ages: histogram(&ages),
             median_age_days: median_or_0(ages),
+            unknown: sets.len() - sigmas.len(),
             median_along_track_sigma_s: median_or_0(sigmas),
             ephemerides: EphemerisState::of(catalogue, now),
             kinds: kinds.into_iter().collect(),
@@ -199,8 +204,17 @@ impl ElementState {
             days => format!("median age {:.1} days", days.max(0.0)),
         };
         let satellites = counted(self.satellites, "satellite", "satellites");
-        let age = format!("{satellites}; {median}; early or late by {sigma_s:.1} s (68 %, median)");
-        found.push(if sigma_s > LARGE_ERROR_S {
+        let lateness = match self.unknown {
+            0 => format!("early or late by {sigma_s:.1} s (68 %, median)"),
+            all if all == self.satellites => "positions unknown".to_owned(),
+            unknown => {
+                format!("positions of {unknown} unknown, the others early or late by {sigma_s:.1} s (68 %, median)")
+            }
+        };
+        let age = format!("{satellites}; {median}; {lateness}");
+        found.push(if 2 * self.unknown > self.satellites {
+            Finding::new(Severity::Error, SUBJECT, age, nearer)
+        } else if sigma_s > LARGE_ERROR_S {
             let remedy = format!("{nearer}; or use flag with --min-probability or a margin_s of that size");
             Finding::new(Severity::Warning, SUBJECT, age, remedy)
         } else {

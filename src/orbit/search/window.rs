@@ -122,9 +122,16 @@ impl Window {
     /// A satellite that has an ephemeris for some of the exposures in the window is not interpolated, because ephemeris
     /// and SGP4 differ by more than the margins. Exposures longer than [`MAX_WINDOW_S`] use SGP4 only.
     ///
-    /// `reach` returns, for an element index, the distance from the prediction within which that satellite is searched
-    /// for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers must split longer intervals.
-    pub fn new(index: &SatelliteIndex, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Self {
+    /// `unknown` returns, for an element index, the reason why a satellite has no known position without an ephemeris;
+    /// such a satellite is left out. `reach` returns, for an element index, the distance from the prediction within which
+    /// that satellite is searched for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers must split longer intervals.
+    pub fn new(
+        index: &SatelliteIndex,
+        start: Epoch,
+        end: Epoch,
+        unknown: &(dyn Fn(usize) -> Option<OrbitError> + Sync),
+        reach: &(dyn Fn(usize) -> Reach + Sync),
+    ) -> Self {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<(f64, Kind)> = (0..index.len())
             .into_par_iter()
@@ -136,6 +143,9 @@ impl Window {
                     SearchedPropagator::One(propagator) => propagator,
                 };
                 let minutes = propagator.minutes_since_epoch(start);
+                if let Some(reason) = unknown(element_index).filter(|_| !propagator.has_ephemeris()) {
+                    return (minutes, Kind::LeftOut(reason));
+                }
                 let end_minutes = minutes + span_s / 60.0;
                 let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
@@ -345,7 +355,7 @@ mod tests {
         let elements = orbits();
         let index = SatelliteIndex::new(&elements, DragModel::Published);
         let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
-        let window = Window::new(&index, start, seconds_after(start, MAX_WINDOW_S), &|_| Reach::default());
+        let window = Window::new(&index, start, seconds_after(start, MAX_WINDOW_S), &|_| None, &|_| Reach::default());
         let mut checked = 0;
         let mut worst = [0.0_f64; 3];
         for chunk in &window.chunks {

@@ -6,7 +6,7 @@ use super::super::candidates::CandidateInterval;
 use super::super::error::SkyError;
 use super::super::exposure::{Exposure, groups};
 use super::super::field::Field;
-use super::super::scene::{Scene, SearchScope};
+use super::super::scene::{Scene, SearchScope, middle_of_window, window_number};
 use super::super::sky::Sky;
 use super::super::track::Pass;
 use super::exposed_field::ExposedField;
@@ -70,6 +70,12 @@ impl Sky {
                 let exposed = ExposedField::new(self, &scene, exposure, field)?;
                 let mut passes: Vec<Pass> = (0..self.elements().len())
                     .filter(|&element_index| !self.is_observer(element_index))
+                    .filter(|&element_index| {
+                        let sgp4 =
+                            || self.too_old(element_index, middle_of_window(window_number(exposure.start))).is_none();
+                        let over = self.propagator_over(exposure.start, element_index, [0.0, exposure.duration_s]);
+                        over.is_some_and(|one| one.has_ephemeris() || sgp4())
+                    })
                     .filter_map(|element_index| {
                         let interval = CandidateInterval::over(element_index, 0.0, exposure.duration_s);
                         exposed.pass(&interval, options).ok().flatten()

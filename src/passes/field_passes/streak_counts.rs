@@ -73,7 +73,9 @@ impl Sky {
             counts.sun.push(self.sun_altaz(middle)?);
         }
         // All exposures form one query, so that exposures near in time share data that are computed once.
-        let passes = self.field_passes(&exposures, request.field, &options)?;
+        // Positions along the orbit need not be known for numbers of streaks.
+        let sky = self.clone().with_elements_of_any_age();
+        let passes = sky.field_passes(&exposures, request.field, &options)?;
         let count = |passes: &Vec<Pass>| {
             let lit = || passes.iter().filter(|pass| pass.lit && pass.is_crossing());
             let bright = request

@@ -53,6 +53,8 @@ pub fn satellites(
     radius_rad: f64,
     light: &SatelliteLight<'_>,
 ) -> Result<SatelliteExposure, StreaksError> {
+    // Positions along the orbit need not be known: the streaks are simulated.
+    let sky = &sky.clone().with_elements_of_any_age();
     let reach_rad = light.tracking.reach_rad(exposure.duration_s);
     let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
     let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };

@@ -22,7 +22,7 @@ results.
 """
 
 from ._results import Assessment, ClearWindows, Forecast, Identification, Overhead, Site
-from ._core import SetupError, StreakcastError, __version__
+from ._core import SetupError, StreakcastError, UnknownPositionsError, __version__
 from ._injection import Injected, inject
 from ._learn import learn
 from ._measure import Measurements
@@ -43,6 +43,7 @@ __all__ = [
     "Site",
     "StreakModel",
     "StreakcastError",
+    "UnknownPositionsError",
     "StreakcastWarning",
     "__version__",
     "body_map",

@@ -122,7 +122,8 @@ class ExposureQueries(SiteQueries):
         QTable or dict of arrays, ``(n_exposures,)`` each
             ``exposure_id`` (flat index of the exposure), ``verdict``, ``n_streaks``, ``brightest_mag``,
             ``expected_lost_pixel_fraction``, ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``,
-            ``delay_s``, ``norad_ids``, ``p_crossing``, ``next_acceptable_start_utc``, ``acceptable_delay_s``.
+            ``delay_s``, ``norad_ids``, ``p_crossing``, ``next_acceptable_start_utc``, ``acceptable_delay_s``,
+            ``elements_age_days``, ``late_s``.
         """
         exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()

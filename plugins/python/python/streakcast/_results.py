@@ -9,7 +9,7 @@ import numpy as np
 from .typing import BoolOrArray, FloatArray, FloatOrArray, Table, TextOrArray, TimeResult, WholeArray, WholeOrArray
 
 #: Verdicts in the order of their codes.
-VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
+VERDICTS = np.array(["clear", "streaked", "avoid", "invalid", "unknown"])
 
 
 class Site(NamedTuple):
@@ -28,8 +28,8 @@ class Site(NamedTuple):
 class Assessment(NamedTuple):
     """Effects of satellites on exposures: numbers for one exposure, arrays in the broadcast shape for several."""
 
-    #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
-    #: horizon).
+    #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded), ``unknown`` (the elements are too old to
+    #: predict positions) or ``invalid`` (the pointing is below the horizon).
     verdict: TextOrArray
     #: Whether a lit satellite crosses the field.
     crosses: BoolOrArray
@@ -40,14 +40,16 @@ class Assessment(NamedTuple):
     #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.
     lost_fraction: FloatOrArray
     #: Probability that at least one lit satellite crosses and is brighter than a limit of the policy, given the errors
-    #: of element sets and magnitudes; equal to ``p_crossing`` without a limit; NaN where invalid.
+    #: of element sets and magnitudes; equal to ``p_crossing`` without a limit; NaN where invalid or unknown.
     p_any: FloatOrArray
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
     streak_length_deg: FloatOrArray
     #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
-    #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
+    #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s), or more than 10 % of
+    #: the satellites are of unknown position.
     p_any_is_lower_limit: BoolOrArray = False
-    #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
+    #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid or
+    #: unknown.
     p_crossing: FloatOrArray = float("nan")
 
     @property

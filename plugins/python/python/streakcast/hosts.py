@@ -10,6 +10,7 @@ import weakref
 from collections import Counter
 from typing import Callable, TypeVar
 
+from ._core import UnknownPositionsError
 from ._hook_state import HookState, RemoteHook, distance_km, signature
 from ._mailbox import Mailbox, Reported
 from ._quantities import is_of, scalar
@@ -61,7 +62,7 @@ class Hook:
     Attributes
     ----------
     counts : collections.Counter
-        ``asked`` (calls of `evaluate`), ``failed``, ``reloaded``, ``kept_old`` (changed files that were rejected),
+        ``asked`` (calls of `evaluate`), ``failed``, ``unknown`` (elements too old to predict positions), ``reloaded``, ``kept_old`` (changed files that were rejected),
         ``warned`` (warnings of the model: old element sets, rejected records), ``site`` and ``clock`` (different or not
         readable), and counters of the host.
     """
@@ -127,6 +128,9 @@ class Hook:
             with handle_warnings(self._warned):
                 self._watch()
                 return function(self._state.model)
+        except UnknownPositionsError as error:
+            self.note("unknown", f"satellites are ignored: {error}")
+            return fallback
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("failed", f"satellites are ignored: {type(error).__name__}: {error}")
             return fallback

@@ -105,7 +105,7 @@ def night(
     ----------
     flags : QTable or dict of arrays, ``(n_exposures,)``
         Result of `StreakModel.flags`: ``n_streaks`` and ``brightest_mag`` are drawn. Exposures with the ``verdict``
-        ``invalid`` are not drawn.
+        ``unknown`` or ``invalid`` are not drawn.
     start, exposure, scale
         Arguments of that call.
     limit_mag : float or `~astropy.units.Quantity`, optional
@@ -145,7 +145,7 @@ def night(
             raise _core.StreakcastError(f"columns differ in length: {given}; allowed: columns of one length")
     is_drawn = np.ones(n_exposures, dtype=bool)
     if "verdict" in flags.keys():
-        is_drawn = np.array(_texts(flags, "verdict"), dtype=np.str_) != "invalid"
+        is_drawn = ~np.isin(np.array(_texts(flags, "verdict"), dtype=np.str_), ("invalid", "unknown"))
     n_invalid = n_exposures - int(is_drawn.sum())
     if n_invalid and n_invalid == n_exposures:
         raise ValueError(f"all {n_exposures} exposures are invalid; allowed: at least one valid exposure")

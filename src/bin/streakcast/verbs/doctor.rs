@@ -122,7 +122,7 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
         }
     };
     let flags = &judged.report.flags;
-    let invalid = flags.iter().filter(|flag| flag.kind == VerdictKind::Invalid).count();
+    let invalid = flags.iter().filter(|flag| matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid)).count();
     let visits = match invalid {
         0 => counted(flags.len(), "visit", "visits"),
         _ => format!("{invalid} of {} cannot be judged", counted(flags.len(), "visit", "visits")),

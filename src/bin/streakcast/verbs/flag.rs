@@ -57,6 +57,8 @@ const ON_SCREEN: &[Shown] = &[
     rounded("streak_length_deg", "length deg", 2),
     rounded("acceptable_delay_s", "wait for limits s", 1),
     rounded("delay_s", "wait for clear s", 1),
+    rounded("elements_age_days", "age d", 1),
+    rounded("late_s", "late s", 1),
     shown("reasons", "reasons"),
     rounded("start_utc", "start (UTC)", 0),
     rounded("duration_s", "exposure s", 1),
@@ -68,7 +70,8 @@ const ON_SCREEN: &[Shown] = &[
 /// Returns an error if no exposure was judged: scripts must not take a schedule of only invalid rows as clear. A batch
 /// share without rows is accepted.
 fn check_judged(report: &FlagReport, schedule: &Path) -> anyhow::Result<()> {
-    let (flags, is_judged) = (&report.flags, |flag: &Verdict| flag.kind != VerdictKind::Invalid);
+    let (flags, is_judged) =
+        (&report.flags, |flag: &Verdict| !matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid));
     match flags.first() {
         Some(first) if !flags.iter().any(is_judged) => Err(anyhow!(
             "schedule {}: --fail-on has no result, because none of {} can be judged; exposure {}: {}",

@@ -117,6 +117,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
 
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings_of(from, to, &|elements| selection.contains(elements)));
+    prepared.check_known(from, to)?;
     let found = forecast(&prepared.sky, &request, &selection)?;
     notices.warn_left_out(&prepared, &found.found.left_out, from)?;
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));

@@ -127,6 +127,7 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     let mut prepared = config.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
     prepared.check_altitude("pointing", &exposure)?;
     notices.warn(&prepared.warnings);
+    prepared.check_known(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
 
     let crossings = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
     notices.warn_left_out(&prepared, &crossings.left_out, exposure.start)?;

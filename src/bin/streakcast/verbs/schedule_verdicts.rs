@@ -219,18 +219,22 @@ pub fn given_field(config: &Config) -> Value {
 
 pub fn summary(notices: &Notices, report: &FlagReport) {
     let count = |verdict| report.flags.iter().filter(|flag| flag.kind == verdict).count();
-    let counts: Vec<String> = [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Invalid]
-        .into_iter()
-        .filter(|verdict| count(*verdict) > 0)
-        .map(|verdict| format!("{} {verdict}", count(verdict)))
-        .collect();
-    let (all, invalid) = (report.flags.len(), count(VerdictKind::Invalid));
-    if let Some(first) = report.flags.iter().find(|flag| flag.kind == VerdictKind::Invalid) {
-        let (number, reasons) = (counted(all, "exposure", "exposures"), first.reasons.join("; "));
-        notices.warn(&[format!(
-            "{invalid} of {number} cannot be judged; first exposure {}: {reasons}",
-            first.exposure_id
-        )]);
+    let counts: Vec<String> =
+        [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Unknown, VerdictKind::Invalid]
+            .into_iter()
+            .filter(|verdict| count(*verdict) > 0)
+            .map(|verdict| format!("{} {verdict}", count(verdict)))
+            .collect();
+    let all = report.flags.len();
+    for kind in [VerdictKind::Unknown, VerdictKind::Invalid] {
+        if let Some(first) = report.flags.iter().find(|flag| flag.kind == kind) {
+            let (number, reasons) = (counted(all, "exposure", "exposures"), first.reasons.join("; "));
+            notices.warn(&[format!(
+                "{} of {number} cannot be judged; first exposure {}: {reasons}",
+                count(kind),
+                first.exposure_id
+            )]);
+        }
     }
     notices.info(&format!("{}: {}", counted(all, "exposure", "exposures"), counts.join(", ")));
 }

@@ -1,20 +1,22 @@
-//! Flags of `gate`, and the request that they define, with checks that precede the reading of elements.
+//! Flags of `gate`, checked without files, and the request that they and the files define.
 
 use std::cell::Cell;
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use clap::{Args, ValueEnum};
+use hifitime::TimeScale;
 use streakcast::config::{
     Config, ExposureConfig, ObservationPlan, PolicyChoice, Quantity, RulesConfig, SiteConfig, parse_duration_s,
 };
 use streakcast::frames::{Direction, Gcrs, parse_moment};
 use streakcast::geometry::Site;
-use streakcast::input::{check_regular, is_stream};
+use streakcast::input::is_stream;
 use streakcast::schedule::MagnitudeLimit;
 
 use super::clock::Clock;
+use super::deadline::within;
 use crate::required::Required;
 
 #[derive(Args)]
@@ -64,8 +66,9 @@ pub struct GateArguments {
     /// Name of the mount, if the INDI server has several
     #[arg(long, value_name = "NAME", requires = "indi", help_heading = "Host")]
     pub indi_device: Option<String>,
-    /// Timeout of standard input and the INDI server, with its unit
-    #[arg(long, value_name = "TIME", default_value = "5s", help_heading = "Host")]
+    /// Longest time of the run without the wait, with its unit: files, standard input, server and computation; standard
+    /// input and the server may each take half of it
+    #[arg(long, value_name = "TIME", default_value = "10s", help_heading = "Host")]
     pub timeout: String,
     /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
     #[arg(long, value_name = "FILE", help_heading = "Host")]
@@ -85,22 +88,21 @@ pub enum Host {
 /// Default margin, seconds. It covers the time between the end of this command and the shutter opening.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
-/// Returns the error for a pipe or other stream as input file: reading it could block.
-fn stream_error(path: &Path) -> anyhow::Error {
-    anyhow!("{} is a stream, for which gate could wait without end; allowed: a file", path.display())
-}
+/// Longest time allowed with --timeout, seconds.
+const MOST_TIMEOUT_S: f64 = 600.0;
 
-/// A request to the gate.
-pub struct Request {
+/// Flags of a run that are valid whatever the files hold.
+#[derive(Clone)]
+pub struct Flags {
+    /// Configuration of the flags, without the configuration file.
     pub config: Config,
     pub clock: Clock,
-    /// Field, telescope, photometry, and policy including the margin.
-    pub plan: ObservationPlan,
-    pub pointing: Option<Direction<Gcrs>>,
-    pub duration_s: Option<f64>,
-    pub site: Option<Site>,
+    margin_s: Option<f64>,
     pub max_wait_s: f64,
+    /// Time for everything except the wait for a clear start.
     pub timeout: Duration,
+    /// Time at which the result must be known.
+    pub deadline: Instant,
     pub strict: bool,
     pub stdin: Option<Host>,
     pub targets: Option<PathBuf>,
@@ -110,10 +112,22 @@ pub struct Request {
     pub status_file: Option<PathBuf>,
 }
 
-impl Request {
-    /// Checks flags and configuration, and returns the request.
+impl Flags {
+    /// Checks everything that does not depend on files.
+    ///
+    /// # Errors
+    /// A flag is invalid or missing. Everything else is a fault, which does not stop a sequence.
     pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
-        let flags = Config {
+        let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
+        if !(0.1..=MOST_TIMEOUT_S).contains(&timeout_s) {
+            return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to {MOST_TIMEOUT_S} s"));
+        }
+        let timeout = Duration::from_secs_f64(timeout_s);
+        let deadline = Instant::now() + timeout;
+        if let Some(exposure) = &typed.exposure {
+            parse_duration_s("exposure", exposure.as_str())?;
+        }
+        let config = Config {
             exposure: ExposureConfig {
                 start: None,
                 duration: typed.exposure,
@@ -129,68 +143,23 @@ impl Request {
             },
             ..typed.config
         };
-        let config_file = flags.run.file.clone();
-        if let Some(path) = config_file.iter().chain(&typed.targets).find(|path| is_stream(path)) {
-            return Err(stream_error(path));
-        }
-        let config = flags.with_file()?;
-        if let Some(path) = config.files().iter().find(|path| is_stream(path)) {
-            return Err(stream_error(path));
-        }
-        // A named pipe is an error: opening it would block until it is read.
-        if let Some(path) = typed.status_file.as_ref().filter(|path| path.exists()) {
-            check_regular(path).map_err(|error| anyhow!("status file {}: {error}", path.display()))?;
-        }
-        let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
-        let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();
-        let required = Required::of(&config)
-            .input(
-                has_pointing || has_name || typed.indi.is_some(),
-                "pointing",
-                "--ra and --dec, --target M31, --targets with --target or --stdin ekos, or --indi localhost",
-            )
-            .input(
-                config.exposure.duration.is_some() || typed.stdin.is_some(),
-                "exposure time",
-                "--exposure TIME, for example 300s, or --stdin ekos",
-            )
-            .satellites()
-            .field();
-        // The site may come from an INDI server.
-        if typed.indi.is_some() { required } else { required.site() }.check()?;
-        let mut policy = config.policy()?;
-        if policy.max_lost_fraction.is_some() {
-            return Err(anyhow!("the policy has max_lost_fraction, which gate does not support; remove this key"));
-        }
-        let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
-        policy.margin_s = margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
-        policy.validate()?;
-        let text = |value: &Option<Quantity>| value.as_ref().map(|value| value.0.clone());
-        let pointing = config.pointing()?;
-        let duration = text(&config.exposure.duration);
-        let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
-        if config.is_in_orbit() {
-            return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
-        }
-        let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
-        let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
-        let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
-        let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
-        let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
-        if !(0.1..=600.0).contains(&timeout_s) {
-            return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 600 s"));
-        }
+        let bare = config.without_files();
+        check(&bare)?;
+        // The time scale may be given in the configuration file, which is needed only for a rehearsal.
+        let scale = || -> Option<TimeScale> {
+            let config = config.clone();
+            within(deadline, move || config.with_file().ok()?.time_scale().ok()?).ok().flatten()
+        };
         let clock = match &typed.now {
-            Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, config.time_scale()?)?)),
+            Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, scale())?)),
             None => Clock::Machine,
         };
-        Ok(Self {
-            plan: ObservationPlan { policy, ..config.observation()? },
-            pointing,
-            duration_s,
-            site,
-            max_wait_s,
-            timeout: Duration::from_secs_f64(timeout_s),
+        let flags = Self {
+            clock,
+            margin_s: typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?,
+            max_wait_s: parse_duration_s("max-wait", &typed.max_wait)?,
+            timeout,
+            deadline,
             strict: typed.strict,
             stdin: typed.stdin,
             targets: typed.targets,
@@ -198,7 +167,104 @@ impl Request {
             indi: typed.indi,
             indi_device: typed.indi_device,
             status_file: typed.status_file,
-            clock,
+            config,
+        };
+        // A configuration file may have what the flags lack.
+        if flags.config.run.file.is_none() {
+            flags.check_required(&flags.config)?;
+        }
+        Ok(flags)
+    }
+
+    fn check_required(&self, config: &Config) -> anyhow::Result<()> {
+        let has_name = self.targets.is_some() && (self.target.is_some() || self.stdin.is_some());
+        let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();
+        let required = Required::of(config)
+            .input(
+                has_pointing || has_name || self.indi.is_some(),
+                "pointing",
+                "--ra and --dec, --target M31, --targets with --target or --stdin ekos, or --indi localhost",
+            )
+            .input(
+                config.exposure.duration.is_some() || self.stdin.is_some(),
+                "exposure time",
+                "--exposure TIME, for example 300s, or --stdin ekos",
+            )
+            .satellites()
+            .field();
+        // The site may come from an INDI server.
+        if self.indi.is_some() { required } else { required.site() }.check()
+    }
+}
+
+/// Checks the flags that are not names of files.
+fn check(bare: &Config) -> anyhow::Result<()> {
+    bare.pointing()?;
+    bare.photometry()?;
+    bare.schedule_options()?;
+    bare.telescope()?;
+    // A limit of the camera may be that of a telescope file.
+    if bare.rules.limit_mag.is_none() {
+        bare.policy()?;
+    }
+    if bare.fov.is_some() {
+        bare.field_of_view()?;
+    }
+    if bare.site.is_given() {
+        bare.site()?;
+    }
+    if !bare.shells.is_empty() {
+        bare.load()?;
+    }
+    if bare.is_in_orbit() {
+        return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
+    }
+    Ok(())
+}
+
+/// A request to the gate: the flags, completed by files.
+pub struct Request {
+    pub config: Config,
+    /// Field, telescope, photometry, and policy including the margin.
+    pub plan: ObservationPlan,
+    pub pointing: Option<Direction<Gcrs>>,
+    pub duration_s: Option<f64>,
+    pub site: Option<Site>,
+}
+
+impl Request {
+    /// Reads the configuration, policy, field and telescope.
+    ///
+    /// # Errors
+    /// A file is missing or invalid, or contradicts the flags.
+    pub fn new(flags: &Flags) -> anyhow::Result<Self> {
+        let stream = |paths: &[PathBuf]| match paths.iter().find(|path| is_stream(path)) {
+            Some(path) => Err(anyhow!("{} is a stream; allowed: a file", path.display())),
+            None => Ok(()),
+        };
+        stream(&flags.config.run.file.iter().chain(&flags.targets).cloned().collect::<Vec<_>>())?;
+        let config = flags.config.clone().with_file()?;
+        stream(&config.files())?;
+        flags.check_required(&config)?;
+        if config.is_in_orbit() {
+            return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
+        }
+        let mut policy = config.policy()?;
+        if policy.max_lost_fraction.is_some() {
+            return Err(anyhow!("the policy has max_lost_fraction, which gate does not support; remove this key"));
+        }
+        policy.margin_s = flags.margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
+        policy.validate()?;
+        let duration = config.exposure.duration.as_ref();
+        let duration_s = duration.map(|exposure| parse_duration_s("exposure", exposure.as_str())).transpose()?;
+        let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
+        let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
+        let site = if has_site || flags.indi.is_none() { Some(config.site()?) } else { None };
+        Ok(Self {
+            plan: ObservationPlan { policy, ..config.observation()? },
+            pointing: config.pointing()?,
+            duration_s,
+            site,
             config,
         })
     }

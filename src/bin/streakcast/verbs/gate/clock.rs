@@ -11,6 +11,7 @@ use streakcast::frames::seconds_between;
 const MAX_SLEEP: Duration = Duration::from_secs(1);
 
 /// Clock that can also wait.
+#[derive(Clone)]
 pub enum Clock {
     /// System clock.
     Machine,

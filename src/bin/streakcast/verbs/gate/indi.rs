@@ -12,9 +12,17 @@ use streakcast::frames::{Direction, Gcrs, OfDate, seconds_between};
 use streakcast::geometry::{Site, icrs_of_apparent};
 
 use super::clock::Clock;
-use super::status_file::{Fault, FaultKind};
+use super::deadline::left;
+use super::status_file::{Fault, FaultKind, clipped};
 
 const PORT: u16 = 7624;
+/// Largest number of addresses of a server that are tried.
+const MOST_ADDRESSES: usize = 8;
+/// Shortest timeout of the system's calls, which do not accept 0.
+const SHORTEST: Duration = Duration::from_millis(1);
+/// Longest name of a device, and largest number of names in a message.
+const LONGEST_NAME: usize = 60;
+const NAMED: usize = 8;
 /// Largest number of bytes read from a server.
 const MAX_BYTES: usize = 16 << 20;
 /// Time to wait, after the pointing of a mount has arrived, for its site and for a second mount.
@@ -37,12 +45,13 @@ pub struct Mount {
 pub fn read_mount(address: &str, device: Option<&str>, timeout: Duration, clock: &Clock) -> Result<Mount, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Indi, format!("INDI server {address}: {what}"));
     let deadline = Instant::now() + timeout;
-    let mut stream = connect(address, timeout).map_err(|error| fault(error.to_string()))?;
+    let mut stream = connect(address, deadline).map_err(|error| fault(error.to_string()))?;
     stream
-        .set_write_timeout(Some(timeout))
+        .set_write_timeout(Some(left(deadline, timeout).max(SHORTEST)))
         .and_then(|()| stream.write_all(b"<getProperties version=\"1.7\"/>\n"))
         .map_err(|error| fault(error.to_string()))?;
-    let mut properties = Properties { requested_device: device.map(str::to_owned), ..Properties::default() };
+    let mut properties =
+        Properties { requested_device: device.map(|name| clipped(name, LONGEST_NAME)), ..Properties::default() };
     let ended = properties.read(LimitedStream { stream, deadline, left: MAX_BYTES }, clock);
     properties.mount(clock).map_err(|what| match ended {
         Some(error) => fault(format!("{what} ({error})")),
@@ -50,15 +59,18 @@ pub fn read_mount(address: &str, device: Option<&str>, timeout: Duration, clock:
     })
 }
 
-fn connect(address: &str, timeout: Duration) -> io::Result<TcpStream> {
+/// Connects to a server. If its name has several addresses, each has an equal share of the time that is left.
+fn connect(address: &str, deadline: Instant) -> io::Result<TcpStream> {
     let with_port = if address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok()) {
         address.to_owned()
     } else {
         format!("{address}:{PORT}")
     };
     let mut last = io::Error::new(io::ErrorKind::NotFound, "no such host");
-    for socket in with_port.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&socket, timeout) {
+    let sockets: Vec<_> = with_port.to_socket_addrs()?.take(MOST_ADDRESSES).collect();
+    for (index, socket) in sockets.iter().enumerate() {
+        let share = left(deadline, Duration::MAX) / (sockets.len() - index) as u32;
+        match TcpStream::connect_timeout(socket, share.max(SHORTEST)) {
             Ok(stream) => return Ok(stream),
             Err(error) => last = error,
         }
@@ -223,14 +235,14 @@ impl Properties {
         mounts.sort_unstable();
         mounts.dedup();
         if mounts.len() > 1 {
-            return Err(format!("several mounts ({}); specify one with --indi-device", mounts.join(", ")));
+            return Err(format!("several mounts ({}); specify one with --indi-device", first_of(&mounts)));
         }
         let Some(pointing) = self.settled() else {
             return Err(match (self.pointings.first(), &self.requested_device) {
                 (Some(moving), _) => format!("{} is {}; allowed: a mount at rest", moving.device, moving.state),
                 (None, Some(device)) => format!("no coordinates of {device}; check its connection"),
                 (None, None) if self.devices.is_empty() => "no mount".to_owned(),
-                (None, None) => format!("no mount among {}; check its connection", self.devices.join(", ")),
+                (None, None) => format!("no mount among {}; check its connection", first_of(&self.devices)),
             });
         };
         let (right_ascension_deg, declination_deg) = (15.0 * pointing.right_ascension_h, pointing.declination_deg);
@@ -259,8 +271,15 @@ impl Properties {
     }
 }
 
+/// Returns the first names of a list, separated by commas.
+fn first_of(names: &[impl AsRef<str>]) -> String {
+    let shown: Vec<&str> = names.iter().take(NAMED).map(AsRef::as_ref).collect();
+    let more = names.len().saturating_sub(NAMED);
+    if more > 0 { format!("{} and {more} more", shown.join(", ")) } else { shown.join(", ") }
+}
+
 fn begin(element: &BytesStart<'_>) -> Vector {
-    let text = |name: &str| attribute(element, name).unwrap_or_default();
+    let text = |name: &str| clipped(&attribute(element, name).unwrap_or_default(), LONGEST_NAME);
     let stamp = text("timestamp");
     Vector {
         device: text("device"),

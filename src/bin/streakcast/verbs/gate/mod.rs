@@ -2,6 +2,7 @@
 
 mod arguments;
 mod clock;
+mod deadline;
 mod ekos;
 mod indi;
 mod run;

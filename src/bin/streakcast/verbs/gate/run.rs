@@ -1,26 +1,27 @@
 //! Run of the gate: reads the job of the host and the pointing of the mount, waits for a clear field, and writes the
-//! status file.
+//! status file. Everything that may block runs in other threads, with a deadline.
 
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
-use streakcast::config::{Config, ConfigError, NameOrTable, OLD_ELEMENTS_DAYS, PreparedSky, SiteConfig, SiteTable};
-use streakcast::elements::{ElementsError, share_of_stale};
+use streakcast::config::{Config, ConfigError, NameOrTable, PreparedSky, SiteConfig, SiteTable};
+use streakcast::elements::ElementsError;
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
     Blocking, ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, next_window,
+    reason_for_unknown_starts,
 };
 
-use super::arguments::GateArguments;
-use super::arguments::Request;
-use super::status_file::{Fault, FaultKind};
+use super::arguments::{Flags, GateArguments, Request};
+use super::deadline::{NoResult, Step, left, within};
+use super::status_file::{Before, Fault, FaultKind};
 use super::{ekos, indi, status_file, targets};
 use crate::failure::Outcome;
 use crate::notices::Notices;
@@ -33,8 +34,12 @@ const FRESH: Duration = Duration::from_secs(10);
 const SETTLED: Duration = Duration::from_secs(600);
 /// Largest number of attempts to read element files.
 const TRIES: usize = 4;
-/// Pause between two attempts, seconds.
-const RETRY_S: f64 = 0.3;
+/// Pause between two attempts.
+const RETRY: Duration = Duration::from_millis(300);
+/// Longest attempt after which another one is made: larger files are read once.
+const LONGEST_TRY: Duration = Duration::from_secs(1);
+/// Least time for the status file.
+const STATUS: Duration = Duration::from_secs(2);
 /// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
 /// Largest number of avoided passes listed in the status file.
@@ -42,72 +47,148 @@ const NAMED: usize = 5;
 
 /// Result of a run.
 enum GateVerdict {
-    /// The field is clear, at once or after a wait. If `is_limited`, satellites that exceed no limit may cross.
-    Clear { waited_s: f64, until: Epoch, is_limited: bool },
+    /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
+    /// limit may cross.
+    Clear { waited_s: f64, first: Epoch, until: Epoch, is_limited: bool },
     /// There is no clear start within the longest wait.
     NotClear,
     /// The frame is not a light frame.
     Skipped(String),
 }
 
-pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
-    let request = Request::new(typed)?;
-    let notices = crate::start::begin(&request.config)?;
-    let began = request.clock.now();
-    let before = status_file::read(request.status_file.as_deref());
-    let mut status = Map::new();
-    let result = verdict(&request, before.satellites, &mut status, &notices);
+/// Result of a run, and what is stated about it in the status file.
+struct Decision {
+    result: Result<GateVerdict, Fault>,
+    status: Map<String, Value>,
+    /// Writer of messages, with the options of the configuration file.
+    notices: Option<Notices>,
+}
 
-    let mut counters = before.counters;
-    counters.runs += 1;
-    let (verdict, outcome) = match &result {
-        Ok(GateVerdict::Clear { waited_s, .. }) => {
-            let counter = if *waited_s > 0.0 { &mut counters.waited } else { &mut counters.clear };
-            *counter += 1;
-            counters.waited_s += waited_s;
-            ("clear", Ok(Outcome::Done))
-        }
-        Ok(GateVerdict::NotClear) => {
-            counters.not_clear += 1;
-            ("not_clear", Ok(if request.strict { Outcome::No } else { Outcome::Done }))
-        }
-        Ok(GateVerdict::Skipped(_)) => {
-            counters.skipped += 1;
-            ("skipped", Ok(Outcome::Done))
-        }
-        Err(fault) => {
-            *counters.faults.entry(fault.kind.name().to_owned()).or_default() += 1;
-            status.insert("fault".into(), fault.kind.name().into());
-            ("fault", if request.strict { Err(anyhow!("{fault}")) } else { Ok(Outcome::Done) })
-        }
+pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
+    let flags = Flags::new(typed)?;
+    let began = flags.clock.now();
+    let step = Step::default();
+    let decided = {
+        let (flags, step) = (flags.clone(), step.clone());
+        within(flags.deadline, move || decide(&flags, &step))
     };
-    let line = line(&result, &request);
+    let timeout_s = flags.timeout.as_secs_f64();
+    let fault = match decided {
+        Ok(_) => None,
+        Err(NoResult::Late) => {
+            let message = format!("no result within {timeout_s} s (--timeout), after the start of: {}", step.last());
+            Some(Fault::new(FaultKind::Timeout, message))
+        }
+        Err(NoResult::Failed) => Some(Fault::new(FaultKind::Setup, format!("internal error while {}", step.last()))),
+    };
+    let decision =
+        decided.unwrap_or_else(|_| Decision { result: Ok(GateVerdict::NotClear), status: Map::new(), notices: None });
+    let notices = decision.notices.unwrap_or_else(|| Notices::of(&flags.config));
+    let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
+    let rest = left(flags.deadline, flags.timeout).max(STATUS);
+    if let Ok(GateVerdict::Clear { waited_s, first, until, .. }) = &result
+        && *waited_s > 0.0
+    {
+        let (path, of_wait) = (flags.status_file.clone(), status.clone());
+        // If writing fails, the error is reported when the final status is written.
+        let _ = within(Instant::now() + rest, move || write_waiting(path.as_deref(), of_wait));
+        flags.clock.sleep_until(*first);
+        let now = flags.clock.now();
+        let late_s = seconds_between(*first, now);
+        if late_s < -CLOCK_STEP_S || now > *until && late_s > CLOCK_STEP_S {
+            let message = format!(
+                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the clear start"
+            );
+            result = Err(Fault::new(FaultKind::Clock, message));
+        }
+    }
+    let line = line(&result, &flags);
+    let verdict = match &result {
+        Ok(GateVerdict::Clear { .. }) => "clear",
+        Ok(GateVerdict::NotClear) => "not_clear",
+        Ok(GateVerdict::Skipped(_)) => "skipped",
+        Err(_) => "fault",
+    };
+    let outcome = match &result {
+        Err(fault) if flags.strict => Err(anyhow!("{fault}")),
+        Ok(GateVerdict::NotClear) if flags.strict => Ok(Outcome::No),
+        _ => Ok(Outcome::Done),
+    };
     let code = match &outcome {
         Ok(Outcome::Done) => 0,
         Ok(Outcome::No) => 1,
         Err(_) => 2,
     };
+    if let Err(fault) = &result {
+        state(&mut status, "fault", fault.kind.name());
+    }
     state(&mut status, "verdict", verdict);
     state(&mut status, "exit_code", code);
     state(&mut status, "message", line.as_str());
     state(&mut status, "began_utc", format_utc(began, 3));
-    state(&mut status, "ended_utc", format_utc(request.clock.now(), 3));
-    if let (None, Some(satellites)) = (status.get("satellites"), before.satellites) {
-        state(&mut status, "satellites", satellites);
-    }
-    state(&mut status, "counters", json!(counters));
+    state(&mut status, "ended_utc", format_utc(flags.clock.now(), 3));
     if outcome.is_ok() {
         notices.info(&line);
     }
-    let written = request.status_file.as_ref().map(|path| (path, status_file::write(path, &status)));
-    match (written, outcome) {
-        (Some((path, Err(error))), Ok(_)) if request.strict => Err(anyhow!("cannot write {}: {error}", path.display())),
-        (Some((path, Err(error))), outcome) => {
-            notices.warn(&[format!("cannot write {}: {error}", path.display())]);
-            outcome
-        }
-        (_, outcome) => outcome,
+    let Some(path) = flags.status_file.clone() else { return outcome };
+    let counted = Counted::of(&result);
+    let written = within(Instant::now() + rest, {
+        let path = path.clone();
+        move || write_final(&path, status, &counted)
+    });
+    let error = match written {
+        Ok(Ok(())) => return outcome,
+        Ok(Err(error)) => error.to_string(),
+        Err(_) => format!("no result within {:.0} s", rest.as_secs_f64()),
+    };
+    let message = format!("cannot write {}: {error}", path.display());
+    if flags.strict && outcome.is_ok() {
+        return Err(anyhow!(message));
     }
+    notices.warn(&[message]);
+    outcome
+}
+
+/// Changes of the counters by one run.
+struct Counted {
+    verdict: &'static str,
+    waited_s: f64,
+    fault: Option<FaultKind>,
+}
+
+impl Counted {
+    fn of(result: &Result<GateVerdict, Fault>) -> Self {
+        let (verdict, waited_s) = match result {
+            Ok(GateVerdict::Clear { waited_s, .. }) if *waited_s > 0.0 => ("waited", *waited_s),
+            Ok(GateVerdict::Clear { .. }) => ("clear", 0.0),
+            Ok(GateVerdict::NotClear) => ("not_clear", 0.0),
+            Ok(GateVerdict::Skipped(_)) => ("skipped", 0.0),
+            Err(_) => ("fault", 0.0),
+        };
+        Self { verdict, waited_s, fault: result.as_ref().err().map(|fault| fault.kind) }
+    }
+}
+
+/// Writes the status of a run, with the counters over all runs.
+fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counted) -> std::io::Result<()> {
+    let Before { mut counters, satellites } = status_file::read(Some(path));
+    counters.runs += 1;
+    counters.waited_s += counted.waited_s;
+    match counted.verdict {
+        "waited" => counters.waited += 1,
+        "clear" => counters.clear += 1,
+        "not_clear" => counters.not_clear += 1,
+        "skipped" => counters.skipped += 1,
+        _ => {}
+    }
+    if let Some(kind) = counted.fault {
+        *counters.faults.entry(kind.name().to_owned()).or_default() += 1;
+    }
+    if let (None, Some(satellites)) = (status.get("satellites"), satellites) {
+        state(&mut status, "satellites", satellites);
+    }
+    state(&mut status, "counters", json!(counters));
+    status_file::write(path, &status)
 }
 
 fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
@@ -115,39 +196,60 @@ fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
 }
 
 /// Returns the log line of a run.
-fn line(result: &Result<GateVerdict, Fault>, request: &Request) -> String {
+fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
+    // With --strict the host does not start the exposure.
+    let starts = |text: &'static str| if flags.strict { "" } else { text };
     match result {
-        Ok(GateVerdict::Clear { waited_s, until, is_limited }) => {
+        Ok(GateVerdict::Clear { waited_s, until, is_limited, .. }) => {
             let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
             let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
             format!("gate: clear {after}, starts until at least {}{others}", format_utc(*until, 0))
         }
         Ok(GateVerdict::NotClear) => {
-            format!(
-                "warning: gate: no clear start within {} s; the exposure starts and will be streaked",
-                request.max_wait_s
-            )
+            let starts = starts("; the exposure starts and will be streaked");
+            format!("warning: gate: no clear start within {} s{starts}", flags.max_wait_s)
         }
         Ok(GateVerdict::Skipped(why)) => format!("gate: {why}: no wait"),
-        Err(fault) => format!("warning: gate: {fault}; satellites were not checked, the exposure starts"),
+        Err(fault) => {
+            let starts = starts(", the exposure starts");
+            format!("warning: gate: {fault}; satellites were not checked{starts}")
+        }
     }
 }
 
+/// Reads all inputs and decides whether and when the exposure can start, without waiting.
+fn decide(flags: &Flags, step: &Step) -> Decision {
+    let mut status = Map::new();
+    step.begin("reading the configuration, policy, field and telescope");
+    let setup = |error: anyhow::Error| Fault::new(FaultKind::Setup, error);
+    let request = match Request::new(flags).and_then(|request| Ok((crate::start::begin(&request.config)?, request))) {
+        Ok((notices, request)) => (notices, request),
+        Err(error) => return Decision { result: Err(setup(error)), status, notices: None },
+    };
+    let (notices, request) = request;
+    let result = verdict(flags, &request, step, &mut status, &notices);
+    Decision { result, status, notices: Some(notices) }
+}
+
 fn verdict(
+    flags: &Flags,
     request: &Request,
-    satellites_before: Option<usize>,
+    step: &Step,
     status: &mut Map<String, Value>,
     notices: &Notices,
 ) -> Result<GateVerdict, Fault> {
-    let job = match request.stdin {
-        Some(_) => ekos::read_job(request.timeout)?,
+    let job = match flags.stdin {
+        Some(_) => {
+            step.begin("reading standard input");
+            ekos::read_job(left(flags.deadline, flags.timeout / 2))?
+        }
         None => None,
     };
     if let Some(job) = job.as_ref().filter(|job| !job.is_light()) {
         return Ok(GateVerdict::Skipped(format!("a {} frame", job.kind.as_deref().unwrap_or_default().trim())));
     }
     let band = job.as_ref().and_then(ekos::Job::band);
-    let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| request.target.clone());
+    let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| flags.target.clone());
     let duration_s = job.as_ref().and_then(|job| job.exposure).or(request.duration_s);
     let duration_s = match duration_s {
         Some(duration_s) if (0.0..=86_400.0).contains(&duration_s) => duration_s,
@@ -156,10 +258,10 @@ fn verdict(
             return Err(Fault::new(FaultKind::Host, format!("{given}; allowed: 0 to 86400 s")));
         }
     };
-    let (pointing, site) = pointing_and_site(request, name.as_deref(), status)?;
+    let (pointing, site) = pointing_and_site(flags, request, name.as_deref(), step, status)?;
     let exposure = Exposure {
         id: name.unwrap_or_else(|| "1".to_owned()),
-        start: request.clock.now(),
+        start: flags.clock.now(),
         duration_s,
         pointing,
         rotation_rad: request.plan.rotation_rad,
@@ -173,8 +275,9 @@ fn verdict(
     state(status, "blocking", request.plan.policy.blocking.name());
     state(status, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
 
-    let prepared = prepare(request, &site, satellites_before, status, notices)?;
-    let now = request.clock.now();
+    let prepared = prepare(flags, request, &site, step, status, notices)?;
+    let now = flags.clock.now();
+    step.begin("computing the crossings");
     let (policy, telescope) = (&request.plan.policy, request.plan.telescope.as_ref());
     notices.warn(&policy.band_warnings(&BTreeSet::from([band.as_deref()]), telescope));
     let is_limited = policy.blocking == Blocking::Avoid && policy.limits_band(band.as_deref(), telescope);
@@ -184,14 +287,22 @@ fn verdict(
         max_sun_altitude_rad: None,
     };
     let target = WindowTarget { exposure, band };
+    let known = prepared.sky.predictability(now);
+    let unknown = reason_for_unknown_starts(&prepared.sky, &request.plan.field, policy, now, duration_s);
+    state(status, "positions_known", unknown.is_none());
+    state(status, "elements_age_days", rounded(known.element_age_days, 2));
+    state(status, "late_s", known.late_s.and_then(|late_s| rounded(late_s, 2)));
+    if let Some(reason) = unknown {
+        return Err(Fault::new(FaultKind::StaleElements, reason));
+    }
     let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
-    let horizon = seconds_after(now, request.max_wait_s + duration_s.max(60.0));
+    let horizon = seconds_after(now, flags.max_wait_s + duration_s.max(60.0));
     let report = clear_windows(std::slice::from_ref(&target), now, horizon, &window_request)
         .map_err(|error| setup_fault(&error))?;
     prepared.left_out_warning(&report.left_out, now).map_err(|error| Fault::new(FaultKind::Elements, error))?;
     let found = report.by_target.into_iter().next().unwrap_or_default();
-    if found.observable.first().is_none_or(|window| seconds_between(now, window.first) > request.max_wait_s) {
+    if found.observable.first().is_none_or(|window| seconds_between(now, window.first) > flags.max_wait_s) {
         let message = format!(
             "target {} is below the horizon of {}; allowed: a target above the horizon",
             target.exposure.id, site.name
@@ -199,8 +310,8 @@ fn verdict(
         return Err(Fault::new(FaultKind::Target, message));
     }
     // The clock is read again, because reading the elements took some time.
-    let now = request.clock.now();
-    let last = seconds_after(now, request.max_wait_s);
+    let now = flags.clock.now();
+    let last = seconds_after(now, flags.max_wait_s);
     add_blocking_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
     let Some(ClearWindow { first, last: until }) = next_window(&found.windows, now, last) else {
         return Ok(GateVerdict::NotClear);
@@ -209,34 +320,29 @@ fn verdict(
     state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
     state(status, "start_utc", format_utc(first, 3));
     state(status, "clear_until_utc", format_utc(until, 3));
-    if waited_s > 0.0 {
-        write_waiting(request, status);
-        request.clock.sleep_until(first);
-        let now = request.clock.now();
-        let late_s = seconds_between(first, now);
-        if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
-            let message = format!(
-                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the clear start"
-            );
-            return Err(Fault::new(FaultKind::Clock, message));
-        }
-    }
-    Ok(GateVerdict::Clear { waited_s, until, is_limited })
+    Ok(GateVerdict::Clear { waited_s, first, until, is_limited })
 }
 
 /// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.
 fn pointing_and_site(
+    flags: &Flags,
     request: &Request,
     name: Option<&str>,
+    step: &Step,
     status: &mut Map<String, Value>,
 ) -> Result<(Direction<Gcrs>, Site), Fault> {
-    let named = match (&request.targets, name) {
-        (Some(path), Some(name)) if request.pointing.is_none() => Some(targets::look_up(path, name)),
+    let named = match (&flags.targets, name) {
+        (Some(path), Some(name)) if request.pointing.is_none() => {
+            step.begin(format!("reading {}", path.display()));
+            Some(targets::look_up(path, name))
+        }
         _ => None,
     };
-    let mount = match &request.indi {
+    let mount = match &flags.indi {
         Some(address) => {
-            let mount = indi::read_mount(address, request.indi_device.as_deref(), request.timeout, &request.clock)?;
+            step.begin(format!("reading the INDI server {address}"));
+            let timeout = left(flags.deadline, flags.timeout / 2);
+            let mount = indi::read_mount(address, flags.indi_device.as_deref(), timeout, &flags.clock)?;
             state(status, "mount", mount.device.as_str());
             if let Some(error_s) = mount.clock_error_s {
                 let message = format!(
@@ -284,9 +390,10 @@ fn pointing_and_site(
 
 /// Prepares the sky over the site. If an element file may be incomplete, it is read again.
 fn prepare(
+    flags: &Flags,
     request: &Request,
     site: &Site,
-    satellites_before: Option<usize>,
+    step: &Step,
     status: &mut Map<String, Value>,
     notices: &Notices,
 ) -> Result<PreparedSky, Fault> {
@@ -299,23 +406,36 @@ fn prepare(
     });
     let site = SiteConfig { named: Some(named), ..SiteConfig::default() };
     let config = Config { site, ..request.config.clone() };
-    let now = request.clock.now();
+    let now = flags.clock.now();
     let files = &config.elements;
+    if let Some(path) = &flags.status_file {
+        step.begin(format!("reading {}", path.display()));
+    }
+    let satellites_before = status_file::read(flags.status_file.as_deref()).satellites;
+    let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
+    step.begin(if names.is_empty() {
+        "reading the inputs".to_owned()
+    } else {
+        format!("reading {}", names.join(", "))
+    });
     let mut tries = 1;
     let prepared = loop {
-        let prepared = config.prepare(now, seconds_after(now, request.max_wait_s));
+        let attempt = Instant::now();
+        let prepared = config.prepare(now, seconds_after(now, flags.max_wait_s));
         let is_done = match &prepared {
             Err(error) => !is_of_elements(error),
             Ok(prepared) => {
                 rejected(prepared) == 0 || files.iter().all(|path| age(path).is_none_or(|age| age >= FRESH))
             }
         };
-        if is_done || tries == TRIES {
+        let took = attempt.elapsed();
+        let has_time = took < LONGEST_TRY && left(flags.deadline, flags.timeout) > RETRY + 2 * took;
+        if is_done || tries == TRIES || !has_time {
             break prepared;
         }
         tries += 1;
         // The file may be being written, so the pause is real also in a rehearsal.
-        std::thread::sleep(Duration::from_secs_f64(RETRY_S));
+        std::thread::sleep(RETRY);
     };
     let prepared = prepared.map_err(|error| {
         Fault::new(if is_of_elements(&error) { FaultKind::Elements } else { FaultKind::Setup }, error)
@@ -336,11 +456,6 @@ fn prepare(
         return Err(Fault::new(FaultKind::Elements, message));
     }
     state(status, "satellites", satellites);
-    let stale = share_of_stale(prepared.sky.elements(), now, OLD_ELEMENTS_DAYS);
-    if stale > 0.5 {
-        let message = format!("{:.0} % of the elements are more than {OLD_ELEMENTS_DAYS} days from now", 100.0 * stale);
-        return Err(Fault::new(FaultKind::StaleElements, message));
-    }
     Ok(prepared)
 }
 
@@ -398,13 +513,17 @@ fn add_blocking_passes(
     state(status, "dodged", named);
 }
 
+/// Rounds a number to some decimals; `None` if it is not finite.
+fn rounded(value: f64, decimals: i32) -> Option<f64> {
+    let scale = 10_f64.powi(decimals);
+    value.is_finite().then(|| (value * scale).round() / scale)
+}
+
 /// Writes the status file during a wait, with the counters of the last run; the counters are updated at the end of this
 /// run.
-fn write_waiting(request: &Request, status: &Map<String, Value>) {
-    let Some(path) = &request.status_file else { return };
-    let mut status = status.clone();
+fn write_waiting(path: Option<&Path>, mut status: Map<String, Value>) {
+    let Some(path) = path else { return };
     state(&mut status, "verdict", "waiting");
     state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
-    // If writing fails, the error is reported when the final status is written.
     let _ = status_file::write(path, &status);
 }

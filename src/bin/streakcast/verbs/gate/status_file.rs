@@ -43,12 +43,26 @@ pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()
     write_atomically(path, |out| out.write_all(text.as_bytes()))
 }
 
+/// Longest message of a fault, characters.
+const LONGEST_MESSAGE: usize = 600;
+
+/// Returns a text of at most `most` characters, without control characters; a shortened text ends with `...`.
+pub fn clipped(text: &str, most: usize) -> String {
+    let printable = |mark: char| if mark.is_control() { ' ' } else { mark };
+    let mut marks = text.chars().map(printable);
+    let mut short: String = marks.by_ref().take(most).collect();
+    if marks.next().is_some() {
+        short += "...";
+    }
+    short
+}
+
 /// Kind of a fault. The status file has a counter for each kind.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// Elements are missing, invalid, incomplete or cannot be propagated.
     Elements,
-    /// Elements are too old.
+    /// Elements are too old to predict positions, or too old for the length and margin of the exposure.
     StaleElements,
     /// The job of the host is missing or invalid.
     Host,
@@ -60,6 +74,8 @@ pub enum FaultKind {
     Site,
     /// The clocks of this machine and of the INDI server differ, or the clock was changed during a wait.
     Clock,
+    /// The run did not end within --timeout.
+    Timeout,
     /// Any other input is invalid.
     Setup,
 }
@@ -75,6 +91,7 @@ impl FaultKind {
             FaultKind::Indi => "indi",
             FaultKind::Site => "site",
             FaultKind::Clock => "clock",
+            FaultKind::Timeout => "timeout",
             FaultKind::Setup => "setup",
         }
     }
@@ -89,8 +106,10 @@ pub struct Fault {
 
 impl Fault {
     pub fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
-        // The message is on one line, as required by the log.
-        Self { kind, message: message.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
+        // The message is on one line, as required by the log, and of limited length, because parts of it may come from a
+        // server.
+        let line = message.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+        Self { kind, message: clipped(&line, LONGEST_MESSAGE) }
     }
 }
 

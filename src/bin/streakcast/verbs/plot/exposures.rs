@@ -7,7 +7,7 @@ use streakcast::config::Config;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Column, Kind, Provenance, Table, Value};
-use streakcast::schedule::{Schedule, ScheduledExposure, Verdict};
+use streakcast::schedule::{Schedule, ScheduledExposure, Verdict, VerdictKind};
 
 use crate::verbs::schedule_verdicts::judge;
 
@@ -58,7 +58,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
             exposure.map(|exposure| exposure.duration_s).into(),
             row.band.clone().into(),
             flag.kind.name().into(),
-            exposure.map(|_| flag.n_streaks).into(),
+            exposure.filter(|_| flag.kind != VerdictKind::Unknown).map(|_| flag.n_streaks).into(),
             exposure.and(bright).into(),
             flag.brightest_mag.into(),
             middle.zip(observer.as_ref()).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),
@@ -101,7 +101,7 @@ pub fn of_flags(
             exposure.map(|exposure| exposure.duration_s).into(),
             row.band.clone().into(),
             verdicts[index].into(),
-            exposure.map(|_| streaks[index] as usize).into(),
+            exposure.map(|_| streaks[index]).filter(|number| number.is_finite()).map(|number| number as usize).into(),
             Value::Null,
             Some(brightest[index]).filter(|mag| mag.is_finite()).into(),
             middle.zip(observer).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),

@@ -104,8 +104,12 @@ struct Timeline<'a> {
 
 impl Timeline<'_> {
     fn picture(&self) -> anyhow::Result<Picture> {
+        let verdicts = self.columns.texts("verdict")?;
+        // An exposure with an unknown verdict has no number of streaks.
+        let is_drawn: Vec<bool> =
+            verdicts.iter().zip(self.keep).map(|(verdict, keep)| *keep && *verdict != "unknown").collect();
         let kept = |column: Vec<f64>| -> Vec<f64> {
-            column.into_iter().zip(self.keep).filter(|(_, keep)| **keep).map(|(value, _)| value).collect()
+            column.into_iter().zip(&is_drawn).filter(|(_, keep)| **keep).map(|(value, _)| value).collect()
         };
         let start_mjd = kept(self.columns.moments("start_utc")?);
         let duration_s = kept(self.columns.numbers("duration_s")?);
@@ -114,11 +118,14 @@ impl Timeline<'_> {
         let first = start_mjd.iter().copied().fold(f64::INFINITY, f64::min);
         let last = start_mjd.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sun = self.site.map(|site| sun_over(site, self.eop, first, last)).unwrap_or_default();
-        let verdicts = self.columns.texts("verdict")?;
         let invalid = match verdicts.iter().filter(|verdict| **verdict == "invalid").count() {
             0 => String::new(),
             1 => " 1 row of the schedule is invalid.".to_owned(),
             many => format!(" {many} rows of the schedule are invalid."),
+        };
+        let unknown = match verdicts.iter().filter(|verdict| **verdict == "unknown").count() {
+            0 => String::new(),
+            number => format!(" Unknown: {}.", counted(number, "exposure", "exposures")),
         };
         // The verdict also depends on the errors of magnitudes and positions.
         let avoid = verdicts.iter().zip(self.keep).filter(|(verdict, keep)| **keep && **verdict == "avoid").count();
@@ -126,7 +133,7 @@ impl Timeline<'_> {
             Some(_) => format!("Verdict avoid: {}.", counted(avoid, "exposure", "exposures")),
             None => String::new(),
         };
-        let caption = format!("{avoid}{invalid}{}", self.columns.simulation_note());
+        let caption = format!("{avoid}{unknown}{invalid}{}", self.columns.simulation_note());
         let ends = start_mjd.iter().zip(&duration_s).map(|(start, duration_s)| start + duration_s / 86_400.0);
         let observer = self.site.map(|site| site.name.clone()).or_else(|| self.columns.observer_name());
         let subtitle = place_and_time(observer, start_mjd.iter().copied().chain(ends));

@@ -63,8 +63,17 @@ impl ServerState {
     /// cannot be computed.
     ///
     /// # Errors
-    /// No satellite has a position; an empty response would be misleading.
+    /// No satellite has a position, or positions are unknown; an empty response would be misleading.
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
+        self.prepared.check_known(first, last).map_err(|error| Problem::new(400, error.to_string()))?;
+        self.caveats_of_verdict(first, last, left_out)
+    }
+
+    /// Returns the caveats of a response with a verdict, which states whether positions are unknown.
+    ///
+    /// # Errors
+    /// No satellite has a position.
+    pub fn caveats_of_verdict(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
         let of_left_out = self.prepared.left_out_warning(left_out, first);
         let mut warnings = self.prepared.warnings_at(first, last);
         warnings.extend(of_left_out.map_err(|error| Problem::new(400, error.to_string()))?);

@@ -94,10 +94,10 @@ pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let of_sky = |error: SkyError| of_sky(&error);
     let report = report.map_err(of_sky)?;
     let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
-    let mut caveats = state.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
+    let mut caveats = state.caveats_of_verdict(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
     caveats.warnings.extend(report.lower_limit_warning());
-    if report.flags.iter().any(|flag| flag.kind == VerdictKind::Invalid) {
-        // The pointing is below the horizon, so crossings are not visible.
+    if report.flags.iter().any(|flag| matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid)) {
+        // The pointing is below the horizon, so that crossings are not visible, or most crossings are unknown.
         passes.clear();
         before_and_after.clear();
     }

@@ -71,7 +71,7 @@ pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
     };
     let of_night;
     let caveats = if rows.is_empty() {
-        of_night = state.caveats_at(from, to, &[])?;
+        of_night = state.caveats_of_verdict(from, to, &[])?;
         &of_night
     } else {
         &state.caveats

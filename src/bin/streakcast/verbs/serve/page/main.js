@@ -200,7 +200,7 @@ function describe() {
 /** Shows the night's numbers of verdicts. */
 function count() {
   const of = (verdict) => rows.filter((row) => row.flag?.verdict === verdict).length;
-  const words = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [of(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" "));
+  const words = ["clear", "streaked", "avoid", "unknown", "invalid"].map((verdict) => [of(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" "));
   $("night-counts").textContent = words.join(" · ") || `${night.night}, no exposure of a schedule`;
 }
 
@@ -354,8 +354,8 @@ function answered({ document, ms }, parameters) {
   const next = flag.verdict === "clear" ? "" : `${acceptable}${start("clear", flag.delay_s, then)}`;
   const lacks = document.left_out_count ? `${document.left_out_count} of ${night.provenance.satellites} satellites left out: their crossings are unknown.` : "";
   const reasons = flag.reasons.join("; ");
-  if (flag.verdict === "invalid") showAnswer(flag.verdict, reasons, "", lacks);
-  else showAnswer(flag.verdict, `${streaks}${next}`, reasons, lacks);
+  if (isUnjudged(flag)) showAnswer(flag.verdict, reasons, "", lacks);
+  else showAnswer(flag.verdict, `${streaks}${next}`, [reasons, ageOf(flag)].filter(Boolean).join("; "), lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
   $("answer").dataset.startUtc = parameters.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
@@ -416,8 +416,18 @@ function drawAnswer() {
   drawDetails();
 }
 
+/** Returns true for an exposure that cannot be judged: it is invalid, or the elements are too old. */
+const isUnjudged = (flag) => flag.verdict === "invalid" || flag.verdict === "unknown";
+
+/** Returns age and lateness of the elements of the satellites that decide a verdict. */
+function ageOf(flag) {
+  if (flag.elements_age_days == null) return "";
+  const late = flag.late_s == null ? "lateness unknown" : `early or late by ${fixed(flag.late_s, 1)} s (68 %)`;
+  return `elements ${fixed(flag.elements_age_days, 1)} days old, ${late}`;
+}
+
 /** Returns the passes of a response; undefined without a response, and for an exposure that cannot be judged. */
-const passesOf = (document) => (document?.flags[0].verdict === "invalid" ? undefined : document?.passes);
+const passesOf = (document) => (document && !isUnjudged(document.flags[0]) ? document.passes : undefined);
 
 function drawField() {
   fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], passesOf(answer), { selected: state.satellite, corridors: state.sigma === "1" });

@@ -18,7 +18,7 @@ const BANDS = [
 ];
 
 /** Heights of bars by verdict, in addition to their colours. */
-const HEIGHTS = { clear: 0.3, streaked: 0.65, avoid: 1, invalid: 0.15 };
+const HEIGHTS = { clear: 0.3, streaked: 0.65, avoid: 1, unknown: 0.15, invalid: 0.15 };
 
 export class Night {
   constructor(canvas, choose) {
@@ -110,8 +110,9 @@ export class Night {
       const x = at(row.start);
       const wide = Math.max(2, at(row.start + row.duration_s * 1e3) - x);
       const tall = full * (HEIGHTS[flag.verdict] ?? 0.15);
-      context.fillStyle = flag.verdict === "clear" || flag.verdict === "invalid" ? colours.muted : css(flag.brightest_mag);
-      context.globalAlpha = flag.verdict === "clear" || flag.verdict === "invalid" ? 0.55 : 1;
+      const isMuted = ["clear", "unknown", "invalid"].includes(flag.verdict);
+      context.fillStyle = isMuted ? colours.muted : css(flag.brightest_mag);
+      context.globalAlpha = isMuted ? 0.55 : 1;
       context.fillRect(x, bottom - tall, wide, tall);
       context.globalAlpha = 1;
       this.bars.push({ x: x + wide / 2, place });

@@ -1,0 +1,211 @@
+//! Whether the positions of a catalogue are known at a time: the rule that decides if exposures can be judged.
+//!
+//! A satellite whose elements are too old is left out of every search ([`OrbitClass::is_known`](crate::orbit::OrbitClass::is_known)). An exposure cannot be
+//! judged if the search finds less than half of all crossings ([`Predictability::is_unknown`]): "no crossing" would then
+//! be wrong more often than right. Synthetic satellites are always known, and so is a satellite whose ephemeris covers
+//! the time.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use hifitime::Epoch;
+use rayon::prelude::*;
+
+use super::scene::{middle_of_window, window_number};
+use super::sky::Sky;
+use crate::math::quantile::median;
+use crate::orbit::{LEAST_KNOWN_SHARE, Lateness, OrbitError, Propagator, elements_of_age};
+
+/// Number of cached times.
+const CACHED: usize = 64;
+
+/// How well the positions of the satellites of a catalogue are known at a time. All satellites count, wherever they are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Predictability {
+    /// Number of satellites that can be propagated.
+    pub satellites: usize,
+    /// Number of these whose position is unknown, because their elements are too old.
+    pub unknown: usize,
+    /// Share of all crossings that the search finds, [0, 1]: the mean over the satellites; 0 for one of unknown position.
+    pub searched_share: f64,
+    /// Median age of the elements, days, negative if their epochs are later: of the satellites of unknown position if
+    /// exposures cannot be judged, otherwise of those of known position. NaN without satellites.
+    pub element_age_days: f64,
+    /// Median lateness of the satellites of known position, seconds: 68 % of the delays of such a satellite are at most
+    /// this long. `None` if there are none.
+    pub late_s: Option<f64>,
+    /// Distribution of the lateness of the satellite with the median.
+    lateness: Option<Lateness>,
+}
+
+/// Age and lateness of one satellite.
+struct One {
+    age_days: f64,
+    /// Half width of 68 %, and distribution; `None` if the position is unknown.
+    lateness: Option<(f64, Lateness)>,
+}
+
+impl Predictability {
+    fn of(all: Vec<One>) -> Self {
+        let satellites = all.len();
+        let shares = all.iter().map(|one| one.lateness.map_or(0.0, |(_, lateness)| lateness.searched_share()));
+        let searched_share = if satellites == 0 { 1.0 } else { shares.sum::<f64>() / satellites as f64 };
+        let (known, unknown): (Vec<One>, Vec<One>) = all.into_iter().partition(|one| one.lateness.is_some());
+        let of_ages = if searched_share < LEAST_KNOWN_SHARE { &unknown } else { &known };
+        let element_age_days = match of_ages.first() {
+            Some(_) => median(of_ages.iter().map(|one| one.age_days).collect()),
+            None => f64::NAN,
+        };
+        let mut late: Vec<(f64, Lateness)> = known.iter().filter_map(|one| one.lateness).collect();
+        late.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let middle = late.get(late.len() / 2).copied();
+        Self {
+            satellites,
+            unknown: unknown.len(),
+            searched_share,
+            element_age_days,
+            late_s: middle.map(|(late_s, _)| late_s),
+            lateness: middle.map(|(_, lateness)| lateness),
+        }
+    }
+
+    /// Returns true if exposures cannot be judged: the search finds less than half of the crossings.
+    pub fn is_unknown(&self) -> bool {
+        self.searched_share < LEAST_KNOWN_SHARE
+    }
+
+    /// Returns true if probabilities are lower limits: more than 10 % of the satellites are of unknown position.
+    pub fn misses_many(&self) -> bool {
+        10 * self.unknown > self.satellites
+    }
+
+    /// Returns the reason why exposures cannot be judged; `None` if they can.
+    pub fn reason(&self) -> Option<String> {
+        let of = if self.unknown < self.satellites {
+            format!(" of {} of {} satellites", self.unknown, self.satellites)
+        } else {
+            String::new()
+        };
+        self.is_unknown().then(|| format!("{}: positions{of} unknown", elements_of_age(self.element_age_days)))
+    }
+
+    /// Returns the reason why the starts of exposures without a crossing cannot be computed from nominal tracks; `None`
+    /// if they can. In addition to [`Predictability::reason`], this is the case if the nominal tracks predict less than
+    /// half of the crossings of an exposure, because the satellites are early or late by more than the exposure
+    /// (`duration_s`), the time of a crossing (`crossing_s`), and the margin before and after the exposure
+    /// (`margin_s`), all in seconds.
+    pub fn reason_for_starts(&self, duration_s: f64, crossing_s: f64, margin_s: f64) -> Option<String> {
+        self.reason().or_else(|| {
+            let share = self.lateness?.predicted_share(duration_s + crossing_s, margin_s);
+            (share < LEAST_KNOWN_SHARE).then(|| {
+                format!(
+                    "{}, early or late by {:.0} s (68 %): {:.0} % of the crossings of an exposure of {duration_s} s with a \
+                     margin of {margin_s} s are predicted, at least {:.0} % are needed",
+                    elements_of_age(self.element_age_days),
+                    self.late_s.unwrap_or_default(),
+                    (100.0 * share).floor(),
+                    100.0 * LEAST_KNOWN_SHARE
+                )
+            })
+        })
+    }
+}
+
+/// Cache of the most recently computed times, the newest last.
+#[derive(Debug, Default)]
+pub(super) struct PredictabilityCache {
+    kept: Mutex<Vec<(i64, Arc<Predictability>)>>,
+}
+
+impl Sky {
+    /// Returns how well the positions of all satellites are known at a time, in steps of six hours.
+    pub fn predictability(&self, epoch: Epoch) -> Arc<Predictability> {
+        let number = window_number(epoch);
+        let find = || {
+            let kept = self.predictabilities().kept.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.iter().find(|(known, _)| *known == number).map(|(_, found)| found.clone())
+        };
+        if let Some(found) = find() {
+            return found;
+        }
+        let middle = middle_of_window(number);
+        let of_one = |element_index: usize| {
+            if self.is_observer(element_index) {
+                return None;
+            }
+            let propagator = self.index().propagator_over(element_index, [middle, middle])?;
+            let lateness = || {
+                let uncertainty = self.uncertainty_of(element_index, propagator, middle);
+                (uncertainty.along_track_s, uncertainty.lateness)
+            };
+            let is_known = self.unknown_position(element_index, propagator, middle).is_none();
+            Some(One { age_days: self.element_age_days(element_index, middle), lateness: is_known.then(lateness) })
+        };
+        let all = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
+        let found = Arc::new(Predictability::of(all));
+        let mut kept = self.predictabilities().kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.push((number, found.clone()));
+        let surplus = kept.len().saturating_sub(CACHED);
+        kept.drain(..surplus);
+        found
+    }
+
+    /// Returns the reason why the position of a satellite is unknown at a time; `None` if it is known.
+    pub(super) fn unknown_position(
+        &self,
+        element_index: usize,
+        propagator: &Propagator,
+        epoch: Epoch,
+    ) -> Option<OrbitError> {
+        if propagator.has_ephemeris() { None } else { self.too_old(element_index, epoch) }
+    }
+
+    /// Returns the reason why an element set does not determine a position at a time; `None` if it does.
+    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<OrbitError> {
+        let age_days = self.element_age_days(element_index, epoch);
+        (!self.is_known(element_index, age_days))
+            .then(|| OrbitError::Unknown { norad_id: self.elements()[element_index].norad_id, age_days })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(age_days: f64, sigma_s: Option<f64>) -> One {
+        One { age_days, lateness: sigma_s.map(|sigma_s| (sigma_s, Lateness::gaussian(sigma_s))) }
+    }
+
+    #[test]
+    fn exposures_are_unknown_if_half_of_the_crossings_are_missed() {
+        let fresh = |count: usize| (0..count).map(|_| one(1.0, Some(2.0)));
+        let old = |count: usize| (0..count).map(|_| one(216.0, None));
+        let few = Predictability::of(fresh(90).chain(old(10)).collect());
+        assert_eq!((few.reason(), few.unknown, few.element_age_days, few.late_s), (None, 10, 1.0, Some(2.0)));
+        assert!(!few.misses_many() && Predictability::of(fresh(89).chain(old(11)).collect()).misses_many());
+        let many = Predictability::of(fresh(400).chain(old(1600)).collect());
+        let reason = "elements 216 days old: positions of 1600 of 2000 satellites unknown";
+        assert_eq!((many.reason().as_deref(), many.element_age_days), (Some(reason), 216.0));
+        let all = Predictability::of(old(3).collect());
+        assert_eq!(all.reason().as_deref(), Some("elements 216 days old: positions unknown"));
+        assert_eq!((all.late_s, all.searched_share), (None, 0.0));
+        let newer = Predictability::of(vec![one(-40.0, None)]);
+        assert_eq!(newer.reason().as_deref(), Some("elements 40 days newer than the exposure: positions unknown"));
+        assert_eq!(Predictability::of(Vec::new()).reason(), None);
+    }
+
+    #[test]
+    fn starts_need_nominal_tracks_that_predict_half_of_the_crossings() {
+        let late = Predictability::of((0..9).map(|_| one(13.0, Some(37.0))).collect());
+        assert_eq!(late.reason(), None);
+        assert_eq!(
+            late.reason_for_starts(10.0, 0.0, 2.0).as_deref(),
+            Some(
+                "elements 13 days old, early or late by 37 s (68 %): 14 % of the crossings of an exposure of 10 s with a \
+                 margin of 2 s are predicted, at least 50 % are needed"
+            )
+        );
+        for (duration_s, crossing_s, margin_s) in [(300.0, 0.0, 2.0), (10.0, 60.0, 2.0), (10.0, 0.0, 60.0)] {
+            assert_eq!(late.reason_for_starts(duration_s, crossing_s, margin_s), None);
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Elements that are too old: positions are unknown, in every verb, and not clear.
+
+use std::fs;
+
+use serde_json::Value;
+use streakcast::elements::{Constellation, ElementSet, NoradId, Origin, format_tle};
+use tempfile::TempDir;
+
+use crate::common::cli::{json, path, run};
+
+const SITE: &[&str] = &["--mpc", "X05", "--fov", "3.5deg"];
+const SCHEDULE: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n\
+                        a,2026-08-14T23:29:05Z,30,198.9,7.7\nb,2026-08-14T23:35:05Z,30,198.9,7.7\n";
+
+/// Writes satellites of a simulated constellation as real ones: every `each`-th with elements `old_days` old on the
+/// night of the schedule, the others half a day old.
+fn elements(folder: &TempDir, name: &str, old_days: f64, each: usize) -> String {
+    let epoch = |days: f64| -> hifitime::Epoch {
+        "2026-08-14T23:29:05 UTC".parse::<hifitime::Epoch>().unwrap() - hifitime::Unit::Day * days
+    };
+    let text = |(number, set): (usize, &ElementSet)| {
+        let set = ElementSet {
+            norad_id: NoradId(60_000 + number as u32),
+            epoch: epoch(if number % each == 0 { old_days } else { 0.5 }),
+            mean_motion_dot_rev_day2: 2e-5,
+            origin: Origin::Published,
+            ..set.clone()
+        };
+        let [line1, line2] = format_tle(&set).unwrap();
+        format!("{name}{number}\n{line1}\n{line2}\n")
+    };
+    let sets = Constellation::by_name("starlink-gen1").unwrap().element_sets(epoch(0.5));
+    let file = path(folder, &format!("{old_days}.{each}.tle"));
+    fs::write(&file, (0..).zip(sets.iter().step_by(4)).map(text).collect::<String>()).unwrap();
+    file
+}
+
+fn flags(folder: &TempDir, elements: &str, more: &[&str]) -> Value {
+    let schedule = path(folder, "night.csv");
+    fs::write(&schedule, SCHEDULE).unwrap();
+    let field: &[&str] = if more.contains(&"--fov") { &["--mpc", "X05"] } else { SITE };
+    json(&[&["flag", "--elements", elements, "--schedule", &schedule, "--quiet"], field, more])
+}
+
+#[test]
+fn verdicts_with_old_elements_are_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    for days in [216.0, 20_000.0, -60.0] {
+        let file = elements(&folder, "STARLINK-31", days, 1);
+        let answer = flags(&folder, &file, &["--limit-mag", "7"]);
+        let age = if days < 0.0 { "60 days newer than the exposure".to_owned() } else { format!("{days:.0} days old") };
+        for flag in answer["flags"].as_array().unwrap() {
+            assert_eq!(flag["verdict"], "unknown");
+            assert_eq!(flag["reasons"][0], format!("elements {age}: positions unknown"), "{flag}");
+            // Numbers are unknown, not zero.
+            for column in ["n_streaks", "p_any", "p_crossing", "late_s", "delay_s", "next_clear_start_utc"] {
+                assert!(flag[column].is_null(), "{column}: {flag}");
+            }
+            assert!((flag["elements_age_days"].as_f64().unwrap() - days).abs() < 0.3, "{flag}");
+        }
+        assert_eq!(answer["left_out"].as_array().unwrap().len(), 1102);
+    }
+    // The same satellites with fresh elements.
+    let file = elements(&folder, "STARLINK-31", 0.5, 1);
+    for flag in flags(&folder, &file, &[])["flags"].as_array().unwrap() {
+        assert_ne!(flag["verdict"], "unknown");
+        assert!((flag["elements_age_days"].as_f64().unwrap() - 0.5).abs() < 0.2, "{flag}");
+        let late_s = flag["late_s"].as_f64().unwrap();
+        assert!(late_s > 0.1 && late_s < 3.0, "{flag}");
+    }
+}
+
+/// Satellites that hold their orbits have no calibrated lateness beyond 21 days.
+#[test]
+fn a_few_old_sets_do_not_make_a_night_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    for (each, is_unknown) in [(10, false), (3, false), (1, true)] {
+        let file = elements(&folder, "STARLINK-31", 25.0, each);
+        let answer = flags(&folder, &file, &[]);
+        for flag in answer["flags"].as_array().unwrap() {
+            assert_eq!(flag["verdict"] == "unknown", is_unknown, "{flag}");
+        }
+        // They are counted and named.
+        let left_out = answer["left_out"].as_array().unwrap();
+        assert_eq!(left_out.len(), 1102_usize.div_ceil(each));
+        assert_eq!(left_out[0]["norad_id"], 60_000);
+        assert_eq!(left_out[0]["reason"], "satellite 60000: position unknown, elements 25 days old");
+        let schedule = path(&folder, "night.csv");
+        let (_, _, stderr) = run(&[&["flag", "--elements", &file, "--schedule", &schedule], SITE]);
+        let counted = "1,102 element sets are too old to predict positions (median: elements 25 days old)";
+        assert!(stderr.contains(counted) && stderr.contains("left out: 60000, "), "{stderr}");
+    }
+}
+
+#[test]
+fn passes_windows_and_calendars_with_old_elements_state_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = elements(&folder, "STARLINK-31", 216.0, 1);
+    let targets = path(&folder, "targets.csv");
+    fs::write(&targets, "name,ra_deg,dec_deg,exposure_s\nM 87,198.9,7.7,30\n").unwrap();
+    let elements: &[&str] = &["--elements", &file];
+    let exposure = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"];
+    let calendar = path(&folder, "night.ics");
+    let reason = "elements 216 days old: positions unknown";
+    for verb in [
+        &[&["passes"], &exposure[..], SITE].concat()[..],
+        &["forecast", "--night", "2026-08-14", "--mpc", "X05"],
+        &["forecast", "--night", "2026-08-14", "--mpc", "X05", "--output", &calendar],
+    ] {
+        let (code, stdout, stderr) = run(&[verb, elements]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        let error = stderr.lines().last().unwrap();
+        assert!(error.starts_with("error: elements 21") && error.contains("days old: positions unknown"), "{stderr}");
+    }
+    assert!(!fs::exists(&calendar).unwrap());
+    let range: &[&str] = &["--start", "2026-08-14T23:29:00Z", "--end", "2026-08-14T23:40:00Z", "--targets", &targets];
+    let answer = json(&[&["windows", "--quiet"], range, SITE, elements]);
+    let target = &answer["targets"][0];
+    assert_eq!(
+        (target["n_windows"].as_u64(), target["reason"].as_str()),
+        (Some(0), Some(format!("unknown: {reason}").as_str()))
+    );
+    // A limit of a satellite of known position is exceeded, whatever the others do.
+    let ephemeris = ["ephemeris", "--norad", "60001", "--times", "2026-08-14T23:29:05Z", "--mpc", "X05", "--quiet"];
+    let row = &json(&[&ephemeris, elements])["ephemeris"][0];
+    assert!(row["along_track_sigma_s"].is_null() && row["element_age_days"].as_f64().unwrap() > 215.0, "{row}");
+    let (_, stdout, _) =
+        run(&[&["doctor", "--mpc", "X05", "--now", "2026-08-14T23:29:05Z", "--format", "csv"], elements]);
+    assert!(stdout.contains("positions unknown") && !stdout.contains("early or late"), "{stdout}");
+}
+
+/// Satellites in drag are early or late by minutes after 60 days: crossings have probabilities, but no start is known to
+/// be clear.
+#[test]
+fn starts_with_late_satellites_are_unknown() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = elements(&folder, "COSMOS-", 60.0, 1);
+    let answer = flags(&folder, &file, &["--fov", "60deg"]);
+    for flag in answer["flags"].as_array().unwrap() {
+        assert_eq!(flag["verdict"], "streaked", "{flag}");
+        assert!(flag["p_crossing"].as_f64().unwrap() > 0.5 && flag["late_s"].as_f64().unwrap() > 100.0, "{flag}");
+        assert!(flag["delay_s"].is_null() && flag["reasons"].to_string().contains("no clear start is known"), "{flag}");
+    }
+}
+
+/// A single old satellite among those of a forecast: its passes are not listed, and the reason is not that it does not
+/// rise.
+#[test]
+fn an_empty_forecast_names_old_elements() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = elements(&folder, "STARLINK-31", 60.0, 10);
+    let night = ["forecast", "--night", "2026-08-14", "--mpc", "X05", "--elements", &file, "--norad"];
+    let (code, _, stderr) = run(&[&night, &["60010"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("no passes: the elements of 1 of 1 satellites are too old to predict passes"), "{stderr}");
+    let (_, stdout, _) = run(&[&night, &["60010", "--format", "ics"]]);
+    assert!(stdout.replace("\r\n ", "").contains("too old to predict passes"), "{stdout}");
+}
+
+#[test]
+fn simulated_constellations_do_not_age() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = path(&folder, "night.csv");
+    let rows = SCHEDULE.replace("b,2026-08-14", "b,2029-08-14");
+    fs::write(&schedule, rows).unwrap();
+    let answer = json(&[&["flag", "--shells", "starlink-gen1", "--schedule", &schedule, "--quiet"], SITE]);
+    for flag in answer["flags"].as_array().unwrap() {
+        assert_ne!(flag["verdict"], "unknown", "{flag}");
+    }
+}
