@@ -155,6 +155,7 @@ impl Verdict {
             expected_lost_pixel_fraction: None,
             p_any: f64::NAN,
             p_crossing: f64::NAN,
+            p_any_is_lower_limit: false,
             streak_length_deg: if kind == VerdictKind::Unknown { f64::NAN } else { self.streak_length_deg },
             next_clear_start: None,
             delay_s: None,

@@ -39,6 +39,10 @@ pub fn read(path: Option<&Path>) -> Before {
 
 /// Writes the status file atomically.
 pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()> {
+    // A pipe or device is not replaced by a file.
+    if path.exists() {
+        input::check_regular(path)?;
+    }
     let text = serde_json::to_string_pretty(statements)? + "\n";
     write_atomically(path, |out| out.write_all(text.as_bytes()))
 }
