@@ -21,6 +21,7 @@ mod exposure;
 mod field;
 mod field_passes;
 mod intervals;
+mod known_positions;
 mod learned;
 mod models;
 mod predictability;

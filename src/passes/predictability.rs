@@ -7,13 +7,8 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use hifitime::Epoch;
-use rayon::prelude::*;
-
-use super::scene::{middle_of_window, window_number};
-use super::sky::Sky;
 use crate::math::quantile::median;
-use crate::orbit::{LEAST_KNOWN_SHARE, Lateness, OrbitError, Propagator, elements_of_age};
+use crate::orbit::{LEAST_KNOWN_SHARE, Lateness, elements_of_age};
 
 /// Number of cached times.
 const CACHED: usize = 64;
@@ -38,14 +33,14 @@ pub struct Predictability {
 }
 
 /// Age and lateness of one satellite.
-struct One {
-    age_days: f64,
+pub(super) struct One {
+    pub age_days: f64,
     /// Half width of 68 %, and distribution; `None` if the position is unknown.
-    lateness: Option<(f64, Lateness)>,
+    pub lateness: Option<(f64, Lateness)>,
 }
 
 impl Predictability {
-    fn of(all: Vec<One>) -> Self {
+    pub(super) fn of(all: Vec<One>) -> Self {
         let satellites = all.len();
         let shares = all.iter().map(|one| one.lateness.map_or(0.0, |(_, lateness)| lateness.searched_share()));
         let searched_share = if satellites == 0 { 1.0 } else { shares.sum::<f64>() / satellites as f64 };
@@ -110,60 +105,25 @@ impl Predictability {
     }
 }
 
-/// Cache of the most recently computed times, the newest last.
+/// Cache of the most recently computed windows of six hours, by their numbers, the newest last.
 #[derive(Debug, Default)]
 pub(super) struct PredictabilityCache {
     kept: Mutex<Vec<(i64, Arc<Predictability>)>>,
 }
 
-impl Sky {
-    /// Returns how well the positions of all satellites are known at a time, in steps of six hours.
-    pub fn predictability(&self, epoch: Epoch) -> Arc<Predictability> {
-        let number = window_number(epoch);
-        let find = || {
-            let kept = self.predictabilities().kept.lock().unwrap_or_else(PoisonError::into_inner);
-            kept.iter().find(|(known, _)| *known == number).map(|(_, found)| found.clone())
-        };
-        if let Some(found) = find() {
-            return found;
-        }
-        let middle = middle_of_window(number);
-        let of_one = |element_index: usize| {
-            if self.is_observer(element_index) {
-                return None;
-            }
-            let propagator = self.index().propagator_over(element_index, [middle, middle])?;
-            let lateness = || {
-                let uncertainty = self.uncertainty_of(element_index, propagator, middle);
-                (uncertainty.along_track_s, uncertainty.lateness)
-            };
-            let is_known = self.unknown_position(element_index, propagator, middle).is_none();
-            Some(One { age_days: self.element_age_days(element_index, middle), lateness: is_known.then(lateness) })
-        };
-        let all = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
-        let found = Arc::new(Predictability::of(all));
-        let mut kept = self.predictabilities().kept.lock().unwrap_or_else(PoisonError::into_inner);
+impl PredictabilityCache {
+    /// Returns the value of a window; `None` if it is not cached.
+    pub fn find(&self, number: i64) -> Option<Arc<Predictability>> {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(known, _)| *known == number).map(|(_, found)| found.clone())
+    }
+
+    /// Adds the value of a window.
+    pub fn keep(&self, number: i64, found: &Arc<Predictability>) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.push((number, found.clone()));
         let surplus = kept.len().saturating_sub(CACHED);
         kept.drain(..surplus);
-        found
-    }
-
-    /// Returns the reason why the position of a satellite is unknown at a time; `None` if it is known.
-    pub(super) fn unknown_position(
-        &self,
-        element_index: usize,
-        propagator: &Propagator,
-        epoch: Epoch,
-    ) -> Option<OrbitError> {
-        if propagator.has_ephemeris() { None } else { self.too_old(element_index, epoch) }
-    }
-
-    /// Returns the reason why an element set does not determine a position at a time; `None` if it does.
-    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<OrbitError> {
-        let age_days = self.element_age_days(element_index, epoch);
-        (!self.is_known(element_index, age_days))
-            .then(|| OrbitError::Unknown { norad_id: self.elements()[element_index].norad_id, age_days })
     }
 }
 

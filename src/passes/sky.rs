@@ -17,8 +17,8 @@ use crate::elements::{ElementSet, Ephemeris, Satellites};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{
-    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, OrbitArc, OrbitClass, OrbitUncertainty, Propagator,
-    Reach, SatelliteIndex, uncertainty,
+    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, OrbitArc, OrbitClass, OrbitError, OrbitUncertainty,
+    Propagator, Reach, SatelliteIndex, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 
@@ -195,6 +195,13 @@ impl Sky {
     /// Returns true if the position of a satellite is known when its elements have this age ([`OrbitClass::is_known`]).
     pub fn is_known(&self, element_index: usize, age_days: f64) -> bool {
         self.of_any_age || self.classes[element_index].is_known(age_days)
+    }
+
+    /// Returns the reason why an element set does not determine a position at a time; `None` if it does.
+    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<OrbitError> {
+        let age_days = self.element_age_days(element_index, epoch);
+        (!self.is_known(element_index, age_days))
+            .then(|| OrbitError::Unknown { norad_id: self.elements[element_index].norad_id, age_days })
     }
 
     /// Returns the days from the epoch of an element set to a time; negative if the elements are newer.

@@ -644,7 +644,7 @@ fn pipes_and_devices_are_refused() {
         fails(&[strict, SITE, SHELLS, &["--eop", path]], &parts);
         fails(&[strict, SITE, SHELLS, &["--config", path]], &parts);
         let clear: &[&str] = &["--ra", "217.5", "--dec=-30", "--limit-mag=-20", "--now", "2024-08-14T23:30:00Z"];
-        let gate: &[&str] = &["gate", "--strict", "--exposure", "30s", "--fov", "3.5deg"];
+        let gate: &[&str] = &["gate", "--quiet", "--strict", "--exposure", "30s", "--fov", "3.5deg"];
         fails(&[gate, clear, SITE, SHELLS, &["--status-file", path]], &parts);
         let targets: &[&str] = &["gate", "--strict", "--exposure", "30s", "--target", "M31", "--fov", "3.5deg"];
         fails(&[targets, SITE, SHELLS, &["--targets", path]], &parts);

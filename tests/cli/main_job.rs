@@ -379,7 +379,7 @@ fn csv_schedules_are_annotated_and_keep_all_bytes() {
     let flags = records(&done(&[&["flag", "--schedule", &input], FLAG, SKY]));
     for (row, flag) in records(&annotated).iter().zip(&flags) {
         // The rows of `flag` end with start, length, pointing and band; the annotated schedule has them already.
-        assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag.iter().take(14).skip(1).collect::<Vec<_>>());
+        assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag.iter().take(16).skip(1).collect::<Vec<_>>());
     }
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
@@ -499,8 +499,8 @@ fn flags_end_with_the_exposures_of_the_schedule() {
     fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n{rows}")).unwrap();
     let flag = ["flag", "--schedule", &schedule];
     let written = records(&done(&[&flag, FLAG, SKY, &["--format", "csv"]]));
-    let last = |row: &csv::StringRecord| row.iter().skip(14).collect::<Vec<_>>().join(",");
-    assert_eq!(&written[0][13], "acceptable_delay_s");
+    let last = |row: &csv::StringRecord| row.iter().skip(16).collect::<Vec<_>>().join(",");
+    assert_eq!((&written[0][13], &written[0][15]), ("acceptable_delay_s", "late_s"));
     let expected = [
         "start_utc,duration_s,ra_deg,dec_deg,band",
         "2024-08-14T23:30:00.000000Z,30.000,217.5000000,-30.0000000,r",

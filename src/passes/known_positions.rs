@@ -1,0 +1,48 @@
+//! Satellites of a sky whose position is known at a time.
+
+use std::sync::Arc;
+
+use hifitime::Epoch;
+use rayon::prelude::*;
+
+use super::predictability::{One, Predictability};
+use super::scene::{middle_of_window, window_number};
+use super::sky::Sky;
+use crate::orbit::{OrbitError, Propagator};
+
+impl Sky {
+    /// Returns how well the positions of all satellites are known at a time, in steps of six hours.
+    pub fn predictability(&self, epoch: Epoch) -> Arc<Predictability> {
+        let number = window_number(epoch);
+        if let Some(found) = self.predictabilities().find(number) {
+            return found;
+        }
+        let middle = middle_of_window(number);
+        let of_one = |element_index: usize| {
+            if self.is_observer(element_index) {
+                return None;
+            }
+            let propagator = self.index().propagator_over(element_index, [middle, middle])?;
+            let lateness = || {
+                let uncertainty = self.uncertainty_of(element_index, propagator, middle);
+                (uncertainty.along_track_s, uncertainty.lateness)
+            };
+            let is_known = self.unknown_position(element_index, propagator, middle).is_none();
+            Some(One { age_days: self.element_age_days(element_index, middle), lateness: is_known.then(lateness) })
+        };
+        let all = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
+        let found = Arc::new(Predictability::of(all));
+        self.predictabilities().keep(number, &found);
+        found
+    }
+
+    /// Returns the reason why the position of a satellite is unknown at a time; `None` if it is known.
+    pub(super) fn unknown_position(
+        &self,
+        element_index: usize,
+        propagator: &Propagator,
+        epoch: Epoch,
+    ) -> Option<OrbitError> {
+        if propagator.has_ephemeris() { None } else { self.too_old(element_index, epoch) }
+    }
+}
