@@ -104,6 +104,8 @@ struct Timeline<'a> {
 
 impl Timeline<'_> {
     fn picture(&self) -> anyhow::Result<Picture> {
+        let (start_mjd, duration_s) = (self.columns.moments("start_utc")?, self.columns.numbers("duration_s")?);
+        let (n_streaks, brightest_mag) = (self.columns.numbers("n_streaks")?, self.columns.numbers("brightest_mag")?);
         let verdicts = self.columns.texts("verdict")?;
         // An exposure with an unknown verdict has no number of streaks.
         let is_drawn: Vec<bool> =
@@ -111,10 +113,8 @@ impl Timeline<'_> {
         let kept = |column: Vec<f64>| -> Vec<f64> {
             column.into_iter().zip(&is_drawn).filter(|(_, keep)| **keep).map(|(value, _)| value).collect()
         };
-        let start_mjd = kept(self.columns.moments("start_utc")?);
-        let duration_s = kept(self.columns.numbers("duration_s")?);
-        let n_streaks = kept(self.columns.numbers("n_streaks")?);
-        let brightest_mag = kept(self.columns.numbers("brightest_mag")?);
+        let (start_mjd, duration_s) = (kept(start_mjd), kept(duration_s));
+        let (n_streaks, brightest_mag) = (kept(n_streaks), kept(brightest_mag));
         let first = start_mjd.iter().copied().fold(f64::INFINITY, f64::min);
         let last = start_mjd.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sun = self.site.map(|site| sun_over(site, self.eop, first, last)).unwrap_or_default();
