@@ -16,7 +16,9 @@ use streakcast::photometry::ModelLibrary;
 fn sky(elements: Vec<ElementSet>) -> Sky {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice).with_drag(DragModel::Published)
+    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice)
+        .with_drag(DragModel::Published)
+        .with_elements_of_any_age()
 }
 
 /// Returns satellites of a shell with elements that are `age_days` older than the exposures and treated as published.

@@ -27,6 +27,8 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
         EopTable::embedded(),
         &ModelChoice::new(&streakcast::photometry::ModelLibrary::embedded()).expect("shipped models"),
     )
+    // Computed positions are compared, whatever the errors of the elements.
+    .with_elements_of_any_age()
 }
 
 fn utc(text: &str) -> Epoch {

@@ -47,6 +47,7 @@ fn elements(path: &Path, id: u32) -> ElementSet {
 fn sky(elements: Vec<ElementSet>, site: Site) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     Sky::with_models(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice)
+        .with_elements_of_any_age()
         .with_drag(DragModel::Published)
         // The shadow of the references has no atmosphere.
         .with_shadow(ShadowModel::Geometric)

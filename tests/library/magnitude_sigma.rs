@@ -10,7 +10,7 @@ use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<VisiblePass> {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    let sky = Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice);
+    let sky = Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice).with_elements_of_any_age();
     let request = VisibleRequest {
         start,
         end: start + 2.0 * Unit::Hour,
