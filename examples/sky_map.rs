@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let sun = (270_f64.to_radians(), sun_altitude_deg.to_radians());
         let earth = Earth::Ellipsoid(site.clone());
         let view = SkyView::new(&model, earth, 550.0, sun.0, sun.1, PhotometryOptions::default())?;
-        let map = view.map(grid);
+        let map = view.map(grid)?;
 
         // 3. Only directions more than 20 degrees above the horizon, where telescopes usually point.
         let high: Vec<_> = map.points.iter().filter(|point| point.altitude_rad > 20_f64.to_radians()).collect();

@@ -60,9 +60,11 @@ pub mod photometry;
 pub mod plot;
 pub mod schedule;
 pub mod streaks;
+mod watch;
 
 pub use elements::Satellites;
 pub use error::Error;
 pub use geometry::Site;
 pub use passes::{Exposure, Field, Pass, Sky};
 pub use schedule::{Policy, Verdict};
+pub use watch::{Interrupted, Watch};

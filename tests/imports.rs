@@ -6,13 +6,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules that every module may import.
-const FOR_ALL: [&str; 3] = ["constants", "input", "message"];
+const FOR_ALL: [&str; 4] = ["constants", "input", "message", "watch"];
 
 /// Allowed imports of each module besides [`FOR_ALL`].
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("input", &[]),
     ("message", &[]),
+    ("watch", &[]),
     ("math", &[]),
     ("elements", &[]),
     ("frames", &["math"]),

@@ -23,6 +23,7 @@ use crate::streaks::{
     MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan,
     Tumbling,
 };
+use crate::watch::Watch;
 
 /// Default β of the Moffat profile of a point spread function.
 const DEFAULT_BETA: f64 = 3.5;
@@ -53,16 +54,19 @@ pub fn inject_frames(
     config: &Config,
     sky: Option<SkyOf<'_>>,
     outputs: &[PathBuf],
+    watch: &Watch,
 ) -> Result<Injections, ConfigError> {
     let plan = injection.resolve(config)?;
     let opened = Injection::open(&plan, outputs)?;
-    let Some((first, last)) = opened.span().filter(|_| plan.random.is_none()) else { return Ok(opened.run(None)?) };
+    let Some((first, last)) = opened.span().filter(|_| plan.random.is_none()) else {
+        return Ok(opened.run(None, watch)?);
+    };
     if let Some(sky) = sky {
-        return Ok(opened.run(Some(injection_sky(&*sky(first)?)))?);
+        return Ok(opened.run(Some(injection_sky(&sky(first)?.watched(watch))), watch)?);
     }
     let (config, remark) = with_site_of_frames(config, &opened)?;
     let prepared = config.prepare(first, last)?;
-    let mut injections = opened.run(Some(injection_sky(&prepared)))?;
+    let mut injections = opened.run(Some(injection_sky(&prepared.watched(watch))), watch)?;
     injections.warnings.extend(prepared.warnings);
     injections.remarks.splice(0..0, remark);
     Ok(injections)
@@ -79,10 +83,11 @@ pub fn inject_into_array(
     image: &ImageValues,
     cards: &Header,
     scratch: &Path,
+    watch: &Watch,
 ) -> Result<ArrayInjected, ConfigError> {
     let frame = ArrayFrame::new(image, cards, scratch)?;
     let injection = InjectionConfig { image: vec![frame.input()], synthetic: None, ..injection.clone() };
-    let injections = inject_frames(&injection, config, sky, &[frame.output()])?;
+    let injections = inject_frames(&injection, config, sky, &[frame.output()], watch)?;
     Ok(frame.finish(injections)?)
 }
 

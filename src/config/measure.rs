@@ -22,6 +22,7 @@ use crate::orbit::LeftOut;
 use crate::output::Provenance;
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
+use crate::watch::Watch;
 
 /// Initial seeing of the fit of the width if no seeing is given, pixels.
 const SEEING_PIX: f64 = 4.0;
@@ -103,7 +104,7 @@ impl MeasureConfig {
     ///
     /// # Errors
     /// A frame has no image, world coordinates, time or site, or a value is out of range.
-    pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>) -> Result<Measurements, ConfigError> {
+    pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>, watch: &Watch) -> Result<Measurements, ConfigError> {
         if self.stars.is_some() && (self.zero_point.is_some() || self.zero_point_1s.is_some()) {
             return Err(ConfigError::Both { first: "--stars", second: "--zero-point" });
         }
@@ -154,7 +155,7 @@ impl MeasureConfig {
             };
             let measure = MeasureOptions { fit_width: self.fit_width, ..MeasureOptions::default() };
             let options = FrameOptions { zero_points, photometry, optics, is_seeing_known, measure, cuts: self.cuts };
-            let measured: FrameMeasurements = measure_frame(&prepared.sky, frame, &options)?;
+            let measured: FrameMeasurements = measure_frame(&prepared.sky.watched(watch), frame, &options)?;
             for (hdu, from_stars) in &measured.star_zero_points {
                 state_stars(
                     &format!("{shown}: HDU {hdu}"),

@@ -17,13 +17,14 @@ use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::{BrightObjects, PhotometryOptions};
-use crate::schedule::lowest_altitudes_rad;
+use crate::schedule::lowest_altitude_rad;
+use crate::watch::Watch;
 
 /// Largest number of rejected records listed in JSON; `rejected_count` counts all of them.
 const LISTED: usize = 1000;
 
 /// Sky of a site or of a telescope in orbit, with provenance and warnings.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PreparedSky {
     /// Satellites and observer.
     pub sky: Sky,
@@ -150,6 +151,11 @@ impl LoadedInputs {
 }
 
 impl PreparedSky {
+    /// Returns the same sky, whose queries stop after [`Watch::stop`]; see [`Sky::watched`].
+    pub fn watched(&self, watch: &Watch) -> Self {
+        Self { sky: self.sky.watched(watch), ..self.clone() }
+    }
+
     /// Returns the warnings about the files, and those about inputs that are too old for a request from `first` to
     /// `last` or do not cover it.
     ///
@@ -182,16 +188,17 @@ impl PreparedSky {
     /// The altitude is below 0°.
     pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), ConfigError> {
         let viewpoint = self.sky.viewpoint();
-        match lowest_altitudes_rad(&[exposure], viewpoint, &self.eop).first() {
-            Some(altitude_rad) if *altitude_rad < 0.0 => Err(ConfigError::invalid(format!(
+        let altitude_rad = lowest_altitude_rad(exposure, viewpoint, &self.eop);
+        if altitude_rad < 0.0 {
+            return Err(ConfigError::invalid(format!(
                 "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
                 viewpoint.border_name(),
                 viewpoint.name(),
                 format_utc(exposure.start, 0),
                 altitude_rad.to_degrees()
-            ))),
-            _ => Ok(()),
+            )));
         }
+        Ok(())
     }
 
     /// Returns a warning with the number of satellites whose position cannot be computed or is unknown; `None` if there

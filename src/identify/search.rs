@@ -20,7 +20,7 @@ use super::likelihood::{Candidate, log_weight_of_unknown, set_probabilities};
 use super::streak::MeasuredStreak;
 use crate::frames::{Direction, Gcrs, Position};
 use crate::orbit::{LeftOut, Propagator, State};
-use crate::passes::{Exposure, ExposureInterval, Sky};
+use crate::passes::{Exposure, ExposureInterval, Sky, SkyError};
 use crate::photometry::PhotometryOptions;
 
 /// Largest delay and cross-track distance that are searched, in sigmas.
@@ -85,11 +85,14 @@ pub fn identify_streak(
         rotation_rad: 0.0,
     };
     let interval = sky.exposure_interval(&exposure)?;
-    let found: Vec<(Vec<Candidate>, Option<LeftOut>)> = (0..sky.elements().len())
+    let found = (0..sky.elements().len())
         .into_par_iter()
         .with_min_len(64)
-        .map(|element_index| one_satellite(&interval, element_index, streak, options))
-        .collect();
+        .map(|element_index| {
+            sky.watch().check()?;
+            Ok(one_satellite(&interval, element_index, streak, options))
+        })
+        .collect::<Result<Vec<_>, SkyError>>()?;
     let mut left_out = sky.left_out().to_vec();
     let mut candidates = Vec::new();
     for (candidate, failed) in found {

@@ -73,13 +73,14 @@ pub fn learn(
         let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
         let (Some(extent), Some(model)) = (Extent::of(of_kind.iter().copied()), models.of_kind(kind)) else { continue };
         let fit = fit_kind(&of_kind, model.sigma_mag());
-        let mut ids: Vec<NoradId> = of_kind.iter().map(|pass| pass.norad_id()).collect();
-        ids.sort();
-        ids.dedup();
+        let mut by_satellite: BTreeMap<NoradId, Vec<&Pass>> = BTreeMap::new();
+        for pass in &of_kind {
+            by_satellite.entry(pass.norad_id()).or_default().push(pass);
+        }
         let [first_utc, last_utc] = extent.utc();
         let magnitude = LearnedMagnitude {
             model: model.source().to_string(),
-            satellites: ids.len(),
+            satellites: by_satellite.len(),
             passes: extent.passes,
             measurements: extent.measurements,
             first_utc,
@@ -94,10 +95,8 @@ pub fn learn(
         };
         let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });
         entry.magnitude = Some(magnitude);
-        for id in ids {
-            let Some(extent) = Extent::of(of_kind.iter().copied().filter(|pass| pass.norad_id() == id)) else {
-                continue;
-            };
+        for (id, of_satellite) in by_satellite {
+            let Some(extent) = Extent::of(of_satellite.iter().copied()) else { continue };
             let ([first_utc, last_utc], prediction) = (extent.utc(), fit.predict(id));
             satellites.push(LearnedSatellite {
                 norad_id: id.0,

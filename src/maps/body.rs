@@ -2,6 +2,7 @@
 
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, StandardMagnitude};
+use crate::watch::Watch;
 
 use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
@@ -18,6 +19,7 @@ pub struct BodyView<'a> {
     light: MapPhotometry<'a>,
     sun_latitude_rad: f64,
     height_km: f64,
+    watch: Watch,
 }
 
 /// One direction of a [`BodyMap`].
@@ -57,7 +59,17 @@ impl<'a> BodyView<'a> {
         options: PhotometryOptions,
     ) -> Result<Self, MapError> {
         let sun_latitude_rad = latitude("Sun's latitude", sun_latitude_rad)?;
-        Ok(Self { light: MapPhotometry::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
+        Ok(Self {
+            light: MapPhotometry::new(model, options),
+            sun_latitude_rad,
+            height_km: height(height_km)?,
+            watch: Watch::default(),
+        })
+    }
+
+    /// Returns the view whose maps stop with [`MapError::Interrupted`] after [`Watch::stop`].
+    pub fn watched(self, watch: &Watch) -> Self {
+        Self { watch: watch.clone(), ..self }
     }
 
     /// Returns the latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground are at lower
@@ -114,9 +126,12 @@ impl<'a> BodyView<'a> {
 
     /// Computes the magnitudes for all directions of a grid at or below the plane of the chassis, on all threads of the
     /// current pool.
-    pub fn map(&self, grid: Grid) -> BodyMap {
+    ///
+    /// # Errors
+    /// [`MapError::Interrupted`] after [`Watch::stop`].
+    pub fn map(&self, grid: Grid) -> Result<BodyMap, MapError> {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
-        let points = fill(grid.southern(), blank, |row, points| {
+        let fill_row = |row: &GridRow, points: &mut [BodyPoint]| {
             if !self.light.has_earthshine() {
                 return self.fill_by_columns(row, points);
             }
@@ -125,8 +140,9 @@ impl<'a> BodyView<'a> {
                 *point =
                     BodyPoint { observer_longitude_rad, observer_latitude_rad: row.latitude_rad, standard_magnitude };
             }
-        });
-        BodyMap { grid, facts: self.facts(), points }
+        };
+        let points = fill(grid.southern(), blank, fill_row, &self.watch)?;
+        Ok(BodyMap { grid, facts: self.facts(), points })
     }
 
     /// Computes all directions of one latitude together; the values agree within 1e-9 mag with those of

@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::watch::Interrupted;
+
 /// Errors of magnitude maps.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -30,6 +32,9 @@ pub enum MapError {
         /// Distance of the site from the Earth's centre minus 6378.137 km, in km.
         site_km: f64,
     },
+    /// The computation was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// A FITS file cannot be written.
     #[cfg(all(feature = "fits", unix))]
     #[error("FITS: {0}")]

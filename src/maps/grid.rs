@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use rayon::prelude::*;
 
 use crate::math::healpix::{MOST_NSIDE, cell_count, northern_cell_count, northern_rings};
+use crate::watch::{Interrupted, Watch};
 
 use super::error::{MapError, in_range};
 
@@ -56,11 +57,15 @@ impl GridRow {
 }
 
 /// Computes one value for each direction of the rows, in order, on all threads of the current pool.
+///
+/// # Errors
+/// [`Interrupted`] after [`Watch::stop`].
 pub(super) fn fill<T: Copy + Send>(
     rows: Vec<GridRow>,
     blank: T,
     fill_row: impl Fn(&GridRow, &mut [T]) + Sync,
-) -> Vec<T> {
+    watch: &Watch,
+) -> Result<Vec<T>, Interrupted> {
     let mut all = vec![blank; rows.iter().map(|row| row.count).sum()];
     let mut rest = all.as_mut_slice();
     let mut parts = Vec::with_capacity(rows.len());
@@ -69,8 +74,12 @@ pub(super) fn fill<T: Copy + Send>(
         parts.push((row, part));
         rest = tail;
     }
-    parts.into_par_iter().for_each(|(row, part)| fill_row(&row, part));
-    all
+    parts.into_par_iter().try_for_each(|(row, part)| {
+        watch.check()?;
+        fill_row(&row, part);
+        Ok(())
+    })?;
+    Ok(all)
 }
 
 impl Grid {

@@ -22,6 +22,7 @@ use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
 use crate::geometry::{ShadowModel, Site, ViewingGeometry};
 use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, SatellitePositions, StandardMagnitude};
+use crate::watch::Watch;
 
 use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
@@ -54,6 +55,7 @@ pub struct SkyView<'a> {
     below_km2: f64,
     sun_azimuth_rad: f64,
     sun_altitude_rad: f64,
+    watch: Watch,
 }
 
 /// One direction of a [`SkyMap`].
@@ -129,12 +131,18 @@ impl<'a> SkyView<'a> {
             below_km2: observer.norm_squared() - radius_km * radius_km,
             sun_azimuth_rad,
             sun_altitude_rad,
+            watch: Watch::default(),
         })
     }
 
     /// Sets the model of the Earth's shadow, with the atmosphere by default.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
+    }
+
+    /// Returns the view whose maps stop with [`MapError::Interrupted`] after [`Watch::stop`].
+    pub fn watched(self, watch: &Watch) -> Self {
+        Self { watch: watch.clone(), ..self }
     }
 
     /// Returns the shape of the Earth.
@@ -206,9 +214,12 @@ impl<'a> SkyView<'a> {
 
     /// Computes the brightness for all directions of a grid at or above the horizon, on all threads of the current
     /// pool.
-    pub fn map(&self, grid: Grid) -> SkyMap {
+    ///
+    /// # Errors
+    /// [`MapError::Interrupted`] after [`Watch::stop`].
+    pub fn map(&self, grid: Grid) -> Result<SkyMap, MapError> {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
-        let points = fill(grid.northern(), blank, |grid_row, points| {
+        let fill_row = |grid_row: &GridRow, points: &mut [SkyPoint]| {
             let row = self.row(grid_row.latitude_rad);
             if !self.light.has_earthshine() {
                 return self.fill_by_columns(&row, grid_row, points);
@@ -216,8 +227,9 @@ impl<'a> SkyView<'a> {
             for (point, azimuth_rad) in points.iter_mut().zip(grid_row.longitudes_rad()) {
                 *point = self.point(&row, azimuth_rad);
             }
-        });
-        SkyMap { grid, facts: self.facts(), points }
+        };
+        let points = fill(grid.northern(), blank, fill_row, &self.watch)?;
+        Ok(SkyMap { grid, facts: self.facts(), points })
     }
 
     /// Computes the quantities that are the same at all azimuths of one altitude.

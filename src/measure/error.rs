@@ -9,6 +9,7 @@ use crate::images::ImagesError;
 use crate::orbit::OrbitError;
 use crate::passes::SkyError;
 use crate::streaks::StreaksError;
+use crate::watch::Interrupted;
 
 /// Errors of measuring streaks.
 #[derive(Debug, Error)]
@@ -33,6 +34,9 @@ pub enum MeasureError {
     /// Errors of the computation of satellite passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
+    /// The computation was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// Errors of the propagation of a satellite.
     #[error(transparent)]
     Orbit(#[from] OrbitError),

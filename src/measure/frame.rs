@@ -124,6 +124,7 @@ pub fn measure_frame(
         if of_chip.is_empty() {
             continue;
         }
+        sky.watch().check()?;
         let chip = &target.chip;
         let plane = frame.file.read_plane(chip.hdu)?;
         let background = Background::of(&plane, &chip.light_area);
@@ -142,7 +143,7 @@ pub fn measure_frame(
         let is_calibrated = !matches!(options.zero_points, ZeroPoints::Missing);
         let mut scale = ChipScale { scale: chip.scale, is_calibrated, sigma_mag: None };
         if let ZeroPoints::Stars(stars) = options.zero_points {
-            let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known)?;
+            let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known, sky.watch())?;
             let zero_point_mag = from_stars.zero_point_mag.map_or(0.0, |zero_point| zero_point.value);
             scale = ChipScale {
                 scale: CountScale::of_frame(zero_point_mag, frame.exposure_s)?,
@@ -156,6 +157,7 @@ pub fn measure_frame(
             done.star_zero_points.push((chip.hdu, from_stars));
         }
         let measured = of_chip.par_iter().map(|prediction| -> Result<Option<MeasuredPass>, MeasureError> {
+            sky.watch().check()?;
             let Some(measured) = measure_streak(&image, &prediction.streak, &optics, &measure)? else {
                 return Ok(None);
             };

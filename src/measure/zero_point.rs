@@ -7,6 +7,7 @@ use super::star_table::CatalogueStar;
 use crate::images::{PixelPosition, Wcs};
 use crate::math::quantile::median;
 use crate::streaks::{Optics, RadialProfile, draw_point};
+use crate::watch::Watch;
 
 /// Radius of the aperture in FWHM, and its smallest value in pixels. The sky is measured from two to three times this
 /// radius.
@@ -95,13 +96,14 @@ struct Aperture {
 /// width.
 ///
 /// # Errors
-/// The image of a star is too narrow or too wide to be drawn.
+/// The image of a star is too narrow or too wide to be drawn, or `watch` is stopped.
 pub fn star_zero_point(
     image: &StreakImage<'_>,
     wcs: &Wcs,
     stars: &[CatalogueStar],
     optics: &Optics,
     is_width_known: bool,
+    watch: &Watch,
 ) -> Result<StarZeroPoint, MeasureError> {
     let mut found = StarZeroPoint::default();
     let placed = placed(image, wcs, stars);
@@ -111,14 +113,14 @@ pub fn star_zero_point(
         Ok(stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)?)
     };
     let assumed = star_profile(optics.seeing_arcsec)?;
-    let first = candidates(image, &placed, &assumed, &mut StarZeroPoint::default());
+    let first = candidates(image, &placed, &assumed, &mut StarZeroPoint::default(), watch)?;
     let ratio = width_ratio(image, &first, &assumed, |ratio| star_profile(ratio * optics.seeing_arcsec).ok());
     found.seeing_arcsec = ratio.map(|ratio| ratio * optics.seeing_arcsec);
     let profile = match found.seeing_arcsec {
         Some(seeing_arcsec) if !is_width_known => star_profile(seeing_arcsec)?,
         _ => assumed,
     };
-    let candidates = candidates(image, &placed, &profile, &mut found);
+    let candidates = candidates(image, &placed, &profile, &mut found, watch)?;
     let measured: Vec<(CatalogueStar, Aperture)> =
         candidates.iter().filter_map(|one| Some((one.star, one.stamp.light(image, &profile)?))).collect();
     found.faint += candidates.len() - measured.len();
@@ -196,11 +198,13 @@ fn candidates(
     placed: &[(PixelPosition, CatalogueStar)],
     profile: &RadialProfile,
     found: &mut StarZeroPoint,
-) -> Vec<Candidate> {
+    watch: &Watch,
+) -> Result<Vec<Candidate>, MeasureError> {
     let radius_pix = (APERTURE_WIDTHS * profile.fwhm_pix()).max(LEAST_APERTURE_PIX);
     let near_pix = SKY_RADII[0] * radius_pix;
     let mut kept = Vec::new();
     for (index, (at, star)) in placed.iter().enumerate() {
+        watch.check()?;
         let is_neighbour = |(other, neighbour): &(PixelPosition, CatalogueStar)| {
             neighbour.magnitude < star.magnitude + NEIGHBOUR_MAG && other.distance(*at) < near_pix
         };
@@ -221,7 +225,7 @@ fn candidates(
         }
         kept.push(Candidate { star: *star, stamp });
     }
-    kept
+    Ok(kept)
 }
 
 /// Returns the ratio of the measured width of the stars to the assumed one. The width of a star is the one for which

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::error::SkyError;
 use super::evaluator::LOWEST_ALTITUDE_RAD;
 use super::exposure::Exposure;
 use super::field::FieldOnSky;
@@ -99,7 +100,7 @@ impl Sky {
         flight: Option<&Arc<OrbitArc>>,
         include_dark: bool,
         seen: &mut Vec<Candidate>,
-    ) -> Vec<CandidateInterval> {
+    ) -> Result<Vec<CandidateInterval>, SkyError> {
         let start_s = seconds_between(scene.start, exposure.start);
         let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };
         let slices = (exposure.duration_s / longest_s).ceil().max(1.0);
@@ -116,6 +117,7 @@ impl Sky {
         let most = if flight.is_some() { 1 } else { GROUP };
         let mut first = 0;
         while first < slices as u32 {
+            self.watch().check()?;
             let group = most.min(slices as u32 - first);
             let half_s = 0.5 * slice_s * f64::from(group);
             let mid_s = start_s + slice_s * f64::from(first) + half_s;
@@ -174,7 +176,7 @@ impl Sky {
         }
         // A pass that is partly lit is evaluated as a whole.
         intervals.retain(|interval| !interval.is_dark);
-        intervals
+        Ok(intervals)
     }
 
     /// Returns true if a part of the field may be below the lowest altitude during the exposure; always true for an

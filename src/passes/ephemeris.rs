@@ -95,6 +95,7 @@ impl Sky {
             ));
         }
         let at_time = |(time_index, epoch): (usize, &Epoch)| {
+            self.watch().check()?;
             let moment = self.moment(*epoch)?;
             let point = |&index: &usize| match self.point(index, time_index, &moment, photometry) {
                 Ok(point) => Ok(point),

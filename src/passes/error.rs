@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::frames::FramesError;
 use crate::orbit::OrbitError;
+use crate::watch::Interrupted;
 
 /// First and last year for which the positions of Sun and Earth are computed.
 const YEARS: (i32, i32) = (1957, 2099);
@@ -51,6 +52,9 @@ pub enum SkyError {
     /// The text of a right ascension or declination is invalid.
     #[error(transparent)]
     Direction(FramesError),
+    /// The computation was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }
 
 impl SkyError {

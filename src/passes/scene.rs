@@ -13,6 +13,7 @@ use crate::constants::DAY_S;
 use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::orbit::{MAX_WINDOW_S, OrbitError, Reach, SatelliteIndex, Window};
+use crate::watch::{Interrupted, Watch};
 
 /// Sun, Earth orientation and orbits during one group of exposures. Times are seconds after its start.
 pub(in crate::passes) struct Scene {
@@ -130,14 +131,15 @@ impl WindowCache {
         scope: SearchScope,
         unknown: &(dyn Fn(usize, Epoch) -> Option<OrbitError> + Sync),
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
-    ) -> Vec<Arc<Window>> {
+        watch: &Watch,
+    ) -> Result<Vec<Arc<Window>>, Interrupted> {
         let most = (CACHED_SATELLITES / index.len().max(1)).max(LEAST_CACHED_WINDOWS);
         let grid = Epoch::from_tai_duration(Duration::ZERO);
         (window_number(start)..=window_number(end))
             .map(|number| {
                 let key = (number, scope);
                 if let Some(window) = self.kept(key) {
-                    return window;
+                    return Ok(window);
                 }
                 // Computed while the lock is not held, because the threads that compute the window may use the cache.
                 let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
@@ -149,9 +151,10 @@ impl WindowCache {
                     ends[1],
                     &|element_index| unknown(element_index, middle),
                     &|element_index| reach(element_index, ends),
-                ));
+                    watch,
+                )?);
                 self.keep(key, &window, most);
-                window
+                Ok(window)
             })
             .collect()
     }

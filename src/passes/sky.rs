@@ -21,6 +21,7 @@ use crate::orbit::{
     Propagator, Reach, SatelliteIndex, uncertainty,
 };
 use crate::photometry::BrightnessModel;
+use crate::watch::Watch;
 
 /// Satellites, an observer and brightness models, from which all queries start.
 ///
@@ -41,6 +42,7 @@ pub struct Sky {
     windows: Arc<WindowCache>,
     predictabilities: Arc<PredictabilityCache>,
     almanac: Arc<Almanac>,
+    watch: Watch,
 }
 
 impl Sky {
@@ -79,12 +81,24 @@ impl Sky {
             windows: Arc::default(),
             predictabilities: Arc::default(),
             almanac: Arc::default(),
+            watch: Watch::default(),
         }
     }
 
     /// Returns a sky with the same satellites for another observer. Both skies share their caches.
     pub fn seen_from(&self, viewpoint: impl Into<Viewpoint>) -> Self {
         Self { viewpoint: viewpoint.into(), ..self.clone() }
+    }
+
+    /// Returns a sky with the same satellites and observer whose queries stop with [`SkyError::Interrupted`] after
+    /// [`Watch::stop`]. Both skies share their caches.
+    pub fn watched(&self, watch: &Watch) -> Self {
+        Self { watch: watch.clone(), ..self.clone() }
+    }
+
+    /// Returns the handle that stops the queries of this sky. Functions that use its results in long loops test it.
+    pub fn watch(&self) -> &Watch {
+        &self.watch
     }
 
     /// Returns the sky with another model of the Earth's shadow.
@@ -305,7 +319,7 @@ impl Sky {
     }
 
     /// Returns a scene with Sun, Earth orientation and search windows.
-    pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Scene {
+    pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Result<Scene, SkyError> {
         let mut scene = self.scene_without_windows(start, span_s);
         let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
             SearchScope::Nominal => Reach::default(),
@@ -324,7 +338,8 @@ impl Sky {
             }
         };
         let unknown = |element_index: usize, middle: Epoch| self.too_old(element_index, middle);
-        scene.windows = self.windows.over(&self.index, start, seconds_after(start, span_s), scope, &unknown, &reach);
-        scene
+        let end = seconds_after(start, span_s);
+        scene.windows = self.windows.over(&self.index, start, end, scope, &unknown, &reach, &self.watch)?;
+        Ok(scene)
     }
 }

@@ -109,7 +109,7 @@ impl Sky {
         let (Some(&first_s), Some(&last_s)) = (times_s.first(), times_s.last()) else {
             return Ok((Vec::new(), Vec::new()));
         };
-        let scene = self.scene(start, last_s, SearchScope::Nominal);
+        let scene = self.scene(start, last_s, SearchScope::Nominal)?;
         let site_at = |&time_s: &f64| SiteAt { time_s, here: observer.state(&scene.orientation.at_s(time_s)) };
         let times: Vec<SiteAt> = times_s.iter().map(site_at).collect();
         // The sky above the altitude is searched as one circular field around the zenith at the middle time. Its radius
@@ -128,15 +128,16 @@ impl Sky {
         let field = Field::circle((2.0 * reach_rad).clamp(1e-3, std::f64::consts::PI))?;
         let on_sky = field.on_sky(&exposure.pointing, 0.0);
         let candidates =
-            self.candidate_intervals(&scene, &exposure, &on_sky, None, options.include_dark, &mut Vec::new());
-        let found: Vec<Result<Option<SatelliteTrack>, LeftOut>> = candidates
+            self.candidate_intervals(&scene, &exposure, &on_sky, None, options.include_dark, &mut Vec::new())?;
+        let found = candidates
             .par_iter()
             .with_min_len(TOGETHER)
             .map(|interval| {
-                self.snapshots_of(&scene, &times, interval, options)
-                    .map_err(|reason| self.failed(interval.element_index, reason))
+                self.watch().check()?;
+                let found = self.snapshots_of(&scene, &times, interval, options);
+                Ok(found.map_err(|reason| self.failed(interval.element_index, reason)))
             })
-            .collect();
+            .collect::<Result<Vec<_>, SkyError>>()?;
         let of_windows = scene.windows.iter().flat_map(|window| window.left_out());
         let mut left_out: Vec<LeftOut> = self.left_out().iter().chain(of_windows).cloned().collect();
         let mut tracks = Vec::new();

@@ -178,11 +178,17 @@ impl Sky {
         let of_one = |&element_index: &usize| {
             // Passes that were found before SGP4 fails are kept.
             let mut kept = Vec::new();
-            let failed = spans.iter().try_for_each(|span| search.passes(element_index, span, &mut kept)).err();
-            (kept, failed.map(|reason| self.failed(element_index, reason)))
+            let mut failed = None;
+            for span in &spans {
+                self.watch().check()?;
+                if let Err(reason) = search.passes(element_index, span, &mut kept) {
+                    failed = Some(self.failed(element_index, reason));
+                    break;
+                }
+            }
+            Ok((kept, failed))
         };
-        let all: Vec<(Vec<Outcome>, Option<LeftOut>)> =
-            selected.par_iter().with_min_len(TOGETHER).map(of_one).collect();
+        let all = selected.par_iter().with_min_len(TOGETHER).map(of_one).collect::<Result<Vec<_>, SkyError>>()?;
         let mut visible = VisiblePasses {
             satellites: selected.len(),
             expected_brighter: request.max_magnitude.map(|_| 0.0),

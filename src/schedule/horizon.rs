@@ -4,6 +4,7 @@ use hifitime::Epoch;
 
 use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use crate::passes::{Exposure, Viewpoint};
+use crate::watch::{Interrupted, Watch};
 
 /// Length of one table of the Earth's orientation, seconds. Exposures within this time share a table.
 const GROUP_S: f64 = 43_200.0;
@@ -12,26 +13,34 @@ const GROUP_S: f64 = 43_200.0;
 /// limb changes by up to 0.6° in this time.
 const LIMB_INTERVAL_S: f64 = 10.0;
 
-/// Returns the lowest altitude of each pointing while the shutter is open, radians. Refraction and aberration (20") are
+/// Returns the lowest altitude of a pointing while the shutter is open, radians. Refraction and aberration (20") are
 /// neglected.
 ///
 /// From a site it is the lower of the altitudes at opening and at closing; in between, the altitude is higher, or lower
 /// by less than a degree for exposures of an hour. From an orbit it is the lowest angle above the Earth's limb, sampled
 /// every 10 s; NaN if the position of the telescope cannot be computed.
-pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable) -> Vec<f64> {
-    lowest_altitudes_over(exposures, viewpoint, &|start, end| OrientationTable::new(start, end, eop))
+pub fn lowest_altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable) -> f64 {
+    let end = seconds_after(exposure.start, exposure.duration_s);
+    lowest_in(exposure, viewpoint, &OrientationTable::new(exposure.start, end, eop))
 }
 
 /// Function that returns a table of the Earth's orientation between two times.
 pub(super) type Earth<'a> = &'a dyn Fn(Epoch, Epoch) -> OrientationTable;
 
-/// Same as [`lowest_altitudes_rad`], with a function that computes the orientation of the Earth.
-pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>) -> Vec<f64> {
+/// Returns the result of [`lowest_altitude_rad`] for each exposure, with a function that computes the orientation of
+/// the Earth.
+pub(super) fn lowest_altitudes_over(
+    exposures: &[&Exposure],
+    viewpoint: &Viewpoint,
+    earth: Earth<'_>,
+    watch: &Watch,
+) -> Result<Vec<f64>, Interrupted> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
     let mut altitudes = vec![f64::NAN; exposures.len()];
     let mut table: Option<OrientationTable> = None;
     for index in order {
+        watch.check()?;
         let exposure = exposures[index];
         let start_s = |from: Epoch| seconds_between(from, exposure.start);
         let table = match &mut table {
@@ -42,17 +51,22 @@ pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoi
                 slot.insert(earth(exposure.start, end))
             }
         };
-        let opened_s = start_s(table.reference());
-        let samples = match viewpoint {
-            Viewpoint::Site(_) => 1.0,
-            Viewpoint::Orbit(_) => (exposure.duration_s / LIMB_INTERVAL_S).ceil().max(1.0),
-        };
-        altitudes[index] = (0..=samples as usize)
-            .map(|i| altitude_rad(exposure, viewpoint, table, opened_s + exposure.duration_s * i as f64 / samples))
-            // NaN is kept if any sample is NaN.
-            .fold(f64::INFINITY, |lowest, next| if next.is_nan() || next < lowest { next } else { lowest });
+        altitudes[index] = lowest_in(exposure, viewpoint, table);
     }
-    altitudes
+    Ok(altitudes)
+}
+
+/// Returns the lowest altitude of a pointing during an exposure that `table` covers.
+fn lowest_in(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable) -> f64 {
+    let opened_s = seconds_between(table.reference(), exposure.start);
+    let samples = match viewpoint {
+        Viewpoint::Site(_) => 1.0,
+        Viewpoint::Orbit(_) => (exposure.duration_s / LIMB_INTERVAL_S).ceil().max(1.0),
+    };
+    (0..=samples as usize)
+        .map(|i| altitude_rad(exposure, viewpoint, table, opened_s + exposure.duration_s * i as f64 / samples))
+        // NaN is kept if any sample is NaN.
+        .fold(f64::INFINITY, |lowest, next| if next.is_nan() || next < lowest { next } else { lowest })
 }
 
 /// Returns the altitude of a pointing, radians, at a time in seconds after the reference time of `table`; NaN if the
@@ -85,15 +99,17 @@ pub(super) fn last_starts_s(
     viewpoint: &Viewpoint,
     earth: Earth<'_>,
     max_delay_s: f64,
-) -> Vec<f64> {
-    let lowest_rad = lowest_altitudes_over(exposures, viewpoint, earth);
+    watch: &Watch,
+) -> Result<Vec<f64>, Interrupted> {
+    let lowest_rad = lowest_altitudes_over(exposures, viewpoint, earth, watch)?;
     let fastest_rad_s = if viewpoint.site().is_some() { FASTEST_SINKING_RAD_S } else { FASTEST_LIMB_RAD_S };
     let each = exposures.iter().zip(lowest_rad);
     each.map(|(exposure, lowest_rad)| {
+        watch.check()?;
         if lowest_rad > fastest_rad_s * max_delay_s {
-            return max_delay_s;
+            return Ok(max_delay_s);
         }
-        last_start_s(exposure, viewpoint, earth, max_delay_s)
+        Ok(last_start_s(exposure, viewpoint, earth, max_delay_s))
     })
     .collect()
 }
@@ -139,7 +155,7 @@ mod tests {
             pointing: Direction::from_lon_lat_rad(4.0, -0.6),
             rotation_rad: 0.0,
         };
-        let lowest = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], &viewpoint, &eop)[0];
+        let lowest = |exposure: &Exposure| lowest_altitude_rad(exposure, &viewpoint, &eop);
         // One start an hour; one of them precedes the setting of the pointing by less than an hour.
         let hours = (0..24).map(|hour| of(crate::frames::seconds_after(midnight, f64::from(hour) * 3600.0)));
         let low: Vec<Exposure> = hours
@@ -150,11 +166,13 @@ mod tests {
             .collect();
         assert_eq!(low.len(), 1);
         let earth = |start, end| OrientationTable::new(start, end, &eop);
-        let last_s = last_starts_s(&[&low[0]], &viewpoint, &earth, 7200.0)[0];
+        let last_starts_s =
+            |most_s: f64| last_starts_s(&[&low[0]], &viewpoint, &earth, most_s, &Watch::default()).unwrap();
+        let last_s = last_starts_s(7200.0)[0];
         assert!((0.0..3600.0).contains(&last_s), "{last_s}");
         let at = |delay_s| lowest(&of(crate::frames::seconds_after(low[0].start, delay_s)));
         assert!(at(last_s) >= 0.0 && at(last_s + 0.1) < 0.0, "{last_s}: {} {}", at(last_s), at(last_s + 0.1));
-        assert_eq!(last_starts_s(&[&low[0]], &viewpoint, &earth, 0.5 * last_s), [0.5 * last_s]);
+        assert_eq!(last_starts_s(0.5 * last_s), [0.5 * last_s]);
     }
 
     #[test]
@@ -173,7 +191,9 @@ mod tests {
                 rotation_rad: 0.0,
             })
             .collect();
-        let found = lowest_altitudes_rad(&exposures.iter().collect::<Vec<_>>(), &viewpoint, &eop);
+        let earth = |start, end| OrientationTable::new(start, end, &eop);
+        let exposures: Vec<&Exposure> = exposures.iter().collect();
+        let found = lowest_altitudes_over(&exposures, &viewpoint, &earth, &Watch::default()).unwrap();
         for (exposure, altitude_rad) in exposures.iter().zip(found) {
             let exact =
                 [exposure.start, crate::frames::seconds_after(exposure.start, exposure.duration_s)].map(|epoch| {

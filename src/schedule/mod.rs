@@ -27,7 +27,7 @@ pub use age_effect::AgeEffect;
 pub use annotate::{Annotation, annotate, check_extension};
 pub use error::ScheduleError;
 pub use formats::ScheduleFormat;
-pub use horizon::lowest_altitudes_rad;
+pub use horizon::lowest_altitude_rad;
 pub use nights::{Shard, ShardError, evening_mjd, night_of};
 pub use policy::{Blocking, MagnitudeLimit, OfTelescope, Policy};
 pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};

@@ -180,10 +180,13 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let mut report = FlagReport::default();
     let mut counted: Vec<Vec<Pass>> = vec![Vec::new(); rows.len()];
     let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
-    let above: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
+    let above: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags)?;
 
-    let sun_is_up = |epoch| request.sky.sun_altaz(epoch).is_ok_and(|sun| sun.altitude_rad > 0.0);
-    report.by_daylight = above.iter().filter(|(_, exposure)| sun_is_up(exposure.start)).count();
+    for (_, exposure) in &above {
+        request.sky.watch().check()?;
+        let sun_is_up = request.sky.sun_altaz(exposure.start).is_ok_and(|sun| sun.altitude_rad > 0.0);
+        report.by_daylight += usize::from(sun_is_up);
+    }
 
     let exposures: Vec<Exposure> = above.iter().map(|(_, exposure)| (*exposure).clone()).collect();
     let options = pass_options(request);
@@ -195,6 +198,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let camera = Camera::of(request);
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
+        request.sky.watch().check()?;
         let band = rows[*row].band.as_deref();
         let expected = if rules.has_limit(band) {
             expected_of(&satellites, request, &|one| probability_brighter(one, &passes, band, &rules, request))
@@ -262,7 +266,7 @@ fn above_the_horizon<'a>(
     rows: &[&'a ScheduledExposure],
     request: &FlagRequest<'_>,
     flags: &mut [Option<Verdict>],
-) -> Vec<(usize, &'a Exposure)> {
+) -> Result<Vec<(usize, &'a Exposure)>, SkyError> {
     let mut judged: Vec<(usize, &Exposure)> = Vec::with_capacity(rows.len());
     for (row, scheduled) in rows.iter().enumerate() {
         match &scheduled.exposure {
@@ -272,7 +276,7 @@ fn above_the_horizon<'a>(
     }
     let exposures: Vec<&Exposure> = judged.iter().map(|(_, exposure)| *exposure).collect();
     let earth = |start, end| request.sky.orientation_over(start, end);
-    let altitudes_rad = lowest_altitudes_over(&exposures, request.sky.viewpoint(), &earth);
+    let altitudes_rad = lowest_altitudes_over(&exposures, request.sky.viewpoint(), &earth, request.sky.watch())?;
     let mut altitudes = altitudes_rad.into_iter();
     judged.retain(|(row, exposure)| {
         let altitude_rad = altitudes.next().unwrap_or(f64::NAN);
@@ -282,7 +286,7 @@ fn above_the_horizon<'a>(
         }
         altitude_rad >= 0.0
     });
-    judged
+    Ok(judged)
 }
 
 /// Returns the reason why a pointing below the horizon or limb cannot be judged.
@@ -427,9 +431,11 @@ fn find_starts(
     report.left_out.extend(crossings.left_out);
     let exposures: Vec<&Exposure> = searched.iter().map(|(_, exposure)| *exposure).collect();
     let earth = |start, end| request.sky.orientation_over(start, end);
-    let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s);
+    let watch = request.sky.watch();
+    let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s, watch)?;
     let mut searches = Vec::new();
     for (((row, exposure), passes), last_start_s) in searched.iter().zip(&crossings.by_exposure).zip(last_starts) {
+        watch.check()?;
         let Some(flag) = flags[*row].as_mut() else { continue };
         let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, &rules);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
@@ -567,6 +573,7 @@ fn confirm(
         };
         searches = Vec::new();
         for ((search, passes), too_much_lost) in open.into_iter().zip(&crossings.by_exposure).zip(too_much_lost) {
+            request.sky.watch().check()?;
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };

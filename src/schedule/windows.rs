@@ -143,6 +143,7 @@ fn windows_of(
         .iter()
         .zip(blocked)
         .map(|(target, Blocked { intervals, mut blocking_passes })| {
+            sky.watch().check()?;
             let exposure = &target.exposure;
             let observable: Vec<Interval> = constraint
                 .observable(exposure)
@@ -168,14 +169,14 @@ fn windows_of(
             if !with_passes {
                 blocking_passes.clear();
             }
-            TargetWindows {
+            Ok(TargetWindows {
                 windows,
                 unknown,
                 observable: observable.iter().filter_map(|interval| window(from, *interval)).collect(),
                 blocking_passes,
-            }
+            })
         })
-        .collect();
+        .collect::<Result<_, SkyError>>()?;
     Ok(WindowReport { by_target, left_out })
 }
 
@@ -198,6 +199,7 @@ fn passes(
     let camera = Camera::of(&request.conditions);
     let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
+        sky.watch().check()?;
         let blocking_passes: Vec<Pass> =
             passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref(), policy.blocking, &rules)).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
@@ -205,9 +207,10 @@ fn passes(
             .iter()
             .flat_map(|pass| intervals(pass, &shifted, margin_s, lateness_allowance_s(pass, policy)))
             .collect();
-        Blocked { intervals, blocking_passes }
+        Ok(Blocked { intervals, blocking_passes })
     };
-    Ok((targets.iter().zip(passes.by_exposure).map(of).collect(), passes.left_out))
+    let blocked = targets.iter().zip(passes.by_exposure).map(of).collect::<Result<_, SkyError>>()?;
+    Ok((blocked, passes.left_out))
 }
 
 /// Returns blocked intervals of each target if every lit crossing blocks.

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 use crate::images::ImagesError;
 use crate::passes::SkyError;
+use crate::watch::Interrupted;
 
 /// Errors of computing, drawing and injecting streaks.
 #[derive(Debug, Error)]
@@ -49,6 +50,9 @@ pub enum StreaksError {
         /// Number of all frames.
         count: usize,
     },
+    /// The computation was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
     /// Errors of the folder for temporary files.
     #[error(transparent)]
     Scratch(#[from] std::io::Error),

@@ -24,7 +24,7 @@ fn all_sky_nside_64(bencher: Bencher, sun_altitude_deg: f64) {
     let model = model();
     let view = view(&model, sun_altitude_deg, Earthshine::Off);
     let grid = Grid::healpix(64).expect("a division");
-    bencher.bench(|| black_box(view.map(black_box(grid))));
+    bencher.bench(|| black_box(view.map(black_box(grid)).unwrap()));
 }
 
 #[divan::bench(args = [0.0, -16.0])]
@@ -32,7 +32,7 @@ fn all_sky_nside_64_with_earthshine(bencher: Bencher, sun_altitude_deg: f64) {
     let model = model();
     let view = view(&model, sun_altitude_deg, Earthshine::Computed);
     let grid = Grid::healpix(64).expect("a division");
-    bencher.bench(|| black_box(view.map(black_box(grid))));
+    bencher.bench(|| black_box(view.map(black_box(grid)).unwrap()));
 }
 
 #[cfg(feature = "plot")]

@@ -711,3 +711,107 @@ fn the_source_of_positions_is_stated() {
     let found = doctor("2024-08-15T23:30:00Z");
     assert!(found.iter().any(|one| is(one, "warning", "median age 2.0 days; 0 cover")), "{found:?}");
 }
+
+/// The next request is allowed after the time that the source states, if this is longer than its usual waiting time.
+#[test]
+fn retry_after_is_obeyed() {
+    for (header, not_before) in [
+        ("Retry-After: 86400\r\n", "2024-08-15T12:00:00Z"),
+        ("Retry-After: Fri, 16 Aug 2024 00:00:00 GMT\r\n", "2024-08-16T00:00:00Z"),
+        ("Retry-After: 60\r\n", "2024-08-14T14:00:00Z"),
+        ("Retry-After: soon\r\n", "2024-08-14T14:00:00Z"),
+    ] {
+        let cache = Cache::new();
+        let server = Server::one(move |stream| respond(stream, "503 Service Unavailable", header, b""));
+        let (code, _, stderr) = cache.run(&server.url, NOON, &[]);
+        assert!(code == 2 && stderr.contains(&format!("next request allowed from {not_before}")), "{header}: {stderr}");
+        assert_eq!(cache.record()["not_before_utc"], not_before, "{header}");
+        let idle = Server::new(Vec::new());
+        let later = if not_before == "2024-08-14T14:00:00Z" { "2024-08-14T13:59:00Z" } else { "2024-08-15T11:59:00Z" };
+        let (code, _, stderr) = cache.run(&idle.url, later, &[]);
+        assert!(code == 2 && stderr.contains("the next one is allowed in "), "{header}: {stderr}");
+        let server = Server::one(ok(elements("sample.csv"), ""));
+        assert_eq!(cache.run(&server.url, not_before, &[]).0, 0, "{header}");
+    }
+    // The files of a manifest have one waiting time.
+    let cache = Cache::new();
+    let refuse = |stream: &mut TcpStream| {
+        respond(stream, "429 Too Many Requests", "Retry-After: 172800\r\n", b"");
+    };
+    let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(refuse)]);
+    let source = ["starlink-ephemerides", "--norad", "90001"];
+    let (code, _, stderr) = cache.source(&source, &server.url, "2024-08-14T00:30:00Z", &[]);
+    assert!(code != 0 && stderr.contains("next request allowed in 2880 min"), "{stderr}");
+    let idle = Server::new(Vec::new());
+    let (code, _, stderr) = cache.source(&source, &idle.url, "2024-08-15T12:00:00Z", &[]);
+    assert!(code != 0 && stderr.contains("the next one is allowed in "), "{stderr}");
+}
+
+#[test]
+fn a_changed_cached_file_is_reported_as_changed() {
+    let cache = Cache::filled();
+    std::fs::write(cache.file(), elements("sample.2le")).unwrap();
+    let idle = Server::new(Vec::new());
+    let (code, stdout, stderr) = cache.run(&idle.url, "2024-08-12T13:59:00Z", &[]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    assert!(stderr.contains(&format!("{} was changed after its download", cache.file().display())), "{stderr}");
+    let server = Server::one(ok(elements("sample.csv"), ""));
+    let (code, _, stderr) = cache.run(&server.url, NOON, &[]);
+    assert!(
+        code == 0 && stderr.contains("was changed after its download; a complete download replaces it"),
+        "{stderr}"
+    );
+}
+
+/// Another process holds the lock for ever.
+#[test]
+fn the_timeout_includes_the_wait_for_the_lock() {
+    for (source, name) in [
+        (&["celestrak", "--group", "starlink"][..], NAME),
+        (&["starlink-ephemerides", "--norad", "90001"], "starlink-ephemerides.manifest.txt"),
+    ] {
+        let cache = Cache::new();
+        let path = cache.folder().join(format!("{name}.lock"));
+        let held = std::fs::File::create(&path).unwrap();
+        held.lock().unwrap();
+        let idle = Server::new(Vec::new());
+        let (code, _, stderr) = cache.source(source, &idle.url, NOON, &["--timeout", "300ms"]);
+        assert!(code == 2 && stderr.contains("locked by another process for 0.3 s (--timeout)"), "{stderr}");
+        assert!(stderr.contains(&path.display().to_string()), "{stderr}");
+        assert!(idle.requests().is_empty());
+    }
+}
+
+/// No named pipe in the cache blocks the program, whose other end is never opened.
+#[cfg(unix)]
+#[test]
+fn named_pipes_in_the_cache_are_rejected() {
+    let manifest = "starlink-ephemerides.manifest.txt";
+    for (source, name) in
+        [(&["celestrak", "--group", "starlink"][..], NAME), (&["starlink-ephemerides", "--norad", "90001"], manifest)]
+    {
+        for end in ["", ".fetch.json", ".lock"] {
+            let cache = Cache::new();
+            let pipe = cache.folder().join(format!("{name}{end}"));
+            assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+            let idle = Server::new(Vec::new());
+            let (code, stdout, stderr) = cache.source(source, &idle.url, NOON, &[]);
+            let expected = format!("cache {}: is a named pipe; allowed: a file", pipe.display());
+            assert!(code == 2 && stdout.is_empty() && stderr.contains(&expected), "{stderr}");
+            assert!(idle.requests().is_empty());
+        }
+    }
+    let folder = TempDir::new().unwrap();
+    let pipe = folder.path().join("cache");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let (code, stderr) = {
+        let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .args(["fetch", "celestrak", "--group", "starlink", "--base-url", "http://127.0.0.1:9", "--now", NOON])
+            .arg("--cache")
+            .arg(&pipe)
+            .output()
+            .unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    assert!(code == Some(2) && stderr.contains("allowed: a folder"), "{stderr}");
+}

@@ -539,3 +539,49 @@ fn a_stop_completes_open_requests() {
         assert_eq!(server.stop("-0"), 0);
     }
 }
+
+/// A request is in progress when its client leaves: the server continues, and other requests have responses.
+#[test]
+fn clients_that_leave_do_not_occupy_the_server() {
+    let server = serve(&[]);
+    for limit in 0..20 {
+        let mut stream = server.connect();
+        let head = format!("GET /api/v1/night?limit_mag=5.{limit} HTTP/1.1\r\nHost: localhost\r\n\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+    }
+    assert_eq!(server.get("/health").status, 200);
+    server.json(&format!("/api/v1/exposure?{FIRST}"));
+    assert_eq!(server.stop("-TERM"), 0);
+}
+
+/// Changed element files are loaded again; invalid ones are not used.
+#[test]
+fn changed_elements_are_used_without_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("elements.tle");
+    let pair = |norad_id| crate::common::elements::pair(norad_id, "226.52426840");
+    std::fs::write(&path, pair(90001)).unwrap();
+    let arguments = ["--elements", path.to_str().unwrap(), "--mpc", "X05", "--fov", "3.5deg", "--quiet"];
+    let server = Server::start(&[&arguments, RULES].concat());
+    let satellites = || server.json("/health")["satellites"].as_u64().unwrap();
+    let above = "/fov/satellites-above-horizon/?site=X05&julian_date=2461267.4";
+    assert_eq!((satellites(), server.get(above).status), (1, 200));
+    let becomes = |number: u64| {
+        // The files are checked every two seconds. The bound is for a machine that does not progress at all.
+        for _ in 0..1200 {
+            if satellites() == number {
+                return;
+            }
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        panic!("still {} satellites, not {number}", satellites());
+    };
+    std::fs::write(&path, pair(90001) + &pair(90002)).unwrap();
+    becomes(2);
+    std::fs::write(&path, "no element sets\n").unwrap();
+    // Long enough for two checks, in most cases; a failure of the reload must not be missed for ever.
+    std::thread::sleep(std::time::Duration::from_secs(5));
+    assert_eq!((satellites(), server.get(above).status), (2, 200));
+    std::fs::write(&path, pair(90001) + &pair(90002) + &pair(90003)).unwrap();
+    becomes(3);
+}

@@ -252,3 +252,55 @@ fn errors_at_the_start_are_one_line() {
         assert!(stderr.contains(words) && stderr.lines().count() == 1, "{stderr}");
     }
 }
+
+/// A server at another loopback address accepts requests to this address.
+#[cfg(target_os = "linux")]
+#[test]
+fn every_loopback_address_can_be_bound() {
+    for bind in ["127.0.0.2:0", "127.255.255.254:0", "[::1]:0"] {
+        // Not every machine has IPv6.
+        let Ok(free) = std::net::TcpListener::bind(bind) else { continue };
+        let address = free.local_addr().unwrap();
+        drop(free);
+        let address = address.to_string();
+        let _server = Server::start(&[SHARED, &["--bind", &address]].concat());
+        let mut stream = TcpStream::connect(&address).unwrap();
+        write!(stream, "GET /health HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n").unwrap();
+        assert_eq!(read(stream).status, 200, "{address}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_token_that_others_can_read_gives_a_warning() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("token");
+    std::fs::write(&path, "correct-horse-battery\n").unwrap();
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    for (mode, has_warning) in [(0o644, true), (0o640, true), (0o600, false), (0o400, false)] {
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(mode)).unwrap();
+        let satellites: Vec<&str> = SHARED.iter().copied().filter(|word| *word != "--quiet").collect();
+        // The server does not start, because the address is in use.
+        let token = ["--bind", &address, "--token-file", path.to_str().unwrap()];
+        let (code, _, stderr) = run(&[&["serve"], &satellites, &token]);
+        assert!(code == 2 && stderr.contains("cannot listen at"), "{stderr}");
+        assert_eq!(stderr.contains("can be read by others; run chmod 600"), has_warning, "{mode:o}: {stderr}");
+    }
+}
+
+#[test]
+fn an_unknown_band_is_an_error_that_lists_the_bands() {
+    let server = shared();
+    let exposure = "start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=198.9&dec_deg=7.7";
+    for band in ["zz", "default", "G7", "%20g"] {
+        let problem = server.get(&format!("/api/v1/exposure?{exposure}&band={band}"));
+        assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some("band")), "{band}");
+        let detail = problem.json()["detail"].as_str().unwrap().to_owned();
+        assert!(detail.contains("allowed: ") && detail.contains(" V,") && detail.contains(" g,"), "{detail}");
+    }
+    for band in ["g", "V"] {
+        assert_eq!(server.get(&format!("/api/v1/exposure?{exposure}&band={band}")).status, 200, "{band}");
+    }
+}

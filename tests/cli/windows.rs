@@ -11,7 +11,7 @@ use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, Orientation, seconds_after, seconds_between};
 use streakcast::geometry::SunState;
 use streakcast::passes::{Exposure, PassOptions};
-use streakcast::schedule::{FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad};
+use streakcast::schedule::{FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitude_rad};
 
 const LIMIT_MAG: f64 = 6.5;
 const MARGIN_S: f64 = 1.0;
@@ -100,7 +100,7 @@ fn verif_windows_agree_with_passes() {
             let bright = passes.iter().filter(|pass| pass.probability_brighter_than(LIMIT_MAG) >= 0.5).count();
             let is_inside = windows.iter().any(|window| (window.first..=window.last).contains(start));
             let shutter = Exposure { start: *start, ..target.exposure.clone() };
-            let lowest_deg = lowest_altitudes_rad(&[&shutter], prepared.sky.viewpoint(), &prepared.eop)[0].to_degrees();
+            let lowest_deg = lowest_altitude_rad(&shutter, prepared.sky.viewpoint(), &prepared.eop).to_degrees();
             let end = seconds_after(*start, target.exposure.duration_s);
             let highest_sun_deg = sun_deg(*start).max(sun_deg(end));
             if is_inside {

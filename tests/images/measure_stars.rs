@@ -5,6 +5,7 @@ use hifitime::Epoch;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
+use streakcast::Watch;
 use streakcast::frames::Direction;
 use streakcast::images::{LightArea, PixelPosition, Wcs};
 use streakcast::measure::{Background, CatalogueStar, StarTable, StarZeroPoint, StreakImage, star_zero_point};
@@ -70,6 +71,7 @@ fn measured(
         optics: &optics,
         filter: "V",
         seed: case.seed,
+        watch: &Watch::default(),
     };
     let text = format!(
         "columns = {SIDE}\nrows = {SIDE}\npixel_scale_arcsec = 1.0\nzero_point_1s_mag = {ZERO_POINT_1S_MAG}\n\
@@ -108,7 +110,7 @@ fn measured(
         pixel_aspect: 1.0,
     };
     let assumed_optics = Optics { seeing_arcsec: assumed.unwrap_or(4.0), ..optics };
-    star_zero_point(&image, &wcs, &table, &assumed_optics, assumed.is_some()).unwrap()
+    star_zero_point(&image, &wcs, &table, &assumed_optics, assumed.is_some(), &Watch::default()).unwrap()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky, Sk
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, VerdictKind, WindowRequest,
-    WindowTarget, clear_windows, clear_windows_without_passes, flag_exposures, lowest_altitudes_rad,
+    WindowTarget, clear_windows, clear_windows_without_passes, flag_exposures, lowest_altitude_rad,
 };
 
 const EXPOSURE_S: f64 = 30.0;
@@ -123,7 +123,7 @@ fn windows_end_at_the_minimum_altitude() {
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
     let request = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let eop = EopTable::embedded();
-    let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
+    let altitude_rad = |exposure: &Exposure| lowest_altitude_rad(exposure, sky.viewpoint(), &eop);
     // The limit is the altitude of the second target in the middle of the time range, so that it rises or sets there.
     let limit_rad = altitude_rad(&exposure(seconds_after(dusk(), 0.5 * SPAN_S), 0.0, 1));
     let answer = windows(limit_rad, &request);
@@ -158,7 +158,7 @@ fn windows_from_an_orbit_end_at_the_limb() {
         let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad };
         clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S), &request)
     };
-    let lowest_rad = |start: Epoch| lowest_altitudes_rad(&[&exposure(start, EXPOSURE_S, 1)], sky.viewpoint(), &eop)[0];
+    let lowest_rad = |start: Epoch| lowest_altitude_rad(&exposure(start, EXPOSURE_S, 1), sky.viewpoint(), &eop);
     let found = windows_with(None).expect("windows").by_target.remove(0);
     let (first, last) = (dusk(), seconds_after(dusk(), SPAN_S));
     let ends: Vec<Epoch> = found.observable.iter().flat_map(|window| [window.first, window.last]).collect();

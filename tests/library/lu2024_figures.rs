@@ -8,14 +8,14 @@ use streakcast::photometry::BrightnessModel;
 /// Map with the shadow of the paper: the Earth without an atmosphere.
 fn sky(model: &BrightnessModel, height_km: f64, sun_altitude_deg: f64) -> SkyMap {
     let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_deg.to_radians(), options()).unwrap();
-    view.with_shadow(ShadowModel::Geometric).map(Grid::regular(DEFAULT_STEP_DEG).unwrap())
+    view.with_shadow(ShadowModel::Geometric).map(Grid::regular(DEFAULT_STEP_DEG).unwrap()).unwrap()
 }
 
 /// Returns the median magnitude of a body map over the directions for which `holds` (longitude and latitude in
 /// degrees).
 fn median(model: &BrightnessModel, sun_latitude_deg: f64, holds: impl Fn(f64, f64) -> bool) -> f64 {
     let view = BodyView::new(model, sun_latitude_deg.to_radians(), 550.0, options()).unwrap();
-    let map = view.map(Grid::regular(DEFAULT_STEP_DEG).unwrap());
+    let map = view.map(Grid::regular(DEFAULT_STEP_DEG).unwrap()).unwrap();
     let mut all: Vec<f64> = map
         .points
         .iter()

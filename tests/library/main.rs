@@ -18,6 +18,7 @@ mod forecast_reference;
 mod frames;
 mod horizons;
 mod identify;
+mod interruption;
 mod lu2024_figures;
 mod magnitude_sigma;
 mod maps;

@@ -76,7 +76,7 @@ fn verif_cells_steps_and_single_directions_agree() {
         let view = SkyView::new(&model, earth.clone(), 550.0, 4.4, -0.28, options).unwrap();
         let way = format!("{earth:?} {earthshine:?} {k:?}");
         for grid in [Grid::regular(5.0).unwrap(), Grid::healpix(16).unwrap()] {
-            let map = view.map(grid);
+            let map = view.map(grid).unwrap();
             assert_eq!(map.points.len(), grid.half_len());
             let mut compared = 0;
             for (index, point) in map.points.iter().enumerate() {
@@ -123,7 +123,7 @@ fn verif_maps_agree_with_single_predictions() {
         let earth = Earth::Ellipsoid(site.clone());
         let view = SkyView::new(&model, earth, 1200.0, sun_azimuth, sun_altitude, options).unwrap();
         let (mut lit, mut penumbra) = (0, 0);
-        for point in view.map(Grid::regular(2.0).unwrap()).points {
+        for point in view.map(Grid::regular(2.0).unwrap()).unwrap().points {
             let satellite = observer + horizontal(point.azimuth_rad, point.altitude_rad) * point.range_km;
             let satellite = Position::from_vector(satellite);
             let mut geometry = ViewingGeometry::new(&satellite, &Position::from_vector(observer), &sun).unwrap();
@@ -244,7 +244,7 @@ fn verif_body_maps_agree_with_single_directions() {
             PhotometryOptions { earthshine, ..PhotometryOptions::in_band("g".parse().unwrap(), "AB".parse().unwrap()) };
         let view = BodyView::new(&model, -0.2, 550.0, options).unwrap();
         let mut seen = 0;
-        for point in view.map(Grid::regular(5.0).unwrap()).points {
+        for point in view.map(Grid::regular(5.0).unwrap()).unwrap().points {
             let alone = view.at(point.observer_longitude_rad, point.observer_latitude_rad);
             match (point.standard_magnitude, alone) {
                 // In the plane of a panel, the result is dominated by rounding.

@@ -11,7 +11,7 @@ fn verif_fits_contains_the_table() {
     use fitsio::FitsFile;
     let model = v15();
     let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options()).unwrap();
-    let map = view.map(Grid::healpix(8).unwrap());
+    let map = view.map(Grid::healpix(8).unwrap()).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.fits");
     std::fs::write(&path, map.to_fits(folder.path()).unwrap()).unwrap();
@@ -34,7 +34,7 @@ fn verif_fits_contains_the_table() {
         assert_eq!(*magnitude, point.and_then(|point| point.magnitude).map_or(-1.6375e30, |magnitude| magnitude.0));
         assert_eq!(*range, point.map_or(-1.6375e30, |point| point.range_km));
     }
-    let regular = view.map(Grid::regular(5.0).unwrap()).to_fits(folder.path()).unwrap_err().to_string();
+    let regular = view.map(Grid::regular(5.0).unwrap()).unwrap().to_fits(folder.path()).unwrap_err().to_string();
     assert!(regular.contains("nside"), "{regular}");
     // Brackets are part of the file name.
     let bracket = folder.path().join("a[b]");
@@ -55,7 +55,7 @@ fn verif_fits_headers_accept_names_of_any_language() {
         let site = streakcast::geometry::Site::new_deg(name, 43.7, 7.3, 650.0).unwrap();
         let view = SkyView::new(&model, Earth::Ellipsoid(site), 550.0, 0.0, -0.3, options()).unwrap();
         let path = folder.path().join("map.fits");
-        std::fs::write(&path, view.map(Grid::healpix(2).unwrap()).to_fits(folder.path()).unwrap()).unwrap();
+        std::fs::write(&path, view.map(Grid::healpix(2).unwrap()).unwrap().to_fits(folder.path()).unwrap()).unwrap();
         let mut file = FitsFile::open(&path).unwrap();
         let hdu = file.hdu(1).unwrap();
         assert_eq!(hdu.read_key::<String>(&mut file, "SITE").unwrap(), card);

@@ -7,6 +7,7 @@ use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use streakcast::Watch;
 use streakcast::config::{ConfigError, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
@@ -49,7 +50,7 @@ struct Limits {
 
 /// Indices of the rows of one night, with the prepared sky.
 struct Night {
-    prepared: Arc<PreparedSky>,
+    prepared: PreparedSky,
     indices: Vec<usize>,
 }
 
@@ -68,13 +69,14 @@ impl Engine {
         }
     }
 
-    fn nights(&self, starts: impl Iterator<Item = Epoch>) -> PyResult<Vec<Night>> {
+    fn nights(&self, starts: impl Iterator<Item = Epoch>, watch: &Watch) -> PyResult<Vec<Night>> {
         let sky_cache = self.sky_cache.get();
         let mut nights: BTreeMap<i64, (Epoch, Vec<usize>)> = BTreeMap::new();
         for (index, start) in starts.enumerate() {
+            watch.check().map_err(failure::request)?;
             nights.entry(sky_cache.night_of(start)).or_insert((start, Vec::new())).1.push(index);
         }
-        let night = |(start, indices)| Ok(Night { prepared: sky_cache.of(start)?, indices });
+        let night = |(start, indices)| Ok(Night { prepared: sky_cache.of(start, watch)?, indices });
         nights.into_values().map(night).collect()
     }
 
@@ -83,6 +85,7 @@ impl Engine {
         &self,
         rows: &[ScheduledExposure],
         judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
+        watch: &Watch,
     ) -> PyResult<WithWarnings<Vec<Verdict>>> {
         let field = self.field()?;
         let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
@@ -90,7 +93,7 @@ impl Engine {
         let mut sums = FlagReport::default();
         let starts: Vec<Epoch> =
             rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
-        for Night { prepared, indices } in self.nights(starts.iter().copied())? {
+        for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
             let report = judge(&night_rows, &self.request(field, &prepared)).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
@@ -128,7 +131,7 @@ impl Engine {
     #[new]
     #[pyo3(signature = (sky_cache, setup, config=None))]
     fn new(py: Python<'_>, sky_cache: Py<SkyCache>, setup: &str, config: Option<&str>) -> PyResult<Self> {
-        failure::without_lock(py, || {
+        failure::without_lock(py, |_| {
             let setup = setup_of(setup, config)?;
             let field = match setup.field_of_view() {
                 Ok(field) => Ok(field),
@@ -180,8 +183,8 @@ impl Engine {
         exposures: Columns<'py>,
         bands: Vec<String>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
-        let rows = rows(exposures.to_exposures()?, &bands)?;
-        let (flags, warnings) = failure::without_lock(py, || self.report(&rows, judge_exposures))?;
+        let rows = rows(exposures.to_exposures(py)?, &bands)?;
+        let (flags, warnings) = failure::without_lock(py, |watch| self.report(&rows, judge_exposures, watch))?;
         let result = PyDict::new(py);
         let reals = |value: fn(&Verdict) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
         let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.kind)).collect();
@@ -205,8 +208,8 @@ impl Engine {
         exposures: Columns<'py>,
         bands: Vec<String>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let rows = rows(exposures.to_exposures()?, &bands)?;
-        let (flags, warnings) = failure::without_lock(py, || self.report(&rows, flag_exposures))?;
+        let rows = rows(exposures.to_exposures(py)?, &bands)?;
+        let (flags, warnings) = failure::without_lock(py, |watch| self.report(&rows, flag_exposures, watch))?;
         Ok((columns(py, &flag_table(&flags))?, warnings))
     }
 
@@ -222,7 +225,7 @@ impl Engine {
         samples: usize,
         limits_mag: Option<Vec<f64>>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let exposures = exposures.to_exposures()?;
+        let exposures = exposures.to_exposures(py)?;
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
             return Err(failure::request(format!("samples is {samples}; allowed: 0 to {most}")));
@@ -231,8 +234,9 @@ impl Engine {
             let limit_mag = self.policy.limit_mag.as_ref()?.of(None)?;
             Some(vec![limit_mag; exposures.len()])
         });
-        let (table, warnings) =
-            failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples, limits_mag.as_deref()))?;
+        let (table, warnings) = failure::without_lock(py, |watch| {
+            self.pass_table(&exposures, include_dark, samples, limits_mag.as_deref(), watch)
+        })?;
         Ok((columns(py, &table)?, warnings))
     }
 
@@ -251,7 +255,7 @@ impl Engine {
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         within("exposure", 0, exposure_s, 0.0, 86_400.0, "s")?;
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        let rows = rows(exposures.to_exposures()?, &bands)?;
+        let rows = rows(exposures.to_exposures(py)?, &bands)?;
         if let Some(sun_deg) = max_sun_altitude_deg {
             within("max_sun_altitude", 0, sun_deg, -90.0, 90.0, "deg")?;
         }
@@ -261,7 +265,7 @@ impl Engine {
             min_altitude_rad: min_altitude_deg.to_radians(),
             max_sun_altitude_rad: max_sun_altitude_deg.map(f64::to_radians),
         };
-        let (found, warnings) = failure::without_lock(py, || self.windows(rows, exposure_s, &limits))?;
+        let (found, warnings) = failure::without_lock(py, |watch| self.windows(rows, exposure_s, &limits, watch))?;
         let targets: Vec<i64> = found.iter().map(|(index, _)| *index as i64).collect();
         let result = PyDict::new(py);
         result.set_item("target", targets.into_pyarray(py))?;
@@ -301,7 +305,7 @@ impl Engine {
             photometry: None,
         };
         let (rows, warnings) =
-            failure::without_lock(py, || self.sky_rows(start, &seconds, &options, light, &limits_mag))?;
+            failure::without_lock(py, |watch| self.sky_rows(start, &seconds, &options, light, &limits_mag, watch))?;
         let result = PyDict::new(py);
         let reals = |column: Vec<f64>| -> Bound<'py, PyArray1<f64>> { column.into_pyarray(py) };
         result.set_item("moment", rows.moment.into_pyarray(py))?;
@@ -340,8 +344,9 @@ impl Engine {
         options: &SnapshotOptions,
         light: bool,
         limits_mag: &[f64],
+        watch: &Watch,
     ) -> PyResult<WithWarnings<SkyRows>> {
-        let prepared = self.sky_cache.get().of(start)?;
+        let prepared = self.sky_cache.get().of(start, watch)?;
         check_known(&prepared, [start])?;
         let sky = &prepared.sky;
         let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::request)?;
@@ -354,6 +359,7 @@ impl Engine {
         };
         let mut rows = SkyRows::default();
         for track in &tracks {
+            watch.check().map_err(failure::request)?;
             let Some(middle) = track.middle() else { continue };
             let range_km = middle.point.range_km;
             let lost_width_arcsec = lost_width(track, range_km);
@@ -383,6 +389,7 @@ impl Engine {
         include_dark: bool,
         samples: usize,
         limits_mag: Option<&[f64]>,
+        watch: &Watch,
     ) -> PyResult<WithWarnings<Table>> {
         let field = self.field()?;
         let options = PassOptions {
@@ -394,11 +401,12 @@ impl Engine {
         };
         let mut found: Vec<(usize, Arc<PreparedSky>, Vec<Pass>)> = Vec::new();
         let mut warnings = Vec::new();
-        for Night { prepared, indices } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
+        for Night { prepared, indices } in self.nights(exposures.iter().map(|exposure| exposure.start), watch)? {
             let of_night: Vec<Exposure> = indices.iter().map(|index| exposures[*index].clone()).collect();
             check_known(&prepared, of_night.iter().map(|exposure| exposure.start))?;
             let passes = prepared.sky.field_passes(&of_night, field, &options).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &passes.left_out, of_night[0].start)?);
+            let prepared = Arc::new(prepared);
             found.extend(
                 indices.into_iter().zip(passes.by_exposure).map(|(index, passes)| (index, prepared.clone(), passes)),
             );
@@ -441,6 +449,7 @@ impl Engine {
         rows: Vec<ScheduledExposure>,
         exposure_s: f64,
         limits: &Limits,
+        watch: &Watch,
     ) -> PyResult<WithWarnings<Vec<(usize, ClearWindow)>>> {
         let field = self.field()?;
         let policy = Policy { blocking: limits.blocking.unwrap_or(self.policy.blocking), ..self.policy.clone() };
@@ -448,7 +457,7 @@ impl Engine {
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
         let bands = times.iter().map(|(_, band)| band.as_deref()).collect();
         let (mut found, mut warnings) = (Vec::new(), policy.band_warnings(&bands, self.telescope.as_ref()));
-        for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start))? {
+        for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start), watch)? {
             let conditions = FlagRequest { policy: &policy, ..self.request(field, &prepared) };
             let Limits { min_altitude_rad, max_sun_altitude_rad, .. } = *limits;
             let request = WindowRequest { conditions, min_altitude_rad, max_sun_altitude_rad };

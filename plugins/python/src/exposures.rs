@@ -89,9 +89,12 @@ pub struct Columns<'py> {
     rotation_deg: Column<'py>,
 }
 
+/// Number of rows that are converted between two checks for signals.
+const CONVERTED: usize = 10_000;
+
 impl Columns<'_> {
     /// Returns the exposures. Their ids are their indices.
-    pub fn to_exposures(&self) -> PyResult<Vec<Exposure>> {
+    pub fn to_exposures(&self, py: Python<'_>) -> PyResult<Vec<Exposure>> {
         let columns = [&self.ra_deg, &self.dec_deg, &self.jd1, &self.jd2, &self.exposure_s, &self.rotation_deg];
         let [ra, dec, jd1, jd2, exposure, rotation] = columns.map(|column| column.as_array());
         if columns.iter().any(|column| column.as_array().len() != ra.len()) {
@@ -99,6 +102,9 @@ impl Columns<'_> {
         }
         (0..ra.len())
             .map(|index| {
+                if index % CONVERTED == 0 {
+                    py.check_signals()?;
+                }
                 let ra_deg = within("ra", index, ra[index], -180.0, 360.0, "deg")?;
                 let dec_deg = within("dec", index, dec[index], -90.0, 90.0, "deg")?;
                 Ok(Exposure {

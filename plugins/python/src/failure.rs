@@ -1,9 +1,12 @@
 //! Conversion of errors and panics to Python exceptions.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::Duration;
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
+use streakcast::Watch;
 use streakcast::message::bounded;
 
 pyo3::create_exception!(streakcast, StreakcastError, PyValueError, "Invalid request.");
@@ -49,10 +52,41 @@ pub fn as_arguments(message: &str) -> String {
     converted
 }
 
+/// Interval between two checks for signals, such as that of Ctrl-C.
+const SIGNALS_EVERY: Duration = Duration::from_millis(50);
+
 /// Runs a function in the thread pool without the interpreter lock. Panics are converted to exceptions.
-pub fn without_lock<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+///
+/// If a signal handler of Python raises an exception (`KeyboardInterrupt` on Ctrl-C), the work is stopped by its watch,
+/// and the exception is returned.
+pub fn without_lock<T: Send>(py: Python<'_>, work: impl FnOnce(&Watch) -> PyResult<T> + Send) -> PyResult<T> {
     let pool = crate::pool::pool()?;
-    let result = py.detach(|| catch_unwind(AssertUnwindSafe(|| pool.install(work))));
+    let watch = Watch::default();
+    let (result, raised) = py.detach(|| {
+        let (sender, receiver) = mpsc::sync_channel(1);
+        pool.in_place_scope(|scope| {
+            scope.spawn(|_| {
+                // The receiver is alive until the work has sent its result.
+                let _ = sender.send(catch_unwind(AssertUnwindSafe(|| work(&watch))));
+            });
+            let mut raised = None;
+            loop {
+                match receiver.recv_timeout(SIGNALS_EVERY) {
+                    Err(RecvTimeoutError::Timeout) => {
+                        if let Err(error) = Python::attach(|py| py.check_signals()) {
+                            watch.stop();
+                            raised = Some(error);
+                        }
+                    }
+                    received => break (received, raised),
+                }
+            }
+        })
+    });
+    if let Some(error) = raised {
+        return Err(error);
+    }
+    let result = result.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     result.unwrap_or_else(|cause| {
         let text = cause.downcast_ref::<String>().map(String::as_str).or(cause.downcast_ref::<&str>().copied());
         Err(PyRuntimeError::new_err(format!("internal error, please report it: {}", text.unwrap_or("no message"))))

@@ -35,14 +35,15 @@ pub fn inject<'py>(
     let setup: Config = setup_of(setup, config)?;
     let image = image.map(|image| values_of(&image)).transpose()?;
     let cards = Header::from_text(header.unwrap_or_default());
-    let (injections, image_and_mask) = failure::without_lock(py, || {
+    let (injections, image_and_mask) = failure::without_lock(py, |watch| {
         let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));
         let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
         match &image {
-            None => Ok((inject_frames(&injection, &setup, sky, &[output]).map_err(exception)?, None)),
+            None => Ok((inject_frames(&injection, &setup, sky, &[output], watch).map_err(exception)?, None)),
             Some(image) => {
                 let ArrayInjected { image, mask, injections } =
-                    inject_into_array(&injection, &setup, sky, image, &cards, Path::new(&output)).map_err(exception)?;
+                    inject_into_array(&injection, &setup, sky, image, &cards, Path::new(&output), watch)
+                        .map_err(exception)?;
                 Ok((injections, Some((image, mask))))
             }
         }

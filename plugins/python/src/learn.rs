@@ -42,7 +42,7 @@ pub fn learn(
         sigma_mag: Some(sigma_mag[row]).filter(|sigma| sigma.is_finite()),
     };
     let points: Vec<_> = norad_id.iter().enumerate().map(|(row, id)| (NoradId(*id), kind, point(row))).collect();
-    failure::without_lock(py, || {
+    failure::without_lock(py, |_| {
         let mut provenance = Provenance::new();
         provenance.state("kind", kind.name());
         provenance.state("measurements", points.len());

@@ -79,11 +79,11 @@ pub fn body_map<'py>(
     step_deg: Option<f64>,
     nside: Option<u32>,
 ) -> PyResult<Map<'py>> {
-    let (table, facts) = failure::without_lock(py, || {
+    let (table, facts) = failure::without_lock(py, |watch| {
         let Inputs { model, options, .. } = inputs(setup, model)?;
         let view =
             BodyView::new(&model, sun_latitude_deg.to_radians(), height_km, options).map_err(failure::request)?;
-        let map = view.map(grid(step_deg, nside)?);
+        let map = view.watched(watch).map(grid(step_deg, nside)?).map_err(failure::request)?;
         Ok((map.table(), facts_json(&map.facts)?))
     })?;
     Ok((columns(py, &table)?, facts))
@@ -103,9 +103,10 @@ pub fn sky_map<'py>(
     step_deg: Option<f64>,
     nside: Option<u32>,
 ) -> PyResult<Map<'py>> {
-    let (table, facts) = failure::without_lock(py, || {
+    let (table, facts) = failure::without_lock(py, |watch| {
         let inputs = inputs(setup, model)?;
-        let map = sky_view(&inputs, sun_altitude_deg, sun_azimuth_deg, height_km)?.map(grid(step_deg, nside)?);
+        let view = sky_view(&inputs, sun_altitude_deg, sun_azimuth_deg, height_km)?.watched(watch);
+        let map = view.map(grid(step_deg, nside)?).map_err(failure::request)?;
         Ok((map.table(), facts_json(&map.facts)?))
     })?;
     Ok((columns(py, &table)?, facts))
@@ -140,11 +141,12 @@ pub fn standard_magnitudes<'py>(
         within("observer_latitude", index, latitude[index], -90.0, 90.0, "deg")?;
         within("height", index, height[index], 1e-3, 100_000.0, "km")?;
     }
-    let magnitudes = failure::without_lock(py, || {
+    let magnitudes = failure::without_lock(py, |watch| {
         let Inputs { model, options, .. } = inputs(setup, model)?;
         (0..sun.len())
             .into_par_iter()
             .map(|index| {
+                watch.check().map_err(failure::request)?;
                 let view = BodyView::new(&model, sun[index].to_radians(), height[index], options);
                 let magnitude =
                     view.map_err(failure::request)?.at(longitude[index].to_radians(), latitude[index].to_radians());
@@ -173,16 +175,18 @@ pub fn sky_magnitudes<'py>(
         within("azimuth", index, azimuth[index], -360.0, 360.0, "deg")?;
         within("altitude", index, altitude[index], 0.0, 90.0, "deg")?;
     }
-    let (magnitudes, ranges): (Vec<f64>, Vec<f64>) = failure::without_lock(py, || {
+    let (magnitudes, ranges): (Vec<f64>, Vec<f64>) = failure::without_lock(py, |watch| {
         let inputs = inputs(setup, model)?;
         let view = sky_view(&inputs, sun_altitude_deg, sun_azimuth_deg, height_km)?;
-        Ok((0..azimuth.len())
+        let points = (0..azimuth.len())
             .into_par_iter()
             .map(|index| {
+                watch.check().map_err(failure::request)?;
                 let point = view.at(azimuth[index].to_radians(), altitude[index].to_radians());
-                (point.magnitude.map_or(f64::NAN, |magnitude| magnitude.0), point.range_km)
+                Ok((point.magnitude.map_or(f64::NAN, |magnitude| magnitude.0), point.range_km))
             })
-            .unzip())
+            .collect::<PyResult<Vec<_>>>()?;
+        Ok(points.into_iter().unzip())
     })?;
     Ok((magnitudes.into_pyarray(py), ranges.into_pyarray(py)))
 }

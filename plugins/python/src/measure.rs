@@ -23,9 +23,9 @@ pub fn measure<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let measure: MeasureConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
-    let done = failure::without_lock(py, || {
+    let done = failure::without_lock(py, |watch| {
         let sky = |moment: Epoch| sky_cache.get().prepared(moment);
-        measure.measure(&setup, Some(&sky as SkyOf<'_>)).map_err(exception)
+        measure.measure(&setup, Some(&sky as SkyOf<'_>), watch).map_err(exception)
     })?;
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let result = PyDict::new(py);

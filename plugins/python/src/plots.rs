@@ -27,20 +27,20 @@ pub struct Picture(streakcast::plot::Picture);
 impl Picture {
     /// Returns a PNG.
     fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = failure::without_lock(py, || self.0.to_png().map_err(failure::request))?;
+        let bytes = failure::without_lock(py, |_| self.0.to_png().map_err(failure::request))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
     /// Returns an SVG with embedded font.
     fn svg(&self, py: Python<'_>) -> PyResult<String> {
-        failure::without_lock(py, || self.0.to_svg().map_err(failure::request))
+        failure::without_lock(py, |_| self.0.to_svg().map_err(failure::request))
     }
 
     /// Writes a file atomically, as PNG or SVG by the file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
         let format = PictureFormat::of(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let bytes = failure::without_lock(py, || self.0.to_bytes(format).map_err(failure::request))?;
+        let bytes = failure::without_lock(py, |_| self.0.to_bytes(format).map_err(failure::request))?;
         write_atomically(path, |out| out.write_all(&bytes))
             .map_err(|error| PyOSError::new_err(format!("cannot write {}: {error}", path.display())))
     }

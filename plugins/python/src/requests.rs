@@ -4,6 +4,7 @@
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use streakcast::Watch;
 use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
     EphemerisRow, ForecastError, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris,
@@ -35,15 +36,15 @@ pub fn forecast<'py>(
     let configs: Vec<ForecastConfig> =
         requests.iter().map(|text| serde_json::from_str(text).map_err(failure::request)).collect::<PyResult<_>>()?;
     let setup = setup_of(setup, config)?;
-    let Nights { passes, nights, warnings } = failure::without_lock(py, || {
+    let Nights { passes, nights, warnings } = failure::without_lock(py, |watch| {
         // All requests are checked before the first night is computed.
         let resolved = configs
             .iter()
             .map(|forecast| forecast.resolve(&setup, 0).map_err(exception))
             .collect::<PyResult<Vec<_>>>()?;
-        resolved
-            .iter()
-            .try_fold(Nights::new(), |nights, (request, selection)| nights.with(sky_cache.get(), request, selection))
+        resolved.iter().try_fold(Nights::new(), |nights, (request, selection)| {
+            nights.with(sky_cache.get(), request, selection, watch)
+        })
     })?;
     let result = PyDict::new(py);
     result.set_item("passes", columns(py, &passes)?)?;
@@ -64,8 +65,14 @@ impl Nights {
         Self { passes: Table::default(), nights: Table::default(), warnings: Vec::new() }
     }
 
-    fn with(mut self, sky_cache: &SkyCache, request: &ForecastRequest, selection: &Selection) -> PyResult<Self> {
-        let prepared = sky_cache.over(request.start, request.end).map_err(failure::setup)?;
+    fn with(
+        mut self,
+        sky_cache: &SkyCache,
+        request: &ForecastRequest,
+        selection: &Selection,
+        watch: &Watch,
+    ) -> PyResult<Self> {
+        let prepared = sky_cache.over(request.start, request.end, watch)?;
         let sky = &prepared.sky;
         prepared.check_known(request.start, request.end).map_err(failure::unknown)?;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
@@ -102,10 +109,10 @@ pub fn ephemeris<'py>(
 ) -> PyResult<(Bound<'py, PyList>, Vec<String>)> {
     let given: EphemerisConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
-    let (table, warnings) = failure::without_lock(py, || {
+    let (table, warnings) = failure::without_lock(py, |watch| {
         let request = given.resolve(&setup).map_err(exception)?;
         let (first, last) = request.span().map_err(|error| exception(error.into()))?;
-        let prepared = sky_cache.get().over(first, last).map_err(failure::setup)?;
+        let prepared = sky_cache.get().over(first, last, watch)?;
         let elements = prepared.sky.elements();
         let found = compute_ephemeris(&prepared.sky, &request).map_err(|error| exception(error.into()))?;
         let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
@@ -131,11 +138,11 @@ pub fn identify<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
-    let (tables, found, warning) = failure::without_lock(py, || {
+    let (tables, found, warning) = failure::without_lock(py, |watch| {
         let plan = identify.resolve(&setup).map_err(exception)?;
         let streak = &plan.streak;
         let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
-        let prepared = sky_cache.get().over(start, end).map_err(failure::setup)?;
+        let prepared = sky_cache.get().over(start, end, watch)?;
         prepared.check_altitude("streak", &plan.exposure()).map_err(exception)?;
         let options = IdentifyOptions { include_dark, photometry: setup.photometry().map_err(failure::setup)? };
         let found = identify_streak(&prepared.sky, streak, &options).map_err(failure::request)?;

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use hifitime::{Epoch, Unit};
 use pyo3::prelude::*;
+use streakcast::Watch;
 use streakcast::config::{Config, ConfigError, LoadedInputs, PreparedSky};
 use streakcast::frames::{mjd_utc, seconds_after};
 use streakcast::output::{Section, write_json};
@@ -30,12 +31,13 @@ pub struct SkyCache {
 }
 
 impl SkyCache {
-    /// Returns the sky of the night that contains a time.
-    pub fn of(&self, moment: Epoch) -> PyResult<Arc<PreparedSky>> {
-        self.prepared(moment).map_err(failure::setup)
+    /// Returns the sky of the night that contains a time. Its queries stop with the watch.
+    pub fn of(&self, moment: Epoch, watch: &Watch) -> PyResult<PreparedSky> {
+        watch.check().map_err(failure::request)?;
+        Ok(self.prepared(moment).map_err(failure::setup)?.watched(watch))
     }
 
-    /// Same as `of`, with an error of the library instead of a Python exception.
+    /// Returns the cached sky, with an error of the library instead of a Python exception.
     pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         let night = self.night_of(moment);
         if let Some(prepared) = self.find_cached(night) {
@@ -60,9 +62,12 @@ impl SkyCache {
         cached.iter().find(|(other, _)| *other == night).map(|(_, prepared)| prepared.clone())
     }
 
-    /// Returns the sky for a time span, prepared as on the command line; with a fixed epoch, the sky of that epoch.
-    pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
-        if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) }
+    /// Returns the sky for a time span, prepared as on the command line; with a fixed epoch, the sky of that epoch. Its
+    /// queries stop with the watch.
+    pub fn over(&self, first: Epoch, last: Epoch, watch: &Watch) -> PyResult<PreparedSky> {
+        watch.check().map_err(failure::request)?;
+        let prepared = if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) };
+        Ok(prepared.map_err(failure::setup)?.watched(watch))
     }
 
     fn prepare(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
@@ -96,7 +101,7 @@ impl SkyCache {
     #[pyo3(signature = (setup, config=None, epoch=None))]
     fn new(py: Python<'_>, setup: &str, config: Option<&str>, epoch: Option<(f64, f64)>) -> PyResult<Self> {
         let epoch = epoch.map(|(jd1, jd2)| start_of(0, jd1, jd2)).transpose()?;
-        failure::without_lock(py, || {
+        failure::without_lock(py, |_| {
             let setup = setup_of(setup, config)?;
             let inputs = setup.load().map_err(failure::setup)?;
             // A site can be checked now. The orbit of a telescope may be invalid at certain times only.
@@ -129,8 +134,8 @@ impl SkyCache {
     /// Returns the provenance of a night's results as JSON.
     fn provenance(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<String> {
         let moment = start_of(0, jd1, jd2)?;
-        failure::without_lock(py, || {
-            let prepared = self.of(moment)?;
+        failure::without_lock(py, |watch| {
+            let prepared = self.of(moment, watch)?;
             let sections: &[Section<'_>] = &[];
             let mut text = Vec::new();
             write_json(&mut text, sections, &prepared.provenance).map_err(failure::request)?;
@@ -151,7 +156,7 @@ impl SkyCache {
     /// Returns the number of satellites prepared for a night.
     fn satellites(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<usize> {
         let moment = start_of(0, jd1, jd2)?;
-        failure::without_lock(py, || Ok(self.of(moment)?.sky.elements().len()))
+        failure::without_lock(py, |watch| Ok(self.of(moment, watch)?.sky.elements().len()))
     }
 }
 

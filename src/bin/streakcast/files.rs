@@ -43,6 +43,22 @@ pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
     check_distinct(&inputs, &outputs)
 }
 
+/// Returns a warning if other users can read a secret file; `what` names its content.
+pub fn readable_by_others(what: &str, path: &Path) -> Option<String> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = fs::metadata(path).ok()?.permissions().mode();
+        let shown = path.display();
+        (mode & 0o077 != 0).then(|| format!("{what} {shown} can be read by others; run chmod 600 {shown}"))
+    }
+    #[cfg(not(unix))]
+    {
+        let _ = (what, path);
+        None
+    }
+}
+
 /// Checks that no output is also an input or another output. Devices and pipes may be both.
 pub fn check_distinct(inputs: &[impl AsRef<Path>], outputs: &[impl AsRef<Path>]) -> anyhow::Result<()> {
     let mut files = BTreeMap::new();

@@ -17,6 +17,7 @@ const LONG_WORK: usize = 2000;
 const MOST_WARNINGS: usize = 3;
 
 /// Writer of messages to standard error.
+#[derive(Copy, Clone)]
 pub struct Notices {
     quiet: bool,
     verbose: bool,

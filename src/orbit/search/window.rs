@@ -30,6 +30,7 @@ use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
 use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
+use crate::watch::{Interrupted, Watch};
 
 /// Longest interval of one window, seconds. During six hours an orbit's node moves by at most 2.5°, and above 250 km
 /// drag changes the mean longitude by less than the margin.
@@ -123,28 +124,34 @@ impl Window {
     /// and SGP4 differ by more than the margins. Exposures longer than [`MAX_WINDOW_S`] use SGP4 only.
     ///
     /// `unknown` returns, for an element index, the reason why a satellite has no known position without an ephemeris;
-    /// such a satellite is left out. `reach` returns, for an element index, the distance from the prediction within which
-    /// that satellite is searched for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers must split longer intervals.
+    /// such a satellite is left out. `reach` returns, for an element index, the distance from the prediction within
+    /// which that satellite is searched for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers must
+    /// split longer intervals.
+    ///
+    /// # Errors
+    /// [`Interrupted`] if `watch` is stopped.
     pub fn new(
         index: &SatelliteIndex,
         start: Epoch,
         end: Epoch,
         unknown: &(dyn Fn(usize) -> Option<OrbitError> + Sync),
         reach: &(dyn Fn(usize) -> Reach + Sync),
-    ) -> Self {
+        watch: &Watch,
+    ) -> Result<Self, Interrupted> {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<(f64, Kind)> = (0..index.len())
             .into_par_iter()
             .with_min_len(64)
             .map(|element_index| {
+                watch.check()?;
                 let propagator = match index.source_over(element_index, [start, end], MAX_WINDOW_S) {
-                    SearchedPropagator::Absent => return (0.0, Kind::Absent),
-                    SearchedPropagator::Several(sgp4) => return (sgp4.minutes_since_epoch(start), Kind::Always),
+                    SearchedPropagator::Absent => return Ok((0.0, Kind::Absent)),
+                    SearchedPropagator::Several(sgp4) => return Ok((sgp4.minutes_since_epoch(start), Kind::Always)),
                     SearchedPropagator::One(propagator) => propagator,
                 };
                 let minutes = propagator.minutes_since_epoch(start);
                 if let Some(reason) = unknown(element_index).filter(|_| !propagator.has_ephemeris()) {
-                    return (minutes, Kind::LeftOut(reason));
+                    return Ok((minutes, Kind::LeftOut(reason)));
                 }
                 let end_minutes = minutes + span_s / 60.0;
                 let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
@@ -155,9 +162,9 @@ impl Window {
                     (Err(error), Err(_)) => Kind::LeftOut(error),
                     _ => Kind::Always,
                 };
-                (minutes, kind)
+                Ok((minutes, kind))
             })
-            .collect();
+            .collect::<Result<_, Interrupted>>()?;
 
         let mut window = Self {
             start,
@@ -188,7 +195,7 @@ impl Window {
             thick_a.cmp(&thick_b).then(low_a.total_cmp(&low_b))
         });
         window.chunks = entries.chunks(CHUNK).map(|entries| chunk(entries.iter().map(|entry| &**entry))).collect();
-        window
+        Ok(window)
     }
 
     /// Returns the start of the window.
@@ -355,7 +362,8 @@ mod tests {
         let elements = orbits();
         let index = SatelliteIndex::new(&elements, DragModel::Published);
         let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
-        let window = Window::new(&index, start, seconds_after(start, MAX_WINDOW_S), &|_| None, &|_| Reach::default());
+        let end = seconds_after(start, MAX_WINDOW_S);
+        let window = Window::new(&index, start, end, &|_| None, &|_| Reach::default(), &Watch::default()).unwrap();
         let mut checked = 0;
         let mut worst = [0.0_f64; 3];
         for chunk in &window.chunks {

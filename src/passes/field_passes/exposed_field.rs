@@ -64,17 +64,19 @@ impl<'a> ExposedField<'a> {
         include_dark: bool,
         seen: &mut Vec<Candidate>,
         of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
-    ) -> (Vec<T>, Vec<LeftOut>) {
+    ) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> {
         let flight = self.flight.as_ref();
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
-        for interval in self.sky.candidate_intervals(self.scene, self.exposure, &self.field, flight, include_dark, seen)
+        for interval in
+            self.sky.candidate_intervals(self.scene, self.exposure, &self.field, flight, include_dark, seen)?
         {
+            self.sky.watch().check()?;
             match of(&interval) {
                 Ok(one) => found.extend(one),
                 Err(reason) => left_out.push(self.sky.failed(interval.element_index, reason)),
             }
         }
-        (found, left_out)
+        Ok((found, left_out))
     }
 
     /// Returns the propagator of a satellite for this exposure; `None` if there is none.

@@ -121,7 +121,7 @@ impl Sky {
         let Some(observer) = self.viewpoint().site() else { return self.probabilities_in_flight(exposures, field) };
         let (by_exposure, _) = self.by_exposure(exposures, SearchScope::Delayed, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
-            Ok((exposed.probabilities(observer, seen), Vec::new()))
+            Ok((exposed.probabilities(observer, seen)?, Vec::new()))
         })?;
         Ok(by_exposure)
     }
@@ -173,13 +173,18 @@ impl Sky {
 
 impl ExposedField<'_> {
     /// Returns the probabilities of all satellites that may be in the exposure. `seen` is a buffer that is reused.
-    fn probabilities(&self, observer: &Observer, seen: &mut Vec<Candidate>) -> Vec<CrossingProbability> {
+    fn probabilities(
+        &self,
+        observer: &Observer,
+        seen: &mut Vec<Candidate>,
+    ) -> Result<Vec<CrossingProbability>, SkyError> {
         let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
         // The pieces are computed only if a satellite may be late.
         let pieces: Vec<OnceCell<Vec<Piece>>> = parts.iter().map(|_| OnceCell::new()).collect();
         let shadow = self.sky.dark_cone(self.scene, self.exposure);
         seen.clear();
         for (first, part) in (0..).zip(&parts) {
+            self.sky.watch().check()?;
             let times_s = (part.mid_s(), 0.5 * (part.end_s - part.start_s));
             let near = (&part.site, &part.orientation);
             let Some(PlacedCone { window, cone, teme_to_gcrs }) =
@@ -215,7 +220,12 @@ impl ExposedField<'_> {
             });
             of_parts.reduce(CrossingProbability::plus)
         };
-        seen.chunk_by(|one, other| one.element_index == other.element_index).filter_map(of_one).collect()
+        let mut found = Vec::new();
+        for of_satellite in seen.chunk_by(|one, other| one.element_index == other.element_index) {
+            self.sky.watch().check()?;
+            found.extend(of_one(of_satellite));
+        }
+        Ok(found)
     }
 
     /// Returns the probability that a satellite, sunlit or not, is in the field at any time of the exposure, for an

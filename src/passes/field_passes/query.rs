@@ -43,7 +43,7 @@ impl Sky {
         let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             let (mut passes, left_out) =
-                exposed.evaluate(options.include_dark, seen, |interval| exposed.pass(interval, options));
+                exposed.evaluate(options.include_dark, seen, |interval| exposed.pass(interval, options))?;
             passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
             Ok((passes, left_out))
         })?;
@@ -68,19 +68,17 @@ impl Sky {
             .map(|exposure| {
                 let scene = self.scene_without_windows(exposure.start, exposure.duration_s);
                 let exposed = ExposedField::new(self, &scene, exposure, field)?;
-                let mut passes: Vec<Pass> = (0..self.elements().len())
-                    .filter(|&element_index| !self.is_observer(element_index))
-                    .filter(|&element_index| {
-                        let sgp4 =
-                            || self.too_old(element_index, middle_of_window(window_number(exposure.start))).is_none();
-                        let over = self.propagator_over(exposure.start, element_index, [0.0, exposure.duration_s]);
-                        over.is_some_and(|one| one.has_ephemeris() || sgp4())
-                    })
-                    .filter_map(|element_index| {
+                let mut passes: Vec<Pass> = Vec::new();
+                for element_index in (0..self.elements().len()).filter(|&one| !self.is_observer(one)) {
+                    self.watch().check()?;
+                    let sgp4 =
+                        || self.too_old(element_index, middle_of_window(window_number(exposure.start))).is_none();
+                    let over = self.propagator_over(exposure.start, element_index, [0.0, exposure.duration_s]);
+                    if over.is_some_and(|one| one.has_ephemeris() || sgp4()) {
                         let interval = CandidateInterval::over(element_index, 0.0, exposure.duration_s);
-                        exposed.pass(&interval, options).ok().flatten()
-                    })
-                    .collect();
+                        passes.extend(exposed.pass(&interval, options).ok().flatten());
+                    }
+                }
                 passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
                 Ok(passes)
             })
@@ -101,11 +99,14 @@ impl Sky {
         for group in groups(exposures) {
             let start = exposures[group[0]].start;
             let span_s = group.iter().map(|&one| exposures[one].end_s(start)).fold(0.0, f64::max);
-            let scene = self.scene(start, span_s, scope);
+            let scene = self.scene(start, span_s, scope)?;
             left_out.extend(scene.windows.iter().flat_map(|window| window.left_out()).cloned());
             let found = group
                 .par_iter()
-                .map_init(Vec::new, |seen, &one| Ok((one, of(&scene, &exposures[one], seen)?)))
+                .map_init(Vec::new, |seen, &one| {
+                    self.watch().check()?;
+                    Ok((one, of(&scene, &exposures[one], seen)?))
+                })
                 .collect::<Result<Vec<_>, SkyError>>()?;
             for (one, (of_one, without)) in found {
                 by_exposure[one] = of_one;

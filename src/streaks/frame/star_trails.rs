@@ -95,6 +95,7 @@ pub(super) fn add_trails(
     profile: &RadialProfile,
 ) -> Result<(), StreaksError> {
     let trail = |star: &SkyStar| -> Result<Vec<Patch>, StreaksError> {
+        shot.watch.check()?;
         let [first_s, last_s] = star.over_s;
         let point = |moment: u32| SkyPoint {
             time_s: first_s + (last_s - first_s) * f64::from(moment) / f64::from(MOMENTS),

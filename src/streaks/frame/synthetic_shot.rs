@@ -5,6 +5,7 @@ use hifitime::Epoch;
 use super::super::optics::Optics;
 use super::super::tracking::Tracking;
 use crate::frames::{Direction, Gcrs};
+use crate::watch::Watch;
 
 /// Time, pointing and optics of the exposure of a synthetic frame.
 #[derive(Copy, Clone, Debug)]
@@ -23,4 +24,7 @@ pub struct SyntheticShot<'a> {
     pub filter: &'a str,
     /// Seed of the random stars and of the noise.
     pub seed: u64,
+    /// Handle that stops the computation of the frame with
+    /// [`StreaksError::Interrupted`](crate::streaks::StreaksError::Interrupted).
+    pub watch: &'a Watch,
 }

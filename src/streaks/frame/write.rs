@@ -13,6 +13,7 @@ use crate::images::{
     Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::output::{Column, Kind, Table, Value};
+use crate::watch::Watch;
 
 /// Options for the conversion of light to counts and for the truth that is written.
 #[derive(Clone, Debug)]
@@ -59,11 +60,13 @@ pub fn inject(
     streaks: &[DrawnStreak<'_>],
     options: &InjectOptions,
     output: &Path,
+    watch: &Watch,
 ) -> Result<Injected, StreaksError> {
     let mut copy = FrameCopy::begin(&frame.file, output)?;
     let mut report = Injected::default();
     let mut masks = Vec::new();
     for target in &frame.chips {
+        watch.check()?;
         let own: Vec<&DrawnStreak<'_>> = streaks.iter().filter(|streak| streak.hdu == target.chip.hdu).collect();
         if own.is_empty() {
             continue;

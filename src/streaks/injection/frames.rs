@@ -7,6 +7,7 @@ use super::super::frame::{FrameOverrides, SyntheticFrame, SyntheticShot, TargetF
 use super::plan::{InjectionPlan, SyntheticPlan};
 use crate::images::{HduKind, ImagesError};
 use crate::output::ScratchFolder;
+use crate::watch::Watch;
 
 pub struct Frames<'a> {
     /// Existing frames, or one synthetic frame without stars, which has the time and centre of all synthetic frames.
@@ -45,7 +46,7 @@ impl<'a> Frames<'a> {
         };
         // Only the header of this frame is used. It is made without stars, which is faster.
         let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };
-        let first = maker.make(&starless, 0, 0)?;
+        let first = maker.make(&starless, 0, 0, &Watch::default())?;
         Ok(Self { known: vec![first], maker: Some(maker) })
     }
 
@@ -78,6 +79,7 @@ impl<'a> Frames<'a> {
         &self,
         index: usize,
         seed: u64,
+        watch: &Watch,
         work: impl FnOnce(&TargetFrame) -> Result<T, StreaksError>,
     ) -> Result<T, StreaksError> {
         match &self.maker {
@@ -87,7 +89,7 @@ impl<'a> Frames<'a> {
                     .ok_or_else(|| StreaksError::invalid("frame", index, format!("below {}", self.known.len())))?,
             ),
             Some(maker) => {
-                let frame = maker.make(&maker.synthetic.frame, index + 1, seed)?;
+                let frame = maker.make(&maker.synthetic.frame, index + 1, seed, watch)?;
                 let result = work(&frame);
                 // The frame is no longer needed, because the streaks are in a copy. If its file cannot be deleted here,
                 // it is deleted with the temporary folder.
@@ -99,7 +101,13 @@ impl<'a> Frames<'a> {
 }
 
 impl SyntheticMaker<'_> {
-    fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64) -> Result<TargetFrame, StreaksError> {
+    fn make(
+        &self,
+        synthetic: &SyntheticFrame,
+        number: usize,
+        seed: u64,
+        watch: &Watch,
+    ) -> Result<TargetFrame, StreaksError> {
         let path = self.scratch.path().join(format!("{number}.fits"));
         let SyntheticPlan { opened, exposure_s, centre, .. } = *self.synthetic;
         let shot = SyntheticShot {
@@ -110,6 +118,7 @@ impl SyntheticMaker<'_> {
             optics: &self.plan.optics,
             filter: self.plan.photometry.band.name(),
             seed,
+            watch,
         };
         synthetic.write(&shot, &path).map_err(|error| error.at("synthetic frame"))?;
         TargetFrame::open(&path, &self.overrides)

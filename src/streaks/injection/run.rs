@@ -20,6 +20,7 @@ use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
 use crate::images::{ImagesError, PixelPosition};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted};
+use crate::watch::Watch;
 
 /// Largest distance of two positions of one observatory, km.
 const ONE_SITE_KM: f64 = 1.0;
@@ -115,12 +116,13 @@ impl<'a> Injection<'a> {
         Ok(sites)
     }
 
-    /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool.
+    /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool. It stops
+    /// with [`StreaksError::Interrupted`] after [`Watch::stop`].
     ///
     /// # Errors
     /// Errors of frames, detectors, passes and drawing. Each output is written completely or not at all. If one of
     /// several frames fails, others may have been written; the error contains their number.
-    pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, StreaksError> {
+    pub fn run(&self, sky: Option<InjectionSky<'_>>, watch: &Watch) -> Result<Injections, StreaksError> {
         let (plan, known) = (self.plan, self.frames.known());
         let left_out = known.iter().flat_map(|frame| {
             let shown = frame.file.path().display();
@@ -134,8 +136,10 @@ impl<'a> Injection<'a> {
             .par_iter()
             .enumerate()
             .map(|(index, output)| {
+                watch.check()?;
                 let seed = seed_of(plan.seed, index, count);
-                let done = self.frames.with_frame(index, seed, |frame| one(plan, sky, frame, output, seed));
+                let work = |frame: &TargetFrame| one(plan, sky, frame, output, seed, watch);
+                let done = self.frames.with_frame(index, seed, watch, work);
                 written.fetch_add(usize::from(done.is_ok()), Ordering::Relaxed);
                 done
             })
@@ -184,6 +188,7 @@ fn one(
     frame: &TargetFrame,
     output: &Path,
     seed: u64,
+    watch: &Watch,
 ) -> Result<InjectedFrame, StreaksError> {
     let (photometry, unknown_filter) = plan.photometry_of(frame);
     let sources = sources(plan, sky, frame, &photometry, seed)?;
@@ -204,7 +209,10 @@ fn one(
         .chips
         .par_iter()
         .map(|target| {
-            let drawn = seen.par_iter().map(|source| draw_on_chip(source, &target.chip, &shot));
+            let drawn = seen.par_iter().map(|source| {
+                watch.check()?;
+                draw_on_chip(source, &target.chip, &shot)
+            });
             let drawn = drawn.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
             Ok(drawn.into_iter().flatten().collect())
         })
@@ -222,7 +230,7 @@ fn one(
         write_truth: !plan.pixels_only,
         history: history(sky.map_or(&Provenance::new(), |sky| sky.provenance), plan, &drawn, &streaks, seed),
     };
-    let injected = inject(frame, &streaks, &options, output)?;
+    let injected = inject(frame, &streaks, &options, output, watch)?;
     let rows: Vec<TruthRow<'_>> = truth_rows(&streaks, frame.exposure_s, seed);
     let mark = |streak: &DrawnStreak<'_>| Mark {
         hdu: streak.hdu,

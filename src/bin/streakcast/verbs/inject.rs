@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use clap::Args;
+use streakcast::Watch;
 use streakcast::config::{Config, InjectionConfig, inject_frames};
 use streakcast::output::{Section, Table};
 use streakcast::streaks::{InjectedFrame, Injections};
@@ -182,7 +183,7 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let notices = crate::start::begin(&config)?;
     let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
     reject_unused(&typed)?;
-    let done = inject_frames(&typed.injection, &config, None, &outputs.frames)?;
+    let done = inject_frames(&typed.injection, &config, None, &outputs.frames, &Watch::default())?;
     for remark in &done.remarks {
         notices.info(remark);
     }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
+use streakcast::Watch;
 use streakcast::config::{Config, MeasureConfig, Measurements};
 #[cfg(feature = "plot")]
 use streakcast::measure::MeasuredPass;
@@ -104,7 +105,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
         crate::output::check(path)?;
     }
     let notices = begin(&config)?;
-    let mut done = MeasureConfig { cuts, ..typed.measure.clone() }.measure(&config, None)?;
+    let mut done = MeasureConfig { cuts, ..typed.measure.clone() }.measure(&config, None, &Watch::default())?;
     done.remarks.iter().for_each(|remark| notices.info(remark));
     notices.warn(&done.warnings);
     summary(&notices, &done);

@@ -108,7 +108,8 @@ pub struct CommonFetchArguments {
     /// Cache folder; the folder streakcast in the cache folder of the system if omitted
     #[arg(long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
-    /// Timeout of the whole download, with its unit
+    /// Timeout of the whole download, including the wait for other processes, with its unit; for ephemerides of each
+    /// file
     #[arg(long, value_name = "TIME", default_value = "120s")]
     pub timeout: String,
     /// Suppress everything except errors on standard error

@@ -1,17 +1,24 @@
 //! Common parts of all sources of `fetch`: time of the request, cache folder, limits.
 
-use std::fs;
-use std::path::PathBuf;
-use std::time::Duration;
+use std::fs::{self, File, TryLockError};
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
 use streakcast::config::parse_duration_s;
 use streakcast::frames::parse_moment;
+use streakcast::input;
 
 use super::arguments::CommonFetchArguments;
 use super::request::RequestOptions;
-use crate::cache::cache_folder;
+use super::sources::Source;
+use crate::cache::{FetchRecord, cache_folder};
+
+/// Interval between two attempts to lock a cached file.
+const LOCK_EVERY: Duration = Duration::from_millis(50);
 
 /// Returns the time of the request.
 pub(super) fn now_of(common: &CommonFetchArguments) -> anyhow::Result<Epoch> {
@@ -42,4 +49,42 @@ pub(super) fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOp
         max_bytes: common.max_bytes,
         plain: common.base_url.is_some(),
     })
+}
+
+/// Locks a cached file, so that several processes do not send simultaneous requests. The lock ends when the returned
+/// file is closed.
+///
+/// # Errors
+/// Another process holds the lock for longer than `timeout`, or the cached file, its sidecar or the lock is a named
+/// pipe, a device or a directory.
+pub(super) fn lock(folder: &Path, source: &Source, timeout: Duration) -> anyhow::Result<File> {
+    let (began, file) = (Instant::now(), folder.join(&source.file));
+    let path = folder.join(format!("{}.lock", source.file));
+    let failed = |path: &Path, error| anyhow!("cache {}: {error}", path.display());
+    for path in [&file, &FetchRecord::sidecar_path(&file)] {
+        match input::check_regular(path) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(failed(path, error)),
+            _ => {}
+        }
+    }
+    // Neither call waits if the name is that of a named pipe.
+    match File::create_new(&path) {
+        Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(failed(&path, error)),
+        _ => {}
+    }
+    let lock = input::open(&path).map_err(|error| failed(&path, error))?;
+    loop {
+        match lock.try_lock() {
+            Ok(()) => return Ok(lock),
+            Err(TryLockError::Error(error)) => return Err(failed(&path, error)),
+            Err(TryLockError::WouldBlock) if began.elapsed() < timeout => sleep(LOCK_EVERY),
+            Err(TryLockError::WouldBlock) => {
+                let seconds = timeout.as_secs_f64();
+                let path = path.display();
+                return Err(anyhow!(
+                    "cache {path}: locked by another process for {seconds} s (--timeout); no request was sent"
+                ));
+            }
+        }
+    }
 }

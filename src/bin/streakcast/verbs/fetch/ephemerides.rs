@@ -2,7 +2,6 @@
 //! Starlink satellites have 22 GB; those of the candidates of a schedule are a few hundred files of 2 MB each.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -12,10 +11,10 @@ use streakcast::input;
 use streakcast::output::{counted, format_utc, write_atomically};
 
 use super::arguments::StarlinkEphemeridesArguments;
-use super::common::{folder_of, now_of, options};
+use super::common::{folder_of, lock, now_of, options};
 use super::request::{RequestOptions, Response, Validators, send};
 use super::sources::Source;
-use super::verify::{first_words, verify};
+use super::verify::{first_words, retry_after_s, verify};
 use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
@@ -40,11 +39,7 @@ pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::R
     let wanted = satellites(typed)?;
     notices.info(&format!("source of {}: {}", manifest.name, manifest.policy));
 
-    // The lock prevents simultaneous requests of several processes.
-    let lock_path = folder.join(format!("{}.lock", manifest.file));
-    let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
-    lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
-
+    let _lock = lock(&folder, manifest, options.timeout)?;
     let session = Session { manifest, options: &options, now, folder: &folder };
     let newest = newest_files(&session.manifest_text()?);
     let found: Vec<&str> = wanted.iter().filter_map(|norad_id| Some(newest.get(norad_id)?.name.as_str())).collect();
@@ -114,8 +109,8 @@ struct Session<'a> {
 
 /// Failed request.
 enum Failure {
-    /// The server received the request, so the waiting time starts.
-    Refused(anyhow::Error),
+    /// The server received the request, so the waiting time starts. The server may have stated a longer one.
+    Refused { error: anyhow::Error, retry_after: Option<String> },
     /// No request was sent.
     Unreached(anyhow::Error),
 }
@@ -186,21 +181,21 @@ impl Session<'_> {
         let (file, of_all) = (self.folder.join(&source.file), self.manifest_file());
         let before = [&file, &of_all].map(|path| FetchRecord::read(path));
         // Other fields of existing records are kept.
-        let stamp = |answer: &str| -> anyhow::Result<()> {
+        let stamp = |answer: &str, wait_s: f64| -> anyhow::Result<()> {
             for (path, before) in [&file, &of_all].into_iter().zip(&before) {
                 let mut record = before.clone().unwrap_or_default();
                 record.source = self.manifest.name.to_owned();
                 record.policy = self.manifest.policy.to_owned();
                 record.url = if *path == of_all { self.manifest.url.clone() } else { source.url.clone() };
-                record.stamp(self.now, source.wait_s, answer);
+                record.stamp(self.now, wait_s, answer);
                 record.write(path)?;
             }
             Ok(())
         };
-        stamp("no response yet")?;
+        stamp("no response yet", source.wait_s)?;
         let response = download(source, self.options);
         let stored = response.and_then(|bytes| {
-            let record = check(&bytes).map_err(Failure::Refused)?;
+            let record = check(&bytes).map_err(|error| Failure::Refused { error, retry_after: None })?;
             Ok((bytes, record))
         });
         let restore = || -> anyhow::Result<()> {
@@ -221,9 +216,10 @@ impl Session<'_> {
                 restore()?;
                 return Err(anyhow!("{error}; no request was sent; you may retry now"));
             }
-            Err(Failure::Refused(error)) => {
-                stamp(&error.to_string())?;
-                let wait_min = (source.wait_s / 60.0).ceil();
+            Err(Failure::Refused { error, retry_after }) => {
+                let wait_s = source.wait_s.max(retry_after_s(retry_after.as_deref(), self.now).unwrap_or(0.0));
+                stamp(&error.to_string(), wait_s)?;
+                let wait_min = (wait_s / 60.0).ceil();
                 return Err(anyhow!("{error}; next request allowed in {wait_min:.0} min"));
             }
         };
@@ -248,8 +244,12 @@ fn download(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failur
     let url = &source.url;
     match send(source, options, &Validators::default(), None) {
         Response::Data { bytes, .. } => Ok(bytes),
-        Response::NotModified => Err(Failure::Refused(anyhow!("{url}: 304 without a condition"))),
-        Response::Refused(message) => Err(Failure::Refused(anyhow!("{url}: {message}"))),
+        Response::NotModified => {
+            Err(Failure::Refused { error: anyhow!("{url}: 304 without a condition"), retry_after: None })
+        }
+        Response::Refused { message, retry_after } => {
+            Err(Failure::Refused { error: anyhow!("{url}: {message}"), retry_after })
+        }
         Response::Unreached(message) => Err(Failure::Unreached(anyhow!("{url}: {message}"))),
     }
 }

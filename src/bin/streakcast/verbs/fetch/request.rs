@@ -2,7 +2,7 @@
 
 use std::io::ErrorKind;
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use ureq::http;
@@ -11,6 +11,7 @@ use ureq::{Agent, Body, Timeout};
 use super::arguments::SpaceTrackArguments;
 use super::sources::{Login, Source};
 use super::verify::first_words;
+use crate::files::readable_by_others;
 use crate::notices::Notices;
 
 /// Limit on the body of an error response, bytes.
@@ -40,23 +41,37 @@ pub enum Response {
         validators: Validators,
     },
     NotModified,
-    /// Any other response: an error status, a truncated body, or a closed connection. The text describes it.
-    Refused(String),
+    /// Any other response: an error status, a truncated body, or a closed connection.
+    Refused {
+        /// Description of the response.
+        message: String,
+        /// Value of the header Retry-After.
+        retry_after: Option<String>,
+    },
     /// The server was not reached (unknown host, no connection, no TLS), and no request was sent.
     Unreached(String),
 }
 
-/// Sends one request. A redirect is reported and not followed, because it means that the source has moved.
+impl Response {
+    fn refused(message: String) -> Self {
+        Self::Refused { message, retry_after: None }
+    }
+}
+
+/// Sends one request, with login and logout if the source needs them. A redirect is reported and not followed, because it means that the source has moved.
 pub fn send(
     source: &Source,
     options: &RequestOptions,
     validators: &Validators,
     credentials: Option<&Credentials>,
 ) -> Response {
+    // A timeout of zero would be rejected.
+    let timeout = options.timeout.max(Duration::from_millis(1));
+    let deadline = Instant::now() + timeout;
     // Shorter than the total timeout, so that a failed connection differs from a missing response.
-    let connect = options.timeout.mul_f64(0.75).min(MAX_CONNECT);
+    let connect = timeout.mul_f64(0.75).min(MAX_CONNECT);
     let agent: Agent = Agent::config_builder()
-        .timeout_global(Some(options.timeout))
+        .timeout_global(Some(timeout))
         .timeout_resolve(Some(connect))
         .timeout_connect(Some(connect))
         .max_redirects(0)
@@ -73,16 +88,29 @@ pub fn send(
         },
         _ => None,
     };
-    let response = get(&agent, &source.url, options, validators, cookie.as_deref());
+    let response = get(&agent, &source.url, options, deadline, validators, cookie.as_deref());
     if let (Some(login), Some(cookie)) = (&source.login, &cookie) {
         // Errors of the logout are ignored.
-        let _ = agent.get(&login.logout_url).header("Cookie", cookie).call();
+        let logout = agent.get(&login.logout_url).config().timeout_global(Some(left(deadline))).build();
+        let _ = logout.header("Cookie", cookie).call();
     }
     response
 }
 
-fn get(agent: &Agent, url: &str, options: &RequestOptions, validators: &Validators, cookie: Option<&str>) -> Response {
-    let mut request = agent.get(url);
+/// Returns the time until the deadline of all requests together; not zero, which would be rejected.
+fn left(deadline: Instant) -> Duration {
+    deadline.saturating_duration_since(Instant::now()).max(Duration::from_millis(1))
+}
+
+fn get(
+    agent: &Agent,
+    url: &str,
+    options: &RequestOptions,
+    deadline: Instant,
+    validators: &Validators,
+    cookie: Option<&str>,
+) -> Response {
+    let mut request = agent.get(url).config().timeout_global(Some(left(deadline))).build();
     for (name, value) in [
         ("If-None-Match", validators.etag.as_deref()),
         ("If-Modified-Since", validators.last_modified.as_deref()),
@@ -99,7 +127,10 @@ fn get(agent: &Agent, url: &str, options: &RequestOptions, validators: &Validato
     match response.status().as_u16() {
         200 => data(response, options.max_bytes),
         304 if validators.etag.is_some() || validators.last_modified.is_some() => Response::NotModified,
-        _ => Response::Refused(error_message(response)),
+        _ => {
+            let retry_after = header(&response, "retry-after");
+            Response::Refused { message: error_message(response), retry_after }
+        }
     }
 }
 
@@ -130,7 +161,7 @@ fn connection_error(what: &str, error: &ureq::Error) -> Response {
     if is_unreached {
         Response::Unreached(format!("not reached: {error}"))
     } else {
-        Response::Refused(format!("{what}: {error}"))
+        Response::refused(format!("{what}: {error}"))
     }
 }
 
@@ -140,13 +171,13 @@ fn data(mut response: http::Response<Body>, max_bytes: u64) -> Response {
     // error.
     match response.body_mut().with_config().limit(max_bytes.saturating_add(1)).read_to_vec() {
         Ok(bytes) if bytes.len() as u64 > max_bytes => {
-            Response::Refused(format!("200, with more than the limit of {max_bytes} bytes"))
+            Response::refused(format!("200, with more than the limit of {max_bytes} bytes"))
         }
         Ok(bytes) => Response::Data { bytes, validators },
         Err(ureq::Error::BodyExceedsLimit(_)) => {
-            Response::Refused(format!("200, with more than the limit of {max_bytes} bytes"))
+            Response::refused(format!("200, with more than the limit of {max_bytes} bytes"))
         }
-        Err(error) => Response::Refused(format!("200, with a truncated body: {error}")),
+        Err(error) => Response::refused(format!("200, with a truncated body: {error}")),
     }
 }
 
@@ -173,14 +204,15 @@ fn header(response: &http::Response<Body>, name: &str) -> Option<String> {
 
 /// Logs in to Space-Track and returns the session cookie. For a wrong password the status is also 200.
 fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, Response> {
-    let refused = |message: String| Err(Response::Refused(message));
+    let refused = |message: String| Err(Response::refused(message));
     let form = [("identity", credentials.identity.as_str()), ("password", credentials.password.as_str())];
     let response = agent
         .post(&login.login_url)
         .send_form(form)
         .map_err(|error| connection_error("no response to the login", &error))?;
     if response.status().as_u16() != 200 {
-        return refused(format!("login: {}", error_message(response)));
+        let retry_after = header(&response, "retry-after");
+        return Err(Response::Refused { message: format!("login: {}", error_message(response)), retry_after });
     }
     let cookies: Vec<String> = response
         .headers()
@@ -227,17 +259,7 @@ impl Credentials {
 fn of_file(path: &Path, notices: &Notices) -> anyhow::Result<Credentials> {
     let shown = path.display();
     let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?;
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        let mode =
-            std::fs::metadata(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?.permissions().mode();
-        if mode & 0o077 != 0 {
-            notices.warn(&[format!("credentials {shown} are readable by others; run chmod 600 {shown}")]);
-        }
-    }
-    #[cfg(not(unix))]
-    let _ = notices;
+    notices.warn(&readable_by_others("credentials file", path));
     let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
     match (lines.next(), lines.next(), lines.next()) {
         (Some(identity), Some(password), None) => {

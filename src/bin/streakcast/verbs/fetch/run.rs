@@ -1,19 +1,19 @@
 //! Steps of a download: check and record the time of the request, send it, verify the response, replace the cached
 //! file.
 
-use std::fs::File;
 use std::io::Write;
 use std::path::Path;
+use std::time::Instant;
 
 use anyhow::anyhow;
 use streakcast::output::{format_utc, write_atomically};
 
 use super::arguments::{FetchArguments, FetchSource};
-use super::common::{folder_of, now_of, options};
+use super::common::{folder_of, lock, now_of, options};
 use super::ephemerides;
 use super::request::{Credentials, Response, Validators, send};
 use super::sources::Source;
-use super::verify::verify;
+use super::verify::{retry_after_s, verify};
 use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
@@ -26,16 +26,14 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     if let FetchSource::StarlinkEphemerides(typed) = &typed.source {
         return ephemerides::run(typed, &source);
     }
-    let options = options(common)?;
+    let began = Instant::now();
+    let mut options = options(common)?;
     let (now, folder) = (now_of(common)?, folder_of(common)?);
     let file = folder.join(&source.file);
     notices.info(&format!("usage policy of {}: {}", source.name, source.policy));
 
-    // The lock prevents simultaneous requests of several processes.
-    let lock_path = folder.join(format!("{}.lock", source.file));
-    let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
-    lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
-
+    let _lock = lock(&folder, &source, options.timeout)?;
+    options.timeout = options.timeout.saturating_sub(began.elapsed());
     let before = FetchRecord::read(&file);
     let mut record = before.clone().unwrap_or_default();
     let is_cached = is_intact(&file, &record);
@@ -50,6 +48,10 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
         Validators { etag: record.etag.clone(), last_modified: record.last_modified.clone() }
     } else {
         // The file was changed or deleted, so the stored HTTP validators do not apply.
+        if file.exists() {
+            notices
+                .warn(&[format!("{} was changed after its download; a complete download replaces it", file.display())]);
+        }
         record = FetchRecord { asked_utc: record.asked_utc, ..FetchRecord::default() };
         Validators::default()
     };
@@ -59,7 +61,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     record.stamp(now, source.wait_s, "no response yet");
     record.write(&file)?;
 
-    let refused = match send(&source, &options, &validators, credentials.as_ref()) {
+    let (refused, retry_after) = match send(&source, &options, &validators, credentials.as_ref()) {
         Response::NotModified => {
             record.stamp(now, source.wait_s, "304 Not Modified");
             record.write(&file)?;
@@ -94,10 +96,10 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
                     ));
                     return print_path(&file);
                 }
-                Err(error) => error.to_string(),
+                Err(error) => (error.to_string(), None),
             }
         }
-        Response::Refused(message) => message,
+        Response::Refused { message, retry_after } => (message, retry_after),
         Response::Unreached(message) => {
             // No request was sent: the sidecar is restored, and no waiting time starts.
             match before {
@@ -108,7 +110,8 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
             return Err(anyhow!("{}: {message}{kept}; no request was sent; you may retry now", source.name));
         }
     };
-    record.stamp(now, source.wait_s, &refused);
+    let wait_s = source.wait_s.max(retry_after_s(retry_after.as_deref(), now).unwrap_or(0.0));
+    record.stamp(now, wait_s, &refused);
     record.write(&file)?;
     let kept = if is_cached { format!("; {} is unchanged", file.display()) } else { String::new() };
     let not_before = record.not_before_utc.unwrap_or_default();
@@ -137,6 +140,9 @@ fn use_cached(
         source.name,
         (left_s / 60.0).ceil()
     );
+    if !is_cached && file.exists() {
+        return Err(anyhow!("{rest}; {} was changed after its download and is not used", file.display()));
+    }
     if !is_cached {
         return Err(anyhow!("{rest}; no file is cached"));
     }

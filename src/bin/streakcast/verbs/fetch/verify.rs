@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
+use hifitime::efmt::consts::RFC2822;
 use streakcast::elements::{Keep, ReadOptions, Satellites, SourceFile};
 use streakcast::frames::{parse_moment, seconds_after, seconds_between};
 use streakcast::output::{counted, format_utc, write_atomically};
@@ -60,6 +61,22 @@ pub fn first_words(bytes: &[u8]) -> String {
     format!("it begins: {line}")
 }
 
+/// Longest waiting time that a source can set, seconds.
+const LONGEST_RETRY_S: f64 = 30.0 * 86_400.0;
+
+/// Returns the waiting time of the header Retry-After, seconds from `now`, at most 30 days: a number of seconds, or a
+/// date such as `Wed, 14 Aug 2024 13:00:00 GMT`. `None` for other text and for a time in the past.
+pub fn retry_after_s(header: Option<&str>, now: Epoch) -> Option<f64> {
+    let text = header?.trim();
+    let wait_s = if text.bytes().all(|byte| byte.is_ascii_digit()) {
+        text.parse::<f64>().ok()?
+    } else {
+        let date = Epoch::from_str_with_format(text.strip_suffix(" GMT")?, RFC2822).ok()?;
+        seconds_between(now, date)
+    };
+    (wait_s > 0.0).then_some(wait_s.min(LONGEST_RETRY_S))
+}
+
 impl FetchRecord {
     pub fn write(&self, file: &Path) -> anyhow::Result<()> {
         let path = Self::sidecar_path(file);
@@ -74,10 +91,13 @@ impl FetchRecord {
         std::fs::remove_file(&path).map_err(|error| anyhow!("cannot remove {}: {error}", path.display()))
     }
 
-    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. A last request that is
-    /// `wait_s` or more in the future (the clock was set back since) is ignored.
+    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. The waiting time is at least
+    /// `wait_s`, and longer if the source stated so. A last request that is this time or more in the future (the clock
+    /// was set back since) is ignored.
     pub fn wait_left_s(&self, now: Epoch, wait_s: f64) -> Option<f64> {
         let requested = parse_moment(self.asked_utc.as_deref()?, None).ok()?;
+        let not_before = self.not_before_utc.as_deref().and_then(|text| parse_moment(text, None).ok());
+        let wait_s = not_before.map_or(wait_s, |until| seconds_between(requested, until).max(wait_s));
         let since_s = seconds_between(requested, now);
         (since_s > -wait_s && since_s < wait_s).then_some(wait_s - since_s)
     }
@@ -113,6 +133,31 @@ mod tests {
     }
 
     #[test]
+    fn both_forms_of_retry_after_are_read() {
+        let now = parse_moment("2024-08-14T12:00:00Z", None).unwrap();
+        for (header, expected) in [
+            ("7200", Some(7200.0)),
+            (" 90 ", Some(90.0)),
+            ("Wed, 14 Aug 2024 13:00:00 GMT", Some(3600.0)),
+            ("Sun, 18 Aug 2024 12:00:00 GMT", Some(4.0 * 86_400.0)),
+            ("99999999999999999999", Some(LONGEST_RETRY_S)),
+            ("Sat, 14 Aug 2224 13:00:00 GMT", Some(LONGEST_RETRY_S)),
+            ("Wed, 14 Aug 2024 11:00:00 GMT", None),
+            ("0", None),
+            ("", None),
+            ("-5", None),
+            ("1e9", None),
+            ("soon", None),
+            ("Wed, 14 Aug 2024 13:00:00", None),
+            ("Tue, 14 Aug 2024 13:00:00 GMT", None),
+            ("Wed, 99 Aug 2024 13:00:00 GMT", None),
+        ] {
+            assert_eq!(retry_after_s(Some(header), now), expected, "{header}");
+        }
+        assert_eq!(retry_after_s(None, now), None);
+    }
+
+    #[test]
     fn the_wait_ends_also_after_a_clock_was_set_back() {
         let now = |text: &str| parse_moment(text, None).unwrap();
         let mut record = FetchRecord::default();
@@ -122,5 +167,9 @@ mod tests {
         assert_eq!(record.wait_left_s(now("2024-08-14T01:00:00Z"), 3600.0), None);
         assert_eq!(record.wait_left_s(now("2024-08-10T00:00:00Z"), 3600.0), None);
         assert_eq!(record.not_before_utc.as_deref(), Some("2024-08-14T01:00:00Z"));
+        // The source stated a longer waiting time.
+        record.stamp(now("2024-08-14T00:00:00Z"), 7200.0, "503");
+        assert_eq!(record.wait_left_s(now("2024-08-14T01:30:00Z"), 3600.0), Some(1800.0));
+        assert_eq!(record.wait_left_s(now("2024-08-14T02:00:00Z"), 3600.0), None);
     }
 }

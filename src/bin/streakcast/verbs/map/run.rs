@@ -70,12 +70,12 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
         #[cfg(feature = "plot")]
         Target::Nothing => {}
         Target::Table(output, grid) => {
-            let map = view.map(*grid);
+            let map = view.map(*grid)?;
             write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN, &notices)?;
         }
         #[cfg(all(feature = "fits", unix))]
         Target::Fits(path, grid) => {
-            write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?, &notices)?
+            write_bytes(path, &fits_bytes(|scratch| view.map(*grid)?.to_fits(scratch))?, &notices)?
         }
     }
     #[cfg(feature = "plot")]
@@ -112,12 +112,12 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
         #[cfg(feature = "plot")]
         Target::Nothing => {}
         Target::Table(output, grid) => {
-            let map = view.map(*grid);
+            let map = view.map(*grid)?;
             write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN, &notices)?;
         }
         #[cfg(all(feature = "fits", unix))]
         Target::Fits(path, grid) => {
-            write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?, &notices)?
+            write_bytes(path, &fits_bytes(|scratch| view.map(*grid)?.to_fits(scratch))?, &notices)?
         }
     }
     #[cfg(feature = "plot")]

@@ -338,7 +338,7 @@ fn sky_rows(figure: &PaperFigure, model: &BrightnessModel) -> anyhow::Result<Vec
         height_km = height;
         let sun_rad = sun_altitude_deg.to_radians();
         let view = SkyView::new(model, Earth::Sphere, height, 0.0, sun_rad, PhotometryOptions::default())?;
-        let points = view.map(Grid::regular(2.0)?).points;
+        let points = view.map(Grid::regular(2.0)?)?.points;
         lit.extend(points.iter().filter_map(|point| Some((point.magnitude?.0, point.altitude_rad.cos()))));
     }
     lit.sort_by(|a, b| a.0.total_cmp(&b.0));

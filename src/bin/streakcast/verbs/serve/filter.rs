@@ -15,9 +15,6 @@ use super::problem::Problem;
 
 /// Largest accepted length of path and query, bytes.
 pub const MAX_TARGET_BYTES: usize = 2000;
-/// Host names of loopback addresses. A request with another Host header may come from a foreign web page (DNS
-/// rebinding).
-const LOOPBACK_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 
 /// Limits for the requests of a server.
 pub struct RequestFilter {
@@ -37,7 +34,7 @@ impl RequestFilter {
             return Err(Problem::new(414, format!("path and query are longer than {MAX_TARGET_BYTES} bytes")));
         }
         if self.is_loopback && !names_loopback(headers) {
-            let detail = "the Host header names no loopback address; allowed: localhost, 127.0.0.1, [::1]";
+            let detail = "the Host header names no loopback address; allowed: localhost, 127.0.0.1, [::1] and other loopback addresses";
             return Err(Problem::new(403, detail));
         }
         // This header is sent only by browsers.
@@ -52,7 +49,8 @@ impl RequestFilter {
     }
 }
 
-/// Returns true if there is exactly one Host header, with a loopback name and any port.
+/// Returns true if there is exactly one Host header, with a loopback address or `localhost`, and any port. A request
+/// with another name may come from a foreign web page (DNS rebinding); an address cannot be rebound.
 fn names_loopback(headers: &HeaderMap) -> bool {
     let mut hosts = headers.get_all(HOST).iter();
     let (Some(host), None) = (hosts.next(), hosts.next()) else { return false };
@@ -61,7 +59,12 @@ fn names_loopback(headers: &HeaderMap) -> bool {
         Some((name, port)) if !port.is_empty() && port.bytes().all(|byte| byte.is_ascii_digit()) => name,
         _ => host,
     };
-    LOOPBACK_NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
+    let unbracketed = name.strip_prefix('[').and_then(|name| name.strip_suffix(']'));
+    let address = match unbracketed {
+        Some(name) => name.parse().map(IpAddr::V6),
+        None => name.parse().map(IpAddr::V4),
+    };
+    name.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.to_canonical().is_loopback())
 }
 
 /// Returns true if the request has a body.
@@ -183,11 +186,32 @@ mod tests {
 
     #[test]
     fn on_loopback_hosts_have_loopback_names() {
-        for host in ["localhost", "127.0.0.1", "[::1]", "LOCALHOST:8642", "127.0.0.1:1", "[::1]:8642"] {
+        for host in [
+            "localhost",
+            "127.0.0.1",
+            "[::1]",
+            "LOCALHOST:8642",
+            "127.0.0.1:1",
+            "[::1]:8642",
+            "127.0.0.2:8642",
+            "127.255.0.3",
+            "[::ffff:127.0.0.1]:1",
+        ] {
             assert_eq!(status(true, "/health", &[("host", host)]), 200, "{host}");
         }
-        for host in ["example.org", "127.0.0.1.example.org", "localhost.example.org:80", "", "127.0.0.2", "localhost:x"]
-        {
+        for host in [
+            "example.org",
+            "127.0.0.1.example.org",
+            "localhost.example.org:80",
+            "",
+            "0.0.0.0:8642",
+            "192.0.2.1",
+            "127.1",
+            "[::]",
+            "::1",
+            "[127.0.0.1]",
+            "localhost:x",
+        ] {
             assert_eq!(status(true, "/health", &[("host", host)]), 403, "{host}");
         }
         assert_eq!(status(true, "/health", &[]), 403);

@@ -1,4 +1,5 @@
 //! `serve`: serves a web page and an HTTP API. The satellites and, if one is given, the schedule are read at the start.
+//! `reload` reads element files again when they change.
 //!
 //! `run` reads the inputs into `state` and opens the port; `server` accepts connections; `filter` checks requests, and
 //! `router` maps their paths to handlers; `query` parses parameters; `handlers/` computes responses on the threads of
@@ -11,6 +12,7 @@ mod openapi;
 mod page;
 mod problem;
 mod query;
+mod reload;
 mod router;
 mod run;
 mod server;

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::problem::{PROBLEM_JSON, Problem, STATUSES};
 use super::query::{Parameter, Query};
-use super::state::ServerState;
+use super::state::RequestState;
 
 pub const JSON: &str = "application/json";
 
@@ -18,7 +18,7 @@ pub struct Route {
     /// True if the path requires the access token of the server.
     pub needs_token: bool,
     /// Computes the JSON body of a response.
-    pub handler: fn(&ServerState, &Query) -> Result<String, Problem>,
+    pub handler: fn(&RequestState, &Query) -> Result<String, Problem>,
     /// Returns the JSON Schema of the body.
     pub schema: fn() -> Value,
 }

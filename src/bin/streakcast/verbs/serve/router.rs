@@ -1,7 +1,7 @@
 //! Paths with their parameters and handlers, and middleware for all requests.
 
 use std::net::IpAddr;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Instant;
 
 use axum::extract::{Request, State};
@@ -11,6 +11,7 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Extension, Router};
+use streakcast::Watch;
 
 use super::filter::Token;
 use super::filter::{RequestFilter, has_body};
@@ -18,7 +19,7 @@ use super::handlers::{dome, exposure, health, night, satchecker};
 use super::openapi::{JSON, Route};
 use super::problem::Problem;
 use super::query::Query;
-use super::state::ServerState;
+use super::state::{RequestState, ServerState};
 use super::workers::WorkerPool;
 use super::{openapi, page};
 
@@ -105,7 +106,8 @@ pub static ROUTES: &[Route] = &[
 
 /// State shared by the handlers.
 pub struct App {
-    pub state: Arc<ServerState>,
+    /// Replaced when the element files change; a request uses the state of its start.
+    pub state: Arc<RwLock<Arc<ServerState>>>,
     pub filter: RequestFilter,
     pub token: Option<Token>,
     pub workers: WorkerPool,
@@ -143,8 +145,10 @@ async fn respond(route: &'static Route, State(app): State<Arc<App>>, uri: Uri, h
         }
         let query = Query::read(uri.query().unwrap_or_default(), route.parameters)?;
         let target = uri.path_and_query().map_or(route.path, |target| target.as_str());
-        let state = Arc::clone(&app.state);
-        app.workers.response(target, move || (route.handler)(&state, &query)).await
+        let state = Arc::clone(&app.state.read().unwrap_or_else(PoisonError::into_inner));
+        let shared = Arc::clone(&state);
+        let work = move |watch: &Watch| (route.handler)(&RequestState::new(Arc::clone(&shared), watch), &query);
+        app.workers.response(&state.cache, target, work).await
     };
     match computed.await {
         Ok(body) => ([(CONTENT_TYPE, JSON)], body).into_response(),

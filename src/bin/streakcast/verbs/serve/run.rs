@@ -1,25 +1,31 @@
 //! Start of the server: reads the inputs, judges the schedule, and opens the port.
 
+use std::collections::BTreeSet;
 use std::io::Write;
-use std::path::Path;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, RwLock};
 
 use anyhow::anyhow;
-use hifitime::TimeScale;
+use hifitime::{Epoch, TimeScale};
 use serde_json::json;
-use streakcast::config::{Config, state_scales};
+use streakcast::config::{Config, ObservationPlan, state_scales};
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
-use streakcast::schedule::{FlagReport, Schedule};
+use streakcast::photometry::Band;
+use streakcast::schedule::{FlagReport, MagnitudeLimit, Policy, Schedule, ScheduledExposure};
 
 use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
+use super::reload::Reload;
 use super::router::{App, router};
 use super::server;
 use super::state::{Caveats, ServerState, nights_of};
-use super::workers::WorkerPool;
+use super::workers::{ResponseCache, WorkerPool};
 use crate::clock;
 use crate::failure::Outcome;
+use crate::files::readable_by_others;
+use crate::local_time::LocalTime;
+use crate::notices::Notices;
 use crate::required::Required;
 use crate::start::begin;
 use crate::verbs::schedule_verdicts;
@@ -32,6 +38,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let token = Token::of(&typed)?;
     Required::of(&config).satellites().site().field().check()?;
     let notices = begin(&config)?;
+    notices.warn(&typed.token_file.as_deref().and_then(|path| readable_by_others("token", path)));
     let plan = config.observation()?;
     // The port is opened before the computation, so that an error such as an address in use is reported at once.
     let listener =
@@ -40,7 +47,39 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
 
     let started = clock::now();
     let schedule = typed.schedule.as_deref().map(|path| read_schedule(path, &config)).transpose()?;
-    let (first, last) = match &schedule {
+    let reload = Reload::new(config.elements.clone());
+    let load =
+        move |notices: &Notices| load(&config, &plan, schedule.as_ref(), started, typed.time_zone.clone(), notices);
+    let current = Arc::new(RwLock::new(Arc::new(load(&notices)?)));
+
+    let workers = rayon::current_num_threads();
+    let is_loopback = address.ip().to_canonical().is_loopback();
+    let app = App {
+        state: Arc::clone(&current),
+        filter: RequestFilter { limiter: RateLimiter::new(typed.rate), is_loopback },
+        token,
+        workers: WorkerPool::new(workers)?,
+    };
+    let mut out = std::io::stdout().lock();
+    // This line can be read by programs that start the server. A closed pipe is ignored.
+    let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
+    drop(out);
+    reload.start(current, load, notices);
+    server::serve(listener, router(app), workers)?;
+    notices.info("stopped");
+    Ok(Outcome::Done)
+}
+
+/// Reads the element sets, and judges the schedule, if there is one (its path is given with it).
+fn load(
+    config: &Config,
+    plan: &ObservationPlan,
+    schedule: Option<&(PathBuf, Schedule)>,
+    started: Epoch,
+    local_time: Option<LocalTime>,
+    notices: &Notices,
+) -> anyhow::Result<ServerState> {
+    let (first, last) = match schedule {
         Some((path, schedule)) => {
             schedule_verdicts::span(schedule).ok_or_else(|| anyhow!(schedule_verdicts::none_judged(schedule, path)))?
         }
@@ -57,20 +96,20 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         }
     };
     notices.warn(&prepared.warnings);
-    let report = match &schedule {
-        Some((_, schedule)) => schedule_verdicts::flag_rows(&prepared, schedule, first, &plan, &notices)?,
+    let report = match schedule {
+        Some((_, schedule)) => schedule_verdicts::flag_rows(&prepared, schedule, first, plan, notices)?,
         None => FlagReport::default(),
     };
     let left_out = prepared.left_out_warning(&report.left_out, first)?;
     let mut warnings: Vec<String> = prepared.warnings.iter().cloned().chain(left_out).collect();
     let mut provenance = without_lists(&prepared.provenance);
-    let scale = schedule.as_ref().map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
+    let scale = schedule.map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
     state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
-    if let Some((path, schedule)) = &schedule {
+    if let Some((path, schedule)) = schedule {
         let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
         notices.warn(&of_schedule);
         warnings.extend(of_schedule);
-        schedule_verdicts::summary(&notices, &report);
+        schedule_verdicts::summary(notices, &report);
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         provenance.state(
             "schedule",
@@ -84,48 +123,47 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         );
     }
     let telescope = plan.telescope.as_ref().map(|telescope| telescope.name.clone());
-    provenance.state("options", schedule_verdicts::options_json(&config, &plan.policy, telescope.as_deref()));
-    let exposures = schedule.map(|(_, schedule)| schedule.exposures).unwrap_or_default();
-    let state = ServerState {
+    provenance.state("options", schedule_verdicts::options_json(config, &plan.policy, telescope.as_deref()));
+    let exposures = schedule.map(|(_, schedule)| schedule.exposures.clone()).unwrap_or_default();
+    Ok(ServerState {
+        cache: ResponseCache::default(),
+        bands: bands_of(&exposures, plan),
         library: config.model_library()?,
         caveats: Caveats { warnings, left_out_count: report.left_out.len() },
         nights: nights_of(&exposures, &site),
-        local_time: typed.time_zone,
+        local_time,
         flags: report.flags,
-        config,
+        config: config.clone(),
         prepared,
         site,
-        plan,
+        plan: plan.clone(),
         exposures,
         started,
         provenance,
-    };
+    })
+}
 
-    let workers = rayon::current_num_threads();
-    let is_loopback = address.ip().to_canonical().is_loopback();
-    let app = App {
-        state: Arc::new(state),
-        filter: RequestFilter { limiter: RateLimiter::new(typed.rate), is_loopback },
-        token,
-        workers: WorkerPool::new(workers),
-    };
-    let mut out = std::io::stdout().lock();
-    // This line can be read by programs that start the server. A closed pipe is ignored.
-    let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
-    drop(out);
-    server::serve(listener, router(app), workers)?;
-    notices.info("stopped");
-    Ok(Outcome::Done)
+/// Returns the bands that an exposure may have: those of magnitudes, of the limits and of the schedule.
+fn bands_of(exposures: &[ScheduledExposure], plan: &ObservationPlan) -> BTreeSet<String> {
+    let Policy { limit_mag, saturation_mag, crosstalk_mag, .. } = &plan.policy;
+    let of_limits = [limit_mag, saturation_mag, crosstalk_mag].into_iter().flatten().flat_map(|limit| match limit {
+        MagnitudeLimit::PerBand(limits) => limits.keys().filter(|band| *band != "default").cloned().collect(),
+        MagnitudeLimit::All(_) | MagnitudeLimit::OfTelescope(_) => Vec::new(),
+    });
+    let of_telescope = plan.telescope.iter().flat_map(|telescope| telescope.limits.keys().cloned());
+    let of_schedule = exposures.iter().filter_map(|row| row.band.clone());
+    let all = Band::ALL.into_iter().map(|band| band.name().to_owned());
+    all.chain(of_limits).chain(of_telescope).chain(of_schedule).collect()
 }
 
 /// Returns the schedule of a file, with its path.
-fn read_schedule<'a>(path: &'a Path, config: &Config) -> anyhow::Result<(&'a Path, Schedule)> {
+fn read_schedule(path: &Path, config: &Config) -> anyhow::Result<(PathBuf, Schedule)> {
     let schedule = Schedule::read(path, &config.schedule_options()?)?;
     let rows = schedule.exposures.len();
     if rows > MAX_EXPOSURES {
         return Err(anyhow!("the schedule {} has {rows} exposures; allowed: at most {MAX_EXPOSURES}", path.display()));
     }
-    Ok((path, schedule))
+    Ok((path.to_owned(), schedule))
 }
 
 /// Returns the provenance without attached lists.

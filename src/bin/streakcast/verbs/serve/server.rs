@@ -39,11 +39,11 @@ const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(10);
 /// Pause after a failed accept, for example because of too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Serves until SIGINT or SIGTERM. `workers` is the number of blocking threads.
+/// Serves until SIGINT or SIGTERM. `workers` is the number of blocking threads, without that of the slow lane.
 pub fn serve(listener: TcpListener, router: Router, workers: usize) -> anyhow::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime =
-        tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(workers + 1).build()?;
+        tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(workers + 2).build()?;
     runtime.block_on(accept(listener, router))?;
     // Computations that are still running are abandoned.
     runtime.shutdown_background();

@@ -1,8 +1,11 @@
-//! Inputs and verdicts of the server. They are computed at the start and do not change.
+//! Inputs and verdicts of the server. They are computed at the start, and again if the element files change.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
+use std::sync::Arc;
 
 use hifitime::Epoch;
+use streakcast::Watch;
 use streakcast::config::{Config, ObservationPlan, PreparedSky};
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
@@ -13,6 +16,7 @@ use streakcast::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduledExposur
 
 use super::problem::Problem;
 use super::query::{Parameter, Query, number, optional};
+use super::workers::ResponseCache;
 use crate::local_time::LocalTime;
 
 /// Parameter that [`ServerState::policy`] reads.
@@ -42,6 +46,10 @@ pub struct ServerState {
     pub library: ModelLibrary,
     /// Rows of each night, by the MJD of its evening.
     pub nights: BTreeMap<i64, Vec<usize>>,
+    /// Bands that an exposure may have.
+    pub bands: BTreeSet<String>,
+    /// Responses computed from these inputs.
+    pub cache: ResponseCache,
     /// Local time of the page; by the longitude of the site if `None`.
     pub local_time: Option<LocalTime>,
 }
@@ -54,11 +62,36 @@ pub struct Caveats {
     pub left_out_count: usize,
 }
 
-impl ServerState {
-    pub fn sky(&self) -> &Sky {
-        &self.prepared.sky
+/// State of the server for one request. The queries of its sky stop when the client leaves or a time limit has passed.
+pub struct RequestState {
+    shared: Arc<ServerState>,
+    sky: Sky,
+}
+
+impl Deref for RequestState {
+    type Target = ServerState;
+
+    fn deref(&self) -> &ServerState {
+        &self.shared
+    }
+}
+
+impl RequestState {
+    pub fn new(shared: Arc<ServerState>, watch: &Watch) -> Self {
+        Self { sky: shared.prepared.sky.watched(watch), shared }
     }
 
+    pub fn sky(&self) -> &Sky {
+        &self.sky
+    }
+
+    /// Returns a request for verdicts with this policy.
+    pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
+        FlagRequest { policy, ..self.plan.request(self.sky()) }
+    }
+}
+
+impl ServerState {
     /// Returns the caveats of a response for times from `first` to `last`; `left_out` are the satellites whose position
     /// cannot be computed.
     ///
@@ -87,6 +120,15 @@ impl ServerState {
         self.local_time.as_ref().map_or_else(by_longitude, |zone| zone.ahead_of_utc_h(epoch))
     }
 
+    /// Checks the band of an exposure.
+    ///
+    /// # Errors
+    /// The band is unknown: it has no magnitudes, no limits, and no exposures in the schedule.
+    pub fn check_band(&self, name: &str, band: &str) -> Result<(), Problem> {
+        let allowed = || self.bands.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+        if self.bands.contains(band) { Ok(()) } else { Err(Problem::parameter(name, band, &allowed())) }
+    }
+
     /// Returns the policy with the limiting magnitude of the query, if it has one.
     pub fn policy(&self, query: &Query) -> Policy {
         let mut policy = self.plan.policy.clone();
@@ -94,11 +136,6 @@ impl ServerState {
             policy.limit_mag = Some(MagnitudeLimit::All(limit_mag));
         }
         policy
-    }
-
-    /// Returns a request for verdicts with this policy.
-    pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
-        FlagRequest { policy, ..self.plan.request(self.sky()) }
     }
 
     /// Returns the same pass options as `passes` uses, with `samples` points along each track.

@@ -7,7 +7,7 @@ use streakcast::passes::{SatelliteTrack, SnapshotOptions};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
-use super::super::state::ServerState;
+use super::super::state::RequestState;
 use super::document::{Document, left_out_count_schema, object_schema, provenance_schema, warnings_schema};
 use super::document::{degrees, rounded};
 use super::exposure::of_sky;
@@ -37,7 +37,7 @@ const EDGE_POINTS: usize = 180;
 /// Number of points along a track.
 const TRACK_POINTS: usize = 5;
 
-pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
     let duration_s = query.number("duration_s").unwrap_or_default();
     let height_km = query.number("height_km").unwrap_or(DEFAULT_HEIGHT_KM);
@@ -53,7 +53,7 @@ pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
         .map_err(|error| Problem::new(400, error.to_string()))?
         .with_shadow(state.sky().shadow());
     let grid = Grid::regular(STEP_DEG).map_err(|error| Problem::new(500, error.to_string()))?;
-    let points = view.map(grid).points;
+    let points = view.map(grid).map_err(|error| Problem::new(500, error.to_string()))?.points;
     let row_length = (360.0 / STEP_DEG) as usize;
     let magnitudes: Vec<Vec<Value>> = points
         .chunks(row_length)
@@ -92,7 +92,7 @@ pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
     Ok(document.into_json())
 }
 
-fn satellite(state: &ServerState, track: &SatelliteTrack) -> Value {
+fn satellite(state: &RequestState, track: &SatelliteTrack) -> Value {
     let degrees = |radians: Option<f64>| rounded(radians.unwrap_or(f64::NAN).to_degrees(), 3);
     let points = || track.snapshots.iter().map(|snapshot| &snapshot.point);
     let track_deg: Vec<[f64; 2]> =

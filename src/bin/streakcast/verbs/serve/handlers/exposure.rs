@@ -13,7 +13,7 @@ use streakcast::schedule::{
 use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
-use super::super::state::{LIMIT_MAG, ServerState};
+use super::super::state::{LIMIT_MAG, RequestState};
 use super::document::degrees;
 use super::document::{AROUND, POINTING};
 use super::document::{
@@ -40,7 +40,11 @@ pub const PARAMETERS: &[Parameter] = &[
         number(-360.0, 360.0, " deg"),
         "Position angle of the field's y axis from north through east, degrees; default: that of the server.",
     ),
-    optional("band", Kind::Text { longest: 20 }, "Band of the exposure, for limits by band."),
+    optional(
+        "band",
+        Kind::Text { longest: 20 },
+        "Band of the exposure, for limits by band: one with magnitudes, with a limit, or in the schedule.",
+    ),
     LIMIT_MAG,
     optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each track; default 0."),
     optional(
@@ -53,7 +57,7 @@ pub const PARAMETERS: &[Parameter] = &[
 /// Identifier of the exposure in the response, as in `passes`.
 const ID: &str = "1";
 
-pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
     let rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
     let exposure = Exposure {
@@ -63,6 +67,9 @@ pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
         pointing: pointing_of(query)?,
         rotation_rad: rotation_deg.to_radians(),
     };
+    if let Some(band) = query.text("band") {
+        state.check_band("band", band)?;
+    }
     let policy = state.policy(query);
     let row = ScheduledExposure {
         id: ID.to_owned(),
@@ -155,7 +162,7 @@ fn around_row(
 }
 
 /// Returns altitudes and azimuths of field and Sun at the start and at the end of the exposure.
-fn pointing(state: &ServerState, exposure: &Exposure) -> Result<Table, Problem> {
+fn pointing(state: &RequestState, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
     let row = |epoch| -> Result<Vec<Cell>, SkyError> {
         let (altitude_deg, azimuth_deg) = degrees(&state.sky().pointing_altaz(&exposure.pointing, epoch)?);

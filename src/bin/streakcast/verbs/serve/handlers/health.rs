@@ -4,10 +4,10 @@ use serde_json::{Value, json};
 
 use super::super::problem::Problem;
 use super::super::query::Query;
-use super::super::state::ServerState;
+use super::super::state::RequestState;
 use super::document::object_schema;
 
-pub fn handle(state: &ServerState, _: &Query) -> Result<String, Problem> {
+pub fn handle(state: &RequestState, _: &Query) -> Result<String, Problem> {
     let document = json!({
         "status": "ok",
         "version": env!("CARGO_PKG_VERSION"),

@@ -9,7 +9,7 @@ use streakcast::schedule::{ScheduledExposure, Verdict, evening_mjd, flag_exposur
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, optional};
-use super::super::state::{LIMIT_MAG, ServerState};
+use super::super::state::{LIMIT_MAG, RequestState};
 use super::document::degrees;
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
@@ -33,7 +33,7 @@ const SUN_EVERY_S: f64 = 300.0;
 /// Number of points of the outline of a circle.
 const OUTLINE_POINTS: usize = 120;
 
-pub fn handle(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let night_at = |epoch| evening_mjd(epoch, state.site.longitude_rad);
     let night = match (query.date("night"), query.moment("time_utc")) {
         (Some(_), Some(_)) => return Err(Problem::both("night", "time_utc")),

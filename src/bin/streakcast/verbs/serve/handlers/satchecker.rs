@@ -12,7 +12,7 @@ use streakcast::passes::{Exposure, Field, Pass, PassOptions, Sky, SnapshotOption
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, required};
-use super::super::state::{Caveats, ServerState};
+use super::super::state::{Caveats, RequestState};
 use super::document::rounded;
 use super::document::{left_out_count_schema, object_schema, warnings_schema};
 use super::exposure::of_sky;
@@ -85,7 +85,7 @@ const MAX_POSITIONS: f64 = 20_000.0;
 /// Largest number of points along a pass. SatChecker has one point per second.
 const MAX_SAMPLES: usize = 601;
 
-pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn passes(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let sky = sky(state, query)?;
     let exposure = exposure(query)?;
     let radius_rad = query.number("fov_radius").unwrap_or_default().to_radians();
@@ -139,7 +139,7 @@ fn exposure(query: &Query) -> Result<Exposure, Problem> {
     })
 }
 
-fn pass_options(state: &ServerState, query: &Query, samples: usize) -> PassOptions {
+fn pass_options(state: &RequestState, query: &Query, samples: usize) -> PassOptions {
     PassOptions {
         include_dark: !query.truth("illuminated_only").unwrap_or(false),
         min_probability: None,
@@ -216,7 +216,7 @@ fn by_time(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool)
     listed(all.into_iter().map(|(_, value)| value).collect())
 }
 
-pub fn above(state: &ServerState, query: &Query) -> Result<String, Problem> {
+pub fn above(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let sky = sky(state, query)?;
     let at = moment(query.number("julian_date").unwrap_or_default())?;
     let options = SnapshotOptions {
@@ -261,7 +261,7 @@ fn with_source(mut document: Value, caveats: &Caveats) -> String {
 }
 
 /// Returns the sky with the satellites of the server for the site of the query.
-fn sky(state: &ServerState, query: &Query) -> Result<Sky, Problem> {
+fn sky(state: &RequestState, query: &Query) -> Result<Sky, Problem> {
     let numbers = ["latitude", "longitude", "elevation"].map(|name| query.number(name));
     let site = match (query.text("site"), numbers) {
         (Some(name), [None, None, None]) => {
