@@ -18,6 +18,11 @@ fn elements(file: &str) -> Vec<u8> {
     crate::common::elements::sample(file)
 }
 
+/// Returns the CSV sample with an epoch on the day of the ephemerides.
+fn elements_of_the_day() -> Vec<u8> {
+    String::from_utf8(elements("sample.csv")).unwrap().replace("2026-03-20", "2024-08-14").into_bytes()
+}
+
 /// Server on a loopback address that handles each connection by the next handler and records the requests.
 struct Server {
     url: String,
@@ -539,7 +544,8 @@ fn ephemerides_of_candidates_are_fetched_once_and_used() {
 
     // The ephemeris is used together with the element set of the same satellite; outside its time range the element set
     // is used.
-    let elements = crate::common::golden_dir().join("elements/sample.csv");
+    let elements = cache.folder().join("elements.csv");
+    std::fs::write(&elements, elements_of_the_day()).unwrap();
     let forecast = |start: &str, end: &str| {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
             .args(["forecast", "--lat", "0", "--lon", "0", "--include-dark", "--format", "json", "--elements"])
@@ -662,7 +668,7 @@ fn the_source_of_positions_is_stated() {
         std::fs::write(&file, bytes).unwrap();
         file.display().to_string()
     };
-    let elements = path("gp.csv", &elements("sample.csv"));
+    let elements = path("gp.csv", &elements_of_the_day());
     let used = path(EPHEMERIS, &ephemeris());
     let without = path(&EPHEMERIS.replace("90001_INVENTED-1", "90002_INVENTED-2"), &ephemeris());
     let run = |words: &[&str]| {

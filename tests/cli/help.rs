@@ -155,11 +155,11 @@ fn all_missing_inputs_are_in_one_error() {
     misses("plot body --model visorsat --sun-latitude-deg 20", &["missing picture; specify -o FILE"]);
 }
 
-/// Returns an element set of 2024. With a large drag term, SGP4 fails two years later.
+/// Returns an element set 20 days old. With a large drag term, SGP4 fails at this age.
 fn old_set(norad_id: u32, bstar_per_earth_radius: f64) -> String {
     let pair = crate::common::elements::pair(norad_id, "226.52426840");
     let mut set = crate::common::elements::read(pair.as_bytes()).unwrap().element_sets[0].clone();
-    set.epoch -= hifitime::Unit::Day * 730;
+    set.epoch -= hifitime::Unit::Day * 20;
     set.bstar_per_earth_radius = bstar_per_earth_radius;
     streakcast::elements::format_tle(&set).unwrap().map(|line| line + "\n").concat()
 }
@@ -167,7 +167,7 @@ fn old_set(norad_id: u32, bstar_per_earth_radius: f64) -> String {
 #[test]
 fn element_sets_that_cannot_be_propagated_are_counted_on_one_line() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.tle"), old_set(90_001, 0.0) + &old_set(90_002, 0.05)).unwrap();
+    std::fs::write(folder.path().join("a.tle"), old_set(90_001, 0.0) + &old_set(90_002, 5.0)).unwrap();
     let arguments = "passes --elements a.tle --mpc X05 --fov 3deg --ra 310 --dec=-30 --exposure 30s \
                      --start 2026-08-14T23:29:05Z";
     let arguments: Vec<&str> = arguments.split_whitespace().collect();

@@ -119,7 +119,7 @@ fn verif_broken_messages_do_not_affect_others() {
                  UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss"
                     .to_string()
             ),
-            (6, "invalid NORAD_CAT_ID \"\\\"90004\": expected 1 to 999999999, or Alpha-5".to_string()),
+            (6, "invalid NORAD_CAT_ID \"\"90004\": expected 1 to 999999999, or Alpha-5".to_string()),
         ]
     );
 

@@ -12,9 +12,9 @@ use streakcast::schedule::{FlagRequest, Policy, ScheduledExposure, Verdict, Verd
 
 const LIMIT: f64 = 1e-5;
 
-/// Returns the satellites of a shell with elements 90 days old: each may be early or late by minutes.
+/// Returns the satellites of a shell with elements 20 days old: some are early or late by minutes.
 fn old_elements(at: Epoch) -> Vec<ElementSet> {
-    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(at - 90.0 * Unit::Day);
+    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(at - 20.0 * Unit::Day);
     elements.truncate(1584);
 
     for set in &mut elements {
