@@ -11,7 +11,10 @@ import pytest
 DEADLOCK_S = 120
 
 SETUP = """
+import signal
 import numpy, streakcast
+# Background jobs of a shell inherit an ignored SIGINT.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 START = "2026-08-14T23:29:05Z"
 model = streakcast.StreakModel(
     mpc="X05", shells=["starlink-gen1", "starlink-gen2", "guowang", "qianfan"], fov="3.5deg", epoch=START,
