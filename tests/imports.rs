@@ -83,7 +83,7 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("pulp", &["math"]),
     ("statrs", &["fit"]),
     ("pulldown_cmark", &["fit"]),
-    ("strsim", &["geometry", "schedule"]),
+    ("strsim", &["bin", "config", "geometry", "schedule"]),
     ("clap", &["bin", "config"]),
     ("clap_complete", &["bin"]),
     ("signal_hook", &["bin"]),

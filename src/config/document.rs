@@ -16,6 +16,9 @@ use crate::schedule::MagnitudeLimit;
 #[cfg(feature = "cli")]
 const MOST_NORAD: u32 = 999_999_999;
 
+/// Smallest similarity of two names for a suggestion.
+const SIMILAR: f64 = 0.85;
+
 /// Satellites, site, camera, policy and run options of a request. `None` and an empty list mean an omitted key.
 ///
 /// The command line fills it from flags, [`Config::read`] from TOML, and plugins from JSON. [`Config::over`] fills
@@ -97,7 +100,8 @@ pub struct Config {
     /// Correct magnitudes for the Sun's distance of the day (up to 0.04 mag) instead of 1 au
     #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Camera"))]
     pub sun_distance: Option<bool>,
-    /// Include near misses with at least this probability of a crossing, above 0, at most 1
+    /// Include near misses with at least this probability of a crossing, above 0, at most 1; in verdicts also the
+    /// probability of a bright crossing that gives avoid (0.5 if omitted)
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", help_heading = "Camera"))]
     pub min_probability: Option<f64>,
     /// Time scale of times that have none: utc, tai or tt
@@ -245,21 +249,28 @@ pub struct RulesConfig {
     pub max_delay: Option<Quantity>,
 }
 
-/// Accepted keys of a configuration file.
+/// Verbs of the command line that have a table in a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 44] = [
-    "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
-    "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
-    "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
-    "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
-    "include_dark", "samples", "format",
+const VERBS: [&str; 17] = [
+    "passes", "flag", "annotate", "windows", "forecast", "ephemeris", "gate", "identify", "map", "plot", "inject",
+    "measure", "learn", "serve", "statistics", "model", "doctor",
 ];
 
 impl Config {
+    /// Accepted keys of a configuration file, except for the tables of verbs.
+    #[rustfmt::skip]
+    pub const KEYS: [&'static str; 44] = [
+        "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+        "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
+        "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
+        "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
+        "include_dark", "samples", "format",
+    ];
+
     /// Reads a configuration file. Relative paths in it are relative to the folder of the file.
     ///
     /// # Errors
-    /// The file cannot be read, is not TOML, or has an unknown key or an invalid value.
+    /// The file cannot be read, is not TOML, or has an unknown key, an invalid value, or keys that exclude each other.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let shown = path.display().to_string();
         let text = input::read_to_string(path).map_err(|source| ConfigError::Io {
@@ -268,6 +279,7 @@ impl Config {
             source,
         })?;
         let mut config = Self::from_toml(&text, &shown)?;
+        config.check().map_err(|error| ConfigError::Toml { path: shown, message: error.to_string() })?;
         config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.default_time_scale = config.time_scale.take();
         Ok(config)
@@ -282,9 +294,24 @@ impl Config {
         let of_toml = |error: &toml::de::Error| crate::input::toml_error(error, text);
         let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
         // TOML keys may have hyphens or underscores; the fields have underscores.
-        let keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();
-        if let Some(unknown) = keys.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            return Err(error(format!("unknown key '{unknown}'; allowed: {}", KEYS.join(", "))));
+        let mut keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();
+        // The command line reads and checks the tables of verbs. It cannot read a stream twice.
+        let is_table_of_verb = |key: &str, value: &toml::Value| value.is_table() && VERBS.contains(&key);
+        if let Some((verb, _)) = keys.iter().find(|(key, value)| is_table_of_verb(key, value))
+            && input::is_stream(Path::new(origin))
+        {
+            return Err(error(format!("[{verb}] is in a stream; allowed: tables of verbs in a regular file")));
+        }
+        keys.retain(|key, value| !is_table_of_verb(key, value));
+        if let Some(unknown) = keys.keys().find(|key| !Self::KEYS.contains(&key.as_str())) {
+            let known = Self::KEYS.iter().chain(&VERBS);
+            let similarity = |known: &&&str| strsim::jaro_winkler(known, unknown);
+            let nearest = known.max_by(|one, other| similarity(one).total_cmp(&similarity(other)));
+            let hint = match nearest.filter(|known| similarity(known) > SIMILAR) {
+                Some(known) => format!("did you mean {known}?"),
+                None => format!("allowed: {}", Self::KEYS.join(", ")),
+            };
+            return Err(error(format!("unknown key '{unknown}'; {hint}")));
         }
         Config::deserialize(keys.clone()).map_err(|value| {
             // The error of the TOML parser for an invalid value does not contain the key.
@@ -294,6 +321,20 @@ impl Config {
             let key = keys.into_iter().find(is_invalid).map(|(key, _)| key).unwrap_or_default();
             error(format!("{key}: {}", of_toml(&value)))
         })
+    }
+
+    /// Checks all values that need no other file, so that the error is that of this configuration alone.
+    fn check(&self) -> Result<(), ConfigError> {
+        self.check_viewpoint()?;
+        self.check_field()?;
+        self.check_limits()?;
+        self.photometry()?;
+        self.rotation_rad()?;
+        self.samples()?;
+        self.time_scale()?;
+        self.drag()?;
+        self.shadow()?;
+        Ok(())
     }
 
     /// Fills omitted keys from the configuration file, if one is given.
@@ -310,40 +351,58 @@ impl Config {
         }
     }
 
-    /// Returns this configuration, with omitted keys taken from `base`.
+    /// Returns this configuration, with `base` for all questions that it does not answer.
     ///
-    /// Related keys are taken together: if this configuration has a site, a field or satellites, none of the keys of
-    /// that group are taken from `base`.
-    pub fn over(mut self, base: Config) -> Config {
-        macro_rules! complete {
-            ($config:ident, $base:ident: $($($field:ident).+),+ $(,)?) => {
-                $($config.$($field).+ = $config.$($field).+.or($base.$($field).+);)+
-            };
+    /// Keys that answer one question are taken together: if this configuration has any of them, none is taken from
+    /// `base`. For example, `mpc` replaces the coordinates of `base`. A telescope also answers for the field of view,
+    /// and a policy for all limits.
+    pub fn over(self, base: Config) -> Config {
+        let mut both = self.clone();
+        // One question a line. Its keys are taken from `base` if these keys, and those after `unless`, are omitted.
+        macro_rules! questions {
+            ($([$($key:ident$(.$inner:ident)?),+] $(unless $other:ident$(.$part:ident)?)?;)+) => {$(
+                if $(is_omitted(&self.$key$(.$inner)?))&&+ $(&& is_omitted(&self.$other$(.$part)?))? {
+                    $(both.$key$(.$inner)? = base.$key$(.$inner)?;)+
+                }
+            )+};
         }
-        if self.elements.is_empty() && self.shells.is_empty() {
-            (self.elements, self.shells) = (base.elements, base.shells);
+        questions! {
+            [elements, shells];
+            [accept_bad_checksums];
+            [qs_mag];
+            [model];
+            [models];
+            [learned];
+            [drag];
+            [shadow];
+            [site, observer_elements, observer_norad, limb_height_km];
+            [fov, field] unless telescope;
+            [telescope];
+            [rotation];
+            [light.band];
+            [light.mag_system];
+            [light.earthshine];
+            [extinction];
+            [sun_distance];
+            [rules.policy];
+            [rules.limit_mag] unless rules.policy;
+            [min_probability] unless rules.policy;
+            [rules.blocking] unless rules.policy;
+            [rules.max_delay] unless rules.policy;
+            [time_scale];
+            [default_time_scale];
+            [eop];
+            [run.file];
+            [run.threads];
+            [run.quiet, run.verbose];
+            [exposure.start];
+            [exposure.duration];
+            [exposure.target, exposure.ra, exposure.dec];
+            [include_dark];
+            [samples];
+            [format];
         }
-        if !self.has_viewpoint() {
-            self.site = base.site;
-            (self.observer_elements, self.observer_norad) = (base.observer_elements, base.observer_norad);
-        }
-        let pointing = &self.exposure;
-        if pointing.target.is_none() && pointing.ra.is_none() && pointing.dec.is_none() {
-            let base = base.exposure.clone();
-            (self.exposure.target, self.exposure.ra, self.exposure.dec) = (base.target, base.ra, base.dec);
-        }
-        if self.model.is_empty() {
-            self.model = base.model;
-        }
-        if self.fov.is_none() && self.field.is_none() {
-            (self.fov, self.field) = (base.fov, base.field);
-        }
-        complete!(self, base:
-            accept_bad_checksums, qs_mag, learned, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
-            light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
-            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, rules.policy, rules.limit_mag, rules.blocking, rules.max_delay, include_dark, samples, format,
-        );
-        self
+        both
     }
 
     /// Returns true if a site or a telescope in orbit is given.
@@ -420,6 +479,10 @@ impl Config {
     }
 }
 
+fn is_omitted<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 /// Reads a NORAD catalogue number from the command line.
 ///
 /// # Errors
@@ -472,7 +535,7 @@ mod tests {
     fn every_listed_key_is_a_key() {
         // No key accepts a table inside a list, so every key of `Config` gives an error about the type of its value. A
         // listed key that `Config` lacks gives the error of an unknown key.
-        for key in KEYS {
+        for key in Config::KEYS {
             let error = Config::from_toml(&format!("{key} = [[{{}}]]"), "t.toml").expect_err(key).to_string();
             assert!(!error.contains("unknown"), "{key}: {error}");
         }
@@ -486,7 +549,7 @@ mod tests {
         let flags = ExposureConfig::augment_args(RulesConfig::augment_args(flags));
         for flag in flags.get_arguments().filter_map(clap::Arg::get_long) {
             let key = flag.trim_start_matches("no-").replace('-', "_");
-            assert!(key == "config" || KEYS.contains(&key.as_str()), "{key}");
+            assert!(key == "config" || Config::KEYS.contains(&key.as_str()), "{key}");
         }
     }
 

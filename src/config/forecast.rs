@@ -109,8 +109,9 @@ impl Default for ForecastConfig {
 }
 
 impl ForecastConfig {
-    /// Checks the values and converts them to a request and a selection of satellites. `default_samples` is the number
-    /// of points along each pass if neither `self` nor `config` sets it.
+    /// Checks the values and converts them to a request and a selection of satellites. Passes in the shadow are included
+    /// if `self` or `config` includes them. `default_samples` is the number of points along each pass if neither of them
+    /// sets it.
     ///
     /// # Errors
     /// A generation is unknown, a number is out of range, or the errors of [`time_range`].
@@ -128,7 +129,7 @@ impl ForecastConfig {
             min_altitude_rad: self.min_altitude.to_radians(),
             min_culmination_rad: self.min_culmination.to_radians(),
             max_magnitude: self.max_mag,
-            include_dark: self.include_dark,
+            include_dark: self.include_dark || config.include_dark.unwrap_or(false),
             samples: self.samples.or(config.samples).unwrap_or(default_samples),
             photometry: config.photometry()?,
         };

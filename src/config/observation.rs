@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::document::{Config, ExposureConfig};
+use super::document::{Config, ExposureConfig, RulesConfig};
 use super::error::ConfigError;
 use super::inputs::{parse_file, read_text};
 use super::values::{
@@ -14,7 +14,7 @@ use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_directio
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
 use crate::photometry::{Band, Earthshine, PhotometryOptions};
-use crate::schedule::{FlagRequest, Policy, ScheduleError, ScheduleOptions};
+use crate::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduleError, ScheduleOptions};
 
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
@@ -72,9 +72,9 @@ impl Config {
     /// # Errors
     /// No field or more than one is given, or the field is invalid.
     pub fn field_of_view(&self) -> Result<Field, ConfigError> {
+        self.check_field()?;
         match (&self.fov, &self.field) {
-            (Some(_), Some(_)) => Err(ConfigError::Both { first: "--fov", second: "--field" }),
-            (Some(size), None) => Ok(match parse_size_deg("fov", size.as_str())? {
+            (Some(size), _) => Ok(match parse_size_deg("fov", size.as_str())? {
                 (diameter_deg, None) => Field::circle(diameter_deg.to_radians())?,
                 (width_deg, Some(height_deg)) => Field::rectangle_deg(width_deg, height_deg)?,
             }),
@@ -85,6 +85,16 @@ impl Config {
                 None => Err(ConfigError::Missing { what: "field of view", allowed: FIELDS }),
             },
         }
+    }
+
+    pub(super) fn check_field(&self) -> Result<(), ConfigError> {
+        if self.fov.is_some() && self.field.is_some() {
+            return Err(ConfigError::Both { first: "--fov", second: "--field" });
+        }
+        if let Some(size) = &self.fov {
+            parse_size_deg("fov", size.as_str())?;
+        }
+        Ok(())
     }
 
     /// Returns the telescope; `None` if none is given.
@@ -112,20 +122,14 @@ impl Config {
             Some(NameOrTable::Name(path)) => policy_of_file(path)?,
             Some(NameOrTable::Table(policy)) => policy.clone(),
         };
-        if let Some(limit) = &self.rules.limit_mag {
-            for limit in limit.numbers() {
-                in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
-            }
-            policy.limit_mag = Some(limit.clone());
-        }
-        if let Some(probability) = self.min_probability {
-            in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
-        }
+        self.check_limits()?;
+        let RulesConfig { limit_mag, blocking, max_delay, .. } = &self.rules;
+        policy.limit_mag = limit_mag.clone().or(policy.limit_mag);
         policy.min_probability = self.min_probability.or(policy.min_probability);
-        if let Some(blocking) = &self.rules.blocking {
+        if let Some(blocking) = blocking {
             policy.blocking = blocking.parse().map_err(ConfigError::Policy)?;
         }
-        if let Some(delay) = &self.rules.max_delay {
+        if let Some(delay) = max_delay {
             policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
         }
         policy.validate().map_err(ConfigError::Policy)?;
@@ -142,6 +146,26 @@ impl Config {
             }
         }
         Ok(policy)
+    }
+
+    /// Returns the magnitude limit of the policy in the band of the magnitudes; `None` if there is no such limit.
+    ///
+    /// # Errors
+    /// Same as [`Config::policy`] and [`Config::photometry`].
+    pub fn limit_mag(&self) -> Result<Option<f64>, ConfigError> {
+        let band = self.photometry()?.band;
+        Ok(self.policy()?.limit_mag.and_then(|limit| limit.of(Some(band.name()))))
+    }
+
+    /// Checks the limits that are given beside a policy.
+    pub(super) fn check_limits(&self) -> Result<(), ConfigError> {
+        for limit in self.rules.limit_mag.iter().flat_map(MagnitudeLimit::numbers) {
+            in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
+        }
+        if let Some(probability) = self.min_probability {
+            in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
+        }
+        Ok(())
     }
 
     /// Returns band (V if omitted), magnitude system and light sources of the magnitudes.
@@ -187,7 +211,7 @@ impl Config {
         self.time_scale.as_deref().or(self.default_time_scale.as_deref())
     }
 
-    fn rotation_rad(&self) -> Result<f64, ConfigError> {
+    pub(super) fn rotation_rad(&self) -> Result<f64, ConfigError> {
         let degrees = self.rotation.unwrap_or(0.0);
         let degrees =
             in_range("rotation", degrees, "deg", "-360 to 360 deg", |angle| (-360.0..=360.0).contains(&angle))?;

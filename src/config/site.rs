@@ -21,24 +21,48 @@ impl Config {
     /// # Errors
     /// No site or more than one is given, the site is unknown, or a coordinate is out of range.
     pub fn site(&self) -> Result<Site, ConfigError> {
+        self.check_viewpoint()?;
         let SiteConfig { named, mpc, lat, lon, height } = &self.site;
-        let flags =
-            SiteTable { name: None, mpc: mpc.clone(), latitude_deg: *lat, longitude_deg: *lon, height_m: *height };
+        match named {
+            Some(NameOrTable::Name(name)) => site_of_name(name),
+            Some(NameOrTable::Table(table)) => site_of(table),
+            None => site_of(&SiteTable {
+                name: None,
+                mpc: mpc.clone(),
+                latitude_deg: *lat,
+                longitude_deg: *lon,
+                height_m: *height,
+            }),
+        }
+    }
+
+    /// Checks that the keys of site and telescope in orbit do not exclude each other, and that numbers are in range.
+    pub(super) fn check_viewpoint(&self) -> Result<(), ConfigError> {
+        let SiteConfig { named, mpc, lat, lon, height } = &self.site;
         for (what, value, unit, allowed, range) in [
             ("lat", lat, "deg", "-90 to 90 deg", -90.0..=90.0),
             ("lon", lon, "deg", "-180 to 360 deg", -180.0..=360.0),
             ("height", height, "m", "-11000 to 100000 m", -11_000.0..=100_000.0),
+            ("limb-height-km", &self.limb_height_km, "km", "0 to 1000 km", 0.0..=1000.0),
         ] {
             if let Some(value) = value {
                 in_range(what, *value, unit, allowed, |value| range.contains(&value))?;
             }
         }
-        let has_flags = flags != SiteTable::default();
-        match named {
-            Some(_) if has_flags => Err(ConfigError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
-            Some(NameOrTable::Name(name)) => site_of_name(name),
-            Some(NameOrTable::Table(table)) => site_of(table),
-            None => site_of(&flags),
+        let has_numbers = mpc.is_some() || lat.is_some() || lon.is_some() || height.is_some();
+        if named.is_some() && has_numbers {
+            return Err(ConfigError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" });
+        }
+        match (self.is_in_orbit(), self.site.is_given()) {
+            (true, true) => Err(ConfigError::Both {
+                first: "--observer-elements, --observer-norad",
+                second: "--site, --mpc, --lat, --lon, --height",
+            }),
+            (false, _) if self.limb_height_km.is_some() => Err(ConfigError::Missing {
+                what: "telescope in orbit for --limb-height-km",
+                allowed: "--observer-elements FILE or --observer-norad ID",
+            }),
+            _ => Ok(()),
         }
     }
 
@@ -49,20 +73,11 @@ impl Config {
     /// `moment`; or the file has no element sets, has several objects and no number is given, or lacks the given
     /// number.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
-        let limb = self.limb_height_km;
-        match (self.is_in_orbit(), self.site.is_given()) {
-            (true, true) => Err(ConfigError::Both {
-                first: "--observer-elements, --observer-norad",
-                second: "--site, --mpc, --lat, --lon, --height",
-            }),
-            (false, _) if limb.is_some() => Err(ConfigError::Missing {
-                what: "telescope in orbit for --limb-height-km",
-                allowed: "--observer-elements FILE or --observer-norad ID",
-            }),
-            (false, _) => Ok(Observer::new(self.site()?).into()),
-            (true, false) => {
-                let height_km = limb.unwrap_or(0.0);
-                in_range("limb-height-km", height_km, "km", "0 to 1000 km", |value| (0.0..=1000.0).contains(&value))?;
+        self.check_viewpoint()?;
+        match self.is_in_orbit() {
+            false => Ok(Observer::new(self.site()?).into()),
+            true => {
+                let height_km = self.limb_height_km.unwrap_or(0.0);
                 let elements = self.observer_set(moment)?;
                 let limb = EarthLimb { height_km };
                 let observer = OrbitingObserver::new(&elements, limb).map_err(ConfigError::Observer)?;

@@ -12,7 +12,8 @@
 //! ```
 //!
 //! with the angular rate ω of each satellite, a circular field of diameter D and an exposure of length t. This is the
-//! mean over uniform pointings above h.
+//! mean over uniform pointings above h. For other fields, π D²/4 is replaced by the area, and D by the mean width over
+//! all directions of motion.
 
 use std::f64::consts::{PI, TAU};
 
@@ -43,8 +44,11 @@ pub struct StatisticsRequest {
     pub sun_altitudes_rad: Vec<f64>,
     /// Lowest altitudes of the counted satellites, radians.
     pub min_altitudes_rad: Vec<f64>,
-    /// Diameter of the field, radians.
+    /// Diameter of the field, radians; for a field that is not a circle its mean width, see
+    /// [`Field::mean_width_deg`](crate::passes::Field::mean_width_deg).
     pub field_rad: f64,
+    /// Area of the field, steradians; that of a circle if `None`.
+    pub field_sr: Option<f64>,
     /// Exposure time, seconds.
     pub exposure_s: f64,
     /// Number of times over which each count is averaged, evenly spaced over [`Self::spread_s`].
@@ -144,6 +148,14 @@ impl StatisticsRequest {
         if !(self.field_rad > 0.0 && self.field_rad <= PI) {
             return out_of_range("fov", self.field_rad.to_degrees(), " deg", "above 0 deg, at most 180 deg");
         }
+        if let Some(area_sr) = self.field_sr.filter(|area_sr| !(*area_sr > 0.0 && *area_sr <= TAU)) {
+            return out_of_range(
+                "field",
+                area_sr * 1f64.to_degrees().powi(2),
+                " deg2",
+                "above 0, at most 20626.5 deg2",
+            );
+        }
         if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.exposure_s) {
             return out_of_range("exposure", self.exposure_s, " s", "0 to 86400 s");
         }
@@ -212,7 +224,7 @@ fn count(
         }
         count.lit += share;
         // (π D²/4 + ω t D) / Ω                                             Bassa et al. (2022), section 2
-        let field_sr = 0.25 * PI * request.field_rad * request.field_rad;
+        let field_sr = request.field_sr.unwrap_or(0.25 * PI * request.field_rad * request.field_rad);
         let swept_sr = one.angular_rate_rad_s * request.exposure_s * request.field_rad;
         let trails = (field_sr + swept_sr) / sky_sr;
         count.trails += share * trails;
@@ -245,7 +257,7 @@ const COLUMNS: [Column; 17] = [
     Column::real("brighter_than_6", "", 2, "Expected number of satellites brighter than magnitude 6."),
     Column::real("brighter_than_7", "", 2, "Expected number of satellites brighter than magnitude 7."),
     Column::real("brighter_than_8", "", 2, "Expected number of satellites brighter than magnitude 8."),
-    Column::real("field_deg", "deg", 4, "Full diameter of the field."),
+    Column::real("field_deg", "deg", 4, "Full diameter of the field; mean width of a field that is not a circle."),
     Column::real("exposure_s", "s", 3, "Length of the exposure."),
     Column::real("trails_per_exposure", "", 5, "Expected number of trails of lit satellites in one exposure."),
     Column::real("streaked_share", "", 5, "Expected fraction of exposures with at least one trail."),

@@ -155,6 +155,28 @@ impl Field {
         area_rad2 * 1f64.to_degrees().powi(2)
     }
 
+    /// Returns the mean over all directions of the width of the field across the direction, degrees on the tangent
+    /// plane. Parts of the direction's normal that several shapes cover count once. An object that crosses at the angular
+    /// rate ω for the time t is in the field with a probability proportional to area + ω t × width.
+    pub fn mean_width_deg(&self) -> f64 {
+        const DIRECTIONS: usize = 180;
+        let outlines = self.outlines_deg(360);
+        let width = |direction: usize| {
+            let (sin, cos) = (std::f64::consts::PI * direction as f64 / DIRECTIONS as f64).sin_cos();
+            let extent = |outline: &Vec<[f64; 2]>| {
+                let along = outline.iter().map(|[x, y]| x * cos + y * sin);
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| (low.min(one), high.max(one)))
+            };
+            let mut extents: Vec<(f64, f64)> = outlines.iter().map(extent).collect();
+            extents.sort_by(|one, other| one.0.total_cmp(&other.0));
+            let covered = (0.0, f64::NEG_INFINITY);
+            let union =
+                |(sum, end): (f64, f64), (low, high): (f64, f64)| (sum + (high - low.max(end)).max(0.0), high.max(end));
+            extents.into_iter().fold(covered, union).0
+        };
+        (0..DIRECTIONS).map(width).sum::<f64>() / DIRECTIONS as f64
+    }
+
     /// Returns the radius of the smallest circle around the pointing that contains every shape, radians.
     pub fn bounding_radius_rad(&self) -> f64 {
         self.shapes

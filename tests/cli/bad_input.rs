@@ -155,8 +155,7 @@ fn errors_for_unknown_values_list_the_allowed_ones() {
 #[test]
 fn options_without_effect_on_statistics() {
     let night: &[&str] = &["--night", "2024-08-14"];
-    for option in [["--min-probability", "0.5"], ["--rotation", "10"], ["--telescope", "rubin"], ["--field", "f.toml"]]
-    {
+    for option in [["--min-probability", "0.5"], ["--rotation", "10"]] {
         fails(&[&["statistics"], night, SHELLS, SITE, &option], &[option[0], "no effect on statistics"]);
     }
     for verb in ["statistics", "forecast", "windows"] {

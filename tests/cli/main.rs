@@ -49,6 +49,7 @@ mod reproduce;
 mod serve;
 #[cfg(all(feature = "serve", unix))]
 mod serve_errors;
+mod settings;
 mod shorthands;
 mod space_observer;
 mod unknown;

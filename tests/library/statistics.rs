@@ -1,7 +1,7 @@
 //! Statistics of a site: expected trails compared with computed crossings, counts compared with the density of shells,
 //! and the verbs that print them.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::common::random::Random;
 use hifitime::Epoch;
@@ -33,6 +33,7 @@ fn request(site: &Site, date: &str) -> StatisticsRequest {
         sun_altitudes_rad: [-12.0_f64, -24.0].map(f64::to_radians).to_vec(),
         min_altitudes_rad: [20.0_f64, 30.0].map(f64::to_radians).to_vec(),
         field_rad: 3.5_f64.to_radians(),
+        field_sr: None,
         exposure_s: 30.0,
         moments: 1,
         spread_s: 0.0,
@@ -111,6 +112,8 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
     assert!(lit(-12.0) > 2.0 * lit(-24.0), "{} {}", lit(-12.0), lit(-24.0));
     let refused = StatisticsRequest { limit_mag: Some(f64::NAN), ..request.clone() };
     assert!(sky_counts(&sky, &refused).unwrap_err().to_string().contains("limit-mag is NaN mag"));
+    let refused = StatisticsRequest { field_sr: Some(f64::NAN), ..request.clone() };
+    assert!(sky_counts(&sky, &refused).unwrap_err().to_string().starts_with("field is NaN deg2; allowed: "));
     let refused = StatisticsRequest { field_rad: 0.0, ..request.clone() };
     assert!(sky_counts(&sky, &refused).unwrap_err().to_string().contains("above 0 deg"));
 }
@@ -231,4 +234,17 @@ mod verbs {
         let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
         assert_eq!(answer["reproduced"].as_array().unwrap().len(), 3);
     }
+}
+
+#[test]
+fn mean_widths_of_fields() {
+    let width_deg = |json: &str| Field::from_json(&format!("{{\"shapes\": [{json}]}}")).unwrap().mean_width_deg();
+    // The mean width of a convex shape is its perimeter divided by π.
+    assert!((Field::circle_deg(1.0).unwrap().mean_width_deg() - 1.0).abs() < 1e-4);
+    assert!((Field::rectangle_deg(2.0, 1.0).unwrap().mean_width_deg() - 6.0 / PI).abs() < 1e-4);
+    // Shapes that cover each other count once; two distant ones count twice in most directions.
+    let one = r#"{"circle_deg": 1.0}"#;
+    assert!((width_deg(&format!("{one}, {one}")) - 1.0).abs() < 1e-4);
+    let apart = width_deg(&format!(r#"{one}, {{"circle_deg": 1.0, "center_deg": [20.0, 0.0]}}"#));
+    assert!((1.9..2.0).contains(&apart), "{apart}");
 }

@@ -299,3 +299,23 @@ def test_a_configuration_file_is_equivalent_to_arguments():
     assert model.site is not None and model.assess(TARGET, START, 30.0).verdict in ("clear", "streaked", "avoid")
     over = streakcast.StreakModel(config=path, fov="1deg")
     assert over.field_radius_deg == pytest.approx(0.5)
+
+
+def test_an_argument_replaces_the_keys_that_answer_the_same_question(tmp_path):
+    path = tmp_path / "obs.toml"
+    path.write_text("shells = 'starlink-gen1'\nfov = '1deg'\nlimb_height_km = 50\nobserver_norad = 20580\n")
+    # A telescope has a field of view, and a site replaces a telescope in orbit with the height of its limb.
+    model = streakcast.StreakModel(config=path, telescope="rubin", mpc="X05")
+    assert model.field_radius_deg == pytest.approx(1.75, rel=0.1) and model.site is not None
+    with pytest.raises(streakcast.SetupError, match="obs.toml: missing telescope in orbit"):
+        path.write_text("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '1deg'\nlimb_height_km = 50\n")
+        streakcast.StreakModel(config=path).assess(TARGET, START, 30.0)
+
+
+def test_tables_of_verbs_are_for_the_command_line(tmp_path):
+    path = tmp_path / "obs.toml"
+    path.write_text("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '1deg'\n[forecast]\nmax_mag = 5\n")
+    assert streakcast.StreakModel(config=path).field_radius_deg == pytest.approx(0.5)
+    path.write_text("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '1deg'\n[forcast]\nmax_mag = 5\n")
+    with pytest.raises(streakcast.SetupError, match="unknown key 'forcast'; did you mean forecast"):
+        streakcast.StreakModel(config=path).assess(TARGET, START, 30.0)

@@ -57,8 +57,9 @@ fn report(message: &str) {
     let _ = io::Write::write_fmt(&mut io::stderr(), format_args!("{}\n", bounded(&printable(&line))));
 }
 
-/// Prints help and version on standard output, and a usage error on one line of standard error.
-pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
+/// Prints help and version on standard output, and a usage error on one line of standard error. `place` is the file and
+/// table of the value that is in error, if it is not on the command line.
+pub fn report_usage(error: &clap::Error, command: Command, place: Option<&str>) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             let printed = error.print().and_then(|()| io::Write::flush(&mut io::stdout()));
@@ -94,7 +95,8 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
                 let allowed = verb.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name);
                 message += &format!("; allowed: {}", allowed.collect::<Vec<_>>().join(", "));
             }
-            report(&format!("{} (see {path} --help)", message.trim_start_matches("error: ")));
+            let place = place.map(|place| format!("{place}: ")).unwrap_or_default();
+            report(&format!("{place}{} (see {path} --help)", message.trim_start_matches("error: ")));
             ExitCode::from(2)
         }
     }

@@ -14,6 +14,7 @@ mod required;
 mod screen;
 mod signals;
 mod start;
+mod verb_tables;
 mod verbs;
 
 use std::process::ExitCode;
@@ -137,17 +138,20 @@ enum Verb {
 
 fn main() -> ExitCode {
     let command = rejected::hide(help::complete(Arguments::command()));
-    let matches = command.clone().try_get_matches_from(clock::expand(std::env::args_os(), clock::now()));
-    let matches = match matches {
+    let words = match verb_tables::insert(&command, std::env::args_os().collect()) {
+        Ok(words) => words,
+        Err(error) => return exit_code(Err(error)),
+    };
+    let matches = match command.clone().try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now())) {
         Ok(matches) => matches,
-        Err(error) => return report_usage(&error, command),
+        Err(error) => return report_usage(&error, command, words.place_of(&error)),
     };
     if let Err(error) = rejected::check(&matches).and_then(|()| files::check(&command, &matches)) {
         return exit_code(Err(error));
     }
     let arguments = match Arguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
-        Err(error) => return report_usage(&error, command),
+        Err(error) => return report_usage(&error, command, words.place_of(&error)),
     };
     #[cfg(feature = "serve")]
     let is_server = matches!(arguments.verb, Verb::Serve(_));

@@ -80,7 +80,8 @@ class StreakModel(MeasureQueries):
         this is done for each night (from noon to noon in mean solar time of the site): the element set of each object
         nearest to midnight, and constellations for 0h UTC of the date of the evening.
     config : path, optional
-        Configuration file (TOML). Arguments override it.
+        Configuration file (TOML). Arguments override its keys, and the keys that answer the same question: a telescope
+        replaces ``fov`` of the file, and a policy all limits. Tables of verbs, as ``[forecast]``, have no effect.
     on_changed_file : {"error", "warn"}
         Behaviour of an unpickled model if one of its files has changed: raises `ChangedFileError`, or warns and uses
         the new file.

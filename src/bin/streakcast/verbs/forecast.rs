@@ -257,7 +257,7 @@ fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig,
             "generation": forecast.generation,
             "name": forecast.name,
             "norad": forecast.norad,
-            "include_dark": forecast.include_dark,
+            "include_dark": request.include_dark,
             "samples": request.samples,
         }),
     );

@@ -2,14 +2,18 @@
 
 use crate::arguments::OutputArguments;
 use crate::clock::set_tonight;
-use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, Quantity, SiteConfig, parse_duration_s, parse_size_deg, state_scales, time_range};
+use streakcast::config::{
+    Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_size_deg, state_scales,
+    time_range,
+};
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Section, format_utc};
+use streakcast::schedule::MagnitudeLimit;
 
 use super::passes::left_out_table;
+use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::required::Required;
@@ -36,12 +40,12 @@ pub struct StatisticsArguments {
     /// Latitudes to use instead of that of the site, degrees north
     #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub latitudes: Vec<f64>,
-    /// Exposure time with its unit
-    #[arg(long, value_name = "TIME", default_value = "30s")]
-    pub exposure: String,
+    /// Exposure time with its unit; 30s if omitted
+    #[arg(long, value_name = "TIME")]
+    pub exposure: Option<Quantity>,
     /// Limiting magnitude: also count satellites brighter than this, and their trails
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
-    pub limit_mag: Option<f64>,
+    pub limit_mag: Option<MagnitudeLimit>,
     /// Number of times over which each count is averaged
     #[arg(long, value_name = "N", default_value_t = 11)]
     pub moments: usize,
@@ -56,6 +60,8 @@ pub struct StatisticsArguments {
 
 /// Default field of view: that of Rubin Observatory.
 const FIELD: &str = "3.5deg";
+/// Default exposure time: that of Rubin Observatory.
+const EXPOSURE: &str = "30s";
 
 const ON_SCREEN: &[Shown] = &[
     rounded("utc", "time (UTC)", 0),
@@ -78,23 +84,23 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
-    let config = typed.config.with_file()?;
+    let flags = Config {
+        exposure: ExposureConfig { duration: typed.exposure, ..ExposureConfig::default() },
+        rules: RulesConfig { limit_mag: typed.limit_mag, ..RulesConfig::default() },
+        ..typed.config
+    };
+    let config = flags.with_file()?;
     let has_night = !typed.night.is_empty();
     Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
-    if config.field.is_some() {
-        return Err(anyhow!(
-            "--field has no effect on statistics; allowed: a circular field, for example --fov {FIELD}"
-        ));
-    }
-    let fov = config.fov.as_ref().map_or(FIELD, Quantity::as_str);
-    let (diameter_deg, None) = parse_size_deg("fov", fov)? else {
-        return Err(anyhow!("fov is {fov}; allowed for statistics: a circular field, for example {FIELD}"));
-    };
-    let field_rad = diameter_deg.to_radians();
-    let exposure_s = parse_duration_s("exposure", &typed.exposure)?;
+    let has_shape = config.field.is_some() || config.telescope.is_some();
+    let fov = config.fov.as_ref().map(Quantity::as_str).or((!has_shape).then_some(FIELD));
+    let (field_rad, field_sr) = field_size(fov, &config)?;
+    let exposure = config.exposure.duration.as_ref().map_or(EXPOSURE, Quantity::as_str);
+    let exposure_s = parse_duration_s("exposure", exposure)?;
     let spread_s = parse_duration_s("spread", &typed.spread)?;
     let photometry = config.photometry()?;
+    let limit_mag = config.limit_mag()?;
     let notices = begin(&config)?;
     set_tonight(&mut typed.night, &config)?;
     let site = config.site()?;
@@ -125,10 +131,11 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
                 sun_altitudes_rad: radians(&typed.sun_altitude_deg),
                 min_altitudes_rad: radians(&typed.min_altitude),
                 field_rad,
+                field_sr,
                 exposure_s,
                 moments: typed.moments,
                 spread_s,
-                limit_mag: typed.limit_mag,
+                limit_mag,
                 photometry,
             };
             let (counts, missed, without) = sky_counts(&prepared.sky, &request)?;
@@ -158,11 +165,11 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         json!({
             "nights": typed.night,
             "latitudes_deg": typed.latitudes,
-            "field": fov,
+            "field": fov.map_or_else(|| given_field(&config), |fov| json!(fov)),
             "exposure_s": exposure_s,
             "moments": typed.moments,
             "spread_s": spread_s,
-            "limit_mag": typed.limit_mag,
+            "limit_mag": limit_mag,
             "first_utc": found.first().map(|(_, request, _)| format_utc(request.start, 0)),
         }),
     );
@@ -183,4 +190,13 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         &notices,
     )?;
     Ok(Outcome::Done)
+}
+
+/// Returns the mean width of the field, radians, and its area, steradians; `None` for the area of a circle.
+fn field_size(fov: Option<&str>, config: &Config) -> anyhow::Result<(f64, Option<f64>)> {
+    if let Some((diameter_deg, None)) = fov.map(|fov| parse_size_deg("fov", fov)).transpose()? {
+        return Ok((diameter_deg.to_radians(), None));
+    }
+    let field = config.field_of_view()?;
+    Ok((field.mean_width_deg().to_radians(), Some(field.area_deg2() * 1f64.to_radians().powi(2))))
 }

@@ -97,7 +97,8 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
-    let listed = read_targets(&path, seconds("exposure", &typed.exposure)?, plan.rotation_rad)?;
+    let exposure = typed.exposure.or(config.exposure.duration.as_ref().map(|exposure| exposure.0.clone()));
+    let listed = read_targets(&path, seconds("exposure", &exposure)?, plan.rotation_rad)?;
 
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);

@@ -40,7 +40,7 @@ const COLUMNS: [Column; 10] = [
     Column::new("in_field", Kind::Boolean, "True if the satellite is inside the field while the shutter is open."),
 ];
 
-pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
+pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     let config = Config { exposure: typed.exposure.clone(), ..typed.config.clone() }.with_file()?;
     let site = site_of(&config)?;
     let title = typed.title.title.as_deref();
@@ -65,6 +65,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     }
     let clock = Clock::new(typed.clock.time_zone, site.as_ref());
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
+    typed.limit_mag = typed.limit_mag.or(config.limit_mag()?);
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;
     if around_s > MAX_AROUND_S {

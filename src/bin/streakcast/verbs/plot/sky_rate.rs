@@ -40,7 +40,7 @@ const COLUMNS: [Column; 6] = [
     BRIGHT,
 ];
 
-pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
+pub fn run(mut typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let exposure =
         ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
     let config = Config { exposure, ..typed.config.clone() }.with_file()?;
@@ -58,6 +58,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     }
     let inputs = required(&config, &typed.picture).satellites().site().field();
     if typed.equatorial { inputs } else { inputs.times() }.check()?;
+    typed.limit_mag = typed.limit_mag.or(config.limit_mag()?);
     let target = Target::new(&typed.picture)?;
     if !(1..=MAX_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
         bail!("nside is {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);

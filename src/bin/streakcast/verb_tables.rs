@@ -1,0 +1,227 @@
+//! Tables of verbs in the configuration file: `[forecast]` and `[plot.night]` have the flags of these verbs as keys.
+//!
+//! The keys of a verb are inserted before its flags on the command line, and both are parsed and checked in the same
+//! way. A flag replaces the keys of the table that answer the same question. Keys at the top of the file lie below
+//! both; [`Config::over`] combines them.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use anyhow::{anyhow, bail};
+use clap::error::{ContextKind, ContextValue};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Command, ValueHint};
+use streakcast::config::Config;
+use streakcast::input::{is_stream, read_to_string};
+use toml::{Table, Value};
+
+/// Questions that several keys answer: a key of the first list is omitted if a flag of the second is given. A flag also
+/// replaces the keys with which it conflicts.
+const QUESTIONS: [(&[&str], &[&str]); 6] = [
+    (&["elements", "shells"], &["elements", "shells"]),
+    (SITE, SITE),
+    (&["fov", "field"], &["fov", "field", "telescope"]),
+    (&["limit_mag", "min_probability", "blocking", "max_delay"], &["policy"]),
+    (&["target", "ra", "dec"], &["target", "ra", "dec"]),
+    (&["quiet", "verbose"], &["quiet", "verbose"]),
+];
+const SITE: &[&str] = &["site", "mpc", "lat", "lon", "height", "observer_elements", "observer_norad", "limb_height_km"];
+
+/// Flags whose value is a name, or a file with the extension `.toml` or `.json`.
+const NAMES_OR_FILES: [&str; 3] = ["shells", "telescope", "model"];
+/// Flags whose value is a file, in addition to those of the type `PathBuf`.
+const FILES: [&str; 2] = ["field", "policy"];
+/// Smallest similarity of two names for a suggestion.
+const SIMILAR: f64 = 0.85;
+
+/// Command line with the keys of the configuration file for its verb.
+pub struct Words {
+    pub words: Vec<OsString>,
+    /// File and table of the inserted keys.
+    table: String,
+    /// Names of the inserted flags.
+    inserted: Vec<String>,
+}
+
+impl Words {
+    /// Returns the file and table if the error is that of an inserted key.
+    pub fn place_of(&self, error: &clap::Error) -> Option<&str> {
+        let names = [ContextKind::InvalidArg, ContextKind::PriorArg].into_iter().filter_map(|kind| error.get(kind));
+        let is_inserted =
+            |name: &str| flag_of(name).is_some_and(|flag| self.inserted.iter().any(|inserted| inserted == flag));
+        let mut texts = names.flat_map(|value| match value {
+            ContextValue::String(name) => vec![name.as_str()],
+            ContextValue::Strings(names) => names.iter().map(String::as_str).collect(),
+            _ => Vec::new(),
+        });
+        texts.any(is_inserted).then_some(self.table.as_str())
+    }
+}
+
+/// Adds the keys of the verb's table in the configuration file, if one is given, to the words of the command line.
+///
+/// # Errors
+/// A table or key of the file is unknown, or a value has no form on the command line. Other errors in the file are
+/// those of [`Config::read`].
+pub fn insert(command: &Command, words: Vec<OsString>) -> anyhow::Result<Words> {
+    let mut all = Words { words, table: String::new(), inserted: Vec::new() };
+    // With this setting, a command line with errors is parsed as far as possible. Its errors are reported later.
+    let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(&all.words) else { return Ok(all) };
+    let (mut verb, mut matches, mut path) = (command, &matches, Vec::new());
+    while let Some((name, inner)) = matches.subcommand() {
+        let Some(subcommand) = verb.find_subcommand(name) else { break };
+        path.push(name);
+        (verb, matches) = (subcommand, inner);
+    }
+    let Some(file) = config_file(verb, matches).filter(|file| !is_stream(file)) else { return Ok(all) };
+    let text = read_to_string(&file).unwrap_or_default();
+    let Ok(keys) = text.parse::<Table>() else { return Ok(all) };
+    let shown = file.display().to_string();
+    check(&keys, command, command, "", &shown)?;
+    let table = path.iter().try_fold(&keys, |table, name| find(table, name)?.as_table());
+    all.table = format!("configuration {shown}, [{}]", path.join("."));
+    // A flag with an invalid value is only among the words.
+    let is_given = |arg: &&Arg| {
+        let is_typed =
+            |name: &str| all.words.iter().filter_map(|word| word.to_str()).any(|word| flag_of(word) == Some(name));
+        let names = arg.get_long_and_visible_aliases().unwrap_or_default();
+        matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine) || names.into_iter().any(is_typed)
+    };
+    let given: Vec<&Arg> = verb.get_arguments().filter(is_given).collect();
+    let mut position = 1 + path.len();
+    for (key, value) in table.into_iter().flatten() {
+        let Some(arg) = argument(verb, key).filter(|arg| !is_replaced(arg, verb, &given)) else { continue };
+        let flag = arg.get_long().unwrap_or_default();
+        let texts = texts_of(arg, value, file.parent().unwrap_or(Path::new("")));
+        for text in texts.map_err(|why| anyhow!("{}: {key} {why}", all.table))? {
+            let word = text.map_or_else(|| format!("--{flag}"), |text| format!("--{flag}={text}"));
+            all.words.insert(position, word.into());
+            position += 1;
+        }
+        all.inserted.push(flag.to_owned());
+    }
+    Ok(all)
+}
+
+fn config_file(verb: &Command, matches: &ArgMatches) -> Option<PathBuf> {
+    let arg = argument(verb, "config")?;
+    matches.try_get_one::<PathBuf>(arg.get_id().as_str()).ok().flatten().cloned()
+}
+
+/// Returns the value of a key that is written with hyphens or underscores.
+fn find<'a>(table: &'a Table, name: &str) -> Option<&'a Value> {
+    table.iter().find(|(key, _)| is_same(key, name)).map(|(_, value)| value)
+}
+
+fn is_same(one: &str, other: &str) -> bool {
+    one.replace('-', "_") == other.replace('-', "_")
+}
+
+fn argument<'a>(verb: &'a Command, key: &str) -> Option<&'a Arg> {
+    let has_name =
+        |arg: &Arg| arg.get_long_and_visible_aliases().unwrap_or_default().iter().any(|name| is_same(name, key));
+    verb.get_arguments().find(|arg| has_name(arg))
+}
+
+/// Checks that the tables of verbs have only flags of their verb as keys, and that no key of a verb is at the top.
+/// Other unknown keys at the top are errors of [`Config::read`]. `path` is the table of `verb`.
+fn check(table: &Table, root: &Command, verb: &Command, path: &str, file: &str) -> anyhow::Result<()> {
+    for (key, value) in table {
+        let inner = verb.get_subcommands().find(|inner| is_same(inner.get_name(), key));
+        if let (Some(inner), Value::Table(table)) = (inner, value) {
+            check(table, root, inner, &joined(path, inner), file)?;
+            continue;
+        }
+        let mut owners = Vec::new();
+        tables_with(root, key, "", &mut owners);
+        let (place, is_key) = match path {
+            "" => (String::new(), owners.is_empty() || Config::KEYS.iter().any(|known| is_same(known, key))),
+            _ => (format!(", [{path}]"), argument(verb, key).is_some()),
+        };
+        if key == "config" {
+            bail!("configuration {file}{place}: config is only a flag; allowed: the file without this key");
+        }
+        if !is_key {
+            let similarity =
+                |arg: &&Arg| strsim::jaro_winkler(arg.get_long().unwrap_or_default(), &key.replace('_', "-"));
+            let nearest = verb.get_arguments().max_by(|a, b| similarity(a).total_cmp(&similarity(b)));
+            let nearest = nearest.filter(|arg| similarity(arg) > SIMILAR).and_then(Arg::get_long);
+            let hint = match (owners.as_slice(), nearest) {
+                ([], Some(name)) => format!("did you mean {}?", name.replace('-', "_")),
+                ([], None) => "allowed: the flags of the verb".to_owned(),
+                ([one, .., _, _], _) => format!("allowed: in {one} and the tables of other verbs"),
+                (owners, _) => format!("allowed: in {}", owners.join(", ")),
+            };
+            bail!("configuration {file}{place}: unknown key '{key}'; {hint}");
+        }
+    }
+    Ok(())
+}
+
+fn joined(path: &str, inner: &Command) -> String {
+    if path.is_empty() { inner.get_name().to_owned() } else { format!("{path}.{}", inner.get_name()) }
+}
+
+/// Adds the names of the tables that have this key to `owners`.
+fn tables_with(verb: &Command, key: &str, path: &str, owners: &mut Vec<String>) {
+    for inner in verb.get_subcommands() {
+        let path = joined(path, inner);
+        if argument(inner, key).is_some() && argument(inner, "config").is_some() {
+            owners.push(format!("[{path}]"));
+        }
+        tables_with(inner, key, &path, owners);
+    }
+}
+
+/// Returns the name of a flag such as `--name` or `--name=value`.
+fn flag_of(word: &str) -> Option<&str> {
+    word.strip_prefix("--")?.split([' ', '=']).next()
+}
+
+/// Returns true if a flag on the command line answers the question of a key.
+fn is_replaced(key: &Arg, verb: &Command, given: &[&Arg]) -> bool {
+    let conflicts =
+        |one: &Arg, other: &Arg| verb.get_arg_conflicts_with(one).iter().any(|arg| arg.get_id() == other.get_id());
+    let is_same_question = |key: &str, flag: &str| {
+        key == flag || QUESTIONS.iter().any(|(keys, flags)| keys.contains(&key) && flags.contains(&flag))
+    };
+    given.iter().any(|flag| {
+        is_same_question(key.get_id().as_str(), flag.get_id().as_str()) || conflicts(key, flag) || conflicts(flag, key)
+    })
+}
+
+/// Returns the values of a flag as texts: one for each element of an array; `None` for a flag without a value.
+fn texts_of(arg: &Arg, value: &Value, folder: &Path) -> Result<Vec<Option<String>>, String> {
+    let takes_value = arg.get_num_args().is_none_or(|count| count.takes_values()) && arg.get_action().takes_values();
+    if !takes_value {
+        return match value {
+            Value::Boolean(true) => Ok(vec![None]),
+            Value::Boolean(false) if matches!(arg.get_action(), ArgAction::SetTrue) => Ok(Vec::new()),
+            _ => Err(format!("is {value}; allowed: true")),
+        };
+    }
+    let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+    values.iter().map(|one| text_of(arg, one, folder).map(Some)).collect()
+}
+
+/// Returns a value as on the command line. Paths are relative to the folder of the file.
+fn text_of(arg: &Arg, value: &Value, folder: &Path) -> Result<String, String> {
+    let text = match value {
+        Value::String(text) => text.clone(),
+        Value::Integer(_) | Value::Float(_) | Value::Datetime(_) => value.to_string(),
+        // A limit by band, as g=7,default=6.
+        Value::Table(numbers) if numbers.values().all(|one| one.is_float() || one.is_integer()) => {
+            numbers.iter().map(|(name, number)| format!("{name}={number}")).collect::<Vec<_>>().join(",")
+        }
+        _ => return Err(format!("is {value}; allowed: a text or a number, as for the flag")),
+    };
+    let id = arg.get_id().as_str();
+    let is_file = arg.get_value_hint() == ValueHint::AnyPath || FILES.contains(&id);
+    let is_name_of_file = NAMES_OR_FILES.contains(&id) && (text.ends_with(".toml") || text.ends_with(".json"));
+    if !is_file && !is_name_of_file {
+        return Ok(text);
+    }
+    let (kind, path) = text.split_once('=').filter(|_| is_name_of_file).unwrap_or(("", &text));
+    let path = folder.join(path).display().to_string();
+    Ok(if kind.is_empty() { path } else { format!("{kind}={path}") })
+}
