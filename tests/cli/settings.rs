@@ -195,7 +195,7 @@ fn errors_in_keys_name_the_file_and_the_table() {
         ("[pases]\nlimit_mag = 5\n", ["pases", "passes"]),
         ("[passes]\nlimit_mag = 'x'\n", ["limit-mag", "[passes]"]),
         ("[passes]\nsamples = -1\n", ["samples", "[passes]"]),
-        ("[passes]\nquiet = false\n", ["quiet is false", "[passes]"]),
+        ("[passes]\ninclude_dark = 3\n", ["include_dark is 3", "[passes]"]),
         ("[passes]\nconfig = 'other.toml'\n", ["config", "[passes]"]),
         ("fov = '1deg'\n[field]\ncircle_deg = 1.0\n", ["--fov and --field", "exclude each other"]),
         ("lat = 93\nlon = 1\n", ["lat is 93 deg", "-90 to 90 deg"]),
