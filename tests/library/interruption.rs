@@ -122,6 +122,7 @@ fn with_queries(check: &dyn Fn(&str, Query<'_>)) {
             sun_altitudes_rad: vec![-0.6],
             min_altitudes_rad: vec![0.0],
             field_rad: 0.05,
+            field_sr: None,
             exposure_s: 30.0,
             moments: 1000,
             spread_s: 3000.0,
