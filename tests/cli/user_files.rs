@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use crate::common::cli::{FLAG, SKY, done, path};
+use crate::common::cli::{FLAG, SKY, done, is_ignored, path};
 use assert_cmd::Command;
 use tempfile::TempDir;
 
@@ -138,8 +138,9 @@ fn ended_by(shell: &str, signals: [&str; 2]) -> Option<i32> {
 
 #[test]
 fn signals_end_the_program_unless_its_parent_ignores_them() {
-    assert_eq!(ended_by("", ["-HUP", "-HUP"]), Some(1));
-    assert_eq!(ended_by("", ["-QUIT", "-QUIT"]), Some(3));
+    for (signal, number) in [("-HUP", 1), ("-QUIT", 3)] {
+        assert!(is_ignored(signal, number as u32) || ended_by("", [signal, signal]) == Some(number), "{signal}");
+    }
     if cfg!(target_os = "linux") {
         // As by nohup, and by shells for commands in the background.
         assert_eq!(ended_by("trap '' HUP INT QUIT;", ["-HUP", "-TERM"]), Some(15));

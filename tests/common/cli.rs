@@ -10,6 +10,19 @@ const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
 /// dusk.
 pub const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 
+/// Returns true if this process and therefore the programs that it starts ignore a signal, as under `nohup`. Prints that
+/// the signal is skipped.
+#[cfg(unix)]
+pub fn is_ignored(signal: &str, number: u32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let set = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");
+    let is_ignored = u64::from_str_radix(set.trim(), 16).unwrap() >> (number - 1) & 1 == 1;
+    if is_ignored {
+        println!("*** SKIPPED {signal}: the tests were started with this signal ignored ***");
+    }
+    is_ignored
+}
+
 pub fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
