@@ -117,17 +117,17 @@ pub(in crate::passes) struct WindowCache {
 }
 
 impl WindowCache {
-    /// Returns the windows that contain the time from `start` to `end`, in order. Missing windows are computed on all
+    /// Returns the windows that contain the time between the two `ends`, in order. Missing windows are computed on all
     /// threads.
     ///
     /// `unknown` returns the reason why a satellite has no known position at a time; its arguments are the element index
-    /// and the middle of a window. `reach` returns the distance from the predicted position within which a satellite is searched for; its arguments
-    /// are the element index and the two ends of a window. It must be the same function for the same `scope`.
+    /// and the middle of a window. `reach` returns the distance from the predicted position within which a satellite is
+    /// searched for; its arguments are the element index and the two ends of a window. It must be the same function for
+    /// the same `scope`.
     pub fn over(
         &self,
         index: &SatelliteIndex,
-        start: Epoch,
-        end: Epoch,
+        [start, end]: [Epoch; 2],
         scope: SearchScope,
         unknown: &(dyn Fn(usize, Epoch) -> Option<OrbitError> + Sync),
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),

@@ -339,7 +339,7 @@ impl Sky {
         };
         let unknown = |element_index: usize, middle: Epoch| self.too_old(element_index, middle);
         let end = seconds_after(start, span_s);
-        scene.windows = self.windows.over(&self.index, start, end, scope, &unknown, &reach, &self.watch)?;
+        scene.windows = self.windows.over(&self.index, [start, end], scope, &unknown, &reach, &self.watch)?;
         Ok(scene)
     }
 }

@@ -281,16 +281,16 @@ fn missing_and_invalid_files_open_the_gate() {
     let folder = tempfile::tempdir().unwrap();
     let corrupt = path(&folder, "corrupt");
     fs::write(&corrupt, "\u{0}[[[ not a file = { of any kind").unwrap();
+    let subfolder = path(&folder, "folder");
     for name in ["toml", "json", "csv"] {
         fs::copy(&corrupt, format!("{corrupt}.{name}")).unwrap();
+        fs::create_dir(format!("{subfolder}.{name}")).unwrap();
     }
     let status = path(&folder, "status.json");
     let base: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--exposure", "10s", "--now", NOW];
     let fov: &[&str] = &["--fov", "8deg"];
-    for file in ["/nowhere/file", &corrupt, folder.path().to_str().unwrap()] {
-        let named = |extension: &str| {
-            if file == corrupt { format!("{file}.{extension}") } else { format!("{file}.{extension}") }
-        };
+    for file in ["/nowhere/file", &corrupt, &subfolder] {
+        let named = |extension: &str| format!("{file}.{extension}");
         let (toml, json) = (named("toml"), named("json"));
         for (more, kind) in [
             (&[fov, &["--policy", &toml]][..], "setup"),

@@ -242,7 +242,6 @@ impl Engine {
 
     /// Returns intervals of clear starts: index of the target, first and last start.
     #[pyo3(signature = (exposures, bands, exposure_s, min_altitude_deg, blocking=None, max_sun_altitude_deg=None))]
-    #[expect(clippy::too_many_arguments)]
     fn clear_windows<'py>(
         &self,
         py: Python<'py>,
@@ -280,7 +279,6 @@ impl Engine {
     /// Returns the satellites above the site at times `seconds` after a start: one row per satellite and time, with the
     /// probability of being brighter than each value of `limits_mag`, `(n_rows, n_limits)`.
     #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, limits_mag=Vec::new()))]
-    #[expect(clippy::too_many_arguments)]
     fn overhead<'py>(
         &self,
         py: Python<'py>,

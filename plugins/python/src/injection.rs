@@ -19,7 +19,6 @@ use crate::sky_cache::{SkyCache, setup_of};
 /// `warnings`, and for an image also `image` and `mask`. `output` is the output file, or for an image a folder for
 /// temporary files.
 #[pyfunction]
-#[expect(clippy::too_many_arguments)]
 #[pyo3(signature = (request, setup, config, sky_cache, output, image=None, header=None))]
 pub fn inject<'py>(
     py: Python<'py>,

@@ -92,7 +92,6 @@ pub fn body_map<'py>(
 /// Returns apparent magnitudes over the sky of a site.
 #[pyfunction]
 #[pyo3(signature = (setup, model, sun_altitude_deg, sun_azimuth_deg, height_km, step_deg=None, nside=None))]
-#[expect(clippy::too_many_arguments, reason = "one for each Python argument")]
 pub fn sky_map<'py>(
     py: Python<'py>,
     setup: &str,
@@ -159,7 +158,6 @@ pub fn standard_magnitudes<'py>(
 
 /// Returns apparent magnitudes for directions above a site (NaN in the shadow) and distances, km.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "one for each Python argument")]
 pub fn sky_magnitudes<'py>(
     py: Python<'py>,
     setup: &str,
