@@ -5,7 +5,6 @@
 //! the results to the file. [`clear_windows`] computes the opening times for which an exposure of a target is clear.
 //! Rows that cannot be judged are kept, with the reason.
 
-mod age_effect;
 mod annotate;
 mod error;
 mod formats;
@@ -18,12 +17,12 @@ mod shift;
 mod starts;
 mod tables;
 mod targets;
+mod totals;
 mod verdict;
 mod verdict_rules;
 mod window_table;
 mod windows;
 
-pub use age_effect::AgeEffect;
 pub use annotate::{Annotation, annotate, check_extension};
 pub use error::ScheduleError;
 pub use formats::ScheduleFormat;
@@ -35,6 +34,7 @@ pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use starts::reason_for_unknown_starts;
 pub use tables::{StreakColumns, StreakRow, exposure_table, flag_table, flag_table_with_exposures, streak_table};
 pub use targets::{ListedTarget, read_targets};
+pub use totals::{AgeEffect, FlagTotals};
 pub use verdict::{Verdict, VerdictKind};
 pub use window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table};
 pub use windows::{

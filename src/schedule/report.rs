@@ -7,7 +7,6 @@ use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::math::quantile::median;
 use crate::orbit::LeftOut;
-use crate::output::counted;
 use crate::passes::{
     CrossingProbability, Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint,
 };
@@ -70,7 +69,7 @@ impl SatelliteAge {
     }
 }
 
-/// Verdicts on all rows of a schedule.
+/// Verdicts on rows of a schedule; [`FlagTotals`](super::FlagTotals) sums up many reports.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlagReport {
     /// One verdict for each row, in order.
@@ -84,36 +83,6 @@ pub struct FlagReport {
 }
 
 impl FlagReport {
-    /// Appends the report of the next rows.
-    pub fn append(&mut self, next: FlagReport) {
-        self.flags.extend(next.flags);
-        self.left_out.extend(next.left_out);
-        self.may_cross.extend(next.may_cross);
-        self.by_daylight += next.by_daylight;
-        self.sort_left_out();
-    }
-
-    /// Returns a warning if `p_any` of any exposure is a lower limit.
-    pub fn lower_limit_warning(&self) -> Option<String> {
-        let limits = self.flags.iter().filter(|flag| flag.p_any_is_lower_limit).count();
-        (limits > 0).then(|| {
-            format!(
-                "p_any and the expected loss are lower limits for {limits} of {} exposures: more than 10 % of the delays of a satellite are outside \
-                 the range searched (3.5 sigmas without manoeuvres, at most 300 s), or more than 10 % of the satellites are of unknown position",
-                self.flags.len()
-            )
-        })
-    }
-
-    /// Returns a warning if exposures begin while the Sun is above the horizon, which suggests that the times are in a
-    /// wrong time scale or zone.
-    pub fn daylight_warning(&self) -> Option<String> {
-        (self.by_daylight > 0).then(|| {
-            let number = counted(self.by_daylight, "exposure begins", "exposures begin");
-            format!("{number} while the Sun is above the horizon; check the times and the site of the schedule")
-        })
-    }
-
     fn sort_left_out(&mut self) {
         self.left_out.sort_by_key(|left_out| left_out.element_index);
         self.left_out.dedup_by_key(|left_out| left_out.element_index);

@@ -70,9 +70,9 @@ def test_pocs_continues_after_errors(options, observer, field, log):
         constraint.get_score(Time.now() - 10 * u.s, observer, field)
     counts = constraint.hook.counts
     assert counts["failed"] == 3 and counts["clock"] == 3
-    # The third message states that the element sets are old now.
+    # The third message states that positions are unknown today, because the element sets are old.
     messages = [one.message for one in log.records if one.name == "streakcast.pocs"]
-    assert len(messages) == 3 and sum("counted as 'warned'" in one for one in messages) == 1
+    assert len(messages) == 3 and sum("counted as 'unknown'" in one for one in messages) == 1
 
 
 class WithoutSite:

@@ -15,8 +15,8 @@ use streakcast::output::{Column, Table};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakColumns, StreakRow, Verdict,
-    VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table,
+    Blocking, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, ScheduledExposure, StreakColumns, StreakRow,
+    Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table,
     judge_exposures, streak_table,
 };
 
@@ -90,21 +90,19 @@ impl Engine {
         let field = self.field()?;
         let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
         let mut warnings = Vec::new();
-        let mut sums = FlagReport::default();
+        let mut totals = FlagTotals::default();
         let starts: Vec<Epoch> =
             rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
         for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
             let report = judge(&night_rows, &self.request(field, &prepared)).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
-            sums.by_daylight += report.by_daylight;
-            warnings.extend(report.lower_limit_warning());
-            warnings.extend(report.age_warning());
+            totals.add(&report);
             for (index, flag) in indices.into_iter().zip(report.flags) {
                 flags[index] = Some(flag);
             }
         }
-        warnings.extend(sums.daylight_warning());
+        warnings.extend(totals.warnings());
         let bands = rows.iter().map(|row| row.band.as_deref()).collect();
         warnings.extend(self.policy.band_warnings(&bands, self.telescope.as_ref()));
         Ok((flags.into_iter().flatten().collect(), warnings))

@@ -143,22 +143,27 @@ impl Output {
         self.format == Format::Csv && !self.is_on_terminal()
     }
 
-    /// Writes a table in parts as CSV, so that not all of its rows are in memory. `empty` has its columns and no rows.
+    /// Writes a table in parts as CSV, so that not all of its rows are in memory. `empty` has its columns and no rows;
+    /// `compute` computes the parts and calls its argument with each.
     pub fn write_parts(
         &self,
         name: &str,
         empty: &Table,
-        parts: impl Iterator<Item = Table>,
         provenance: &Provenance,
         notices: &Notices,
+        compute: impl FnOnce(&mut dyn FnMut(&Table) -> io::Result<()>) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
-        self.put(&format!("the table {name}"), notices, |out| {
+        let mut failure = None;
+        let written = self.put(&format!("the table {name}"), notices, |out| {
             write_csv(out, empty, provenance)?;
-            for part in parts {
-                write_csv_rows(out, &part)?;
-            }
-            Ok(())
-        })
+            compute(&mut |part| write_csv_rows(out, part)).map_err(|error| {
+                error.downcast::<io::Error>().unwrap_or_else(|error| {
+                    failure = Some(error);
+                    io::Error::other("the computation failed")
+                })
+            })
+        });
+        failure.map_or(written, Err)
     }
 
     /// Returns true if the format is a table for terminals.

@@ -7,7 +7,7 @@ use streakcast::config::{Config, RulesConfig};
 use streakcast::schedule::Shard;
 use streakcast::schedule::{Annotation, annotate, flag_table};
 
-use super::schedule_verdicts::judge;
+use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
 use crate::output::check_whole;
 use crate::required::Required;
@@ -44,17 +44,18 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
     // The output is checked before the computation, which may be long.
     check_whole(&output)?;
-    let judged = judge(&config, &schedule, typed.shard, Some(&output))?;
+    let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, Some(&output))?;
+    let (flags, _) = prepared.judge()?;
     let annotation = Annotation {
-        flags: &flag_table(&judged.report.flags),
-        streaks: &judged.streaks,
-        provenance: &judged.provenance,
+        flags: &flag_table(&flags),
+        streaks: &prepared.streaks(&flags),
+        provenance: &prepared.provenance,
         replace: typed.replace,
-        keep: judged.keep.as_deref(),
+        keep: prepared.keep.as_deref(),
     };
-    let written = annotate(&schedule, judged.schedule.format, &output, &annotation)?;
+    let written = annotate(&schedule, prepared.schedule.format, &output, &annotation)?;
     for path in written {
-        judged.notices.wrote(&path);
+        prepared.notices.wrote(&path);
     }
     Ok(Outcome::Done)
 }

@@ -15,7 +15,7 @@ use streakcast::frames::seconds_between;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted, format_utc};
 use streakcast::schedule::{AgeEffect, VerdictKind};
 
-use super::schedule_verdicts::judge;
+use super::schedule_verdicts::PreparedSchedule;
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
@@ -114,24 +114,25 @@ fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
     const SUBJECT: &str = "schedule";
     // The thread pool exists already, and warnings about inputs are reported as findings.
     let run = RunConfig { threads: None, quiet: Some(true), ..config.run.clone() };
-    let judged = match judge(&Config { run, ..config.clone() }, schedule, None, None) {
-        Ok(judged) => judged,
+    let prepared = PreparedSchedule::read(&Config { run, ..config.clone() }, schedule, None, None);
+    let totals = match prepared.and_then(|prepared| prepared.judge_in_parts(&mut |_, _| Ok(()))) {
+        Ok(totals) => totals,
         Err(error) => {
             let remedy = "specify the inputs of streakcast flag";
             return Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy);
         }
     };
-    let flags = &judged.report.flags;
-    let invalid = flags.iter().filter(|flag| matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid)).count();
+    let all = totals.exposures();
+    let invalid = totals.count(VerdictKind::Unknown) + totals.count(VerdictKind::Invalid);
     let visits = match invalid {
-        0 => counted(flags.len(), "visit", "visits"),
-        _ => format!("{invalid} of {} cannot be judged", counted(flags.len(), "visit", "visits")),
+        0 => counted(all, "visit", "visits"),
+        _ => format!("{invalid} of {} cannot be judged", counted(all, "visit", "visits")),
     };
     const SEE_REASONS: &str = "streakcast flag lists the reasons";
-    if invalid == flags.len() {
+    if invalid == all {
         return Finding::new(Severity::Error, SUBJECT, visits, SEE_REASONS);
     }
-    let effect = judged.report.age_effect();
+    let effect = totals.age_effect();
     let is_large = effect.as_ref().is_some_and(|effect| effect.changed_share >= AgeEffect::LARGE_SHARE);
     let effect = effect.map_or("no satellite crosses".to_owned(), |effect| effect.to_string());
     let finding = format!("{visits}; {effect}");

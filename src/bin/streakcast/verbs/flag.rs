@@ -8,10 +8,10 @@ use clap::{Args, ValueEnum};
 use streakcast::config::{Config, RulesConfig};
 use streakcast::output::{Section, counted};
 use streakcast::schedule::Shard;
-use streakcast::schedule::{FlagReport, Verdict, VerdictKind, flag_table_with_exposures};
+use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
 
 use super::passes::left_out_table;
-use super::schedule_verdicts::judge;
+use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
 use crate::output::VerbResult;
 use crate::required::Required;
@@ -43,9 +43,6 @@ pub enum FailOn {
     Avoid,
 }
 
-/// Number of rows of the table that are in memory at the same time if it is written as CSV.
-const ROWS_AT_A_TIME: usize = 10_000;
-
 const ON_SCREEN: &[Shown] = &[
     shown("exposure_id", "exposure"),
     shown("verdict", "verdict"),
@@ -69,17 +66,19 @@ const ON_SCREEN: &[Shown] = &[
 
 /// Returns an error if no exposure was judged: scripts must not take a schedule of only invalid rows as clear. A batch
 /// share without rows is accepted.
-fn check_judged(report: &FlagReport, schedule: &Path) -> anyhow::Result<()> {
-    let (flags, is_judged) =
-        (&report.flags, |flag: &Verdict| !matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid));
-    match flags.first() {
-        Some(first) if !flags.iter().any(is_judged) => Err(anyhow!(
-            "schedule {}: --fail-on has no result, because none of {} can be judged; exposure {}: {}",
-            schedule.display(),
-            counted(flags.len(), "exposure", "exposures"),
-            first.exposure_id,
-            first.reasons.join("; ")
-        )),
+fn check_judged(totals: &FlagTotals, schedule: &Path) -> anyhow::Result<()> {
+    let not_judged = [VerdictKind::Unknown, VerdictKind::Invalid];
+    let first = not_judged.into_iter().find_map(|kind| totals.first(kind));
+    match first {
+        Some(first) if not_judged.map(|kind| totals.count(kind)).iter().sum::<usize>() == totals.exposures() => {
+            Err(anyhow!(
+                "schedule {}: --fail-on has no result, because none of {} can be judged; exposure {}: {}",
+                schedule.display(),
+                counted(totals.exposures(), "exposure", "exposures"),
+                first.exposure_id,
+                first.reasons.join("; ")
+            ))
+        }
         _ => Ok(()),
     }
 }
@@ -90,16 +89,21 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
-    let judged = judge(&config, &schedule, typed.shard, None)?;
-    let (flags, exposures) = (&judged.report.flags, &judged.schedule.exposures);
-    if output.takes_parts() {
-        let parts = flags.chunks(ROWS_AT_A_TIME).zip(exposures.chunks(ROWS_AT_A_TIME));
-        let parts = parts.map(|(flags, exposures)| flag_table_with_exposures(flags, exposures));
+    let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, None)?;
+    let PreparedSchedule { provenance, notices, .. } = &prepared;
+    let totals = if output.takes_parts() {
         let empty = flag_table_with_exposures(&[], &[]);
-        output.write_parts("flags", &empty, parts, &judged.provenance, &judged.notices)?;
+        let mut totals = FlagTotals::default();
+        output.write_parts("flags", &empty, provenance, notices, |write| {
+            totals = prepared
+                .judge_in_parts(&mut |rows, report| Ok(write(&flag_table_with_exposures(&report.flags, rows))?))?;
+            Ok(())
+        })?;
+        totals
     } else {
-        let flags = flag_table_with_exposures(flags, exposures);
-        let left_out = left_out_table(&judged.report.left_out);
+        let (flags, totals) = prepared.judge()?;
+        let flags = flag_table_with_exposures(&flags, &prepared.schedule.exposures);
+        let left_out = left_out_table(totals.left_out());
         output.write(
             &VerbResult {
                 sections: vec![
@@ -107,20 +111,21 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
                     Section { name: "left_out", table: &left_out },
                 ],
                 main: &flags,
-                provenance: &judged.provenance,
+                provenance,
                 style: Style { columns: ON_SCREEN, bold_row: None },
             },
-            &judged.notices,
+            notices,
         )?;
-    }
-    if typed.fail_on.is_some() {
-        check_judged(&judged.report, &schedule)?;
-    }
-    let fails = |verdict| match typed.fail_on {
-        None => false,
-        Some(FailOn::Streaked) => matches!(verdict, VerdictKind::Streaked | VerdictKind::Avoid),
-        Some(FailOn::Avoid) => verdict == VerdictKind::Avoid,
+        totals
     };
-    let failed = judged.report.flags.iter().any(|flag| fails(flag.kind));
-    Ok(if failed { Outcome::No } else { Outcome::Done })
+    if typed.fail_on.is_some() {
+        check_judged(&totals, &schedule)?;
+    }
+    let avoided = totals.count(VerdictKind::Avoid);
+    let failed = match typed.fail_on {
+        None => 0,
+        Some(FailOn::Streaked) => totals.count(VerdictKind::Streaked) + avoided,
+        Some(FailOn::Avoid) => avoided,
+    };
+    Ok(if failed > 0 { Outcome::No } else { Outcome::Done })
 }

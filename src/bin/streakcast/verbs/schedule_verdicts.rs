@@ -8,10 +8,9 @@ use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, stat
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Provenance, Table, counted, format_utc};
-use streakcast::passes::Exposure;
 use streakcast::schedule::{
-    FlagReport, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow, Verdict,
-    VerdictKind, check_extension, flag_exposures, streak_table,
+    FlagReport, FlagTotals, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow,
+    Verdict, VerdictKind, check_extension, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -20,144 +19,158 @@ use crate::start::begin;
 /// Number of rows judged between two updates of the progress bar. Rows of one night in a chunk share computations.
 const ROWS_AT_A_TIME: usize = 1000;
 
-/// Schedule with its verdicts.
-pub struct Judged {
+/// Schedule, or a batch share of it, that can be judged.
+pub struct PreparedSchedule {
     pub schedule: Schedule,
-    pub report: FlagReport,
+    plan: ObservationPlan,
+    /// Sky, and the first shutter opening; `None` if no row is valid or the batch share is empty.
+    sky: Option<(PreparedSky, Epoch)>,
     /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
-    /// Streaks, if an annotated file is written: one row for each exposure and satellite.
-    pub streaks: Table,
     /// For a batch share: for each row of the file, true if it is in `schedule`.
     pub keep: Option<Vec<bool>>,
 }
 
-/// Reads and judges a schedule, or a batch share of it. `annotated` is the name of the annotated file, if one is
-/// written; it is checked before the computation.
-pub fn judge(config: &Config, path: &Path, shard: Option<Shard>, annotated: Option<&Path>) -> anyhow::Result<Judged> {
-    let notices = begin(config)?;
-    let plan = config.observation()?;
-    let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
-    if let Some(annotated) = annotated {
-        check_extension(path, schedule.format, annotated)?;
+impl PreparedSchedule {
+    /// Reads a schedule, or a batch share of it, and prepares the sky. `annotated` is the name of the annotated file,
+    /// if one is written; it is checked before the computation.
+    pub fn read(config: &Config, path: &Path, shard: Option<Shard>, annotated: Option<&Path>) -> anyhow::Result<Self> {
+        let notices = begin(config)?;
+        let plan = config.observation()?;
+        let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
+        if let Some(annotated) = annotated {
+            check_extension(path, schedule.format, annotated)?;
+        }
+        // The sky is prepared for the whole schedule, so that all batch shares use the same element sets.
+        let judgeable = span(&schedule);
+        let all_rows = schedule.exposures.len();
+        let keep = match shard {
+            Some(shard) => {
+                let keep = shard.rows(&schedule, config.viewpoint_longitude_rad(judgeable.map(|(first, _)| first))?);
+                let mut kept = keep.iter();
+                schedule.exposures.retain(|_| kept.next().copied().unwrap_or(false));
+                Some(keep)
+            }
+            None => None,
+        };
+        // Without a valid time the sky cannot be prepared. If there are more shares than nights, some have no rows.
+        let sky = match judgeable.filter(|_| !schedule.exposures.is_empty()) {
+            Some((first, last)) => Some((config.prepare(first, last)?, first)),
+            None => None,
+        };
+        let mut provenance = sky.as_ref().map_or_else(Provenance::new, |(prepared, _)| prepared.provenance.clone());
+        let ObservationPlan { policy, telescope, photometry, .. } = &plan;
+        let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
+        state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
+        provenance.state(
+            "schedule",
+            json!({
+                "file": path.display().to_string(),
+                "format": schedule.format.to_string(),
+                "exposures": all_rows,
+                "shard": shard.map(|shard| shard.to_string()),
+                "start_column": schedule.start_column,
+                "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
+            }),
+        );
+        provenance.state("options", options_json(config, policy, telescope));
+        Ok(Self { schedule, plan, sky, provenance, notices, keep })
     }
-    // The sky is prepared for the whole schedule, so that all batch shares use the same element sets.
-    let judgeable = span(&schedule);
-    let all_rows = schedule.exposures.len();
-    let keep = match shard {
-        Some(shard) => {
-            let keep = shard.rows(&schedule, config.viewpoint_longitude_rad(judgeable.map(|(first, _)| first))?);
-            let mut kept = keep.iter();
-            schedule.exposures.retain(|_| kept.next().copied().unwrap_or(false));
-            Some(keep)
-        }
-        None => None,
-    };
-    let (report, streaks, mut provenance) = match judgeable {
-        Some(_) if schedule.exposures.is_empty() => {
-            // If there are more shares than nights, some shares have no rows.
-            (FlagReport::default(), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
-        }
-        Some(span) => judge_rows(config, &schedule, span, &plan, annotated.is_some(), &notices)?,
-        None => {
-            // Without a valid time the sky cannot be prepared. All rows are invalid, each with its reason.
-            (invalid_rows(&schedule), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
-        }
-    };
-    let ObservationPlan { policy, telescope, photometry, .. } = &plan;
-    notices.warn(&schedule_warnings(&schedule, policy, telescope.as_ref()));
-    let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
-    state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
-    provenance.state(
-        "schedule",
-        json!({
-            "file": path.display().to_string(),
-            "format": schedule.format.to_string(),
-            "exposures": all_rows,
-            "shard": shard.map(|shard| shard.to_string()),
-            "start_column": schedule.start_column,
-            "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
-        }),
-    );
-    provenance.state("options", options_json(config, policy, telescope));
-    summary(&notices, &report);
-    Ok(Judged { schedule, report, provenance, notices, streaks, keep })
-}
 
-/// Returns a report for a schedule in which no row can be judged.
-fn invalid_rows(schedule: &Schedule) -> FlagReport {
-    let reasons = schedule.exposures.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
-    let flags: Vec<_> = reasons.map(|(row, reason)| Verdict::invalid(&row.id, reason.clone())).collect();
-    FlagReport { flags, ..FlagReport::default() }
-}
+    /// Judges the rows in parts, calls `take` with the rows and the report of each part, and prints the warnings and
+    /// the number of exposures with each verdict.
+    pub fn judge_in_parts(
+        &self,
+        take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
+    ) -> anyhow::Result<FlagTotals> {
+        let Self { schedule, plan, notices, .. } = self;
+        let totals = match &self.sky {
+            Some((prepared, first)) => {
+                notices.warn(&prepared.warnings);
+                flag_rows(prepared, schedule, *first, plan, notices, take)?
+            }
+            None => invalid_rows(schedule, take)?,
+        };
+        notices.warn(&schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref()));
+        summary(notices, &totals);
+        Ok(totals)
+    }
 
-/// Judges all rows of a schedule from `first` to `last`. Returns the report, the streaks if they are wanted, and their
-/// provenance.
-fn judge_rows(
-    config: &Config,
-    schedule: &Schedule,
-    (first, last): (Epoch, Epoch),
-    plan: &ObservationPlan,
-    with_streaks: bool,
-    notices: &Notices,
-) -> anyhow::Result<(FlagReport, Table, Provenance)> {
-    let ObservationPlan { telescope, photometry, policy, .. } = plan;
-    let prepared = config.prepare(first, last)?;
-    notices.warn(&prepared.warnings);
-    let report = flag_rows(&prepared, schedule, first, plan, notices)?;
+    /// Judges all rows.
+    pub fn judge(&self) -> anyhow::Result<(Vec<Verdict>, FlagTotals)> {
+        let mut flags = Vec::with_capacity(self.schedule.exposures.len());
+        let totals = self.judge_in_parts(&mut |_, report| {
+            flags.extend(report.flags);
+            Ok(())
+        })?;
+        Ok((flags, totals))
+    }
 
-    let limit_mag = |row: &ScheduledExposure| policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
-    let rows = if with_streaks { &schedule.exposures[..] } else { &[] };
-    let judged: Vec<(&Exposure, Option<f64>, &Vec<_>)> = rows
-        .iter()
-        .zip(&report.flags)
-        .filter_map(|(row, flag)| row.exposure.as_ref().ok().map(|exposure| (exposure, limit_mag(row), &flag.passes)))
-        .collect();
-    let streaks = streak_table(
-        judged.iter().flat_map(|(exposure, limit_mag, passes)| {
-            passes.iter().map(|pass| StreakRow {
+    /// Returns the streaks of judged rows: one row for each exposure and satellite.
+    pub fn streaks(&self, flags: &[Verdict]) -> Table {
+        let ObservationPlan { telescope, photometry, policy, .. } = &self.plan;
+        let columns = StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() };
+        let Some((prepared, _)) = &self.sky else { return streak_table(std::iter::empty(), columns) };
+        let sky = &prepared.sky;
+        let judged = self.schedule.exposures.iter().zip(flags).filter_map(|(row, flag)| {
+            let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
+            row.exposure.as_ref().ok().map(|exposure| (exposure, limit_mag, &flag.passes))
+        });
+        let rows = judged.flat_map(|(exposure, limit_mag, passes)| {
+            passes.iter().map(move |pass| StreakRow {
                 exposure,
                 pass,
-                elements: &prepared.sky.elements()[pass.element_index],
-                satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
+                elements: &sky.elements()[pass.element_index],
+                satellite_size_m: sky.model(pass.element_index).size_m(),
                 telescope: telescope.as_ref(),
                 photometry,
-                limit_mag: *limit_mag,
+                limit_mag,
             })
-        }),
-        streak_columns(policy),
-    );
-    Ok((report, streaks, prepared.provenance))
+        });
+        streak_table(rows, columns)
+    }
 }
 
-/// Returns the optional columns of the streak table of a schedule.
-fn streak_columns(policy: &Policy) -> StreakColumns {
-    StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() }
+/// Reports on a schedule in which no row can be judged.
+fn invalid_rows(
+    schedule: &Schedule,
+    take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
+) -> anyhow::Result<FlagTotals> {
+    let mut totals = FlagTotals::default();
+    for rows in schedule.exposures.chunks(ROWS_AT_A_TIME) {
+        let reasons = rows.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
+        let flags = reasons.map(|(row, reason)| Verdict::invalid(&row.id, reason.clone())).collect();
+        let report = FlagReport { flags, ..FlagReport::default() };
+        totals.add(&report);
+        take(rows, report)?;
+    }
+    Ok(totals)
 }
 
-/// Returns the verdicts of all rows for a prepared sky. If there are many rows, a progress bar is shown.
+/// Judges all rows for a prepared sky, in parts, and prints warnings about the satellites and the times. If there are
+/// many rows, a progress bar is shown.
 pub fn flag_rows(
     prepared: &PreparedSky,
     schedule: &Schedule,
     first: Epoch,
     plan: &ObservationPlan,
     notices: &Notices,
-) -> anyhow::Result<FlagReport> {
+    take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
+) -> anyhow::Result<FlagTotals> {
     let request = plan.request(&prepared.sky);
-    let rows: Vec<_> = schedule.exposures.iter().collect();
-    let mut report = FlagReport::default();
-    let bar = notices.progress(rows.len());
-    for rows in rows.chunks(ROWS_AT_A_TIME) {
-        report.append(flag_exposures(rows, &request)?);
+    let mut totals = FlagTotals::default();
+    let bar = notices.progress(schedule.exposures.len());
+    for rows in schedule.exposures.chunks(ROWS_AT_A_TIME) {
+        let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request)?;
+        totals.add(&report);
+        take(rows, report)?;
         bar.inc(rows.len() as u64);
     }
     bar.finish_and_clear();
-    notices.warn_left_out(prepared, &report.left_out, first)?;
-    notices.warn(&report.daylight_warning());
-    notices.warn(&report.lower_limit_warning());
-    notices.warn(&report.age_warning());
-    Ok(report)
+    notices.warn_left_out(prepared, totals.left_out(), first)?;
+    notices.warn(&totals.warnings());
+    Ok(totals)
 }
 
 /// Returns warnings about the schedule.
@@ -217,24 +230,23 @@ pub fn given_field(config: &Config) -> Value {
     }
 }
 
-pub fn summary(notices: &Notices, report: &FlagReport) {
-    let count = |verdict| report.flags.iter().filter(|flag| flag.kind == verdict).count();
+pub fn summary(notices: &Notices, totals: &FlagTotals) {
     let counts: Vec<String> =
         [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Unknown, VerdictKind::Invalid]
             .into_iter()
-            .filter(|verdict| count(*verdict) > 0)
-            .map(|verdict| format!("{} {verdict}", count(verdict)))
+            .filter(|verdict| totals.count(*verdict) > 0)
+            .map(|verdict| format!("{} {verdict}", totals.count(verdict)))
             .collect();
-    let all = report.flags.len();
+    let number = counted(totals.exposures(), "exposure", "exposures");
     for kind in [VerdictKind::Unknown, VerdictKind::Invalid] {
-        if let Some(first) = report.flags.iter().find(|flag| flag.kind == kind) {
-            let (number, reasons) = (counted(all, "exposure", "exposures"), first.reasons.join("; "));
+        if let Some(first) = totals.first(kind) {
             notices.warn(&[format!(
-                "{} of {number} cannot be judged; first exposure {}: {reasons}",
-                count(kind),
-                first.exposure_id
+                "{} of {number} cannot be judged; first exposure {}: {}",
+                totals.count(kind),
+                first.exposure_id,
+                first.reasons.join("; ")
             )]);
         }
     }
-    notices.info(&format!("{}: {}", counted(all, "exposure", "exposures"), counts.join(", ")));
+    notices.info(&format!("{number}: {}", counts.join(", ")));
 }

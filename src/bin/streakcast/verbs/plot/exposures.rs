@@ -9,7 +9,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Column, Kind, Provenance, Table, Value};
 use streakcast::schedule::{Schedule, ScheduledExposure, Verdict, VerdictKind};
 
-use crate::verbs::schedule_verdicts::judge;
+use crate::verbs::schedule_verdicts::PreparedSchedule;
 
 use super::clock::sun_altitude_deg;
 use super::columns::Columns;
@@ -39,10 +39,11 @@ const COLUMNS: [Column; 9] = [
 
 /// Judges a schedule.
 pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
-    let judged = judge(config, schedule, None, None)?;
+    let prepared = PreparedSchedule::read(config, schedule, None, None)?;
+    let (flags, _) = prepared.judge()?;
     let observer = site.map(|site| Observer::new(site.clone()));
     let limit = config.policy()?.limit_mag;
-    let rows = judged.schedule.exposures.iter().zip(&judged.report.flags);
+    let rows = prepared.schedule.exposures.iter().zip(&flags);
     let row = |(row, flag): (&ScheduledExposure, &Verdict)| {
         let exposure = row.exposure.as_ref().ok();
         // The limits of a telescope depend on each streak, so there is no single number.
@@ -66,7 +67,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
     };
     Ok(Exposures {
         table: Table { columns: COLUMNS.to_vec(), rows: rows.map(row).collect() },
-        provenance: judged.provenance,
+        provenance: prepared.provenance,
     })
 }
 

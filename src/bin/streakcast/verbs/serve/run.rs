@@ -12,7 +12,7 @@ use streakcast::config::{Config, ObservationPlan, state_scales};
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::photometry::Band;
-use streakcast::schedule::{FlagReport, MagnitudeLimit, Policy, Schedule, ScheduledExposure};
+use streakcast::schedule::{FlagTotals, MagnitudeLimit, Policy, Schedule, ScheduledExposure};
 
 use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
@@ -96,11 +96,17 @@ fn load(
         }
     };
     notices.warn(&prepared.warnings);
-    let report = match schedule {
-        Some((_, schedule)) => schedule_verdicts::flag_rows(&prepared, schedule, first, plan, notices)?,
-        None => FlagReport::default(),
+    let mut flags = Vec::new();
+    let totals = match schedule {
+        Some((_, schedule)) => {
+            schedule_verdicts::flag_rows(&prepared, schedule, first, plan, notices, &mut |_, report| {
+                flags.extend(report.flags);
+                Ok(())
+            })?
+        }
+        None => FlagTotals::default(),
     };
-    let left_out = prepared.left_out_warning(&report.left_out, first)?;
+    let left_out = prepared.left_out_warning(totals.left_out(), first)?;
     let mut warnings: Vec<String> = prepared.warnings.iter().cloned().chain(left_out).collect();
     let mut provenance = without_lists(&prepared.provenance);
     let scale = schedule.map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
@@ -109,7 +115,7 @@ fn load(
         let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
         notices.warn(&of_schedule);
         warnings.extend(of_schedule);
-        schedule_verdicts::summary(notices, &report);
+        schedule_verdicts::summary(notices, &totals);
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         provenance.state(
             "schedule",
@@ -129,10 +135,10 @@ fn load(
         cache: ResponseCache::default(),
         bands: bands_of(&exposures, plan),
         library: config.model_library()?,
-        caveats: Caveats { warnings, left_out_count: report.left_out.len() },
+        caveats: Caveats { warnings, left_out_count: totals.left_out().len() },
         nights: nights_of(&exposures, &site),
         local_time,
-        flags: report.flags,
+        flags,
         config: config.clone(),
         prepared,
         site,

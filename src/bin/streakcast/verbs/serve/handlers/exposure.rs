@@ -6,8 +6,8 @@ use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell};
 use streakcast::passes::{Exposure, Pass, SkyError};
 use streakcast::schedule::{
-    FlagRequest, ScheduledExposure, StreakColumns, StreakRow, VerdictKind, exposure_table, flag_exposures, flag_table,
-    streak_table,
+    FlagRequest, FlagTotals, ScheduledExposure, StreakColumns, StreakRow, VerdictKind, exposure_table, flag_exposures,
+    flag_table, streak_table,
 };
 
 use super::super::super::passes::left_out_table;
@@ -102,7 +102,9 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let report = report.map_err(of_sky)?;
     let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
     let mut caveats = state.caveats_of_verdict(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
-    caveats.warnings.extend(report.lower_limit_warning());
+    let mut totals = FlagTotals::default();
+    totals.add(&report);
+    caveats.warnings.extend(totals.lower_limit_warning());
     if report.flags.iter().any(|flag| matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid)) {
         // The pointing is below the horizon, so that crossings are not visible, or most crossings are unknown.
         passes.clear();
