@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::error::ConfigError;
+use super::observation::field_of_table;
 use super::values::{
-    FieldChoice, ModelAssignment, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice,
-    is_file_name, model_assignments, one_or_many,
+    FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
+    TelescopeChoice, is_file_name, model_assignments, one_or_many,
 };
+use crate::elements::Constellation;
 use crate::input;
 use crate::schedule::MagnitudeLimit;
 
@@ -256,6 +258,9 @@ const VERBS: [&str; 17] = [
     "measure", "learn", "serve", "statistics", "model", "doctor",
 ];
 
+/// Largest number of threads.
+const MAX_THREADS: usize = 1024;
+
 impl Config {
     /// Accepted keys of a configuration file, except for the tables of verbs.
     #[rustfmt::skip]
@@ -334,7 +339,49 @@ impl Config {
         self.time_scale()?;
         self.drag()?;
         self.shadow()?;
+        self.threads()?;
+        self.check_names()
+    }
+
+    /// Checks the names of the bundled sites, fields, telescopes, constellations and models.
+    fn check_names(&self) -> Result<(), ConfigError> {
+        if self.site.is_given() {
+            self.site()?;
+        }
+        if let Some(NameOrTable::Table(table)) = &self.field {
+            field_of_table(table)?;
+        }
+        if let Some(NameOrTable::Name(name)) = &self.telescope
+            && !is_file_name(name)
+        {
+            self.telescope()?;
+        }
+        for name in self.shells.iter().filter(|name| !is_file_name(name)) {
+            Constellation::by_name(name)?;
+        }
+        // Model files may have further names.
+        if self.models.as_ref().is_none_or(|models| models.files.is_empty()) {
+            let library = self.model_library()?;
+            for assigned in &self.model {
+                if let ModelSource::Name(name) = &assigned.model {
+                    library.find(name)?;
+                }
+            }
+        }
         Ok(())
+    }
+
+    /// Returns the number of threads; `None` for all cores.
+    ///
+    /// # Errors
+    /// The number is 0 or above 1024: more threads take minutes to start.
+    pub fn threads(&self) -> Result<Option<usize>, ConfigError> {
+        match self.run.threads {
+            Some(threads) if !(1..=MAX_THREADS).contains(&threads) => {
+                Err(ConfigError::Invalid(format!("threads is {threads}; allowed: 1 to {MAX_THREADS}")))
+            }
+            threads => Ok(threads),
+        }
     }
 
     /// Fills omitted keys from the configuration file, if one is given.

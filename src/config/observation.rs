@@ -302,7 +302,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
 }
 
 /// Returns the field of a table with the key of one shape, the key `file`, or the key `shapes` as in a field file.
-fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
+pub(super) fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
     let text = serde_json::to_string(table).unwrap_or_default();
     if table.contains_key("shapes") {
         return Ok(Field::from_json(&text)?);

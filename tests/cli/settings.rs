@@ -204,6 +204,25 @@ fn errors_in_keys_name_the_file_and_the_table() {
     }
 }
 
+/// An error in any value of a configuration file names the file, whether a number, a name or a table is wrong.
+#[test]
+fn errors_in_values_name_the_file() {
+    let folder = TempDir::new().unwrap();
+    for (text, error) in [
+        ("fov = '999deg'", "fov is 999 deg"),
+        ("field = { circle_deg = 900 }", "diameter is 900 deg"),
+        ("telescope = 'large'", "telescope is \"large\""),
+        ("fov = '1deg'\nmpc = 'ZZZ'", "unknown MPC observatory code \"ZZZ\""),
+        ("fov = '1deg'\nsite = 'nowhere at all'", "unknown site"),
+        ("fov = '1deg'\nshells = 'onewab'", "unknown shells \"onewab\""),
+        ("fov = '1deg'\nmodel = 'nonsense'", "unknown model 'nonsense'"),
+        ("fov = '1deg'\nthreads = 0", "threads is 0; allowed: 1 to 1024"),
+        ("fov = '1deg'\nformat = 'docx'", "unknown format 'docx'"),
+    ] {
+        fails(&[EXPOSURE], &config(&folder, text), &["configuration", "obs.toml", error]);
+    }
+}
+
 /// A stream is read once, for the keys at its top.
 #[cfg(unix)]
 #[test]

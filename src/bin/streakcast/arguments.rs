@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
+use anyhow::anyhow;
 use clap::Args;
 use streakcast::config::Config;
 
-use crate::output::Output;
+use crate::output::{Format, Output};
 
 /// Format and file of the output.
 #[derive(Args)]
@@ -21,6 +22,15 @@ pub struct OutputArguments {
 impl OutputArguments {
     /// Opens the output in the given format; if none is given, in that of the configuration.
     pub fn open(self, config: &Config) -> anyhow::Result<Output> {
-        Output::new(self.format.as_deref().or(config.format.as_deref()), self.output)
+        let output = Output::new(self.format.as_deref().or(config.format.as_deref()), self.output);
+        match &config.run.file {
+            Some(file)
+                if self.format.is_none()
+                    && config.format.as_deref().is_some_and(|name| Format::by_name(name).is_none()) =>
+            {
+                output.map_err(|error| anyhow!("configuration {}: {error}", file.display()))
+            }
+            _ => output,
+        }
     }
 }
