@@ -172,8 +172,9 @@ impl Engine {
         self.policy.blocking.name()
     }
 
-    /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`, `brightest_mag`,
-    /// `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`.
+    /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`,
+    /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`,
+    /// `elements_age_days`, `late_s`.
     #[pyo3(signature = (exposures, bands))]
     fn judge<'py>(
         &self,
@@ -196,6 +197,8 @@ impl Engine {
         let lower_limits: Vec<bool> = flags.iter().map(|flag| flag.p_any_is_lower_limit).collect();
         result.set_item("p_any_is_lower_limit", lower_limits.into_pyarray(py))?;
         result.set_item("p_crossing", reals(|flag| flag.p_crossing))?;
+        result.set_item("elements_age_days", reals(|flag| flag.elements_age_days.unwrap_or(f64::NAN)))?;
+        result.set_item("late_s", reals(|flag| flag.late_s.unwrap_or(f64::NAN)))?;
         Ok((result, warnings))
     }
 

@@ -27,6 +27,8 @@ def test_verdicts_are_unknown(model):
     both = model.assess(TARGET, [FRESH, OLD], 30.0)
     assert both.verdict[0] != "unknown" and both.verdict[1] == "unknown"
     assert np.isfinite(both.p_any[0]) and np.isnan(both.p_any[1]) and np.isnan(both.p_crossing[1])
+    assert abs(both.elements_age_days[1] - 1096.5) < 0.6
+    assert np.isfinite(both.late_s[0]) and np.isnan(both.late_s[1])
     flags = model.flags(TARGET, [FRESH, OLD], 30.0, output="dict")
     assert list(flags["verdict"])[1] == "unknown" and REASON in str(flags["reasons"][1])
     assert abs(float(flags["elements_age_days"][1]) - 1096.5) < 0.6

@@ -55,6 +55,8 @@ class Judged(TypedDict):
     streak_length_deg: FloatArray
     p_any_is_lower_limit: _Bools
     p_crossing: FloatArray
+    elements_age_days: FloatArray
+    late_s: FloatArray
 
 class Windows(TypedDict):
     target: _Integers

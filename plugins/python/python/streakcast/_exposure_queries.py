@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -78,21 +78,10 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         result, warnings = engine.judge(exposures, bands)
         self._warn_once(sky_cache, warnings)
-        verdict, streaks = VERDICTS[result["verdict"]], result["n_streaks"]
-        numbers = (result["brightest_mag"], result["lost_fraction"], result["p_any"], result["streak_length_deg"])
-        is_lower_limit, p_crossing = result["p_any_is_lower_limit"], result["p_crossing"]
+        columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]], "crosses": result["n_streaks"] > 0}
         if shape == ():
-            n_streaks = int(streaks[0])
-            brightest_mag, lost_fraction, p_any, length_deg = (float(one[0]) for one in numbers)
-            return Assessment(
-                str(verdict[0]), n_streaks > 0, n_streaks, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0]),
-                float(p_crossing[0]),
-            )
-        brightest, lost, any_brighter, length = (one.reshape(shape) for one in numbers)
-        return Assessment(
-            verdict.reshape(shape), (streaks > 0).reshape(shape), streaks.reshape(shape), brightest, lost, any_brighter, length,
-            is_lower_limit.reshape(shape), p_crossing.reshape(shape),
-        )  # fmt: skip
+            return Assessment(**{name: column[0].item() for name, column in columns.items()})
+        return Assessment(**{name: column.reshape(shape) for name, column in columns.items()})
 
     def flags(
         self,

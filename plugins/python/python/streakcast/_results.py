@@ -48,9 +48,13 @@ class Assessment(NamedTuple):
     #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s), or more than 10 % of
     #: the satellites are of unknown position.
     p_any_is_lower_limit: BoolOrArray = False
-    #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid or
-    #: unknown.
+    #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid or unknown.
     p_crossing: FloatOrArray = float("nan")
+    #: Age of the elements of the satellites that decide the verdict (median), days; NaN where invalid.
+    elements_age_days: FloatOrArray = float("nan")
+    #: Lateness of these satellites, seconds: the median of the half widths that contain 68 % of the delays; NaN where
+    #: it is unknown.
+    late_s: FloatOrArray = float("nan")
 
     @property
     def avoid(self) -> BoolOrArray:

@@ -73,8 +73,8 @@ def annotate(
     -------
     list of Path
         Files of the nights in time order. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
-        ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit`` and
-        ``p_crossing``; `read` returns all nights in one table.
+        ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``,
+        ``p_crossing``, ``elements_age_days`` and ``late_s``; `read` returns all nights in one table.
 
     Raises
     ------
