@@ -122,12 +122,15 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
         field(
             Column::time(
                 "shadow_entry_utc",
-                "Start of the first entry into the Earth's shadow; empty if there is none.",
+                "Start of fading at the first entry into the Earth's shadow; empty if there is none.",
             ),
             |row| epoch(row.pass.shadow_entry.as_ref()),
         ),
         field(
-            Column::time("shadow_exit_utc", "End of the first exit from the Earth's shadow; empty if there is none."),
+            Column::time(
+                "shadow_exit_utc",
+                "Full sunlight after the first exit from the Earth's shadow; empty if there is none.",
+            ),
             |row| epoch(row.pass.shadow_exit.as_ref()),
         ),
         field(Column::time("peak_utc", "Time of the brightest visible point."), |row| epoch(row.peak())),
@@ -199,7 +202,7 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             Column::new(
                 "begins_by",
                 Kind::Text,
-                "Event at the start of the visible part: rise, shadow, dusk, or start (of the time range).",
+                "Event at the start of the visible part: rise, shadow (of the solid Earth), dusk, or start (of the time range).",
             ),
             |row| row.begins_by().into(),
         ),
@@ -225,7 +228,7 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             Column::new(
                 "ends_by",
                 Kind::Text,
-                "Event at the end of the visible part: set, shadow, dawn, or end (of the time range).",
+                "Event at the end of the visible part: set, shadow (of the solid Earth), dawn, or end (of the time range).",
             ),
             |row| row.ends_by().into(),
         ),
@@ -376,7 +379,7 @@ const READABLE_COLUMNS: [Column; 16] = [
     Column::new(
         "ends_by",
         Kind::Text,
-        "Event at the end of the visible part: set, shadow, dawn, or end (of the time range).",
+        "Event at the end of the visible part: set, shadow (of the solid Earth), dawn, or end (of the time range).",
     ),
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("mag_source", Kind::Text, "Source of the magnitude."),

@@ -9,7 +9,7 @@ use super::sky::Sky;
 use super::track::{Chord, SightLine, TrackPoint};
 use super::viewpoint::Viewpoint;
 use crate::frames::{Gcrs, Position, seconds_after};
-use crate::geometry::{Illumination, ObserverState, ViewingGeometry, ellipsoidal_height_km};
+use crate::geometry::{Illumination, ObserverState, ShadowModel, ViewingGeometry, ellipsoidal_height_km};
 use crate::math::minimum::minimum;
 use crate::orbit::OrbitUncertainty;
 use crate::photometry::{Brightness, PhotometryOptions};
@@ -183,6 +183,12 @@ impl PassEvaluator<'_> {
     /// Returns the illumination of the satellite.
     pub fn illumination(&self, time_s: f64) -> Illumination {
         self.sky.shadow().illumination(&self.line.arc.state_at(time_s).position, &self.scene.sun.at_s(time_s).sun)
+    }
+
+    /// Returns true if the whole disk of the Sun would be visible from the satellite if the Earth had no atmosphere.
+    pub fn is_outside_geometric_shadow(&self, time_s: f64) -> bool {
+        let (state, sun) = (self.line.arc.state_at(time_s), &self.scene.sun.at_s(time_s).sun);
+        ShadowModel::Geometric.illumination(&state.position, sun) == Illumination::Sunlit
     }
 
     /// Returns the brightest point; `None` if the satellite is dark at all points, or without photometry.

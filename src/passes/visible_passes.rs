@@ -56,13 +56,16 @@ pub struct VisibleRequest {
 /// Part of a pass in which the satellite is visible.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
-    /// Start of the visible part: the rise, the return of full sunlight, nightfall, or the start of the search. If no
-    /// part of the pass is in full sunlight by night, the penumbra is the visible part.
+    /// Start of the visible part: the rise, the exit from the geometric shadow, nightfall, or the start of the search. If
+    /// all of the pass by night is in the geometric shadow, the part of it with light from the atmosphere is visible.
+    ///
+    /// The geometric shadow is that of the solid Earth; it begins with its penumbra. Behind the atmosphere, a tenth of
+    /// the light remains there for a satellite at 420 km.
     pub begin: TrackPoint,
     /// Highest point of the visible part.
     pub highest: TrackPoint,
-    /// End of the visible part: the set, the start of the penumbra (or its end, as for `begin`), dawn, or the end of the
-    /// search.
+    /// End of the visible part: the set, the entry into the geometric shadow (or the end of the penumbra, as for
+    /// `begin`), dawn, or the end of the search.
     pub end: TrackPoint,
     /// Brightest point of the visible part; `None` if the model gives no light.
     pub peak: Option<TrackPoint>,
@@ -83,7 +86,8 @@ pub struct VisiblePass {
     /// Point at which the satellite sets below the lowest altitude; `None` if it is still above this altitude when the
     /// search ends.
     pub set: Option<TrackPoint>,
-    /// First point in the penumbra when the satellite enters the Earth's shadow; `None` if it does not.
+    /// First point at which light is missing when the satellite enters the Earth's shadow; `None` if it does not. The
+    /// visible part ends later, after the satellite has faded.
     pub shadow_entry: Option<TrackPoint>,
     /// Point at which the satellite is first in full sunlight again; `None` if it does not leave the shadow.
     pub shadow_exit: Option<TrackPoint>,
@@ -343,12 +347,13 @@ impl Search<'_> {
         let illumination = |time_s: f64| evaluator.illumination(time_s);
         let full = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) == Illumination::Sunlit);
         let lit = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s).is_lit());
+        let bright = intervals_where(begin_s, end_s, steps, |time_s| evaluator.is_outside_geometric_shadow(time_s));
         let lit_by_night = both(&lit, &span.dark_s);
         let visible = if lit_by_night.is_empty() {
             None
         } else {
-            let full_by_night = both(&full, &span.dark_s);
-            let seen = if full_by_night.is_empty() { &lit_by_night } else { &full_by_night };
+            let bright_by_night = both(&bright, &span.dark_s);
+            let seen = if bright_by_night.is_empty() { &lit_by_night } else { &bright_by_night };
             visibility(&evaluator, seen, above.top_s)
         };
         let light = visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref());
