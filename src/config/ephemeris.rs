@@ -35,8 +35,8 @@ pub struct EphemerisConfig {
         )
     )]
     pub norad: Vec<u32>,
-    /// Only satellites with one of these texts in their names, in upper or lower case
-    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1..))]
+    /// Only satellites with one of these names (ISS,HST) or words in their names, in upper or lower case
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1.., value_delimiter = ','))]
     pub name: Vec<String>,
     /// Only satellites of these generations, for example starlink-v2mini,oneweb
     #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ','))]

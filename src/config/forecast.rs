@@ -65,8 +65,11 @@ pub struct ForecastConfig {
         arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ',', help_heading = "Filters")
     )]
     pub generation: Vec<String>,
-    /// Only satellites with one of these texts in their names, in upper or lower case
-    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1.., help_heading = "Filters"))]
+    /// Only satellites with one of these names (ISS,HST) or words in their names, in upper or lower case
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "TEXT", num_args = 1.., value_delimiter = ',', help_heading = "Filters")
+    )]
     pub name: Vec<String>,
     /// Only satellites with these NORAD catalogue numbers
     #[cfg_attr(

@@ -3,7 +3,7 @@
 use hifitime::Epoch;
 
 use super::error::ForecastError;
-use super::request::Selection;
+use super::selection::Selection;
 use crate::elements::ElementSet;
 use crate::frames::utc_jd;
 use crate::orbit::LeftOut;
@@ -51,7 +51,8 @@ pub struct Ephemeris {
 /// [`ForecastError::EmptySelection`] if no satellite is selected; [`ForecastError::Sky`] if a lowest altitude is given
 /// for an observer in orbit; the errors of [`Sky::ephemeris`].
 pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, ForecastError> {
-    let is_selected = |index: &usize| request.selection.contains(&sky.elements()[*index]);
+    let selected = request.selection.among(sky.elements());
+    let is_selected = |index: &usize| selected.contains(&sky.elements()[*index]);
     let indices: Vec<usize> = (0..sky.elements().len()).filter(is_selected).collect();
     if indices.is_empty() {
         let (satellites, selection) = (sky.elements().len(), request.selection.description());

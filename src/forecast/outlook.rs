@@ -4,7 +4,8 @@ use hifitime::{Epoch, TimeScale};
 
 use super::error::ForecastError;
 use super::pass_table::PassRow;
-use super::request::{ForecastRequest, Selection};
+use super::request::ForecastRequest;
+use super::selection::Selection;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::orbit::{LeftOut, OrbitError};
@@ -96,7 +97,8 @@ pub struct Forecast {
 pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, ForecastError> {
     request.check()?;
     let satellites = sky.elements().len();
-    if !sky.elements().iter().any(|elements| selection.contains(elements)) {
+    let selected = selection.among(sky.elements());
+    if selected.is_empty() {
         return Err(ForecastError::EmptySelection { satellites, selection: selection.description() });
     }
     let night = Night::over(sky, request.start, request.end, request.max_sun_altitude_rad)?;
@@ -112,7 +114,7 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
             samples: request.samples,
             photometry: request.photometry,
         },
-        &|element_index| selection.contains(&sky.elements()[element_index]),
+        &|element_index| selected.contains(&sky.elements()[element_index]),
     )?;
     Ok(Forecast { night, found })
 }

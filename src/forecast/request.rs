@@ -1,10 +1,9 @@
-//! Request for a forecast: time range, limits, and selection of satellites.
+//! Request for a forecast: time range and limits.
 
 use hifitime::Epoch;
 
 use super::error::ForecastError;
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::frames::seconds_between;
 use crate::photometry::PhotometryOptions;
 
@@ -87,51 +86,5 @@ impl ForecastRequest {
             return out_of_range("samples", self.samples as f64, "", "0 to 10000");
         }
         Ok(())
-    }
-}
-
-/// Selection of satellites by three lists. A satellite is selected if it matches at least one item of every list that
-/// is not empty.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Selection {
-    /// Generations of satellites.
-    pub generations: Vec<Generation>,
-    /// Parts of satellite names, compared without case.
-    pub names: Vec<String>,
-    /// NORAD catalogue numbers.
-    pub norad_ids: Vec<u32>,
-}
-
-impl Selection {
-    /// Returns true if a satellite is selected.
-    pub fn contains(&self, elements: &ElementSet) -> bool {
-        let is_named = || {
-            let name = elements.name.to_lowercase();
-            self.names.iter().any(|part| name.contains(&part.to_lowercase()))
-        };
-        (self.norad_ids.is_empty() || self.norad_ids.contains(&elements.norad_id.0))
-            && (self.names.is_empty() || is_named())
-            && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
-    }
-
-    /// Returns a warning with the selected catalogue numbers that have no element set; `None` if all have one.
-    pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
-        let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
-        let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();
-        let numbers = if unknown.len() == 1 { "number" } else { "numbers" };
-        (!unknown.is_empty())
-            .then(|| format!("none of the {} satellites has NORAD {numbers} {}", elements.len(), unknown.join(" or ")))
-    }
-
-    /// Returns a description of the selection.
-    pub fn description(&self) -> String {
-        let list =
-            |what: &str, items: Vec<String>| (!items.is_empty()).then(|| format!("{what} {}", items.join(" or ")));
-        let parts = [
-            list("generation", self.generations.iter().map(ToString::to_string).collect()),
-            list("a name with", self.names.clone()),
-            list("NORAD number", self.norad_ids.iter().map(ToString::to_string).collect()),
-        ];
-        parts.into_iter().flatten().collect::<Vec<_>>().join(" and ")
     }
 }

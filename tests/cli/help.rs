@@ -137,7 +137,18 @@ fn all_missing_inputs_are_in_one_error() {
     misses("flag", &[&sky[..], &[field, "schedule (--schedule FILE)"]].concat());
     misses("serve", &[&sky[..], &[field]].concat());
     misses("annotate", &[&sky[..], &[field, "schedule (--schedule FILE)", "output file (-o FILE)"]].concat());
-    misses("windows", &[&sky[..], &[field, "targets (--targets FILE)", "time range (--night DATE, or"]].concat());
+    misses(
+        "windows",
+        &[
+            &sky[..],
+            &[
+                field,
+                "targets (--targets FILE, --target NAME, or --ra ANGLE and --dec ANGLE)",
+                "time range (--night DATE, or",
+            ],
+        ]
+        .concat(),
+    );
     misses("forecast", &[&sky[..], &["time range (--night DATE, or"]].concat());
     misses("ephemeris", &[&sky[..], &["selection of satellites (--norad ID", "times (--times TIME..., "]].concat());
     misses("statistics", &[&sky[..], &["night (--night DATE)"]].concat());

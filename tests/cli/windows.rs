@@ -35,6 +35,31 @@ fn a_site_without_darkness_is_named() {
     assert!(stderr.contains(why) && stderr.contains("target pole has no window"), "{stderr}");
 }
 
+/// A target by name or coordinates has the windows of a list with the same target, and local times on request.
+#[test]
+fn one_target_needs_no_list() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "targets.csv");
+    fs::write(&targets, "name,ra_deg,dec_deg,exposure_s\nM31,10.684793,41.269065,60\n").unwrap();
+    let rest = ["--night", "2024-08-14", "--lat", "41.4", "--lon", "2.1", "--shells", "starlink-gen1", "--fov", "3deg"];
+    let windows = |more: &[&str]| json(&[&["windows"], &rest, more])["windows"].as_array().unwrap().clone();
+    let of_list = windows(&["--targets", &targets]);
+    let of_name = windows(&["--target", "M31", "--exposure", "1min", "--time-zone", "Europe/Madrid"]);
+    let of_angles = windows(&["--ra", "10.684793", "--dec", "41.269065", "--exposure", "60s"]);
+    assert!(of_list.len() > 3 && of_name.len() == of_list.len() && of_angles.len() == of_list.len());
+    let start = |row: &Value| utc(row["first_start_utc"].as_str().unwrap());
+    for ((listed, named), angles) in of_list.iter().zip(&of_name).zip(&of_angles) {
+        assert_eq!(listed["first_start_utc"], angles["first_start_utc"]);
+        // The position of the name differs by some arcseconds.
+        assert!(seconds_between(start(listed), start(named)).abs() < 0.1, "{listed} {named}");
+        let local = named["first_start_local"].as_str().unwrap();
+        let same = utc(&local.replacen(' ', "T", 1).replace(' ', ""));
+        assert!(seconds_between(start(named), same).abs() < 0.51 && local.ends_with("+02:00"), "{named}");
+    }
+    let (code, _, stderr) = run(&[&["windows", "--target", "M31"], &rest]);
+    assert!(code == 2 && stderr.contains("missing exposure time; specify --exposure TIME"), "{stderr}");
+}
+
 /// Exposures at random times: inside the windows no satellite crosses; outside a satellite crosses, or the altitude of
 /// target or Sun is not allowed.
 #[test]

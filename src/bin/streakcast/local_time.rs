@@ -18,6 +18,12 @@ impl LocalTime {
         let second = Timestamp::from_second(epoch.to_unix_seconds().floor() as i64).unwrap_or(Timestamp::MAX);
         f64::from(self.0.to_offset(second).seconds()) / 3600.0
     }
+
+    /// Returns a time as local date and time in whole seconds, with its offset from UTC: `2026-08-14 23:30:00 +02:00`.
+    pub fn text(&self, epoch: Epoch) -> String {
+        let second = Timestamp::from_second(epoch.to_unix_seconds().round() as i64).unwrap_or(Timestamp::MAX);
+        second.to_zoned(self.0.clone()).strftime("%Y-%m-%d %H:%M:%S %:z").to_string()
+    }
 }
 
 /// Parses a time zone by its name in the IANA database (`Europe/Madrid`), or an offset from UTC in hours ahead

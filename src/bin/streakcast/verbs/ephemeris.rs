@@ -59,7 +59,8 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let notices = begin(&config)?;
     let (first, last) = request.span()?;
     let mut prepared = config.prepare(first, last)?;
-    notices.warn(&prepared.warnings_of(first, last, &|elements| request.selection.contains(elements)));
+    let selected = request.selection.among(prepared.sky.elements());
+    notices.warn(&prepared.warnings_of(first, last, &|elements| selected.contains(elements)));
     notices.warn(&request.selection.unknown_warning(prepared.sky.elements()));
     let found = ephemeris(&prepared.sky, &request)?;
     notices.warn_left_out(&prepared, &found.left_out, first)?;

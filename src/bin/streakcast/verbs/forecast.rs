@@ -116,7 +116,8 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let (from, to) = (request.start, request.end);
 
     let mut prepared = config.prepare(from, to)?;
-    notices.warn(&prepared.warnings_of(from, to, &|elements| selection.contains(elements)));
+    let selected = selection.among(prepared.sky.elements());
+    notices.warn(&prepared.warnings_of(from, to, &|elements| selected.contains(elements)));
     prepared.check_known(from, to)?;
     let found = forecast(&prepared.sky, &request, &selection)?;
     notices.warn_left_out(&prepared, &found.found.left_out, from)?;

@@ -6,12 +6,15 @@ use crate::arguments::OutputArguments;
 use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
+use hifitime::Epoch;
 use serde_json::json;
 use streakcast::config::parse_duration_s;
-use streakcast::config::{Config, RulesConfig, state_scales, time_range};
+use streakcast::config::{Config, ExposureConfig, Quantity, RulesConfig, state_scales, time_range};
 use streakcast::forecast::Night;
+use streakcast::frames::{Direction, Gcrs};
 use streakcast::message::{Quoted, listed as listed_names};
-use streakcast::output::{Section, counted, format_utc};
+use streakcast::output::{Column, Kind, Section, Table, Value, counted, format_utc};
+use streakcast::passes::Exposure;
 use streakcast::schedule::{
     FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
     read_targets, window_table, window_target_table,
@@ -20,6 +23,7 @@ use streakcast::schedule::{
 use super::passes::left_out_table;
 use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
+use crate::local_time::{LocalTime, local_time};
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
@@ -30,6 +34,15 @@ pub struct WindowsArguments {
     /// Targets: CSV, ECSV or JSON with columns name, ra_deg, dec_deg, exposure_s (or ra and dec as 12h34m -30d30m)
     #[arg(long, value_name = "FILE")]
     pub targets: Option<PathBuf>,
+    /// One target by name: a Messier or Caldwell object, also by NGC or IC number
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["targets", "ra", "dec"])]
+    pub target: Option<String>,
+    /// Right ascension of one target (ICRS): 188.5 (degrees) or 12h34m
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, conflicts_with = "targets", requires = "dec")]
+    pub ra: Option<Quantity>,
+    /// Declination of one target (ICRS): -30.5 or -30d30m
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, conflicts_with = "targets", requires = "ra")]
+    pub dec: Option<Quantity>,
     /// Night that begins on this evening, local date of the site, for example 2024-08-14; or tonight
     #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
     pub night: Option<String>,
@@ -39,7 +52,7 @@ pub struct WindowsArguments {
     /// Latest shutter opening
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start")]
     pub end: Option<String>,
-    /// Exposure time for rows that have none, with its unit
+    /// Exposure time of one target, and of rows that have none, with its unit
     #[arg(long, value_name = "TIME")]
     pub exposure: Option<String>,
     /// Lowest altitude of a target while the shutter is open, degrees
@@ -51,6 +64,9 @@ pub struct WindowsArguments {
     /// Time from the start of a request or observing block to its shutter opening, for lco and eso-p2, with its unit
     #[arg(long, value_name = "TIME")]
     pub overhead: Option<String>,
+    /// Adds local times to the table: time zone (Europe/Madrid) or hours ahead of UTC (+01:00)
+    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time)]
+    pub time_zone: Option<LocalTime>,
     #[command(flatten)]
     pub rules: RulesConfig,
     #[command(flatten)]
@@ -61,6 +77,8 @@ pub struct WindowsArguments {
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "target"),
+    shown("first_start_local", "first start (local)"),
+    shown("last_start_local", "last start (local)"),
     rounded("first_start_utc", "first start (UTC)", 0),
     rounded("last_start_utc", "last start (UTC)", 0),
     rounded("length_s", "length s", 1),
@@ -68,16 +86,28 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
-    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let mut config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    if typed.target.is_some() || typed.ra.is_some() {
+        config.exposure = ExposureConfig { target: typed.target, ra: typed.ra, dec: typed.dec, ..config.exposure };
+    }
+    let pointing = if typed.targets.is_none() { config.pointing()? } else { None };
     let has_range = typed.night.is_some() || typed.start.is_some();
     Required::of(&config)
-        .input(typed.targets.is_some(), "targets", "--targets FILE")
+        .input(
+            typed.targets.is_some() || pointing.is_some(),
+            "targets",
+            "--targets FILE, --target NAME, or --ra ANGLE and --dec ANGLE",
+        )
+        .input(
+            pointing.is_none() || typed.exposure.is_some() || config.exposure.duration.is_some(),
+            "exposure time",
+            "--exposure TIME, for example 30s",
+        )
         .input(has_range, "time range", "--night DATE, or --start TIME and --end TIME")
         .satellites()
         .site()
         .field()
         .check()?;
-    let path = typed.targets.unwrap_or_default();
     let shape = typed.output.format.as_deref().and_then(SchedulerFormat::by_name);
     let output = match shape {
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
@@ -98,7 +128,15 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
     let exposure = typed.exposure.or(config.exposure.duration.as_ref().map(|exposure| exposure.0.clone()));
-    let listed = read_targets(&path, seconds("exposure", &exposure)?, plan.rotation_rad)?;
+    let duration_s = seconds("exposure", &exposure)?;
+    let (listed, targets_of) = match (&typed.targets, pointing.zip(duration_s)) {
+        (Some(path), _) => (read_targets(path, duration_s, plan.rotation_rad)?, path.display().to_string()),
+        (None, Some((pointing, duration_s))) => {
+            let name = config.exposure.target.clone().unwrap_or_else(|| "target".to_owned());
+            (vec![single_target(&name, pointing, duration_s, plan.rotation_rad)], name)
+        }
+        (None, None) => (Vec::new(), String::new()),
+    };
 
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
@@ -127,7 +165,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     prepared.provenance.state(
         "options",
         json!({
-            "targets": path.display().to_string(),
+            "targets": targets_of,
             "from_utc": format_utc(from, 3),
             "to_utc": format_utc(to, 3),
             "field": given_field(&config),
@@ -148,7 +186,10 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
             )]);
         }
     } else {
-        let windows = window_table(&found);
+        let mut windows = window_table(&found);
+        if let Some(zone) = &typed.time_zone {
+            add_local_times(&mut windows, zone);
+        }
         output.write(
             &VerbResult {
                 sections: vec![
@@ -167,6 +208,29 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let targets = counted(listed.len(), "target", "targets");
     notices.info(&format!("{targets}: {}", counted(count, "window", "windows")));
     Ok(Outcome::Done)
+}
+
+fn single_target(name: &str, pointing: Direction<Gcrs>, duration_s: f64, rotation_rad: f64) -> ListedTarget {
+    // The start is not used: windows are computed for all start times of a range.
+    let start = Epoch::from_gregorian_utc_at_midnight(2000, 1, 1);
+    let exposure = Exposure { id: name.to_owned(), start, duration_s, pointing, rotation_rad };
+    let target = Ok(WindowTarget { exposure, band: None });
+    ListedTarget { name: name.to_owned(), unique_id: name.to_owned(), target }
+}
+
+/// Adds the columns `first_start_local` and `last_start_local`, in whole seconds.
+fn add_local_times(table: &mut Table, zone: &LocalTime) {
+    for (of, name) in [("first_start_utc", "first_start_local"), ("last_start_utc", "last_start_local")] {
+        let Some(index) = table.columns.iter().position(|column| column.name == of) else { continue };
+        table.columns.push(Column::new(name, Kind::Text, "The same in local time, in whole seconds."));
+        for row in &mut table.rows {
+            let local = match row.get(index) {
+                Some(Value::Time(epoch)) => zone.text(*epoch).into(),
+                _ => Value::Null,
+            };
+            row.push(local);
+        }
+    }
 }
 
 /// Pairs every row of the target list with its windows.
