@@ -49,21 +49,15 @@ impl Selected {
 fn named(text: &str, elements: &[ElementSet]) -> HashSet<NoradId> {
     let text = text.trim().to_lowercase();
     let well_known = WELL_KNOWN.iter().find(|(name, _)| *name == text).map(|(_, id)| NoradId(*id));
-    let rules: [&dyn Fn(&ElementSet, &str) -> bool; 4] = [
-        &|set, _| well_known == Some(set.norad_id),
-        &|_, name| name == text,
-        &|_, name| has_words(name, &text),
-        &|_, name| name.contains(&text),
-    ];
-    let names: Vec<String> = elements.iter().map(|set| set.name.to_lowercase()).collect();
-    rules
-        .iter()
-        .map(|rule| {
-            let matching = elements.iter().zip(&names).filter(|(set, name)| rule(set, name.trim()));
-            matching.map(|(set, _)| set.norad_id).collect::<HashSet<_>>()
-        })
-        .find(|selected| !selected.is_empty())
-        .unwrap_or_default()
+    let rank = |set: &ElementSet| {
+        let name = set.name.trim().to_lowercase();
+        let rules = [well_known == Some(set.norad_id), name == text, has_words(&name, &text), name.contains(&text)];
+        rules.iter().position(|applies| *applies)
+    };
+    let ranks: Vec<Option<usize>> = elements.iter().map(rank).collect();
+    let best = ranks.iter().flatten().min();
+    let selected = elements.iter().zip(&ranks).filter(|(_, rank)| rank.is_some() && rank.as_ref() == best);
+    selected.map(|(set, _)| set.norad_id).collect()
 }
 
 /// Returns true if a name contains a text that neither begins nor ends within a word.
