@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::error::ConfigError;
-use super::observation::field_of_table;
 use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
     TelescopeChoice, is_file_name, model_assignments, one_or_many,
@@ -343,13 +342,10 @@ impl Config {
         self.check_names()
     }
 
-    /// Checks the names of the bundled sites, fields, telescopes, constellations and models.
+    /// Checks the names of the bundled sites, telescopes, constellations and models.
     fn check_names(&self) -> Result<(), ConfigError> {
         if self.site.is_given() {
             self.site()?;
-        }
-        if let Some(NameOrTable::Table(table)) = &self.field {
-            field_of_table(table)?;
         }
         if let Some(NameOrTable::Name(name)) = &self.telescope
             && !is_file_name(name)

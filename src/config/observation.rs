@@ -94,7 +94,11 @@ impl Config {
         if let Some(size) = &self.fov {
             parse_size_deg("fov", size.as_str())?;
         }
-        Ok(())
+        // A field file is checked when it is read.
+        match &self.field {
+            Some(NameOrTable::Table(table)) if !table.contains_key("file") => field_of_table(table).map(|_| ()),
+            _ => Ok(()),
+        }
     }
 
     /// Returns the telescope; `None` if none is given.
@@ -302,7 +306,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
 }
 
 /// Returns the field of a table with the key of one shape, the key `file`, or the key `shapes` as in a field file.
-pub(super) fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
+fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
     let text = serde_json::to_string(table).unwrap_or_default();
     if table.contains_key("shapes") {
         return Ok(Field::from_json(&text)?);
