@@ -323,8 +323,10 @@ fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
     let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
     let text = input::read_to_string(path).map_err(|error| fail(&error))?;
     let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
-    // The middle line of a box is closer to the streak than the sides of the box.
+    // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of them
+    // scatter about the streak.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
-    let sigma_arcsec = if half_width_arcsec > 0.0 { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC };
+    let sigma_arcsec =
+        if line.has_width { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC.max(half_width_arcsec) };
     Ok((Line::Ends(line.ends), sigma_arcsec))
 }

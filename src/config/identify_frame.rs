@@ -7,7 +7,7 @@ use hifitime::Epoch;
 use super::error::ConfigError;
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
-use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs, site_from_headers};
+use crate::images::{ExposureTime, FrameFile, FrameImages, Header, PixelPosition, Wcs, site_from_headers};
 
 /// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
 pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
@@ -26,14 +26,15 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
 /// or a variance.
 fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
     let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
-    let images = file.light_images();
+    let images = if hdu.is_some() { FrameImages::default() } else { file.frame_images()? };
     let shown = path.display();
-    let hdu = match (hdu, images.as_slice()) {
+    let hdu = match (hdu, images.frames.as_slice()) {
         (Some(hdu), _) => hdu,
         (None, [one]) => *one,
         (None, []) => {
+            let (given, allowed) = images.no_frame();
             return Err(ConfigError::invalid(format!(
-                "{shown} has no image with two axes; allowed: a FITS file with one"
+                "{shown}: number of images of two axes is {given}; allowed: {allowed}"
             )));
         }
         (None, several) => {

@@ -140,8 +140,9 @@ impl MeasureConfig {
                 ));
             }
             if frame.chips.iter().any(|target| target.electrons_per_unit.is_none()) {
+                let doubt = frame.doubtful_gain.as_ref().map(|doubt| format!(" ({doubt})")).unwrap_or_default();
                 warnings.push(format!(
-                    "{shown}: the gain is unknown: errors do not contain the photon noise of the streaks; specify --gain"
+                    "{shown}: the gain is unknown{doubt}: errors do not contain the photon noise of the streaks; specify --gain"
                 ));
             }
             let photometry = photometry(&config, frame)?;
@@ -165,6 +166,15 @@ impl MeasureConfig {
                     &mut remarks,
                     &mut warnings,
                 );
+            }
+            let used = &measured.planes_used;
+            if let Some(summary) = frame.images.summary() {
+                let used = if used.is_empty() {
+                    "; no plane is used".to_owned()
+                } else {
+                    format!("; used: {}", used.join(", "))
+                };
+                remarks.push(format!("{shown}: {summary}{used}"));
             }
             passes.extend(measured.passes);
             left_out.extend(measured.left_out);
@@ -252,7 +262,7 @@ fn state_stars(
 /// Returns true if an image of the file, or its primary header, has a zero point.
 fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
     let file = FrameFile::open(path)?;
-    let images = if hdus.is_empty() { file.light_images() } else { hdus.to_vec() };
+    let images = if hdus.is_empty() { file.frame_images()?.frames } else { hdus.to_vec() };
     for hdu in images {
         if Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]).zero_point.is_some() {
             return Ok(true);

@@ -86,6 +86,11 @@ pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {
     Some(from_day_of_year(year, day_of_year, nanosecond_of_day(time)?))
 }
 
+/// Parses a date and time as [`parse_iso`]; `None` for a date alone.
+pub(super) fn parse_iso_with_time(text: &str) -> Option<Epoch> {
+    text.trim().contains(['T', ' ']).then(|| parse_iso(text)).flatten()
+}
+
 /// Parses `17:37:14.092032` as nanoseconds after midnight.
 fn nanosecond_of_day(time: &[u8]) -> Option<i64> {
     let [h1, h2, b':', m1, m2, rest @ ..] = time else { return None };

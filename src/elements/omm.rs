@@ -40,6 +40,7 @@ pub(super) enum Keyword {
     RefFrame,
     TimeSystem,
     CenterName,
+    DecayDate,
     TleLine1,
     TleLine2,
 }
@@ -78,6 +79,7 @@ impl Keyword {
             b"REF_FRAME" => Self::RefFrame,
             b"TIME_SYSTEM" => Self::TimeSystem,
             b"CENTER_NAME" => Self::CenterName,
+            b"DECAY_DATE" | b"DECAYDATE" => Self::DecayDate,
             b"TLE_LINE1" | b"LINE1" | b"LINE_1" | b"TLE1" => Self::TleLine1,
             b"TLE_LINE2" | b"LINE2" | b"LINE_2" | b"TLE2" => Self::TleLine2,
             _ => return None,
@@ -129,7 +131,7 @@ impl<'a> Fields<'a> {
             let name = self.get(Keyword::ObjectName).unwrap_or_default();
             match parse_lines(name.as_bytes(), line1.as_bytes(), line2.as_bytes(), checksums) {
                 Ok((set, overlooked)) => {
-                    parsed.take(offset, Ok(set));
+                    parsed.take(offset, self.decayed().map(|decayed| ElementSet { decayed, ..set }));
                     parsed.bad_checksums_accepted += usize::from(overlooked);
                 }
                 Err((_, reason)) => parsed.take(offset, Err(reason)),
@@ -145,7 +147,8 @@ impl<'a> Fields<'a> {
         let norad_id =
             parse_norad_id(norad_id).ok_or_else(|| RejectReason::BadId { text: excerpt(norad_id.as_bytes()) })?;
         let epoch_text = self.text(Keyword::Epoch, "EPOCH")?;
-        let epoch = epoch::parse_iso(epoch_text).ok_or_else(|| RejectReason::BadEpoch {
+        // A date alone is not an epoch: a satellite in a low orbit makes 16 revolutions a day.
+        let epoch = epoch::parse_iso_with_time(epoch_text).ok_or_else(|| RejectReason::BadEpoch {
             text: excerpt(epoch_text.as_bytes()),
             allowed: "UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss",
         })?;
@@ -166,9 +169,21 @@ impl<'a> Fields<'a> {
             mean_motion_ddot_rev_day3: self.optional(Keyword::MeanMotionDdot, "MEAN_MOTION_DDOT")?,
             // `as` saturates and converts NaN to 0.
             revolution_at_epoch: revolution as u32,
+            decayed: self.decayed()?,
             origin: Origin::Published,
         };
         checked(set)
+    }
+
+    /// Returns the end of the day of DECAY_DATE.
+    fn decayed(&self) -> Result<Option<hifitime::Epoch>, RejectReason> {
+        let Some(text) = self.get(Keyword::DecayDate) else { return Ok(None) };
+        let date = text.split(['T', ' ']).next().unwrap_or_default();
+        let midnight = epoch::parse_iso(date).ok_or_else(|| RejectReason::BadEpoch {
+            text: excerpt(text.as_bytes()),
+            allowed: "DECAY_DATE as YYYY-MM-DD",
+        })?;
+        Ok(Some(midnight + hifitime::Unit::Day * 1))
     }
 
     /// Accepts only elements for SGP4. Elements of another theory have the same form, but give errors of kilometres.

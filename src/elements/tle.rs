@@ -75,6 +75,7 @@ pub(super) fn parse_lines(
         mean_motion_dot_rev_day2: first.dot,
         mean_motion_ddot_rev_day3: first.ddot,
         revolution_at_epoch: second.revolution,
+        decayed: None,
         origin: Origin::Published,
     };
     // Of the range errors, only that of catalogue number 0 concerns line 1.
@@ -228,6 +229,13 @@ impl<'a> Line<'a> {
         let field = self.columns(21, 32).trim_ascii();
         let point = field.iter().position(|&byte| byte == b'.').unwrap_or(field.len());
         let day = epoch::digits(&field[..point]).ok_or_else(bad)?;
+        if day == 0 {
+            return Err(RejectReason::BadEpoch {
+                text: excerpt(self.columns(19, 32)),
+                allowed: "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367; day 0 is \
+                          31 December of the year before for some programs and an error for others",
+            });
+        }
         let mut nanosecond = 0;
         if let Some(fraction) = field.get(point + 1..).filter(|fraction| !fraction.is_empty()) {
             // The field has space for at most ten digits of the fraction. 1e-10 day is 8,640 ns, so the quotient is a

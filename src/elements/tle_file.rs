@@ -16,8 +16,9 @@ const DATA_LENGTH: usize = 60;
 
 /// Parses two-line, three-line and "0 NAME" sets, also mixed.
 ///
-/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. A line 1 or 2
-/// without its partner is rejected, and parsing continues with the next line.
+/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. Text of two or
+/// more lines after a name, before the first or after the last set (bulletins) is skipped. A line 1 or 2 without its
+/// partner is rejected, and parsing continues with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }
@@ -39,11 +40,13 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
     let mut parsed = Parsed::default();
     parsed.sets.reserve(text.len() / 140);
     let mut lines = Lines { text, at: 0 }.peekable();
-    let (mut name, mut first): (Option<Placed>, Option<Placed>) = (None, None);
+    // Lines since the last data line that are no data lines, and the line 1 after them.
+    let mut texts: Vec<Placed> = Vec::new();
+    let mut first: Option<Placed> = None;
     while let Some((offset, line)) = lines.next() {
         if let Some((first_offset, first_line)) = first.take() {
             if line.starts_with(b"2 ") {
-                let name_line = name.take().map_or(&[][..], |name| name.1);
+                let name_line = name_in(&mut texts, &mut parsed);
                 match parse_lines(name_line, first_line, line, checksums) {
                     Ok((set, overlooked)) => {
                         parsed.take(offset, Ok(set));
@@ -54,26 +57,62 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
                 }
                 continue;
             }
+            name_in(&mut texts, &mut parsed);
             parsed.rejected.push((first_offset, RejectReason::LineOneAlone));
-            name = None;
         }
-        let is_first = line.starts_with(b"1 ")
-            && (line.len() >= DATA_LENGTH || lines.peek().is_some_and(|(_, next)| next.starts_with(b"2 ")));
-        if is_first {
+        let is_data = line.len() >= DATA_LENGTH && !is_key(line);
+        let is_pair = lines.peek().is_some_and(|(_, next)| next.starts_with(b"2 ") && !is_key(next));
+        if line.starts_with(b"1 ") && (is_data || is_pair) {
             first = Some((offset, line));
-        } else if line.starts_with(b"2 ") && line.len() >= DATA_LENGTH {
+        } else if line.starts_with(b"2 ") && is_data {
+            name_in(&mut texts, &mut parsed);
             parsed.rejected.push((offset, RejectReason::LineTwoAlone));
-            name = None;
-        } else if let Some((stray_offset, stray)) = name.replace((offset, line)) {
-            parsed.rejected.push((stray_offset, RejectReason::Stray { text: excerpt(stray) }));
+        } else {
+            texts.push((offset, line));
         }
     }
     if let Some((offset, _)) = first {
+        name_in(&mut texts, &mut parsed);
         parsed.rejected.push((offset, RejectReason::LineOneAlone));
-    } else if let Some((offset, stray)) = name {
-        parsed.rejected.push((offset, RejectReason::Stray { text: excerpt(stray) }));
+    } else {
+        // A file that is truncated after the name of a satellite has one line at its end.
+        let is_alone = texts.len() == 1;
+        reject_fragments(&texts, is_alone, &mut parsed);
     }
     parsed
+}
+
+/// Returns the name line before a data line, and removes all lines. Two lines are a name and a line that may be a
+/// damaged part of an element set; more lines are a text, such as the head of a bulletin.
+fn name_in<'a>(texts: &mut Vec<Placed<'a>>, parsed: &mut Parsed) -> &'a [u8] {
+    let name = texts.pop().map_or(&[][..], |(_, line)| line);
+    let is_alone = texts.len() == 1;
+    reject_fragments(texts, is_alone, parsed);
+    texts.clear();
+    name
+}
+
+/// Rejects lines that are parts of element sets by their first characters, or the only line.
+fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
+    let is_part = |line: &[u8]| {
+        (line.starts_with(b"1 ") || line.starts_with(b"2 ")) && line.get(2).is_some_and(u8::is_ascii_digit)
+    };
+    for (offset, line) in texts.iter().filter(|(_, line)| is_part(line) || (is_alone && !ends_bulletin(line))) {
+        parsed.rejected.push((*offset, RejectReason::Stray { text: excerpt(line) }));
+    }
+}
+
+/// Returns true for a line after which a bulletin has no more elements: `/EX` of packet radio, `NNNN` of telegrams.
+fn ends_bulletin(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    line.eq_ignore_ascii_case(b"/EX") || line == b"NNNN" || line.iter().all(|byte| b"-=*_".contains(byte))
+}
+
+/// Returns true for a line that explains the columns, with letters in place of a catalogue number.
+fn is_key(line: &[u8]) -> bool {
+    line.len() >= 7
+        && (line.starts_with(b"1 ") || line.starts_with(b"2 "))
+        && line[2..7].iter().all(u8::is_ascii_alphabetic)
 }
 
 /// Returns true if a line of the text can be a data line by its length, line number and catalogue number.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use hifitime::Epoch;
 
-use super::pass_table::{PassRow, compass};
+use super::pass_table::{PassRow, compass, utc_offset};
 use crate::frames::seconds_after;
 use crate::geometry::Site;
 use crate::output::{Provenance, csv_cell, format_utc};
@@ -108,16 +108,6 @@ fn point_text(what: &str, point: &TrackPoint, utc_offset_s: f64) -> String {
     let zone = utc_offset(utc_offset_s);
     let direction = compass(azimuth_rad);
     format!("{what} {} {zone}, altitude {:.0}\u{b0}, {direction}", &clock[11..19], altitude_rad.to_degrees())
-}
-
-/// Formats a time zone as `UTC` or `UTC+05:45`.
-fn utc_offset(utc_offset_s: f64) -> String {
-    let minutes = (utc_offset_s / 60.0).round() as i64;
-    let sign = if minutes < 0 { '-' } else { '+' };
-    match minutes.abs() {
-        0 => "UTC".to_owned(),
-        minutes => format!("UTC{sign}{:02}:{:02}", minutes / 60, minutes % 60),
-    }
 }
 
 /// Formats a time as `20240814T003000Z`; fractions of a second are dropped.

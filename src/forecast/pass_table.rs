@@ -409,7 +409,11 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Ve
         Some(seen) => (Some(&seen.begin), &seen.highest, Some(&seen.end)),
         None => (pass.rise.as_ref(), &pass.culmination, pass.set.as_ref()),
     };
-    let clock = |epoch: Epoch| local(epoch, utc_offset_s(epoch)).1;
+    let clock = |epoch: Epoch| {
+        let offset_s = utc_offset_s(epoch);
+        let clock = local(epoch, offset_s).1;
+        if is_repeated(epoch, utc_offset_s) { format!("{clock} {}", utc_offset(offset_s)) } else { clock }
+    };
     let three = |point: Option<&TrackPoint>| -> [Value; 3] {
         let altitude = |point: &TrackPoint| Some(format!("{:.0}\u{b0}", point.altitude_rad?.to_degrees()));
         [
@@ -432,6 +436,27 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Ve
     cells.push(i64::from(pass.norad_id.0).into());
     cells.push(light.map(|light| light.source.to_string()).into());
     cells
+}
+
+/// Returns true if the clock shows this time twice, because it is set back between the two.
+fn is_repeated(epoch: Epoch, utc_offset_s: &impl Fn(Epoch) -> f64) -> bool {
+    // No clock is set back by more than this.
+    const LARGEST_STEP_S: f64 = 3.0 * 3600.0;
+    let offset_s = |shift_s: f64| utc_offset_s(seconds_after(epoch, shift_s));
+    let here_s = offset_s(0.0);
+    let (back_s, ahead_s) = (here_s - offset_s(LARGEST_STEP_S), offset_s(-LARGEST_STEP_S) - here_s);
+    // The offset before the change minus that after it is the time by which the clock is set back.
+    (back_s > 0.0 && offset_s(back_s) == here_s - back_s) || (ahead_s > 0.0 && offset_s(-ahead_s) == here_s + ahead_s)
+}
+
+/// Formats a time zone as `UTC` or `UTC+05:45`.
+pub(super) fn utc_offset(utc_offset_s: f64) -> String {
+    let minutes = (utc_offset_s / 60.0).round() as i64;
+    let sign = if minutes < 0 { '-' } else { '+' };
+    match minutes.abs() {
+        0 => "UTC".to_owned(),
+        minutes => format!("UTC{sign}{:02}:{:02}", minutes / 60, minutes % 60),
+    }
 }
 
 /// Returns the local date and time of day as text.
@@ -466,6 +491,28 @@ mod tests {
         ] {
             assert_eq!(compass(f64::to_radians(degrees)), point, "{degrees}");
         }
+    }
+
+    /// The clock of New York is set back from 02:00 to 01:00 on 2026-11-01, at 06:00 UTC; that of Lord Howe Island by
+    /// half an hour on 2026-04-05, at 15:00 UTC of the day before.
+    #[test]
+    fn times_that_occur_twice() {
+        let utc = |month, day, hour, minute| Epoch::from_gregorian_utc(2026, month, day, hour, minute, 0, 0);
+        let zone = |change: Epoch, before_h: f64, after_h: f64| {
+            move |epoch: Epoch| 3600.0 * if epoch < change { before_h } else { after_h }
+        };
+        let new_york = zone(utc(11, 1, 6, 0), -4.0, -5.0);
+        for (hour, minute, expected) in
+            [(4, 59, false), (5, 0, true), (5, 59, true), (6, 0, true), (6, 59, true), (7, 0, false)]
+        {
+            assert_eq!(is_repeated(utc(11, 1, hour, minute), &new_york), expected, "{hour}:{minute}");
+        }
+        let lord_howe = zone(utc(4, 4, 15, 0), 11.0, 10.5);
+        for (hour, minute, expected) in [(14, 29, false), (14, 30, true), (15, 29, true), (15, 30, false)] {
+            assert_eq!(is_repeated(utc(4, 4, hour, minute), &lord_howe), expected, "{hour}:{minute}");
+        }
+        let spring = zone(utc(3, 8, 7, 0), -5.0, -4.0);
+        assert!((5..10).all(|hour| !is_repeated(utc(3, 8, hour, 30), &spring)));
     }
 
     #[test]

@@ -29,6 +29,14 @@ pub enum GeometryError {
         /// Similar names in the table, nearest first; empty if there are none.
         nearest: Vec<String>,
     },
+    /// A site name that fits several sites far from each other.
+    #[error("site name {name:?} fits several sites: {}; specify one of them", sites.join(", "), name = Quoted::new(.name))]
+    AmbiguousSite {
+        /// Given name.
+        name: String,
+        /// Names of the sites.
+        sites: Vec<String>,
+    },
     /// An observatory code that is not in the table.
     #[error(
         "unknown MPC observatory code {code:?}; allowed: the {known} codes of the bundled table, or latitude, longitude and height", code = Quoted::new(.code)

@@ -30,6 +30,7 @@ mod viewing;
 pub use error::GeometryError;
 pub use limb::EarthLimb;
 pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, illumination, sunlit_by_100_km_rule};
+pub(crate) use site::SAME_SITE_KM;
 pub use site::{Observer, ObserverState, Site, ellipsoidal_height_km};
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect, icrs_of_apparent};

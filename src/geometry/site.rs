@@ -34,6 +34,9 @@ pub struct Site {
 /// Number of letters that two names must share, at the beginning or as a whole name, to be called similar.
 const LEAST_COMMON_LETTERS: usize = 4;
 
+/// Distance below which sites are telescopes of one observatory, km.
+pub(crate) const SAME_SITE_KM: f64 = 15.0;
+
 struct Entry {
     site: Site,
     /// Names and aliases in lower case, without blanks and punctuation.
@@ -98,16 +101,40 @@ impl Site {
     /// punctuation are ignored.
     ///
     /// # Errors
-    /// An unknown name; the error lists similar names, if any.
+    /// A name that is unknown, where the error lists similar names, if any; or the name of a network of telescopes at
+    /// several sites, such as ATLAS or Gemini.
     pub fn by_name(name: &str) -> Result<Self, GeometryError> {
+        match Self::candidates(name).as_slice() {
+            [] => Err(GeometryError::UnknownSite { name: name.to_owned(), nearest: nearest_names(&key_of(name)) }),
+            [site] => Ok((*site).clone()),
+            sites => Err(GeometryError::AmbiguousSite {
+                name: name.to_owned(),
+                sites: sites.iter().map(|site| site.name.clone()).collect(),
+            }),
+        }
+    }
+
+    /// Returns the sites that a name can mean: none, one, or several more than [`SAME_SITE_KM`] apart whose names begin
+    /// with it.
+    pub(crate) fn candidates(name: &str) -> Vec<&'static Self> {
         let key = key_of(name);
-        if let Some(entry) = table().iter().find(|entry| entry.keys.contains(&key)) {
-            return Ok(entry.site.clone());
+        let is_full_name = |entry: &&Entry| entry.keys.first() == Some(&key);
+        let full = table().iter().find(is_full_name);
+        let begins = |entry: &&Entry| begins_with(&entry.site.name, &key);
+        let begun: Vec<&Self> = table().iter().filter(begins).map(|entry| &entry.site).collect();
+        let is_spread = begun.iter().any(|site| site.distance_km(begun[0]) > SAME_SITE_KM);
+        if full.is_none() && is_spread {
+            return begun;
         }
-        if let Ok(site) = Self::from_mpc(name) {
-            return Ok(site);
-        }
-        Err(GeometryError::UnknownSite { name: name.to_owned(), nearest: nearest_names(&key) })
+        let found = full.or_else(|| table().iter().find(|entry| entry.keys.contains(&key))).map(|entry| &entry.site);
+        let code = name.trim();
+        let is_code = |site: &&Self| site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(code));
+        found.or_else(|| Self::all().find(is_code)).into_iter().collect()
+    }
+
+    /// Returns the distance from another site, km, in a straight line.
+    pub(crate) fn distance_km(&self, other: &Self) -> f64 {
+        (self.itrs() - other.itrs()).norm_km()
     }
 
     /// Returns a site of the bundled table by its Minor Planet Center observatory code, in upper or lower case.
@@ -177,6 +204,12 @@ fn read_entry(line: &str) -> Option<Entry> {
 
 fn key_of(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// Returns true if the first words of a name, but not all of its words, are the key.
+fn begins_with(name: &str, key: &str) -> bool {
+    let words: Vec<String> = name.split(|c: char| !c.is_alphanumeric()).map(key_of).collect();
+    !key.is_empty() && (1..words.len()).any(|count| words[..count].concat() == key)
 }
 
 /// Returns up to four similar names: first those that contain the text or are contained in it, then by edit distance.
@@ -372,6 +405,19 @@ mod tests {
         for code in ["X05", "W84", "I41", "F51", "F52", "T05", "T08", "M22", "W68", "658", "568", "950"] {
             assert_eq!(Site::from_mpc(code).expect(code).mpc_code.as_deref(), Some(code));
         }
+    }
+
+    #[test]
+    fn names_of_networks_are_ambiguous() {
+        for (name, sites) in
+            [("ATLAS", 5), ("Gemini", 2), ("goto", 2), ("TRAPPIST", 2), ("LCO", 5), ("Faulkes Telescope", 2)]
+        {
+            let Err(GeometryError::AmbiguousSite { sites: found, .. }) = Site::by_name(name) else { panic!("{name}") };
+            assert!(found.len() >= sites, "{name}: {found:?}");
+        }
+        // Both telescopes are at one site, or the name is that of one site.
+        assert_eq!(Site::by_name("Pan-STARRS").expect("two telescopes").mpc_code.as_deref(), Some("F51"));
+        assert_eq!(Site::by_name("Palomar").expect("a full name").mpc_code.as_deref(), Some("675"));
     }
 
     #[test]

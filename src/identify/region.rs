@@ -3,8 +3,9 @@
 //!
 //! Format (DS9 reference manual, "Regions"): a coordinate system (`fk5`, `j2000`, `icrs`), then shapes with their
 //! numbers in brackets or after blanks, separated by commas or blanks. `;` separates statements, `#` starts a comment,
-//! `global` lines are ignored; an excluded shape (`-`) is an error. FK5 of equinox 2000 is read as ICRS: they differ by
-//! 0.02 arcsec.
+//! `global` lines are ignored; an excluded shape (`-`) is an error. DS9 saves vectors, projections and segments behind
+//! `#`, because other programs do not know them; vectors, projections (a line) and segments of two points are read. FK5
+//! of equinox 2000 is read as ICRS: they differ by 0.02 arcsec.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 
@@ -27,7 +28,7 @@ pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>
     let mut system: Option<String> = None;
     for (number, line) in text.lines().enumerate() {
         let fail = |problem: String| IdentifyError::Region { path: path.to_owned(), line: number + 1, problem };
-        let line = line.split('#').next().unwrap_or_default();
+        let line = statements_of(line);
         for statement in line.split(';').map(str::trim).filter(|statement| !statement.is_empty()) {
             let lower = statement.to_ascii_lowercase();
             if lower.starts_with("global") {
@@ -52,6 +53,24 @@ pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>
     if outlines.is_empty() { Err(IdentifyError::NoRegion { path: path.to_owned() }) } else { Ok(outlines) }
 }
 
+/// Shapes that DS9 writes as comments.
+const COMMENTED: [&str; 3] = ["vector", "projection", "segment"];
+
+/// Returns a line without its comment. A comment that is a shape of DS9 is a statement.
+fn statements_of(line: &str) -> &str {
+    let mut parts = line.split('#').map(str::trim);
+    match (parts.next(), parts.next()) {
+        (Some(""), Some(shape)) if COMMENTED.iter().any(|name| is_shape(shape, name)) => shape,
+        (line, _) => line.unwrap_or_default(),
+    }
+}
+
+/// Returns true if a text is a shape of this name with its numbers in brackets.
+fn is_shape(text: &str, name: &str) -> bool {
+    let head = text.get(..name.len()).is_some_and(|head| head.eq_ignore_ascii_case(name));
+    head && text[name.len()..].trim_start().starts_with('(')
+}
+
 fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
     let shape_end = statement.find(|mark: char| mark == '(' || mark.is_whitespace()).unwrap_or(statement.len());
     let (shape, rest) = statement.split_at(shape_end);
@@ -65,8 +84,12 @@ fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
             numbers.chunks(2).map(|pair| position(pair[0], pair[1])).collect()
         }
         "polygon" => Err(wrong_count("two or more pairs of right ascension and declination")),
-        "line" if numbers.len() >= 4 => numbers[..4].chunks(2).map(|pair| position(pair[0], pair[1])).collect(),
-        "line" => Err(wrong_count("4: the positions of both ends")),
+        "segment" if numbers.len() != 4 => Err(wrong_count("4: the positions of two points")),
+        // A projection also has a width.
+        "line" | "projection" | "segment" if numbers.len() >= 4 => {
+            numbers[..4].chunks(2).map(|pair| position(pair[0], pair[1])).collect()
+        }
+        "line" | "projection" => Err(wrong_count("4: the positions of both ends")),
         "vector" if numbers.len() == 4 => {
             let (from, length, angle) =
                 (position(numbers[0], numbers[1])?, size_rad(numbers[2])?, angle_rad(numbers[3])?);
@@ -124,6 +147,9 @@ pub struct FittedLine {
     pub ends: [Direction<Gcrs>; 2],
     /// Half width of the regions, radians: the root mean square distance of their corners from the line.
     pub half_width_rad: f64,
+    /// True if a region has an area (polygon, box), false for lines and vectors only, whose width is not that of the
+    /// streak.
+    pub has_width: bool,
 }
 
 /// Largest distance of the middle of a region from the line, as a multiple of the width of the region.
@@ -170,7 +196,8 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
         let point = middle + along * way;
         Direction::from_vector((centre + east * point.x + north * point.y).normalize())
     });
-    Ok(FittedLine { ends, half_width_rad })
+    let has_width = outlines.iter().any(|outline| outline.len() > 2);
+    Ok(FittedLine { ends, half_width_rad, has_width })
 }
 
 /// Returns the direction of the largest variance of points.
@@ -216,6 +243,20 @@ mod tests {
         // The long side of the box points north and is rotated by 30° anticlockwise: its position angle is 30°.
         let angle_deg = outlines[2][1].position_angle_rad(&outlines[2][2]).to_degrees();
         assert!((angle_deg - 30.0).abs() < 0.01, "{angle_deg}");
+    }
+
+    /// Lines as DS9 8 saves them: vectors and projections behind a number sign.
+    #[test]
+    fn shapes_that_ds9_writes_as_comments() {
+        let text = format!(
+            "{HEAD}# vector(232,9,60\",90) vector=1 width=2\n# projection(232,9,232.1,9.1,3\")\n\
+             #segment(232,9,232.1,9.1) # color=red\n# text(232,9) text={{vector}}\n# vector of the streak\n"
+        );
+        let outlines = parse_regions("a.reg", &text).unwrap();
+        assert_eq!(outlines.iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2]);
+        assert_eq!(outlines[0], parse_regions("a.reg", &format!("{HEAD}vector(232,9,60\",90)")).unwrap()[0]);
+        let message = parse_regions("a.reg", &format!("{HEAD}# vector(232,9)\n")).unwrap_err().to_string();
+        assert!(message.starts_with("a.reg: line 4: vector has 2 numbers"), "{message}");
     }
 
     #[test]

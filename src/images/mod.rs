@@ -27,8 +27,8 @@ pub use exposure::{
 };
 #[cfg(all(feature = "fits", unix))]
 pub use fits::{
-    Bitpix, Cells, Changed, FrameCopy, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice,
-    TableColumn, write_frame, write_table,
+    Bitpix, Cells, Changed, CompanionPlane, FrameCopy, FrameFile, FrameImages, HduInfo, HduKind, ImageValues, NewImage,
+    PixelFormat, Pixels, PlaneKind, Rice, TableColumn, write_frame, write_table,
 };
 pub use header::Header;
 pub use light_area::LightArea;

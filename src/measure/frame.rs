@@ -4,6 +4,7 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::background::Background;
+use super::bad_pixels::remove_bad_pixels;
 use super::cut::{StreakCut, streak_cut};
 use super::error::MeasureError;
 use super::measurement::{Estimate, MeasureOptions, StreakImage, StreakMeasurement};
@@ -96,6 +97,8 @@ pub struct FrameMeasurements {
     pub left_out: Vec<LeftOut>,
     /// Zero points from stars, with the HDUs of their chips. Only chips with a predicted track are measured.
     pub star_zero_points: Vec<(usize, StarZeroPoint)>,
+    /// Companion planes from which bad pixels were removed, or the reason why a plane was not used.
+    pub planes_used: Vec<String>,
 }
 
 /// Conversion of the rates of a chip to magnitudes.
@@ -126,7 +129,8 @@ pub fn measure_frame(
         }
         sky.watch().check()?;
         let chip = &target.chip;
-        let plane = frame.file.read_plane(chip.hdu)?;
+        let mut plane = frame.file.read_plane(chip.hdu)?;
+        done.planes_used.extend(remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?);
         let background = Background::of(&plane, &chip.light_area);
         let image = StreakImage {
             plane: &plane,

@@ -9,10 +9,12 @@
 //! `fit` is the weighted least-squares fit of the drawn streak, `width` fits the seeing, and `noise` computes the
 //! errors. `streak` combines them into a [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut`
 //! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
-//! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files, and `table` creates
-//! the output tables.
+//! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files
+//! without the pixels that `bad_pixels` finds in masks and variances, and `table` creates the output tables.
 
 mod background;
+#[cfg(all(feature = "fits", unix))]
+mod bad_pixels;
 mod band;
 mod corridor;
 mod cut;

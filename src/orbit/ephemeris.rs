@@ -57,6 +57,8 @@ pub(super) struct EphemerisTable {
     /// Time at which the file was created; `None` if omitted.
     created: Option<Epoch>,
     start: Epoch,
+    /// Interval in which positions can be computed, seconds after the start.
+    usable_s: [f64; 2],
     /// Times of the states, UTC seconds after the start without leap seconds, as SGP4 counts.
     times_s: Vec<f64>,
     /// Positions, km.
@@ -73,7 +75,9 @@ pub(super) struct EphemerisTable {
 impl EphemerisTable {
     /// Transforms an ephemeris to TEME.
     pub fn new(ephemeris: &Ephemeris, eop: &EopTable) -> Self {
-        let (start, end) = ephemeris.interval();
+        let (start, end) = (ephemeris.states[0].epoch, ephemeris.states[ephemeris.states.len() - 1].epoch);
+        let (from, to) = ephemeris.interval();
+        let usable_s = [utc_seconds(start, from), utc_seconds(start, to)];
         let axes = Axes { frame: ephemeris.frame, orientation: OrientationTable::new(start, end, eop) };
         let positions: Vec<_> = ephemeris.states.iter().map(|state| axes.to_teme(state)).collect();
         let times_s: Vec<f64> = ephemeris.states.iter().map(|state| utc_seconds(start, state.epoch)).collect();
@@ -85,7 +89,7 @@ impl EphemerisTable {
         }
         let nodes = chosen.into_iter().map(|nodes| nodes.unwrap_or([0; NODES])).collect();
         let (file, created, variances) = (ephemeris.file.clone(), ephemeris.created, Vec::new());
-        let mut table = Self { file, created, start, times_s, positions, nodes, next_gap, variances };
+        let mut table = Self { file, created, start, usable_s, times_s, positions, nodes, next_gap, variances };
         table.variances = ephemeris.covariances.iter().map(|one| table.variances_of(one, &axes)).collect();
         table
     }
@@ -111,7 +115,7 @@ impl EphemerisTable {
     /// Returns true if the states cover an interval without a gap, seconds after the start.
     pub fn covers(&self, from_s: f64, to_s: f64) -> bool {
         let last = self.nodes.len() - 1;
-        if from_s < self.times_s[0] || to_s > self.times_s[last + 1] {
+        if from_s < self.usable_s[0] || to_s > self.usable_s[1] {
             return false;
         }
         let first = self.times_s.partition_point(|time| *time <= from_s).saturating_sub(1).min(last);
@@ -121,13 +125,16 @@ impl EphemerisTable {
 
     /// Returns true if a part of an interval is covered.
     pub fn overlaps(&self, from_s: f64, to_s: f64) -> bool {
-        from_s <= self.times_s[self.times_s.len() - 1] && to_s >= self.times_s[0]
+        from_s <= self.usable_s[1] && to_s >= self.usable_s[0]
     }
 
     /// Returns the state at a time, seconds after the start; `None` outside the covered intervals.
     pub fn state_at(&self, time_s: f64) -> Option<State<Teme>> {
         // Rounding moves a time at the end of an interval beyond it by less than a microsecond.
         const ROUNDING_S: f64 = 1e-6;
+        if time_s < self.usable_s[0] - ROUNDING_S || time_s > self.usable_s[1] + ROUNDING_S {
+            return None;
+        }
         let after = self.times_s.partition_point(|time| *time < time_s - ROUNDING_S);
         let is_at_state = self.times_s.get(after).is_some_and(|time| *time <= time_s + ROUNDING_S);
         let is_covered = |&step: &usize| self.next_gap.get(step).is_some_and(|gap| *gap > step);

@@ -77,6 +77,14 @@ pub enum OrbitError {
         /// Days from the element epoch to the requested time; negative if the epoch is later.
         age_days: f64,
     },
+    /// The catalogue states that the satellite decayed before the requested time.
+    #[error("satellite {norad_id} has decayed before {decayed} (DECAY_DATE of its element set)")]
+    DecayedByDate {
+        /// NORAD catalogue number.
+        norad_id: NoradId,
+        /// End of the day on which it decayed.
+        decayed: Epoch,
+    },
     /// The ephemeris in use has no state at the requested time.
     #[error("satellite {norad_id}: its ephemeris does not cover {days_since_epoch:.4} days after the element epoch")]
     NotCovered {
@@ -102,6 +110,8 @@ pub struct Propagator {
     constants: Constants,
     epoch: Epoch,
     norad_id: NoradId,
+    /// Time of decay, and the same in minutes after the epoch of the elements.
+    decayed: Option<(Epoch, f64)>,
     period_s: f64,
     eccentricity: f64,
     /// Largest plausible distance from the Earth's centre.
@@ -149,6 +159,9 @@ impl Propagator {
             constants,
             epoch: elements.epoch,
             norad_id: elements.norad_id,
+            decayed: elements
+                .decayed
+                .map(|decayed| (decayed, (decayed - elements.epoch).to_unit(hifitime::Unit::Minute))),
             period_s,
             eccentricity: elements.eccentricity,
             farthest_km,
@@ -310,6 +323,11 @@ impl Propagator {
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
     pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), OrbitError> {
+        if let Some((decayed, after)) = self.decayed
+            && minutes > after
+        {
+            return Err(OrbitError::DecayedByDate { norad_id: self.norad_id, decayed });
+        }
         let mut resonance = self.resonance.as_ref().map(|kept| kept.state_before(&self.constants, minutes));
         let prediction = self
             .constants

@@ -349,6 +349,7 @@ mod tests {
             mean_motion_dot_rev_day2: dot,
             mean_motion_ddot_rev_day3: 0.0,
             revolution_at_epoch: 0,
+            decayed: None,
             origin,
         }
     }

@@ -208,7 +208,15 @@ fn exposure<'a>(
         }
     };
     let start = start_of(cell(map.start.index), &map.start, scale)?;
-    let duration_s = number(map.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
+    let mut duration_s = number(map.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
+    // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
+    if let Some((snaps, visit)) = map.snaps
+        && !matches!(cell(snaps), Cell::Missing)
+        && number(snaps, "numExposures", 0.0..=1e6)? > 1.0
+    {
+        let visit = visit.ok_or("visit has several snaps (numExposures), and visitTime is missing")?;
+        duration_s = number(visit, "visitTime", duration_s..=LONGEST_EXPOSURE_S)?;
+    }
     // Right ascensions may be given in [0, 360] or [-180, 180].
     let right_ascension_deg = number(map.right_ascension, "right ascension", -180.0..=360.0)?;
     let declination_deg = number(map.declination, "declination", -90.0..=90.0)?;

@@ -46,6 +46,6 @@ pub(crate) use psf::{PointLight, draw_points};
 pub use render::{PathNode, StreakPath, draw};
 pub use tracking::Tracking;
 pub use truth::{
-    MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table, trail_table,
+    MaskPlanes, MaskPreset, MaskSpan, NoiseMap, TruthRow, changed_spans, mask_spans, points_table, trail_table,
     truth_rows, truth_table,
 };

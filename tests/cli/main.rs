@@ -44,6 +44,8 @@ mod measure_real;
 mod opsim;
 #[cfg(feature = "plot")]
 mod plot;
+#[cfg(all(feature = "cli", feature = "fits", feature = "sqlite", unix))]
+mod reports;
 mod reproduce;
 #[cfg(all(feature = "serve", unix))]
 mod serve;

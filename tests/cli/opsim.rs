@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::common::cli::{done, json, path, run};
 use serde_json::Value;
+use streakcast::schedule::{Schedule, ScheduleOptions};
 
 fn dump(path: &Path) -> Vec<Vec<rusqlite::types::Value>> {
     let connection = rusqlite::Connection::open_with_flags(path, rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY).unwrap();
@@ -168,4 +169,35 @@ fn rubins_night_is_annotated_and_keeps_all_cells() {
     );
     assert!(number("SELECT count(*) FROM streaks WHERE width_arcsec > 0.7 AND effective_magnitude > magnitude") > 20);
     assert!(number("SELECT count(*) FROM streak_provenance WHERE name = 'elements'") == 1);
+}
+
+/// The exposure time of a visit is the sum over its snaps, which are open for longer with the readout between them.
+#[test]
+fn visits_of_several_snaps_last_until_the_last_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let durations = |name: &str, columns: &str, rows: &str| -> Vec<Result<f64, String>> {
+        let file = folder.path().join(name);
+        rusqlite::Connection::open(&file)
+            .unwrap()
+            .execute_batch(&format!(
+                "CREATE TABLE observations (observationId, observationStartMJD, visitExposureTime, fieldRA, fieldDec, \
+                 rotSkyPos{columns}); INSERT INTO observations VALUES {rows};"
+            ))
+            .unwrap();
+        let options = ScheduleOptions { time_scale: Some(hifitime::TimeScale::UTC), ..ScheduleOptions::default() };
+        let schedule = Schedule::read(&file, &options).unwrap();
+        schedule.exposures.into_iter().map(|row| row.exposure.map(|exposure| exposure.duration_s)).collect()
+    };
+    let visit = "61266.98, 30.0, 217, -30, 0";
+    let found = durations(
+        "snaps.db",
+        ", numExposures, visitTime",
+        &format!("(1, {visit}, 2, 34.0), (2, {visit}, 1, 31.0), (3, {visit}, NULL, NULL), (4, {visit}, 2, 29.0)"),
+    );
+    assert_eq!(found[..3], [Ok(34.0), Ok(30.0), Ok(30.0)]);
+    assert!(found[3].as_ref().unwrap_err().contains("visitTime is 29; allowed: 30 to"), "{found:?}");
+    let found = durations("no_time.db", ", numExposures", &format!("(1, {visit}, 2), (2, {visit}, 1)"));
+    assert!(found[0].as_ref().unwrap_err().contains("visitTime is missing"), "{found:?}");
+    assert_eq!(found[1], Ok(30.0));
+    assert_eq!(durations("plain.db", "", &format!("(1, {visit})")), [Ok(30.0)]);
 }

@@ -202,3 +202,149 @@ fn verif_an_extremely_long_exposure_is_rejected() {
     let error = time("DATE-OBS= '2024-08-14T00:00:00'\nEXPTIME =  9223372036854775807").expect_err("refused");
     assert!(error.contains("EXPTIME is 9223372036854776000 s") && error.contains("at most 86400 s"), "{error}");
 }
+
+/// Comments that state which part of the exposure an instant is, as observatories and cameras write them.
+#[test]
+fn verif_comments_state_the_part_of_the_exposure() {
+    for (cards, utc, from) in [
+        (
+            "DATE-OBS= '2020-03-06T06:00:00' / UTC at midpoint of exposure",
+            "2020-03-06T05:59:30",
+            "DATE-OBS - half of the exposure",
+        ),
+        ("DATE-OBS= '2020-03-06T06:00:00' / UT, end of integration", "2020-03-06T05:59:00", "DATE-OBS - the exposure"),
+        ("DATE-OBS= '2020-03-06T06:00:00' / shutter closed", "2020-03-06T05:59:00", "DATE-OBS - the exposure"),
+        ("MJD-OBS =             58914.25 / [d] mid-exposure", "2020-03-06T05:59:30", "MJD-OBS - half of the exposure"),
+        (
+            "DATE-OBS= '2020-03-06'\nUT      = '06:00:00' / centre of exposure",
+            "2020-03-06T05:59:30",
+            "DATE-OBS + UT - half of the exposure",
+        ),
+        (
+            "DATE-OBS= '2020-03-06' / start\nTIME-OBS= '06:00:00' / end",
+            "2020-03-06T05:59:00",
+            "DATE-OBS + TIME-OBS - the exposure",
+        ),
+        (
+            "DATE-OBS= '2020-03-06' / UT date at mid exposure\nUT-OBS  = '06:00:00'",
+            "2020-03-06T05:59:30",
+            "DATE-OBS + UT-OBS - half of the exposure",
+        ),
+        // A keyword of the start precedes one whose comment states the middle.
+        ("DATE-OBS= '2020-03-06T06:00:00' / mid\nDATE-BEG= '2020-03-06T05:59:30'", "2020-03-06T05:59:30", "DATE-BEG"),
+        // The start of a keyword that is not usable comes from another keyword.
+        (
+            "DATE-OBS= '2020-03-05T23:00:00' / local time\nMJD-OBS =             58914.25",
+            "2020-03-06T06:00:00",
+            "MJD-OBS",
+        ),
+        (
+            "DATE-OBS= '2020-03-06' \nTIME-OBS= '23:00:00' / MST\nUT      = '06:00:00'",
+            "2020-03-06T06:00:00",
+            "DATE-OBS + UT",
+        ),
+        (
+            "DATE-OBS= '2020-03-06T06:01:01' / Frame Received\nDATE-AVG= '2020-03-06T06:00:30'",
+            "2020-03-06T06:00:00",
+            "DATE-AVG - half of the exposure",
+        ),
+        // Comments that state no part.
+        (
+            "DATE-OBS= '2020-03-06T06:00:00' / Gregorian calendar date, Greenwich mean time",
+            "2020-03-06T06:00:00",
+            "DATE-OBS",
+        ),
+        ("DATE-OBS= '2020-03-06T06:00:00' / System Clock:Est. Frame Start", "2020-03-06T06:00:00", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T06:00:37' / TAI at start", "2020-03-06T06:00:00", "DATE-OBS"),
+    ] {
+        begins(&format!("{cards}\n{LENGTH}"), utc, from);
+    }
+    for (cards, words) in [
+        ("DATE-OBS= '2020-03-05T23:00:00' / Local time at start of exposure", "a local time by its comment"),
+        ("DATE-OBS= '2020-03-05T23:00:00' / MST date of observation", "a local time by its comment"),
+        ("DATE-OBS= '2020-03-06'\nTIME-OBS= '06:00:00' / CEST", "a local time by its comment"),
+        // A Julian date that was computed from the local time is not another clock.
+        ("DATE-OBS= '2020-03-06T06:00:00' / local\nJD      =          2458914.75", "a local time by its comment"),
+        ("DATE-OBS= '2020-03-06T06:01:01' / System Clock:Frame Received", "the time of an event after the exposure"),
+        ("DATE-OBS= '2020-03-06T06:01:01' / Image created time", "the time of an event after the exposure"),
+        ("DATE-OBS= '2020-03-06T06:01:01' / start or end of exposure", "of more than one part of the exposure"),
+        ("MJD-OBS =             58914.25 / BJD of start", "a time corrected to the Sun or the barycentre"),
+        ("DATE-OBS= '2020-03-06T06:00:00' / mid\nMJD-OBS =             58914.25 / start", "30.0 s apart"),
+    ] {
+        let error = time(&format!("{cards}\n{LENGTH}")).expect_err(words);
+        assert!(error.contains(words) && error.contains("--start"), "{error}");
+    }
+}
+
+/// Stacks, co-added exposures, and units that the comment states.
+#[test]
+fn verif_lengths_of_several_exposures_and_units() {
+    let at = "DATE-OBS= '2020-03-06T06:00:00'\n";
+    for (cards, words) in [
+        (
+            "EXPTIME = 2.0\nDATE-END= '2020-03-06T06:30:00'",
+            "EXPTIME is 2 s, but it is 1800.0 s from DATE-OBS to DATE-END",
+        ),
+        ("EXPTIME = 2.0\nMJD-END = 58914.2708333", "from DATE-OBS to MJD-END"),
+        ("EXPTIME = 30.0\nDATE-END= '2020-03-06T06:00:02'", "2.0 s from DATE-OBS to DATE-END"),
+        ("EXPTIME = 1425.6\nTELAPSE = 1800.0 / [s]", "TELAPSE is 1800 s (from start to end)"),
+        ("EXPOSURE= 0.0165 / [d] time on source\nTELAPSE = 0.0208333333 / [d]", "from start to end"),
+        ("EXPTIME = 10.0\nLIVETIME= 1200.0", "LIVETIME is 1200 s (in all parts)"),
+        ("EXPTIME = 10.0\nSTACKCNT= 150", "STACKCNT is 150: the time of one exposure or of all"),
+        ("EXPTIME = 600.0 / total\nNCOMBINE= 5", "NCOMBINE is 5"),
+        ("ITIME   = 2.0 / integration time per coadd\nCOADDS  = 30", "2 s of each of 30 exposures (COADDS)"),
+        ("EXPTIME = 2.0 / Integration time\nHIERARCH ESO DET NDIT = 10", "ESO DET NDIT is 10"),
+        ("EXPTIME = 20 / [fortnight]", "20 in the unit [fortnight]"),
+        ("EXPTIME = 20 / in seconds or ms", "20 in several units"),
+    ] {
+        let error = time(&format!("{at}{cards}")).expect_err(words);
+        assert!(error.contains(words) && error.contains("--exposure"), "{error}");
+    }
+    for (cards, seconds) in [
+        ("EXPTIME = 20000 / [us] exposure time", 0.02),
+        ("EXPOSURE= 2.0E-05 / [d] time on source", 1.728),
+        ("EXPTIME = 0.5 / [h]", 1800.0),
+        ("EXPTIME = 120 / Exposure time (min)", 7200.0),
+        ("EXPTIME = 1500 / exposure in milliseconds", 1.5),
+        ("EXPTIME = 60.0 / Exposure time (s) for sum of all coadds\nCOADDS  = 30", 60.0),
+        ("EXPTIME = 60.0\nITIME   = 2.0 / per coadd\nCOADDS  = 30", 60.0),
+        ("ITIME   = 2.0 / integration time per coadd\nCOADDS  = 1", 2.0),
+        ("EXPTIME = 600.0\nNCOMBINE= 5\nDATE-END= '2020-03-06T06:10:20'", 600.0),
+        ("EXPTIME = 40.0\nDATE-END= '2020-03-06T06:00:42'", 40.0),
+    ] {
+        let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
+        assert!((found.duration_s - seconds).abs() < 1e-9, "{cards}: {}", found.duration_s);
+    }
+    // A given exposure time is not compared with the end of a stack.
+    let stack = Header::from_text(&format!("{at}EXPTIME = 2.0\nDATE-END= '2020-03-06T06:30:00'"));
+    assert!(ExposureTime::start_from_headers(&[&stack], 1800.0).is_ok());
+}
+
+/// Gains that are settings of cameras, as N.I.N.A., SharpCap and INDI write them.
+#[test]
+fn verif_settings_of_cameras_are_no_gains() {
+    let of = |text: &str| Calibration::from_headers(&[&Header::from_text(text)]);
+    for cards in [
+        "GAIN    = 360",
+        "GAIN    = 2 / Sensor gain",
+        "GAIN    = 12.0 / [dB]",
+        "GAIN    = 4 / Gain of Camera",
+        "GAIN    = 5 / Gain\nOFFSET  = 10 / Offset",
+        "GAIN    = 1 / Gain Value",
+        "GAIN    = 100 / pre-amp",
+    ] {
+        let calibration = of(cards);
+        assert_eq!(calibration.gain_e_adu, None, "{cards}");
+        assert!(calibration.doubtful_gain.expect(cards).contains("a setting of the camera"), "{cards}");
+    }
+    for (cards, gain) in [
+        ("GAIN    = 360 / Sensor gain\nEGAIN   = 0.25 / [e-/ADU] Electrons per A/D unit", 0.25),
+        ("GAIN    = 1250.0 / [e-/ADU] Maximum equivalent gain", 1250.0),
+        ("GAIN    = 3.3 / e/DN conversion", 3.3),
+        ("GAIN    = 4.5 / camera gain (electrons/ADU)", 4.5),
+        ("GAIN    = 1.6", 1.6),
+    ] {
+        let calibration = of(cards);
+        assert_eq!((calibration.gain_e_adu.expect(cards).value, calibration.doubtful_gain), (gain, None), "{cards}");
+    }
+}

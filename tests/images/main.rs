@@ -11,6 +11,8 @@ mod frame_copies;
 mod frame_files;
 #[cfg(all(feature = "fits", unix))]
 mod frame_hostile;
+#[cfg(all(feature = "fits", unix))]
+mod frame_planes;
 mod measure;
 #[cfg(all(feature = "fits", unix))]
 mod measure_stars;

@@ -223,3 +223,51 @@ fn verif_golden_files_exist() {
         assert!(Path::new(&crate::common::golden_dir().join("wcs").join(name)).is_file(), "{name}");
     }
 }
+
+/// PVi_3 of the longitude axis is LONPOLE (paper II, section 2.5), unless the header has SCAMP's distortion.
+#[test]
+fn verif_native_pole_by_pv_of_the_longitude_axis() {
+    let with = |cards: &str| Wcs::from_header(&lines(PLAIN, &[("CD2_1", &format!("{cards}\nCD2_1"))]));
+    let at = PixelPosition { x: 700.0, y: 100.0 };
+    let position = |cards: &str| with(cards).expect(cards).to_sky(at).expect("a position");
+    let plain = position("EQUINOX = 2000.0");
+    for (cards, lonpole) in [
+        ("PV1_3   = 150.0", 150.0),
+        ("PV1_3   = 150.0\nLONPOLE = 180.0", 150.0),
+        ("PV1_1   = 0.0\nPV1_2   = 90.0\nPV1_3   = 10.0", 10.0),
+    ] {
+        let expected = position(&format!("LONPOLE = {lonpole:.1}"));
+        assert!(position(cards).separation_rad(&expected) < 1e-12, "{cards}");
+        assert!(plain.separation_rad(&expected).to_degrees() > 0.005, "{cards}");
+    }
+    let scamp = "PV1_0   = 0.0\nPV1_1   = 1.0\nPV1_2   = 0.0\nPV2_0   = 0.0\nPV2_1   = 1.0\nPV2_2   = 0.0";
+    assert!(position(scamp).separation_rad(&plain) < 1e-12);
+    let error = with("PV1_1   = 5.0").expect_err("another reference point").to_string();
+    assert!(error.contains("PV1_1 is 5; allowed: 0 (the reference point of TAN)"), "{error}");
+}
+
+/// Distortions in tables, and two matrices in one header.
+#[test]
+fn verif_ignored_terms_are_rejected() {
+    let with = |cards: &str| Wcs::from_header(&lines(PLAIN, &[("CD2_1", &format!("{cards}\nCD2_1"))]));
+    for (cards, words) in [
+        ("CPDIS1  = 'LOOKUP'", "CPDIS1 is \"LOOKUP\"; allowed: world coordinates without distortion tables"),
+        ("CPDIS2  = 'Polynomial'", "CPDIS2"),
+        ("D2IMDIS1= 'Lookup'", "D2IMDIS1"),
+        ("D2IMEXT = 'odd_d2i.fits'", "D2IMEXT"),
+        ("PC1_1   = -1.0\nPC2_2   = 1.0\nCDELT1  = 0.0001\nCDELT2  = 0.0001", "matrix of CDi_j is [[-7e-5"),
+        ("PC1_1   = 0.0001", "remove the other from the header"),
+        ("PC001001= 0.6\nPC001002= 0.8\nCDELT1  = -0.00007\nCDELT2  = 0.00007", "remove the other"),
+    ] {
+        let error = with(cards).expect_err(words).to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    for cards in [
+        "PC1_1   = 1.0\nPC1_2   = 0.0\nPC2_1   = 0.0\nPC2_2   = 1.0",
+        "PC1_1   = 1.0\nPC2_2   = 1.0\nCDELT1  = -0.00007\nCDELT2  = 0.00007",
+        "PC1_1   = -0.00007\nPC2_2   = 0.00007",
+        "CDELT1  = -0.0001\nCDELT2  = 0.0001\nCROTA2  = 30.0",
+    ] {
+        with(cards).unwrap_or_else(|error| panic!("{cards}: {error}"));
+    }
+}

@@ -240,3 +240,50 @@ proptest! {
         }
     }
 }
+
+/// Texts around element sets: bulletins of packet radio, with a key to the columns, an end mark and a signature.
+#[test]
+fn texts_around_element_sets_are_no_damaged_records() {
+    let head = "SB KEPS\nELEMENTS FOR AMATEURS\n1 AAAAAU 00  0  0 BBBBB.BBBBBBBB  .CCCCCCCC  00000-0  00000-0 0  DDDZ\n\
+                2 AAAAA EEE.EEEE FFF.FFFF GGGGGGG HHH.HHHH III.IIII JJ.JJJJJJJJKKKKKZ\nKEY: A-CATALOGNUM\n";
+    for end in ["/EX\n", "NNNN\n", "-----\n", "73, the editor\nwww.example.org\n", ""] {
+        let text = format!("{head}GOOD\n{LINE1}\n{LINE2}\n{end}");
+        let catalogue = read(text.as_bytes()).unwrap();
+        assert_eq!(catalogue.element_sets[0].name.as_ref(), "GOOD");
+        assert_eq!((reasons(&catalogue), catalogue.sources[0].cut_short), (vec![], false), "{end}");
+    }
+    // A file that is cut after a name, or inside a line, may be truncated.
+    for end in ["NEXT\n", "NEXT\n1 90002U 26001A   26079.5\n", &format!("NEXT\n{LINE1}\n")] {
+        let catalogue = read(format!("GOOD\n{LINE1}\n{LINE2}\n{end}").as_bytes()).unwrap();
+        assert!(catalogue.sources[0].cut_short, "{end}");
+    }
+}
+
+/// Epochs that can be read in two ways, and satellites that are known to have decayed.
+#[test]
+fn unclear_epochs_and_decayed_satellites() {
+    let json = String::from_utf8(sample("sample.json")).unwrap();
+    let epoch = json.split("\"EPOCH\": \"").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
+    let error = |text: &str| read(text.as_bytes()).unwrap_err().to_string();
+    assert!(error(&json.replace(epoch, &epoch[..10])).contains("invalid epoch \"2026-03-20\""));
+    assert!(error(&json.replace(epoch, "2026-079")).contains("invalid epoch \"2026-079\""));
+    let day_0 = format!("{}\n{LINE2}\n", LINE1.replace("26079.52426840", "26000.52426840").replace("9991", "9992"));
+    assert!(error(&day_0).contains("day 0 is 31 December"), "{}", error(&day_0));
+
+    let with = |cards: &str| json.replace("\"EPOCH\"", &format!("{cards}, \"EPOCH\""));
+    let decayed = |text: &str| read(text.as_bytes()).unwrap().element_sets[0].decayed;
+    assert_eq!(decayed(&json), None);
+    assert_eq!(decayed(&with("\"DECAY_DATE\": null")), None);
+    let end = Some("2026-03-22T00:00:00 UTC".parse::<hifitime::Epoch>().unwrap());
+    for text in ["2026-03-21", "2026-03-21 00:00:00", "2026-03-21T13:00:00"] {
+        assert_eq!(decayed(&with(&format!("\"DECAY_DATE\": \"{text}\""))), end, "{text}");
+    }
+    assert!(error(&with("\"DECAY_DATE\": \"soon\"")).contains("DECAY_DATE as YYYY-MM-DD"));
+    // Positions exist up to the end of that day.
+    let set = read(with("\"DECAY_DATE\": \"2026-03-21\"").as_bytes()).unwrap().element_sets.remove(0);
+    let propagator = streakcast::orbit::Propagator::new(&set).unwrap();
+    let minutes = |epoch: &str| propagator.minutes_since_epoch(epoch.parse().unwrap());
+    assert!(propagator.teme_state_at_minutes(minutes("2026-03-21T23:00:00 UTC")).is_ok());
+    let error = propagator.teme_state_at_minutes(minutes("2026-03-22T01:00:00 UTC")).unwrap_err().to_string();
+    assert!(error.contains("has decayed before 2026-03-22"), "{error}");
+}

@@ -787,3 +787,41 @@ fn ephemerides_are_read_among_element_sets_and_compressed() {
     let other = Satellites::from_bytes("b.2le", &sample("sample.2le"), &options).expect("readable");
     assert!(other.ephemerides.is_empty());
 }
+
+/// States outside the usable interval serve for the interpolation, but give no positions.
+#[test]
+fn only_the_usable_interval_of_an_oem_is_used() {
+    let text = std::fs::read_to_string(file("invented.oem")).expect("a sample");
+    let all = read("a.oem", &text).expect("an ephemeris");
+    let (first, last) = all.ephemerides[0].interval();
+    let with = |cards: &str| text.replacen("META_STOP", &format!("{cards}\nMETA_STOP"), 1);
+    let iso = |epoch: Epoch| format!("{epoch}").replace(" UTC", "");
+    let (from, to) = (first + 20.0 * Unit::Minute, last - 20.0 * Unit::Minute);
+    let cards = format!("USEABLE_START_TIME = {}\nUSEABLE_STOP_TIME = {}", iso(from), iso(to));
+    let usable = read("a.oem", &with(&cards)).expect("an ephemeris");
+    assert_eq!(usable.ephemerides[0].interval(), (from, to));
+    assert_eq!(usable.ephemerides[0].states.len(), all.ephemerides[0].states.len());
+    let elements = sample_elements();
+    let index = |catalogue: &Satellites| {
+        SatelliteIndex::new(&elements, DragModel::Published).with_ephemerides(
+            &elements,
+            &catalogue.ephemerides,
+            &EopTable::embedded(),
+        )
+    };
+    let is_used = |index: &SatelliteIndex, epoch: Epoch| {
+        let propagator = index.propagator_over(0, [epoch, epoch]).expect("a propagator");
+        matches!(propagator.position_source(), PositionSource::Ephemeris(_))
+    };
+    let middle = from + 0.5 * (to - from);
+    let (of_all, of_usable) = (index(&all), index(&usable));
+    for (epoch, expected) in [(from - 5.0 * Unit::Minute, false), (middle, true), (to + 5.0 * Unit::Minute, false)] {
+        assert!(is_used(&of_all, epoch), "{epoch}");
+        assert_eq!(is_used(&of_usable, epoch), expected, "{epoch}");
+    }
+    let wrong = format!("USEABLE_START_TIME = {}\nUSEABLE_STOP_TIME = {}", iso(to), iso(from));
+    let error = read("a.oem", &with(&wrong)).expect_err("reversed");
+    assert!(error.contains("USEABLE_STOP_TIME"), "{error}");
+    let error = read("a.oem", &with("USEABLE_START_TIME = 2024-08-14")).expect_err("a date");
+    assert!(error.contains("USEABLE_START_TIME is \"2024-08-14\""), "{error}");
+}

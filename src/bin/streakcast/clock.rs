@@ -5,10 +5,12 @@ use std::time::SystemTime;
 
 use hifitime::Epoch;
 use streakcast::config::Config;
-use streakcast::frames::{EopTable, Orientation, seconds_after};
+use streakcast::frames::{EopTable, Orientation, parse_instant, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::format_utc;
 use streakcast::schedule::evening_mjd;
+
+use crate::local_time::LocalTime;
 
 /// Returns the present time.
 pub fn now() -> Epoch {
@@ -54,6 +56,38 @@ pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config:
     Ok(())
 }
 
+/// Replaces the date of an evening by that of local mean time, by which nights are counted, where the civil date of a
+/// time zone differs from it by a day: beyond the date line, for example in Tonga.
+///
+/// # Errors
+/// The site of the configuration is missing or invalid.
+pub fn set_civil_night(night: &mut Option<String>, config: &Config, zone: &LocalTime) -> anyhow::Result<()> {
+    let Some(text) = night.as_ref() else { return Ok(()) };
+    // An invalid date is reported when the night is computed.
+    let Ok(noon) = parse_instant(&format!("{text}T12:00:00Z"), None) else { return Ok(()) };
+    let mean_h = config.site()?.longitude_rad.to_degrees() / 15.0;
+    let days = ((zone.ahead_of_utc_h(noon) - mean_h) / 24.0).round();
+    *night = Some(date_of(noon.to_mjd_utc_days().floor() as i64 - days as i64));
+    Ok(())
+}
+
+/// Returns a remark about the date of a night at sites whose civil date may be that of the other side of the date line.
+pub fn date_line_remark(night: Option<&str>, config: &Config) -> Option<String> {
+    let (night, site) = (night?, config.site().ok()?);
+    let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
+    // Kiribati, Tonga, Samoa, Tokelau, Wallis, the Chathams and the Kermadecs; Chukotka; the western Aleutians.
+    let is_west = longitude_deg < -165.0 && !(16.0..64.0).contains(&latitude_deg)
+        || (-162.0..-149.0).contains(&longitude_deg) && (-12.0..6.0).contains(&latitude_deg);
+    let is_east = longitude_deg > 171.5 && latitude_deg > 50.0;
+    (is_west || is_east).then(|| {
+        format!(
+            "night {night} is the evening of this date in local mean time (UTC{:+.1} h); the civil date may differ by a day \
+             beyond the date line",
+            longitude_deg / 15.0
+        )
+    })
+}
+
 fn tonight(site: &Site, now: Epoch) -> String {
     let observer = Observer::new(site.clone());
     let state = observer.state(&Orientation::at(now, &EopTable::embedded()));
@@ -72,6 +106,26 @@ pub fn date_of(evening_mjd: i64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Evenings in Tonga (UTC+13 at 175.2° W), in the Line Islands (UTC+14 at 157° W), on the western Aleutians (UTC-10
+    /// at 174° E), and in Hawaii and New Zealand, where the civil date is that of the longitude.
+    #[test]
+    fn nights_beyond_the_date_line() {
+        for (lon, lat, zone, mean_night, is_stated) in [
+            (-175.2, -21.2, "Pacific/Tongatapu", "2026-08-21", true),
+            (-157.4, 1.9, "Pacific/Kiritimati", "2026-08-21", true),
+            (174.1, 52.7, "America/Adak", "2026-08-23", true),
+            (-155.5, 19.8, "Pacific/Honolulu", "2026-08-22", false),
+            (170.5, -44.0, "Pacific/Auckland", "2026-08-22", false),
+            (2.0, 41.0, "Europe/Madrid", "2026-08-22", false),
+        ] {
+            let config = Config::from_toml(&format!("lat = {lat:?}\nlon = {lon:?}"), "t.toml").unwrap();
+            let mut night = Some("2026-08-22".to_owned());
+            set_civil_night(&mut night, &config, &crate::local_time::local_time(zone).unwrap()).unwrap();
+            assert_eq!(night.as_deref(), Some(mean_night), "{zone}");
+            assert_eq!(date_line_remark(Some("2026-08-22"), &config).is_some(), is_stated, "{zone}");
+        }
+    }
 
     #[test]
     fn verif_tonight_is_the_night_that_is_or_comes() {

@@ -46,7 +46,14 @@ impl Builder {
     pub fn new(object: EphemerisObject, name: &str, frame: EphemerisFrame, created: Option<Epoch>) -> Self {
         let (name, file) = (Arc::from(name), Arc::from(""));
         let (states, covariances) = (Vec::new(), Vec::new());
-        Self { ephemeris: Ephemeris { object, name, file, created, frame, states, covariances } }
+        let usable = [None; 2];
+        Self { ephemeris: Ephemeris { object, name, file, created, frame, usable, states, covariances } }
+    }
+
+    /// Limits the times at which positions can be computed.
+    pub fn usable(mut self, usable: [Option<Epoch>; 2]) -> Self {
+        self.ephemeris.usable = usable;
+        self
     }
 
     /// Adds a state: position in km and velocity in km/s.
@@ -124,6 +131,11 @@ impl Builder {
         {
             let allowed = format!("the stated end {stop}, or at most one step before it (the file may be truncated)");
             return Err(Problem::new(line, "time of the last state", last, allowed));
+        }
+        let (from, to) = self.ephemeris.interval();
+        if from > to {
+            let states = format!("within the states, {} to {last}", self.ephemeris.states[0].epoch);
+            return Err(Problem::new(line, "usable interval", format!("{from} to {to}"), states));
         }
         Ok(self.ephemeris)
     }

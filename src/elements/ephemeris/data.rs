@@ -21,6 +21,9 @@ pub struct Ephemeris {
     pub created: Option<Epoch>,
     /// Frame of positions and velocities.
     pub frame: EphemerisFrame,
+    /// Interval in which positions can be computed (USEABLE_START_TIME and USEABLE_STOP_TIME of an OEM); `None` for an
+    /// end at which the first or last state is the limit. States outside serve only for the interpolation.
+    pub usable: [Option<Epoch>; 2],
     /// States: at least eight, at increasing times within 366 days.
     pub states: Vec<EphemerisState>,
     /// Covariances in time order; empty if omitted.
@@ -91,9 +94,12 @@ impl Ephemeris {
         }
     }
 
-    /// Returns the times of the first and the last state.
+    /// Returns the interval in which positions can be computed: from the first to the last state, as far as the file
+    /// states that they are usable.
     pub fn interval(&self) -> (Epoch, Epoch) {
-        (self.states[0].epoch, self.states[self.states.len() - 1].epoch)
+        let (first, last) = (self.states[0].epoch, self.states[self.states.len() - 1].epoch);
+        let [from, to] = self.usable;
+        (from.map_or(first, |from| from.max(first)), to.map_or(last, |to| to.min(last)))
     }
 }
 

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use hifitime::{Epoch, TimeScale, Unit};
 
 use super::super::element_set::NoradId;
-use super::super::epoch::parse_iso;
+use super::super::epoch::{parse_iso, parse_iso_with_time};
 use super::builder::{Builder, Problem};
 use super::data::{CovarianceAxes, EphemerisFrame, EphemerisObject};
 
 const FRAMES: &str = "EME2000, J2000, GCRF, ICRF, TEME or ITRF with its year";
+const TIME: &str = "a date and time such as 2026-07-08T17:37:14.092";
 const TIME_SYSTEMS: &str = "UTC, TAI, TT or GPS";
 
 /// Values of the metadata keywords of a segment.
@@ -25,6 +26,7 @@ pub(super) struct Metadata {
     has_time_system: bool,
     stop: Option<(usize, String)>,
     frame_epoch: Option<(usize, String)>,
+    usable: [Option<(usize, String)>; 2],
 }
 
 impl Metadata {
@@ -52,6 +54,8 @@ impl Metadata {
                 };
             }
             "REF_FRAME_EPOCH" => self.frame_epoch = Some((line, value.to_owned())),
+            "USEABLE_START_TIME" => self.usable[0] = Some((line, value.to_owned())),
+            "USEABLE_STOP_TIME" => self.usable[1] = Some((line, value.to_owned())),
             "STOP_TIME" => self.stop = Some((line, value.to_owned())),
             _ => {}
         }
@@ -73,11 +77,24 @@ impl Metadata {
             return Err(Problem::new(*line, "REF_FRAME_EPOCH", epoch, allowed));
         }
         let stop = self.stop.as_ref().map(|(line, text)| self.epoch(*line, "STOP_TIME", text)).transpose()?;
-        Ok((Builder::new(object, &self.name, frame, created), stop))
+        let mut usable = [None; 2];
+        let names = ["USEABLE_START_TIME", "USEABLE_STOP_TIME"];
+        for ((to, name), from) in usable.iter_mut().zip(names).zip(&self.usable) {
+            *to = from.as_ref().map(|(line, text)| self.epoch(*line, name, text)).transpose()?;
+        }
+        if let ([Some(from), Some(to)], Some((line, text))) = (usable, &self.usable[1])
+            && to < from
+        {
+            return Err(Problem::new(*line, names[1], text, format!("a time after that of {}, {from}", names[0])));
+        }
+        Ok((Builder::new(object, &self.name, frame, created).usable(usable), stop))
     }
 
     /// Parses a time in the time system of the segment.
     pub fn epoch(&self, line: usize, what: &str, text: &str) -> Result<Epoch, Problem> {
+        if parse_iso_with_time(text).is_none() {
+            return Err(Problem::new(line, what, format!("{:?}", text.trim()), TIME));
+        }
         let epoch = time(line, what, text)?;
         Ok(match self.tai_lag_s {
             None => epoch,
@@ -103,8 +120,7 @@ impl Metadata {
 
 /// Parses a date and time without conversion from the time system. CREATION_DATE is always UTC.
 pub(super) fn time(line: usize, what: &str, text: &str) -> Result<Epoch, Problem> {
-    let allowed = "a date and time such as 2026-07-08T17:37:14.092";
-    parse_iso(text.trim()).ok_or_else(|| Problem::new(line, what, format!("{:?}", text.trim()), allowed))
+    parse_iso(text.trim()).ok_or_else(|| Problem::new(line, what, format!("{:?}", text.trim()), TIME))
 }
 
 const OBJECTS: &str = "a designator such as 1998-067A, or a NORAD catalogue number";

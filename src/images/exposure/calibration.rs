@@ -1,6 +1,7 @@
 //! Photometric calibration of counts: zero point, gain, read noise, saturation, band.
 
 use super::super::header::Header;
+use super::comment::Comment;
 use super::moment::Keywords;
 
 /// Value from a header, with the keyword that gave it.
@@ -65,6 +66,8 @@ pub struct Calibration {
     pub zero_point: Option<ZeroPoint>,
     /// Gain, electrons per count; the mean if the header gives it for two amplifiers.
     pub gain_e_adu: Option<HeaderValue<f64>>,
+    /// Reason why the gain in the header is not used, for example that it may be a setting of the camera.
+    pub doubtful_gain: Option<String>,
     /// Read noise, electrons; the mean if the header gives it for two amplifiers.
     pub read_noise_e: Option<HeaderValue<f64>>,
     /// Count at which a pixel is saturated; the lower one if the header gives it for two amplifiers.
@@ -104,9 +107,14 @@ impl Calibration {
         let (pixel_unit, is_rate) =
             keywords.text(&["BUNIT"]).map_or((PixelUnit::Counts, false), |(_, unit)| parsed_unit(&unit));
         let stated_text = |names: &[&str]| keywords.text(names).map(|(keyword, value)| HeaderValue { value, keyword });
+        let (gain_e_adu, doubtful_gain) = match gain(keywords) {
+            Ok(gain) => (gain, None),
+            Err(doubt) => (None, Some(doubt)),
+        };
         Self {
             zero_point: zero_point(keywords),
-            gain_e_adu: gain(keywords),
+            gain_e_adu,
+            doubtful_gain,
             read_noise_e: of_amplifiers(
                 keywords,
                 &["RDNOISE", "READNOIS", "READNOISE", "RON", "RONOISE", "ENOISE"],
@@ -147,15 +155,38 @@ fn of_amplifiers(
     Some(HeaderValue { value: join(value_a, value_b), keyword: format!("{a}, {b}") })
 }
 
+/// Words in comments of a gain that is a setting of the camera, in its own steps or in decibels.
+const SETTINGS: &[&str] =
+    &["db", "setting", "sensor", "camera", "analog", "analogue", "iso", "index", "mode", "value", "level", "percent"];
+/// Keywords that camera programs write beside a gain that is a setting.
+const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL"];
+/// Largest gain without a unit that is taken as electrons per count. The 16 bits of most detectors hold a full well of
+/// 100,000 electrons at a gain below 2, and those of infrared arrays at a gain below 20.
+const LARGEST_GAIN_E: f64 = 20.0;
+
 /// Returns the gain, electrons per count. The comment of the keyword may state that the value is the inverse.
-fn gain(keywords: Keywords<'_>) -> Option<HeaderValue<f64>> {
+///
+/// # Errors
+/// The reason why a value is not used: programs of cameras write a setting as GAIN.
+fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     let positive = |number: f64| number > 0.0;
-    if let Some((keyword, value, comment)) = keywords.number(&["EGAIN", "GAIN", "CCDGAIN"], positive) {
-        let comment = comment.to_ascii_lowercase().replace(' ', "");
-        let is_inverse = ["adu/e", "dn/e", "aduperelectron", "counts/e"].iter().any(|words| comment.contains(words));
-        return Some(HeaderValue { value: if is_inverse { value.recip() } else { value }, keyword });
+    let Some((keyword, value, comment)) = keywords.number(&["EGAIN", "GAIN", "CCDGAIN"], positive) else {
+        return Ok(of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean));
+    };
+    let words = Comment::new(&comment);
+    let joined = comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "");
+    let is_inverse = ["adu/e", "dn/e", "aduperelectron", "counts/e"].iter().any(|words| joined.contains(words));
+    let has_unit = is_inverse
+        || ["e-/", "e/adu", "e/dn", "e-adu", "e-per", "eperadu", "toe-", "electron", "photon"]
+            .iter()
+            .any(|words| joined.contains(words))
+        || keyword != "GAIN" && keyword != "CCDGAIN";
+    let is_setting = words.has(SETTINGS) || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
+    if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
+        let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };
+        return Err(format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count"));
     }
-    of_amplifiers(keywords, &[], &["GAINA", "GAINB"], mean)
+    Ok(Some(HeaderValue { value: if is_inverse { value.recip() } else { value }, keyword }))
 }
 
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {

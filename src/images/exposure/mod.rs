@@ -1,10 +1,14 @@
 //! Exposure data in a header: start, duration, and photometric calibration.
 //!
-//! `moment` finds values by their many keywords and parses dates and times, `exposure_time` determines start and
-//! duration, `calibration` reads zero point, gain, read noise and band, and `observatory` the site.
+//! `moment` finds values by their many keywords and parses dates and times, and `comment` reads what the comments of
+//! cards state. `instants` reads starts, middles and ends, `length` the exposure time, and `exposure_time` compares
+//! them. `calibration` reads zero point, gain, read noise and band, and `observatory` the site.
 
 mod calibration;
+mod comment;
 mod exposure_time;
+mod instants;
+mod length;
 mod moment;
 mod observatory;
 

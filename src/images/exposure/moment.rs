@@ -6,6 +6,8 @@ use crate::frames::seconds_after;
 use crate::images::card::Card;
 use crate::images::header::Header;
 
+use super::comment::Comment;
+
 /// Result of parsing a date.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum DateText {
@@ -101,6 +103,14 @@ impl<'a> Keywords<'a> {
             let comment = header.comment(&name);
             Some((name, number, comment))
         })
+    }
+
+    /// Returns the keyword as written in the header, its text and its comment.
+    pub fn text_and_comment(self, keyword: &str) -> Option<(String, String, Comment)> {
+        let (header, name) = self.find(keyword)?;
+        let text = header.text(&name)?;
+        let comment = Comment::new(&header.comment(&name));
+        Some((name, text, comment))
     }
 
     /// Returns the first text among several keywords, with its keyword.

@@ -1,6 +1,6 @@
 //! Site of a telescope, from the header of its frame.
 
-use crate::geometry::Site;
+use crate::geometry::{SAME_SITE_KM, Site};
 
 use super::super::error::ImagesError;
 use super::super::header::Header;
@@ -24,10 +24,10 @@ pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known 
 /// standard defines their sign and unit, and both signs are in use.
 ///
 /// # Errors
-/// A position that is not on the Earth.
+/// A position that is not on the Earth; names and positions more than 15 km apart; or a name that fits several sites,
+/// such as ATLAS, without a keyword that decides between them.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesError> {
     let keywords = Keywords(headers);
-    let names = || NAMES.iter().filter_map(|keyword| keywords.text(&[keyword]).map(|(_, name)| name));
     let numbers = |names: [&str; 3]| -> Option<[f64; 3]> {
         let [Some((_, a, _)), Some((_, b, _)), Some((_, c, _))] = names.map(|name| keywords.number(&[name], |_| true))
         else {
@@ -36,17 +36,50 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
         Some([a, b, c])
     };
     let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or("site of the header".to_owned(), |(_, name)| name);
-    let (keywords, given, site) = match (numbers(CARTESIAN), numbers(GEODETIC)) {
-        (Some(at_m), _) => (CARTESIAN, at_m, Site::from_itrs_m(&name, at_m)),
-        (None, Some([lat, lon, height])) => (GEODETIC, [lat, lon, height], Site::new_deg(&name, lat, lon, height)),
-        (None, None) => return Ok(names().find_map(|name| Site::by_name(&name).ok())),
+    // Sites with the keywords that give them, in order of precedence.
+    let mut stated: Vec<(String, Site)> = Vec::new();
+    for (names, position) in [(CARTESIAN, numbers(CARTESIAN)), (GEODETIC, numbers(GEODETIC))] {
+        let Some([a, b, c]) = position else { continue };
+        let site = if names == CARTESIAN { Site::from_itrs_m(&name, [a, b, c]) } else { Site::new_deg(&name, a, b, c) };
+        let site = site.map_err(|_| {
+            let allowed =
+                "a position on the Earth, in metres or degrees, or another site with --site, --mpc or --lat and --lon";
+            ImagesError::invalid(names.join(", "), format!("{a}, {b}, {c}"), allowed)
+        })?;
+        stated.push((format!("{}, ...", names[0]), site));
+    }
+    let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
+    for keyword in NAMES {
+        let Some((_, text)) = keywords.text(&[keyword]) else { continue };
+        let shown = format!("{keyword} {text:?}");
+        match Site::candidates(&text).as_slice() {
+            [] => {}
+            [site] => stated.push((shown, (*site).clone())),
+            sites => networks.push((shown, sites.to_vec())),
+        }
+    }
+    let Some((first_from, first)) = stated.first() else {
+        return match networks.first() {
+            None => Ok(None),
+            Some((from, sites)) => {
+                let names: Vec<&str> = sites.iter().map(|site| site.name.as_str()).collect();
+                let given = format!("one of several sites: {}", names.join(", "));
+                Err(ImagesError::invalid(from.clone(), given, "the name of one site, or for example --site or --mpc"))
+            }
+        };
     };
-    site.map(Some).map_err(|_| {
-        let [a, b, c] = given;
-        let allowed =
-            "a position on the Earth, in metres or degrees, or another site with --site, --mpc or --lat and --lon";
-        ImagesError::invalid(keywords.join(", "), format!("{a}, {b}, {c}"), allowed)
-    })
+    let others = stated[1..].iter().map(|(from, site)| (from, site.distance_km(first)));
+    let of_networks = networks
+        .iter()
+        .map(|(from, sites)| (from, sites.iter().map(|site| site.distance_km(first)).fold(f64::INFINITY, f64::min)));
+    match others.chain(of_networks).find(|(_, distance_km)| *distance_km > SAME_SITE_KM) {
+        Some((from, distance_km)) => {
+            let given = format!("{distance_km:.0} km from that of {from}");
+            let allowed = format!("one site within {SAME_SITE_KM} km, or for example --site, --mpc or --lat and --lon");
+            Err(ImagesError::invalid(format!("site of {first_from}"), given, allowed))
+        }
+        None => Ok(Some(first.clone())),
+    }
 }
 
 #[cfg(test)]
@@ -54,7 +87,7 @@ mod tests {
     use super::*;
 
     fn site(text: &str) -> Result<Option<Site>, ImagesError> {
-        site_from_headers(&[&Header::from_text(text), &Header::from_text("OBSERVAT= 'Paranal'\n")])
+        site_from_headers(&[&Header::from_text(text), &Header::from_text("OBSERVAT= 'CTIO'\n")])
     }
 
     /// Coordinates of Rubin Observatory in both forms, as in the headers of LSSTCam, where X, Y and Z are given to
@@ -83,7 +116,28 @@ mod tests {
         assert_eq!(site(decam).unwrap().unwrap().mpc_code.as_deref(), Some("W84"));
         let schmidt = "SITELAT = -31.277\nSITELONG= 210.934\nTELESCOP= 'UK Schmidt - Doubl'\n";
         // The site is that of the name in the primary header.
-        assert_eq!(site(schmidt).unwrap().unwrap().name, "Paranal");
+        assert_eq!(site(schmidt).unwrap().unwrap().name, "Cerro Tololo");
         assert_eq!(site_from_headers(&[&Header::from_text(schmidt)]).unwrap(), None);
+    }
+    /// Networks of telescopes at several sites, and keywords that contradict each other.
+    #[test]
+    fn contradictory_and_ambiguous_sites_are_errors() {
+        let of = |text: &str| site_from_headers(&[&Header::from_text(text)]);
+        let error = |text: &str| of(text).unwrap_err().to_string();
+        let atlas = error("TELESCOP= 'ATLAS'\n");
+        assert!(atlas.contains("ATLAS Chile") && atlas.contains("--mpc"), "{atlas}");
+        assert!(error("OBSERVAT= 'Gemini'\n").contains("Gemini South"));
+        let decided = of("TELESCOP= 'ATLAS'\nOBSERVAT= 'Sutherland'\n").unwrap().unwrap();
+        assert!((decided.longitude_rad.to_degrees() - 20.81).abs() < 0.01, "{decided:?}");
+        for text in [
+            "TELESCOP= 'ATLAS'\nOBSERVAT= 'Paranal'\n",
+            "TELESCOP= 'VLT'\nOBSERVAT= 'La Silla'\n",
+            "TELESCOP= 'Rubin'\nOBSGEO-B= -30.24\nOBSGEO-L= 70.75\nOBSGEO-H= 2663\n",
+            "OBSGEO-X= 1818938.94\nOBSGEO-Y= -5208470.95\nOBSGEO-Z= -3195172.08\nOBSGEO-B= 30.2\nOBSGEO-L= -70.7\nOBSGEO-H= 2663\n",
+        ] {
+            let error = error(text);
+            assert!(error.contains(" km from that of ") && error.contains("--site"), "{error}");
+        }
+        assert_eq!(of("TELESCOP= 'VST'\nOBSERVAT= 'Paranal'\n").unwrap().unwrap().name, "VST");
     }
 }

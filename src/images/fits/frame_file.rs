@@ -11,9 +11,6 @@ use super::tile_header::columns;
 use super::tile_table::TileTable;
 use crate::input;
 
-/// Words in EXTNAME or EXTTYPE that mark images without light of the sky, such as masks.
-const NON_LIGHT_WORDS: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
-
 /// FITS file with its structure: single images, mosaics, compressed tiles (`.fz`) and tables.
 ///
 /// Opening reads and checks only the headers; pixels are read by CFITSIO. The file is never changed.
@@ -50,18 +47,6 @@ impl FrameFile {
     /// Returns the numbers of the HDUs that contain a two-dimensional image.
     pub fn images(&self) -> Vec<usize> {
         self.hdus.iter().filter(|hdu| hdu.image_size().is_some()).map(|hdu| hdu.index).collect()
-    }
-
-    /// Returns the numbers of the HDUs that contain a two-dimensional image of the sky: EXTNAME and EXTTYPE do not mark
-    /// it as a mask, a weight or a variance.
-    pub fn light_images(&self) -> Vec<usize> {
-        let is_light = |hdu: &usize| {
-            ["EXTNAME", "EXTTYPE"].iter().filter_map(|keyword| self.headers[*hdu].text(keyword)).all(|name| {
-                let name = name.to_ascii_uppercase();
-                !NON_LIGHT_WORDS.iter().any(|word| name.contains(word))
-            })
-        };
-        self.images().into_iter().filter(is_light).collect()
     }
 
     /// Returns one HDU.

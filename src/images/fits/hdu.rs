@@ -56,12 +56,16 @@ pub struct HduInfo {
 }
 
 impl HduInfo {
+    /// Returns true for an image with any number of axes.
+    pub(super) fn is_image(&self) -> bool {
+        matches!(self.kind, HduKind::Image | HduKind::CompressedImage(_))
+    }
+
     /// Returns rows and columns of a two-dimensional image (further axes of length 1 are ignored); `None` for other
     /// HDUs.
     pub fn image_size(&self) -> Option<[usize; 2]> {
-        let is_image = matches!(self.kind, HduKind::Image | HduKind::CompressedImage(_));
         match self.shape[..] {
-            [columns, rows, ref more @ ..] if is_image && more.iter().all(|length| *length == 1) => {
+            [columns, rows, ref more @ ..] if self.is_image() && more.iter().all(|length| *length == 1) => {
                 Some([rows, columns])
             }
             _ => None,

@@ -47,6 +47,7 @@ impl HeaderTerms {
             }
         };
         check_system(header)?;
+        reject_lookup_tables(header)?;
         let latitude_axis = 1 - longitude_axis;
         let code = |axis: usize| {
             types[axis].trim_start_matches(|c: char| c != '-').trim_start_matches('-').to_ascii_uppercase()
@@ -71,7 +72,7 @@ impl HeaderTerms {
                 "a declination from -90 to 90 degrees",
             ));
         }
-        let by_axis = matrix(header, units, latitude_axis);
+        let by_axis = matrix(header, units, latitude_axis)?;
         let matrix_deg = [by_axis[longitude_axis], by_axis[latitude_axis]];
         let pv = |axis: usize, m: usize| header.number(&format!("PV{}_{m}", axis + 1));
         let wat = |axis: usize| header.numbered_text(&format!("WAT{}_", axis + 1));
@@ -121,11 +122,26 @@ impl HeaderTerms {
                 return Err(ImagesError::invalid(what, format!("{code:?}"), KNOWN_PROJECTIONS));
             }
         };
+        // PVi_1 to PVi_4 of the longitude axis are the native position of the reference point, and LONPOLE and LATPOLE,
+        // over which they take precedence (paper II, section 2.5). With a distortion they are its coefficients.
+        let is_scamp = projection_code == "TAN" && has_pv;
+        let native_pole = |m: usize| pv(longitude_axis, m).filter(|_| plane_distortion.is_none() && !is_scamp);
+        let reference = if projection.is_zenithal() { [0.0, 90.0] } else { [0.0, 0.0] };
+        for (m, usual_deg) in (1..).zip(reference) {
+            if let Some(given_deg) = native_pole(m).filter(|given_deg| *given_deg != usual_deg) {
+                let what = format!("PV{}_{m}", longitude_axis + 1);
+                return Err(ImagesError::invalid(
+                    what,
+                    given_deg,
+                    format!("{usual_deg} (the reference point of {code})"),
+                ));
+            }
+        }
         let pole = NativePole {
             right_ascension_deg: values[longitude_axis],
             declination_deg,
-            lonpole_deg: header.number("LONPOLE"),
-            latpole_deg: header.number("LATPOLE"),
+            lonpole_deg: native_pole(3).or(header.number("LONPOLE")),
+            latpole_deg: native_pole(4).or(header.number("LATPOLE")),
             is_zenithal: projection.is_zenithal(),
         };
         Ok(Self {
@@ -171,24 +187,41 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
     }
 }
 
+/// Rejects distortions that are tables in other HDUs (FITS standard distortion paper; HST's CPDIS and D2IM).
+fn reject_lookup_tables(header: &Header) -> Result<(), ImagesError> {
+    let stems = ["CPDIS", "CQDIS", "D2IMDIS"];
+    let keywords = stems.iter().flat_map(|stem| [1, 2].map(|axis| format!("{stem}{axis}")));
+    let of_axes = keywords.filter_map(|keyword| header.text(&keyword).map(|text| (keyword, text)));
+    let of_old_form = header.text("D2IMEXT").map(|text| ("D2IMEXT".to_owned(), text));
+    match of_axes.chain(of_old_form).next() {
+        Some((keyword, text)) => {
+            let allowed = "world coordinates without distortion tables (SIP, TPV, TNX and ZPX are read); resample the frame, \
+                           or fit a SIP polynomial";
+            Err(ImagesError::invalid(keyword, format!("{text:?}"), allowed))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Largest difference between two matrices of one header, as a fraction of the larger one; over 1000 pixels it is a
+/// tenth of a pixel.
+const MATRIX_SLACK: f64 = 1e-4;
+
 /// Returns the matrix: CDi_j if given, otherwise CDELTi with PCi_j, or with the old keyword CROTA of the declination
 /// axis.
-fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 2] {
+///
+/// # Errors
+/// CDi_j and PCi_j give different matrices.
+fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f64; 2]; 2], ImagesError> {
     let entry = |stem: &str, i: usize, j: usize| header.number(&format!("{stem}{}_{}", i + 1, j + 1));
     let entries = [(0, 0), (0, 1), (1, 0), (1, 1)];
-    let mut matrix = [[0.0; 2]; 2];
-    if entries.iter().any(|(i, j)| entry("CD", *i, *j).is_some()) {
-        for (i, j) in entries {
-            matrix[i][j] = entry("CD", i, j).unwrap_or(0.0) * units[i];
-        }
-        return matrix;
-    }
     let steps = [0, 1].map(|axis| header.number(&format!("CDELT{}", axis + 1)).unwrap_or(1.0) * units[axis]);
     let old_name = |i: usize, j: usize| header.number(&format!("PC{:03}{:03}", i + 1, j + 1));
     let turn = |i: usize, j: usize| entry("PC", i, j).or_else(|| old_name(i, j));
     let is_turned = entries.iter().any(|(i, j)| turn(*i, *j).is_some());
     let rotation = header.number(&format!("CROTA{}", latitude_axis + 1)).filter(|_| !is_turned).unwrap_or(0.0);
     let (sine, cosine) = rotation.to_radians().sin_cos();
+    let mut matrix = [[0.0; 2]; 2];
     for (i, j) in entries {
         let unturned = if i == j { 1.0 } else { 0.0 };
         // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]] with the steps s (CDELT). The product
@@ -202,7 +235,27 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 
             sign * steps[j] * sine
         };
     }
-    matrix
+    if entries.iter().all(|(i, j)| entry("CD", *i, *j).is_none()) {
+        return Ok(matrix);
+    }
+    let mut given = [[0.0; 2]; 2];
+    for (i, j) in entries {
+        given[i][j] = entry("CD", i, j).unwrap_or(0.0) * units[i];
+    }
+    // CDELT and CROTA beside CD are ignored, as the standard allows; PC and CD exclude each other. A PC matrix of 1
+    // without CDELT is left over from a template.
+    let has_steps = (1..=2).any(|axis| header.contains(&format!("CDELT{axis}")));
+    let is_unit = entries.iter().all(|(i, j)| turn(*i, *j).is_none_or(|term| term == if i == j { 1.0 } else { 0.0 }));
+    let largest = given.iter().flatten().fold(0.0, |largest: f64, term| largest.max(term.abs()));
+    let differs = |&(i, j): &(usize, usize)| (given[i][j] - matrix[i][j]).abs() > MATRIX_SLACK * largest;
+    if is_turned && (has_steps || !is_unit) && entries.iter().any(differs) {
+        return Err(ImagesError::invalid(
+            "matrix of CDi_j",
+            format!("{given:?}, and that of PCi_j with CDELTi is {matrix:?} deg"),
+            "one of the two; remove the other from the header",
+        ));
+    }
+    Ok(given)
 }
 
 fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, ImagesError> {

@@ -10,7 +10,12 @@ use crate::message::{Quoted, listed};
 
 /// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
-const DURATION: &[&str] = &["duration_s", "visitExposureTime", "exp_time", "t_exptime"];
+const DURATION: &[&str] = &["duration_s", VISIT_EXPOSURE, "exp_time", "t_exptime"];
+/// Exposure time of a visit of Rubin's simulations: the sum over its snaps.
+const VISIT_EXPOSURE: &str = "visitExposureTime";
+/// Number of snaps of a visit, and time from its start to its end with shutter and readout.
+const SNAPS: &[&str] = &["numExposures"];
+const VISIT: &[&str] = &["visitTime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
 const DECLINATION: &[&str] = &["dec_deg", "fieldDec", "s_dec"];
 const ROTATION: &[&str] = &["rotation_deg", "rotSkyPos", "sky_rotation"];
@@ -75,6 +80,8 @@ pub(in crate::schedule) struct ColumnMap {
     pub declination: usize,
     pub rotation: Option<usize>,
     pub band: Option<usize>,
+    /// Number of snaps, and time of the whole visit, where the duration is the sum over snaps.
+    pub snaps: Option<(usize, Option<usize>)>,
 }
 
 impl ColumnMap {
@@ -96,7 +103,9 @@ impl ColumnMap {
             && (id.is_some() || !needs_id)
         {
             let (rotation, band) = (find(ROTATION), find(BAND));
-            return Ok(Self { id, start, duration, right_ascension, declination, rotation, band });
+            let is_sum = names[duration] == VISIT_EXPOSURE;
+            let snaps = find(SNAPS).filter(|_| is_sum).map(|snaps| (snaps, find(VISIT)));
+            return Ok(Self { id, start, duration, right_ascension, declination, rotation, band, snaps });
         }
         let missing: Vec<&str> = [
             ("exposure_id", id.is_none() && needs_id),

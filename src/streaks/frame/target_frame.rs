@@ -11,7 +11,8 @@ use super::super::error::StreaksError;
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
 use crate::images::{
-    Calibration, CountBasis, ExposureTime, FrameFile, Header, ImagesError, LightArea, PixelUnit, Wcs, site_from_headers,
+    Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, ImagesError, LightArea, PixelUnit, Wcs,
+    site_from_headers,
 };
 
 /// Values that replace those of a frame's header.
@@ -58,10 +59,15 @@ pub struct TargetFrame {
     pub exposure_s: f64,
     /// Chips with images, at least one.
     pub chips: Vec<TargetChip>,
+    /// Roles of the images of the file. If HDUs are given, `frames` are these, and images that are neither given nor
+    /// planes are not listed.
+    pub images: FrameImages,
     /// HDUs of images without valid world coordinates, each with the reason.
     pub left_out: Vec<(usize, String)>,
     /// Filter or band as written in the header.
     pub filter: Option<String>,
+    /// Reason why the gain in the header is not used; `None` if it is used, overridden or missing.
+    pub doubtful_gain: Option<String>,
     /// Bit of each mask plane that a mask in the file names.
     pub mask_planes: BTreeMap<String, u32>,
 }
@@ -69,8 +75,7 @@ pub struct TargetFrame {
 impl TargetFrame {
     /// Opens a frame and reads its headers.
     ///
-    /// The images are the HDUs in the overrides, or else all two-dimensional HDUs with world coordinates that are not
-    /// masks or weights. Each image needs a zero point in its header, in the primary header or in the overrides.
+    /// The images are the HDUs in the overrides, or else all frames of [`FrameImages`] with world coordinates. Each image needs a zero point in its header, in the primary header or in the overrides.
     ///
     /// # Errors
     /// The file cannot be read; it has no images; the start, the exposure time or the zero point is missing; or a value
@@ -79,17 +84,14 @@ impl TargetFrame {
         let file = FrameFile::open(path)?;
         let shown = path.display().to_string();
         let images = images(&file, overrides)?;
-        let Some(&first) = images.first() else {
-            return Err(StreaksError::invalid(
-                format!("{shown}: number of images of two axes"),
-                0,
-                "1 or more (masks, weights and tables are ignored)",
-            ));
+        let Some(&first) = images.frames.first() else {
+            let (given, allowed) = images.no_frame();
+            return Err(StreaksError::invalid(format!("{shown}: number of images of two axes"), given, allowed));
         };
         let headers = |hdu: usize| -> Result<[&Header; 2], ImagesError> { Ok([file.header(hdu)?, file.header(0)?]) };
         let (opened, exposure_s) = exposure(&headers(first)?, overrides, &shown)?;
         let (mut chips, mut left_out) = (Vec::new(), Vec::new());
-        for &hdu in &images {
+        for &hdu in &images.frames {
             match chip_wcs(&file, hdu, overrides) {
                 Ok((wcs, is_on_sky)) => {
                     chips.push(target_chip(&file, hdu, wcs, is_on_sky, exposure_s, overrides, &shown)?)
@@ -107,7 +109,9 @@ impl TargetFrame {
             opened,
             exposure_s,
             chips,
+            images,
             left_out: left_out.into_iter().map(|(hdu, error)| (hdu, error.to_string())).collect(),
+            doubtful_gain: calibration.doubtful_gain.filter(|_| overrides.gain_e_adu.is_none()),
             filter: calibration.band.map(|band| band.value),
             mask_planes: mask_planes(&file)?,
             file,
@@ -131,8 +135,8 @@ impl TargetFrame {
     }
 }
 
-/// Returns the numbers of the HDUs that contain images of the sky.
-fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, ImagesError> {
+/// Returns the images of the sky and their companion planes.
+fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<FrameImages, ImagesError> {
     if !overrides.hdus.is_empty() {
         let mut hdus = overrides.hdus.clone();
         hdus.sort_unstable();
@@ -142,9 +146,13 @@ fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, Im
             // This call rejects an HDU that is not an image.
             file.image_size(hdu)?;
         }
-        return Ok(hdus);
+        // The given HDUs are frames, whatever their names are.
+        let mut images = file.frame_images().unwrap_or_default();
+        images.companions.retain(|plane| !hdus.contains(&plane.hdu));
+        images.frames = hdus;
+        return Ok(images);
     }
-    Ok(file.light_images())
+    file.frame_images()
 }
 
 fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), StreaksError> {

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::super::drawn::DrawnStreak;
 use super::super::error::StreaksError;
 use super::super::truth::{
-    MaskPlanes, TruthRow, changed_spans, mask_spans, noise_of, points_table, truth_rows, truth_table,
+    MaskPlanes, NoiseMap, TruthRow, changed_spans, mask_spans, points_table, truth_rows, truth_table,
 };
 use super::target_frame::{TargetChip, TargetFrame};
 use crate::images::{
@@ -75,7 +75,7 @@ pub fn inject(
         if (options.noise || options.detector.is_some()) && detector.is_none() {
             report.without_gain.push(target.chip.hdu);
         }
-        let noise = if options.write_truth { noise_of_chip(frame, target)? } else { 0.0 };
+        let noise = if options.write_truth { noise_of_chip(frame, target)? } else { NoiseMap::uniform(0.0) };
         let has_noise = detector.as_ref().is_some_and(|detector| detector.shot_noise);
         let added = match detector {
             Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
@@ -91,7 +91,7 @@ pub fn inject(
             add_variance(&mut copy, target, &added)?;
         }
         if options.write_truth {
-            masks.extend(mask(&own, &added, target, &options.planes, noise).map(|mask| (target, mask)));
+            masks.extend(mask(&own, &added, target, &options.planes, &noise).map(|mask| (target, mask)));
         }
     }
     if options.write_truth {
@@ -140,13 +140,10 @@ fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnSt
 }
 
 /// Returns the standard deviation of the noise in a chip's pixels, estimated from some of its rows.
-fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, ImagesError> {
-    const ROWS: usize = 48;
+fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<NoiseMap, ImagesError> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
-    let rows = lit.rows.clone().step_by(lit.rows.len().div_ceil(ROWS).max(1));
-    let values = frame.file.read_rows(hdu, rows)?;
-    let lit_of_rows = values.chunks(target.chip.columns).flat_map(|row| &row[lit.columns.clone()]);
-    Ok(noise_of(&lit_of_rows.map(|value| *value as f32).collect::<Vec<_>>()))
+    let values = frame.file.read_rows(hdu, NoiseMap::rows(lit))?;
+    Ok(NoiseMap::of_rows(lit, target.chip.columns, &values))
 }
 
 /// Adds light through a detector and returns the changes of the illuminated pixels, in order. The whole chip is read,
@@ -202,7 +199,7 @@ fn mask(
     added: &[AddedLight],
     target: &TargetChip,
     planes: &MaskPlanes,
-    noise: f32,
+    noise: &NoiseMap,
 ) -> Option<ImageValues> {
     let (rows, columns) = (target.chip.rows, target.chip.columns);
     let mut spans = mask_spans(streaks, columns, planes, noise);
@@ -237,6 +234,7 @@ fn append_masks(
 ) -> Result<(), ImagesError> {
     let taken = |name: &str| frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case(name));
     let one = frame.chips.len() == 1 && !taken("MASK");
+    let mut names: Vec<String> = Vec::new();
     for (target, image) in masks {
         let chip = if target.chip.name.is_empty() { target.chip.hdu.to_string() } else { target.chip.name.clone() };
         let name = if one { "MASK".to_owned() } else { format!("MASK_{chip}") };
@@ -244,6 +242,13 @@ fn append_masks(
             |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
         let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: streak above the noise");
         cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: injected light"));
+        // Chips with the same name have masks with the same name and another version.
+        let same = names.iter().filter(|other| **other == name).count() as i64;
+        let own = frame.file.header(target.chip.hdu)?.integer("EXTVER");
+        if let Some(version) = own.or((same > 0).then_some(same + 1)) {
+            cards.extend(card("EXTVER", version, "version of the extension name"));
+        }
+        names.push(name.clone());
         cards.extend(card("IMAGEHDU", target.chip.hdu as i64, "masked HDU, counted from 0"));
         copy.append_image(&name, &image, &cards, None);
     }

@@ -155,7 +155,12 @@ impl<'a> Injection<'a> {
             let (photometry, _) = plan.photometry_of(first);
             state(&mut provenance, first, image, plan, &photometry);
         }
-        Ok(Injections { frames, remarks: known.iter().filter_map(overscan).collect(), warnings, provenance })
+        Ok(Injections {
+            frames,
+            remarks: known.iter().flat_map(|frame| planes(frame).into_iter().chain(overscan(frame))).collect(),
+            warnings,
+            provenance,
+        })
     }
 }
 
@@ -168,6 +173,11 @@ fn reject_packed(output: &Path) -> Result<(), StreaksError> {
         return Err(StreaksError::invalid(shown.to_string(), "the name of a compressed file", allowed));
     }
     Ok(())
+}
+
+/// Returns a remark about images of the file to which no light is added.
+fn planes(frame: &TargetFrame) -> Option<String> {
+    frame.images.summary().map(|summary| format!("{}: {summary}", frame.file.path().display()))
 }
 
 /// Returns a remark about pixels of the frame that are not illuminated, to which no light is added.
@@ -293,8 +303,9 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
 
 fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {
     let hdus: Vec<String> = injected.without_gain.iter().map(usize::to_string).collect();
+    let doubt = frame.doubtful_gain.as_ref().map(|doubt| format!(" ({doubt})")).unwrap_or_default();
     let without_gain = format!(
-        "{}: the gain of HDU {} is unknown: light was added without photon noise; specify --gain",
+        "{}: the gain of HDU {} is unknown{doubt}: light was added without photon noise; specify --gain",
         frame.file.path().display(),
         hdus.join(", ")
     );

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::drawn::DrawnStreak;
+use super::noise_map::NoiseMap;
 use crate::images::AddedLight;
 use crate::streaks::error::StreaksError;
 
@@ -27,9 +28,15 @@ pub struct MaskSpan {
 /// Returns the mask of a chip as one run of pixels per row, in the order of rows. Pixels outside the runs are 0.
 ///
 /// `INJECTED` marks pixels with more than 10⁻⁴ of the light of a streak's brightest pixel. `STREAK` and `INJECTED` mark
-/// pixels in which the light of all streaks together exceeds `noise`, the standard deviation of the frame's pixels. If
-/// `noise` is 0, they mark pixels above a tenth of a streak's brightest pixel.
-pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
+/// pixels in which the light of all streaks together exceeds `noise`, the standard deviation of the frame's pixels near
+/// them. In a frame without noise they mark pixels above a tenth of a streak's brightest pixel.
+pub fn mask_spans(
+    streaks: &[&DrawnStreak<'_>],
+    columns: usize,
+    planes: &MaskPlanes,
+    noise: &NoiseMap,
+) -> Vec<MaskSpan> {
+    let is_noisy = noise.is_noisy();
     let peaks: Vec<f32> = streaks
         .iter()
         .map(|streak| streak.patch.iter().flat_map(|span| span.values.iter().copied()).fold(0.0, f32::max))
@@ -45,7 +52,7 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
             let (mut first, mut end) = (columns, 0);
             for (streak, &peak) in streaks.iter().zip(&peaks) {
                 let span = streak.patch.row(row);
-                let threshold = if noise > 0.0 { f32::INFINITY } else { SHARE_WITHOUT_NOISE * peak };
+                let threshold = if is_noisy { f32::INFINITY } else { SHARE_WITHOUT_NOISE * peak };
                 for (column, &value) in (span.first_column..).zip(span.values) {
                     light[column] += value;
                     if value > FAINTEST_SHARE * peak {
@@ -57,7 +64,7 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
                 }
             }
             for column in first..end {
-                if noise > 0.0 && light[column] > noise {
+                if is_noisy && light[column] > noise.at(row, column) {
                     values[column] = planes.value(true);
                 }
             }
@@ -76,15 +83,17 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
 }
 
 /// Returns the mask of light that a detector moved outside the streaks, such as bled columns and ghosts. Pixels are
-/// `INJECTED` if the signal exceeds `noise`, the standard deviation of the frame's pixels, or, if `noise` is 0, 10⁻⁴ of
-/// the chip's strongest signal. `added` is in the order of rows and columns; adjacent pixels of a row form one run.
+/// `INJECTED` if the signal exceeds `noise`, the standard deviation of the frame's pixels near them, or, in a frame
+/// without noise, 10⁻⁴ of the chip's strongest signal. `added` is in the order of rows and columns; adjacent pixels of a row form one run.
 ///
 /// These pixels are not marked as `STREAK`, because a streak detector should find only the line, and pipelines mask
 /// bleeding and ghosts by other planes.
-pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
+pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: &NoiseMap) -> Vec<MaskSpan> {
     let strongest = added.iter().map(|light| light.signal_adu.abs()).fold(0.0, f32::max);
-    let threshold = if noise > 0.0 { noise } else { FAINTEST_SHARE * strongest };
-    let seen: Vec<&AddedLight> = added.iter().filter(|light| light.signal_adu.abs() > threshold).collect();
+    let is_noisy = noise.is_noisy();
+    let threshold =
+        |light: &AddedLight| if is_noisy { noise.at(light.row, light.column) } else { FAINTEST_SHARE * strongest };
+    let seen: Vec<&AddedLight> = added.iter().filter(|light| light.signal_adu.abs() > threshold(light)).collect();
     seen.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column))
         .map(|of_span| MaskSpan {
             row: of_span[0].row,
@@ -92,22 +101,6 @@ pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> V
             values: vec![planes.value(false); of_span.len()],
         })
         .collect()
-}
-
-/// Returns the standard deviation of a frame's pixels, estimated as 1.4826 times the median absolute deviation from the
-/// median, which stars and streaks hardly change. It is computed from a sample of the finite pixels, and is 0 for a
-/// frame in which all pixels are equal.
-pub fn noise_of(values: &[f32]) -> f32 {
-    const SAMPLED: usize = 100_000;
-    let step = (values.len() / SAMPLED).max(1);
-    let mut sample: Vec<f32> = values.iter().step_by(step).copied().filter(|value| value.is_finite()).collect();
-    let median = |sample: &mut Vec<f32>| {
-        let middle = sample.len() / 2;
-        (!sample.is_empty()).then(|| *sample.select_nth_unstable_by(middle, f32::total_cmp).1)
-    };
-    let Some(centre) = median(&mut sample) else { return 0.0 };
-    sample.iter_mut().for_each(|value| *value = (*value - centre).abs());
-    median(&mut sample).map_or(0.0, |deviation| 1.4826 * deviation)
 }
 
 /// Survey or pipeline whose mask bits are used.
@@ -240,7 +233,7 @@ mod tests {
         let (left, right) = (streak(20.0), streak(26.0));
         let planes = MaskPlanes { streak_bit: 0, injected_bit: 1 };
         for noise in [0.0, 10.0] {
-            let spans = mask_spans(&[&left, &right], 60, &planes, noise);
+            let spans = mask_spans(&[&left, &right], 60, &planes, &NoiseMap::uniform(noise));
             assert!(spans.windows(2).all(|pair| pair[0].row < pair[1].row));
             let middle = spans.iter().find(|span| span.row == 20).unwrap();
             let at = |column: usize| middle.values[column - middle.first_column];
@@ -256,7 +249,7 @@ mod tests {
                 }
             }
         }
-        assert!(mask_spans(&[], 60, &planes, 1.0).is_empty());
+        assert!(mask_spans(&[], 60, &planes, &NoiseMap::uniform(1.0)).is_empty());
     }
 
     #[test]
@@ -265,22 +258,12 @@ mod tests {
         let light = |row, column, signal_adu| AddedLight { row, column, signal_adu, change_adu: signal_adu };
         let added = [light(2, 5, 40.0), light(2, 6, -30.0), light(2, 8, 9.0), light(3, 6, 20.0), light(3, 7, 0.001)];
         let span = |row, first_column, pixels| MaskSpan { row, first_column, values: vec![2; pixels] };
-        assert_eq!(changed_spans(&added, &planes, 10.0), [span(2, 5, 2), span(3, 6, 1)]);
-        assert_eq!(changed_spans(&added, &planes, 0.0), [span(2, 5, 2), span(2, 8, 1), span(3, 6, 1)]);
-        assert!(changed_spans(&[], &planes, 0.0).is_empty());
-    }
-
-    #[test]
-    fn verif_noise_is_that_of_the_sky() {
-        let mut values: Vec<f32> =
-            (0..20_001).map(|index| 100.0 + 3.0 * ((index % 2001) as f32 - 1000.0) / 1000.0).collect();
-        // Uniform over ±3: half of the values lie within 1.5 of the median.
-        assert!((noise_of(&values) - 1.4826 * 1.5).abs() < 0.01);
-        values[7] = f32::NAN;
-        values[8] = 1e9;
-        assert!((noise_of(&values) - 1.4826 * 1.5).abs() < 0.01);
-        assert_eq!(noise_of(&[5.0; 100]), 0.0);
-        assert_eq!(noise_of(&[f32::NAN]), 0.0);
+        assert_eq!(changed_spans(&added, &planes, &NoiseMap::uniform(10.0)), [span(2, 5, 2), span(3, 6, 1)]);
+        assert_eq!(
+            changed_spans(&added, &planes, &NoiseMap::uniform(0.0)),
+            [span(2, 5, 2), span(2, 8, 1), span(3, 6, 1)]
+        );
+        assert!(changed_spans(&[], &planes, &NoiseMap::uniform(0.0)).is_empty());
     }
 
     fn own(names: &[(&str, u32)]) -> BTreeMap<String, u32> {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
-use crate::clock::set_tonight;
+use crate::clock::{date_line_remark, set_civil_night, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -111,8 +111,21 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     reject_unused(&typed, document)?;
     let notices = begin(&config)?;
     let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
+    let mut of_mean_time = typed.forecast.clone();
+    match &typed.time_zone {
+        Some(zone) if of_mean_time.night.as_deref() != Some("tonight") => {
+            set_civil_night(&mut of_mean_time.night, &config, zone)?;
+        }
+        Some(_) => {}
+        None => {
+            if let Some(remark) = date_line_remark(typed.forecast.night.as_deref(), &config) {
+                notices.info(&format!("{remark}; specify --time-zone"));
+            }
+        }
+    }
+    set_tonight(&mut of_mean_time.night, &config)?;
     set_tonight(&mut typed.forecast.night, &config)?;
-    let (request, selection) = typed.forecast.resolve(&config, default_samples)?;
+    let (request, selection) = of_mean_time.resolve(&config, default_samples)?;
     let (from, to) = (request.start, request.end);
 
     let mut prepared = config.prepare(from, to)?;

@@ -1,7 +1,7 @@
 //! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure.
 
 use crate::arguments::OutputArguments;
-use crate::clock::set_tonight;
+use crate::clock::{date_line_remark, set_tonight};
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{
@@ -103,6 +103,9 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let limit_mag = config.limit_mag()?;
     let notices = begin(&config)?;
     set_tonight(&mut typed.night, &config)?;
+    if let Some(remark) = date_line_remark(typed.night.first().map(String::as_str), &config) {
+        notices.info(&remark);
+    }
     let site = config.site()?;
     let radians = |angles: &[f64]| angles.iter().map(|angle| angle.to_radians()).collect::<Vec<_>>();
     let latitudes_deg =

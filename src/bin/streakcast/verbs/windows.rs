@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
-use crate::clock::set_tonight;
+use crate::clock::{date_line_remark, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use hifitime::Epoch;
@@ -118,6 +118,9 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     };
     let notices = begin(&config)?;
     set_tonight(&mut typed.night, &config)?;
+    if let Some(remark) = date_line_remark(typed.night.as_deref(), &config) {
+        notices.info(&format!("{remark}; --start and --end specify the night in UTC"));
+    }
     let (from, to) = time_range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &config)?;
     let plan = config.observation()?;
     if plan.policy.max_lost_fraction.is_some() {

@@ -1,0 +1,141 @@
+//! Exposure time in a header: its keywords, units, and the number of co-added exposures.
+
+use crate::constants::LONGEST_EXPOSURE_S;
+
+use super::super::error::ImagesError;
+use super::comment::Comment;
+use super::instants::unreadable;
+use super::moment::Keywords;
+
+/// Keywords of the exposure time, in order of precedence.
+const LENGTHS: &[&str] =
+    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INTTIME", "ELAPTIME", "SHUTTIME"];
+
+/// Keywords of the time from the start to the end of the exposure, and of the sum over several exposures.
+const SPANS: &[&str] = &["TELAPSE", "TELAPSED"];
+const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOTAL"];
+
+/// Keywords of the number of exposures that the detector adds before it stores a frame.
+const COADDS: &[&str] = &["COADDS", "COADD", "NCOADDS", "NCOADD", "CO-ADDS", "NUMCOADD", "NDIT", "ESO DET NDIT"];
+/// Keywords of the number of frames that were added afterwards.
+const STACKED: &[&str] = &["STACKCNT", "NCOMBINE", "SNAPSHOT", "NSTACK", "STACKNUM"];
+
+/// Largest difference between exposure times that are taken as consistent: a fraction of the exposure time, and
+/// seconds.
+const LENGTH_SLACK: f64 = 0.01;
+const LENGTH_SLACK_S: f64 = 0.1;
+/// Largest accepted overhead within an exposure: a fraction of the exposure time, and seconds.
+const SPAN_SLACK: f64 = 0.1;
+const SPAN_SLACK_S: f64 = 1.0;
+
+const PER_PART: &[&str] = &["per", "each", "single", "individual", "one"];
+const OF_ALL: &[&str] = &["total", "sum", "summed", "all", "combined", "cumulative", "accumulated"];
+
+/// Exposure time of a header.
+pub struct Length {
+    pub seconds: f64,
+    pub keyword: String,
+    /// Error of an exposure of several parts, unless another keyword confirms that the time is that of all parts.
+    pub of_parts: Option<ImagesError>,
+}
+
+/// One keyword of the exposure time.
+struct Stated {
+    seconds: f64,
+    keyword: String,
+    comment: Comment,
+}
+
+/// Reads the exposure time.
+///
+/// # Errors
+/// The exposure time is missing, invalid or contradictory, or its comment states an unknown unit.
+pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
+    let mut lengths: Vec<Stated> = Vec::new();
+    for keyword in LENGTHS {
+        lengths.extend(stated(keywords, keyword)?);
+    }
+    let parts = parts(keywords);
+    let agree = |a: f64, b: f64| (a - b).abs() <= LENGTH_SLACK_S + LENGTH_SLACK * a.abs();
+    let mut is_whole = false;
+    if let Some((_, count)) = &parts {
+        // A time of one part is consistent with the time of all parts.
+        let wholes: Vec<f64> = lengths.iter().map(|length| length.seconds).collect();
+        let is_part =
+            |one: &Stated| wholes.iter().any(|whole| agree(*whole, count * one.seconds) && *whole > one.seconds);
+        is_whole = lengths.iter().any(is_part);
+        lengths.retain(|one| !is_part(one));
+    }
+    let mut lengths = lengths.into_iter();
+    let first = lengths.next().ok_or_else(|| {
+        let allowed = "EXPTIME, XPOSURE, EXPOSURE, ITIME, ..., or for example --exposure 30s";
+        ImagesError::invalid("length of the exposure", "missing", allowed)
+    })?;
+    let Stated { seconds, keyword, comment } = first;
+    if !(seconds > 0.0 && seconds <= LONGEST_EXPOSURE_S) {
+        let allowed = format!("above 0 s, at most {LONGEST_EXPOSURE_S} s (a bias frame has no exposure)");
+        return Err(ImagesError::invalid(keyword, format!("{seconds} s"), allowed));
+    }
+    if let Some(other) = lengths.find(|other| !agree(seconds, other.seconds)) {
+        let given = format!("{seconds} s and {} is {} s", other.keyword, other.seconds);
+        return Err(ImagesError::invalid(keyword, given, "one length; specify it, for example --exposure 30s"));
+    }
+    let mut of_sum = None;
+    for name in SPANS.iter().chain(SUMS) {
+        let Some(other) = stated(keywords, name)? else { continue };
+        let slack_s = SPAN_SLACK_S + SPAN_SLACK * seconds;
+        let is_span = SPANS.contains(name);
+        let what = if is_span { "from start to end" } else { "in all parts" };
+        let given = format!("{seconds} s, but {} is {} s ({what})", other.keyword, other.seconds);
+        let allowed =
+            "an exposure without gaps; specify --exposure of the whole span, or --start and --exposure of one part";
+        let error = ImagesError::invalid(keyword.clone(), given, allowed);
+        if is_span && (other.seconds - seconds).abs() > slack_s {
+            return Err(error);
+        }
+        if other.seconds > seconds + slack_s {
+            of_sum = of_sum.or(Some(error));
+        }
+    }
+    let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART));
+    let of_parts = parts.and_then(|(name, count)| {
+        let is_stack = STACKED.iter().any(|stacked| *stacked == name.replace('_', "-"));
+        if is_of_all && !is_stack {
+            return None;
+        }
+        let given = if comment.has(PER_PART) {
+            format!("{seconds} s of each of {count} exposures ({name})")
+        } else {
+            format!("{seconds} s, and {name} is {count}: the time of one exposure or of all")
+        };
+        let least_s = if is_of_all { seconds } else { count * seconds };
+        let allowed = format!(
+            "the time from the first to the last exposure; specify it, for example --exposure {least_s}s if there are no gaps"
+        );
+        Some(ImagesError::invalid(keyword.clone(), given, allowed))
+    });
+    Ok(Length { seconds, keyword, of_parts: of_parts.or(of_sum) })
+}
+
+/// Returns the time of one keyword; `None` if the header does not have it.
+fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, ImagesError> {
+    let Some((header, keyword)) = keywords.find(keyword) else { return Ok(None) };
+    let Some(number) = header.number(&keyword) else {
+        let value = header.text(&keyword).unwrap_or_default();
+        return Err(unreadable(keyword, &value, "a number of seconds"));
+    };
+    let comment = Comment::new(&header.comment(&keyword));
+    let unit_s = comment.unit_s().map_err(|unit| {
+        let given = format!("{number} in {unit} (comment {:?})", comment.text());
+        let allowed = "one of [s], [ms], [us], [ns], [min], [h], [d]; or for example --exposure 30s";
+        ImagesError::invalid(keyword.clone(), given, allowed)
+    })?;
+    Ok(Some(Stated { seconds: number * unit_s, keyword, comment }))
+}
+
+/// Returns the keyword and the number of exposures that are added in the frame, if they are several.
+fn parts(keywords: Keywords<'_>) -> Option<(String, f64)> {
+    let (keyword, count, _) =
+        COADDS.iter().chain(STACKED).find_map(|keyword| keywords.number(&[keyword], |count| count > 1.0))?;
+    Some((keyword, count))
+}

@@ -1,0 +1,364 @@
+//! Roles of the images of a file: frames, companion planes of frames (masks, variances, maps), and other HDUs.
+
+use super::super::error::ImagesError;
+use super::super::header::Header;
+use super::super::pixels::PixelPosition;
+use super::super::wcs::Wcs;
+use super::frame_file::FrameFile;
+
+/// Content of a companion plane.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum PlaneKind {
+    /// Bits or flags of each pixel.
+    Mask,
+    /// Variance of each pixel.
+    Variance,
+    /// Inverse of the variance of each pixel.
+    InverseVariance,
+    /// Standard deviation of each pixel.
+    Error,
+    /// Other values that are not light of the sky, such as weights, coverage or a part of the variance.
+    Other,
+}
+
+/// Image that describes the pixels of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CompanionPlane {
+    /// Number of its HDU, from 0.
+    pub hdu: usize,
+    /// Its EXTNAME or EXTTYPE; empty if it has none.
+    pub name: String,
+    /// HDU of the frame that it describes; `None` if the file does not determine it.
+    pub of: Option<usize>,
+    /// Content of the plane.
+    pub kind: PlaneKind,
+}
+
+/// Images of a file by their roles.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FrameImages {
+    /// HDUs of the frames: images of the sky.
+    pub frames: Vec<usize>,
+    /// Companion planes.
+    pub companions: Vec<CompanionPlane>,
+    /// HDUs of distortion tables.
+    pub tables: Vec<usize>,
+    /// HDUs of images with more than two axes, with the lengths of their axes.
+    pub cubes: Vec<(usize, Vec<usize>)>,
+}
+
+/// Words in names of planes that are not light of the sky, with their content.
+const KINDS: &[(&str, PlaneKind)] = &[
+    ("MASK", PlaneKind::Mask),
+    ("MASKS", PlaneKind::Mask),
+    ("MSK", PlaneKind::Mask),
+    ("BPM", PlaneKind::Mask),
+    ("BADPIX", PlaneKind::Mask),
+    ("DQ", PlaneKind::Mask),
+    ("DQM", PlaneKind::Mask),
+    ("QUAL", PlaneKind::Mask),
+    ("QUALITY", PlaneKind::Mask),
+    ("FLAG", PlaneKind::Mask),
+    ("FLAGS", PlaneKind::Mask),
+    ("VAR", PlaneKind::Variance),
+    ("VARIANCE", PlaneKind::Variance),
+    ("IVAR", PlaneKind::InverseVariance),
+    ("INVVAR", PlaneKind::InverseVariance),
+    ("INVVARIANCE", PlaneKind::InverseVariance),
+    ("ERR", PlaneKind::Error),
+    ("ERRS", PlaneKind::Error),
+    ("ERROR", PlaneKind::Error),
+    ("ERRORS", PlaneKind::Error),
+    ("UNCERT", PlaneKind::Error),
+    ("UNCERTAINTY", PlaneKind::Error),
+    ("SIGMA", PlaneKind::Error),
+    ("STDDEV", PlaneKind::Error),
+    ("RMS", PlaneKind::Error),
+    ("WEIGHT", PlaneKind::Other),
+    ("WEIGHTS", PlaneKind::Other),
+    ("WHT", PlaneKind::Other),
+    ("WGT", PlaneKind::Other),
+    ("COVERAGE", PlaneKind::Other),
+    ("EXPMAP", PlaneKind::Other),
+    ("FOOTPRINT", PlaneKind::Other),
+    ("SEGMAP", PlaneKind::Other),
+    ("CTX", PlaneKind::Other),
+];
+
+/// Parts of words that mark planes in combined names, such as `CHIPMASK` or `BADFLAGS`.
+const PARTS: [&str; 5] = ["MASK", "VARIANCE", "WEIGHT", "IVAR", "FLAG"];
+
+/// Names of images of the sky.
+const SCIENCE: [&str; 5] = ["SCI", "SCIENCE", "IMAGE", "DATA", "IMG"];
+
+/// Beginnings of the names of distortion tables (HST and the FITS distortion paper).
+const DISTORTION_TABLES: [&str; 4] = ["WCSDVARR", "D2IMARR", "NPOLARR", "DISTORTION"];
+
+/// Largest distance between the positions of a pixel in two images with the same world coordinates, as a fraction of
+/// the pixel scale.
+const SAME_SKY_PIX: f64 = 0.1;
+
+impl FrameFile {
+    /// Returns the roles of the images: frames, their companion planes, and other images.
+    ///
+    /// # Errors
+    /// An image that can be both a frame and a companion plane.
+    pub fn frame_images(&self) -> Result<FrameImages, ImagesError> {
+        FrameImages::of(self)
+    }
+}
+
+impl FrameImages {
+    /// Determines the roles of the images of a file.
+    ///
+    /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless its name
+    /// differs from that of the frame only in a number, or has another EXTVER. Names of masks, variances and weights
+    /// mark companion planes of any shape. Images with the names of distortion tables are never frames.
+    ///
+    /// # Errors
+    /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
+    /// decide.
+    fn of(file: &FrameFile) -> Result<Self, ImagesError> {
+        let mut found = Self::default();
+        for info in file.hdus() {
+            if info.is_image() && info.shape.len() > 2 && info.image_size().is_none() {
+                found.cubes.push((info.index, info.shape.clone()));
+            }
+        }
+        let mut frames: Vec<Image> = Vec::new();
+        let mut planes: Vec<(Image, PlaneKind)> = Vec::new();
+        for hdu in file.images() {
+            let image = Image::of(file, hdu)?;
+            if DISTORTION_TABLES.iter().any(|table| image.name.starts_with(table)) {
+                found.tables.push(hdu);
+            } else if let Some(kind) = kind_of(&image.name) {
+                planes.push((image, kind));
+            } else {
+                match frames.iter().position(|frame| image.has_pixels_of(frame)) {
+                    None => frames.push(image),
+                    Some(at) => match image.role_beside(&frames[at]) {
+                        Role::Frame => frames.push(image),
+                        Role::Plane => planes.push((image, PlaneKind::Other)),
+                        Role::FrameInstead => {
+                            let earlier = std::mem::replace(&mut frames[at], image);
+                            planes.push((earlier, PlaneKind::Other));
+                        }
+                        Role::Unclear => {
+                            let what = format!("{}: HDU {hdu}{}", file.path().display(), shown(&image.name));
+                            let earlier = frames[at].hdu;
+                            let given = format!(
+                                "an image like HDU {earlier}{}: a frame or a companion plane",
+                                shown(&frames[at].name)
+                            );
+                            let allowed = format!("--hdu {earlier}, --hdu {hdu} or --hdu {earlier},{hdu}");
+                            return Err(ImagesError::invalid(what, given, allowed));
+                        }
+                    },
+                }
+            }
+        }
+        frames.sort_by_key(|frame| frame.hdu);
+        planes.sort_by_key(|(plane, _)| plane.hdu);
+        found.companions = planes
+            .into_iter()
+            .map(|(plane, kind)| CompanionPlane { hdu: plane.hdu, of: plane.owner(&frames), name: plane.name, kind })
+            .collect();
+        found.frames = frames.iter().map(|frame| frame.hdu).collect();
+        Ok(found)
+    }
+
+    /// Returns which images are frames and which are not, in one line; `None` if all images are frames.
+    pub fn summary(&self) -> Option<String> {
+        if self.companions.is_empty() && self.tables.is_empty() && self.cubes.is_empty() {
+            return None;
+        }
+        let numbers = |hdus: &[usize]| hdus.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+        let mut parts = vec![match &self.frames[..] {
+            [] => "no frame".to_owned(),
+            [one] => format!("the frame is HDU {one}"),
+            several => format!("the frames are HDU {}", numbers(several)),
+        }];
+        let planes: Vec<String> =
+            self.companions.iter().map(|plane| format!("{}{}", plane.hdu, shown(&plane.name))).collect();
+        if !planes.is_empty() {
+            parts.push(format!("companion planes, no frames: HDU {}", planes.join(", ")));
+        }
+        if !self.tables.is_empty() {
+            parts.push(format!("distortion tables: HDU {}", numbers(&self.tables)));
+        }
+        parts.extend(self.cubes.iter().map(|(hdu, shape)| format!("HDU {hdu} is a cube {shape:?} and is ignored")));
+        Some(parts.join("; "))
+    }
+
+    /// Returns an error that names the cubes of a file without frames, and what to do.
+    pub fn no_frame(&self) -> (String, &'static str) {
+        match self.cubes.first() {
+            Some((hdu, shape)) => {
+                let axis = if shape[0] < 5 { 1 } else { 3 };
+                let count = shape[axis - 1];
+                let what = if count == 3 || count == 4 { "a colour image" } else { "a cube" };
+                (
+                    format!("0; HDU {hdu} is {what} of {count} planes (NAXIS{axis} = {count})"),
+                    "1 or more images of two axes: extract one plane, for example the green channel, as an image of two axes",
+                )
+            }
+            None => ("0".to_owned(), "1 or more (masks, weights and tables are ignored)"),
+        }
+    }
+}
+
+/// One image with the properties that determine its role.
+struct Image {
+    hdu: usize,
+    name: String,
+    size: [usize; 2],
+    version: Option<i64>,
+    sky: Option<Wcs>,
+    /// Keywords of invalid world coordinates; empty if they are valid or missing.
+    invalid_sky: String,
+}
+
+enum Role {
+    Frame,
+    Plane,
+    /// The image is the frame, and the earlier image its companion plane.
+    FrameInstead,
+    Unclear,
+}
+
+impl Image {
+    fn of(file: &FrameFile, hdu: usize) -> Result<Self, ImagesError> {
+        let header = file.header(hdu)?;
+        let [name, of_type] =
+            ["EXTNAME", "EXTTYPE"].map(|keyword| header.text(keyword).unwrap_or_default().to_ascii_uppercase());
+        // The planes of compressed files of Rubin's pipelines have their name in EXTTYPE.
+        let is_by_type = name.is_empty() || (kind_of(&name).is_none() && kind_of(&of_type).is_some());
+        let sky = Wcs::from_header(header);
+        let has_axes = !matches!(sky, Err(ImagesError::NoCelestialAxes { .. }));
+        let invalid_sky = if sky.is_err() && has_axes { coordinates(header) } else { String::new() };
+        Ok(Self {
+            hdu,
+            name: if is_by_type { of_type } else { name },
+            size: file.image_size(hdu)?,
+            version: header.integer("EXTVER"),
+            sky: sky.ok(),
+            invalid_sky,
+        })
+    }
+
+    fn has_sky(&self) -> bool {
+        self.sky.is_some() || !self.invalid_sky.is_empty()
+    }
+
+    /// Returns true if the image has the shape of a frame, and its world coordinates or none.
+    fn has_pixels_of(&self, frame: &Self) -> bool {
+        let is_same_sky = match (&self.sky, &frame.sky) {
+            (Some(own), Some(other)) => is_same_sky(own, other, self.size),
+            (None, _) if !self.has_sky() => true,
+            (None, None) => self.invalid_sky == frame.invalid_sky,
+            _ => false,
+        };
+        self.size == frame.size && is_same_sky
+    }
+
+    /// Returns the role of an image with the pixels of an earlier frame.
+    fn role_beside(&self, frame: &Self) -> Role {
+        let is_science = |image: &Self| SCIENCE.contains(&stem(&image.name));
+        let has_other_version = match (self.version, frame.version) {
+            (Some(own), Some(other)) => own != other,
+            _ => false,
+        };
+        if !self.name.is_empty() && stem(&self.name) == stem(&frame.name) {
+            return if self.name != frame.name || has_other_version { Role::Frame } else { Role::Unclear };
+        }
+        if is_science(self) && !is_science(frame) && self.has_sky() {
+            return if frame.name.is_empty() { Role::Unclear } else { Role::FrameInstead };
+        }
+        // Without world coordinates of the frame, chips of a mosaic look like planes of one chip.
+        let is_decided = frame.has_sky() && (!self.name.is_empty() || !self.has_sky());
+        if is_decided { Role::Plane } else { Role::Unclear }
+    }
+
+    /// Returns the HDU of the frame to which a plane belongs.
+    fn owner(&self, frames: &[Self]) -> Option<usize> {
+        let same: Vec<&Self> = frames.iter().filter(|frame| frame.size == self.size).collect();
+        if let [one] = same[..] {
+            return Some(one.hdu);
+        }
+        let by_version = same.iter().find(|frame| frame.version.is_some() && frame.version == self.version);
+        let by_sky = || same.iter().find(|frame| self.has_sky() && self.has_pixels_of(frame));
+        let by_name = || same.iter().find(|frame| !frame.name.is_empty() && self.name.ends_with(&frame.name));
+        // Planes without version follow their frame if they are between the frames.
+        let is_between = same.last().is_some_and(|last| self.hdu < last.hdu);
+        let by_order = || same.iter().rev().find(|frame| is_between && frame.hdu < self.hdu);
+        by_version.or_else(by_sky).or_else(by_name).or_else(by_order).map(|frame| frame.hdu)
+    }
+}
+
+/// Returns the name without digits and separators at its end: `SCI` of `SCI_2`.
+fn stem(name: &str) -> &str {
+    name.trim_end_matches(|c: char| c.is_ascii_digit() || "_-[], ".contains(c))
+}
+
+/// Returns the content that a name states; `None` for other names.
+fn kind_of(name: &str) -> Option<PlaneKind> {
+    let words: Vec<&str> = name.split(|c: char| !c.is_ascii_alphabetic()).filter(|word| !word.is_empty()).collect();
+    let kinds = words.iter().filter_map(|word| KINDS.iter().find(|(known, _)| known == word));
+    match kinds.map(|(_, kind)| *kind).next() {
+        // A part of a variance, such as VAR_POISSON, is not the variance.
+        Some(PlaneKind::Mask) => Some(PlaneKind::Mask),
+        Some(kind) if words.len() == 1 => Some(kind),
+        Some(_) => Some(PlaneKind::Other),
+        None => PARTS.iter().any(|part| name.contains(part)).then_some(PlaneKind::Other),
+    }
+}
+
+/// Returns a name in brackets for messages.
+fn shown(name: &str) -> String {
+    if name.is_empty() { String::new() } else { format!(" ({name})") }
+}
+
+fn is_same_sky(own: &Wcs, other: &Wcs, [rows, columns]: [usize; 2]) -> bool {
+    let (right, top) = (columns as f64 - 1.0, rows as f64 - 1.0);
+    let corners = [(0.0, 0.0), (right, 0.0), (0.0, top), (right, top)].map(|(x, y)| PixelPosition { x, y });
+    corners.into_iter().all(|corner| match (own.to_sky(corner), other.to_sky(corner)) {
+        (Some(own_sky), Some(other_sky)) => {
+            let apart_arcsec = own_sky.separation_rad(&other_sky).to_degrees() * 3600.0;
+            apart_arcsec <= SAME_SKY_PIX * other.pixel_scale_arcsec(corner)
+        }
+        (None, None) => true,
+        _ => false,
+    })
+}
+
+/// Returns the main keywords of world coordinates as text.
+fn coordinates(header: &Header) -> String {
+    let keywords = ["CTYPE1", "CTYPE2", "CRVAL1", "CRVAL2", "CRPIX1", "CRPIX2", "CD1_1", "CD1_2", "CDELT1", "CDELT2"];
+    keywords.iter().filter_map(|keyword| header.card(keyword)).map(|card| card.text()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_by_name() {
+        for (name, kind) in [
+            ("MASK", Some(PlaneKind::Mask)),
+            ("MASK_S28", Some(PlaneKind::Mask)),
+            ("DQ", Some(PlaneKind::Mask)),
+            ("VAR", Some(PlaneKind::Variance)),
+            ("VAR_POISSON", Some(PlaneKind::Other)),
+            ("INVVAR", Some(PlaneKind::InverseVariance)),
+            ("UNCERT", Some(PlaneKind::Error)),
+            ("CHIPMASK", Some(PlaneKind::Other)),
+            ("WHT", Some(PlaneKind::Other)),
+            ("S28", None),
+            ("TERRA", None),
+            ("SKY", None),
+        ] {
+            assert_eq!(kind_of(name), kind, "{name}");
+        }
+        assert_eq!((stem("SCI_2"), stem("SCI,2"), stem("IM1"), stem("S28")), ("SCI", "SCI", "IM", "S"));
+    }
+}

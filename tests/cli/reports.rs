@@ -1,0 +1,64 @@
+//! Inputs of public bug reports (`reports/INDEX.tsv` of the real data), each with the result that its authority states.
+
+use crate::common::cli::run;
+
+/// Expected exit status, and words of the output or of the messages. Words after `!` must be absent.
+type Expected = (i32, &'static [&'static str]);
+
+const EXPECTED: &[(&str, Expected)] = &[
+    ("oem_useable_span", (0, &["212.0", "-16.9", "!213.15"])),
+    ("frame_stack_date_end", (2, &["1800.0 s from DATE-OBS to DATE-END", "--exposure 1800s"])),
+    ("frame_date_obs_midpoint", (0, &["2026-08-22T03:14:59.726", "1.4520"])),
+    ("frame_date_obs_received", (2, &["the time of an event after the exposure", "--start"])),
+    ("frame_date_obs_end", (0, &["2026-08-22T03:14:59.726", "1.4520"])),
+    ("frame_date_obs_local", (2, &["a local time", "--start"])),
+    ("frame_exposure_days", (0, &["2026-08-22T03:14:59.726", "1.4520"])),
+    ("frame_exptime_microseconds", (0, &["1 predicted track"])),
+    ("frame_itime_coadds", (2, &["2 s of each of 30 exposures (COADDS)", "--exposure 60s"])),
+    ("frame_site_conflict", (1, &["Sutherland", "!Haleakala"])),
+    ("frame_site_ambiguous", (2, &["ATLAS Chile", "--mpc"])),
+    ("frame_gain_setting", (0, &["GAIN is 360: a setting of the camera or electrons per count"])),
+    ("omm_epoch_date_only", (2, &["invalid epoch \"2026-08-21\""])),
+    ("wcs_pv1_3", (0, &["1 random streak"])),
+    ("ds9_saved_vector", (0, &["STARLINK-5095"])),
+    ("night_dateline", (0, &["2026-08-22T05:5"])),
+    ("opsim_two_snaps", (0, &["avoid"])),
+    ("omm_decayed", (1, &["has decayed before 2026-08-21T00:00:00 UTC (DECAY_DATE"])),
+    ("amsat_bulletin", (0, &["!truncated", "!rejected, more than half"])),
+    ("frame_rgb_cube", (2, &["NAXIS3 = 3", "a colour image"])),
+    ("tle_day000", (2, &["day 0 is 31 December of the year before for some programs"])),
+];
+
+#[test]
+fn valid_results_of_public_reports() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let folder = data.join("reports");
+    if !folder.join("INDEX.tsv").is_file() {
+        eprintln!("\n*** SKIPPED: no reports in {} ***\n", data.display());
+        return;
+    }
+    let index = std::fs::read_to_string(folder.join("INDEX.tsv")).unwrap();
+    let outputs = tempfile::tempdir().unwrap();
+    let mut failed = Vec::new();
+    for (name, (code, words)) in EXPECTED {
+        let command = index.lines().find_map(|line| line.strip_prefix(&format!("{name}\t"))).expect(name);
+        let command = command.split('\t').next().unwrap();
+        let arguments: Vec<String> = command
+            .split_whitespace()
+            .map(|word| match word {
+                "o.fits" | "t.csv" => outputs.path().join(word).display().to_string(),
+                word if folder.join(word).is_file() => folder.join(word).display().to_string(),
+                word => word.to_owned(),
+            })
+            .collect();
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let (found, stdout, stderr) = run(&[&arguments]);
+        let text = format!("{stdout}{stderr}");
+        let holds = |word: &&str| word.strip_prefix('!').map_or(text.contains(*word), |absent| !text.contains(absent));
+        if found != *code || !words.iter().all(holds) {
+            let end: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+            failed.push(format!("{name}: exit {found}, expected {code} and {words:?}:\n{}", end.join("\n")));
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n\n"));
+}

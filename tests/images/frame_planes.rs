@@ -1,0 +1,124 @@
+//! Which images of a file are frames, and which are masks, variances and maps of frames.
+
+use std::path::Path;
+
+use streakcast::images::{Card, FrameFile, FrameImages, Header, ImageValues, NewImage, Pixels, PlaneKind, write_frame};
+
+/// World coordinates of a frame with its centre at a right ascension in degrees.
+fn sky(ra_deg: f64) -> String {
+    format!(
+        "CTYPE1  = 'RA---TAN'\nCTYPE2  = 'DEC--TAN'\nCRVAL1  = {ra_deg:.4}\nCRVAL2  = 20.0\nCRPIX1  = 8.5\nCRPIX2  = 6.5\n\
+         CD1_1   = -0.0001\nCD1_2   = 0.0\nCD2_1   = 0.0\nCD2_2   = 0.0001\n"
+    )
+}
+
+/// Writes a file with images of 12 by 16 pixels, given by name and cards.
+fn written(path: &Path, images: &[(&str, String)]) -> FrameFile {
+    let values = ImageValues::new(16, Pixels::F32(vec![1.0; 192])).expect("full rows");
+    let cards: Vec<Vec<Card>> = images.iter().map(|(_, text)| Header::from_text(text).cards().to_vec()).collect();
+    let images: Vec<NewImage> = images
+        .iter()
+        .zip(&cards)
+        .map(|((name, _), cards)| NewImage { name, values: &values, cards, rice: None })
+        .collect();
+    write_frame(path, &images).expect("written");
+    FrameFile::open(path).expect("a file")
+}
+
+fn roles(images: &[(&str, String)]) -> Result<FrameImages, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    written(&folder.path().join("a.fits"), images).frame_images().map_err(|error| error.to_string())
+}
+
+#[test]
+fn planes_with_the_coordinates_of_a_frame_are_no_frames() {
+    let here = || sky(10.0);
+    let names = [
+        "VAR",
+        "RMS",
+        "UNCERT",
+        "INVVAR",
+        "BPM",
+        "QUALITY",
+        "FOOTPRINT",
+        "COVERAGE",
+        "CTX",
+        "EXPMAP",
+        "BKG",
+        "SKY",
+        "SEGMAP",
+        "VAR_POISSON",
+        "TEMPLATE",
+        "A NAME THAT NO LIST HAS",
+    ];
+    for with_sky in [true, false] {
+        let mut images = vec![("SCI", here())];
+        images.extend(names.map(|name| (name, if with_sky { here() } else { String::new() })));
+        images.push(("WCSDVARR", String::new()));
+        let found = roles(&images).expect("roles");
+        assert_eq!((found.frames, found.tables), (vec![0], vec![names.len() + 1]));
+        assert!(found.companions.iter().all(|plane| plane.of == Some(0)), "{:?}", found.companions);
+        let kinds: Vec<PlaneKind> = found.companions.iter().map(|plane| plane.kind).collect();
+        assert_eq!(
+            kinds[..7],
+            [
+                PlaneKind::Variance,
+                PlaneKind::Error,
+                PlaneKind::Error,
+                PlaneKind::InverseVariance,
+                PlaneKind::Mask,
+                PlaneKind::Mask,
+                PlaneKind::Other
+            ]
+        );
+        assert!(kinds[7..].iter().all(|kind| *kind == PlaneKind::Other));
+    }
+}
+
+#[test]
+fn chips_are_frames_and_planes_belong_to_their_chip() {
+    let version = |number: i64, text: String| format!("{text}EXTVER  = {number}\n");
+    // HST: two chips with their planes.
+    let hst = [
+        ("SCI", version(1, sky(10.0))),
+        ("ERR", version(1, sky(10.0))),
+        ("DQ", version(1, String::new())),
+        ("SCI", version(2, sky(10.1))),
+        ("ERR", version(2, sky(10.1))),
+        ("DQ", version(2, String::new())),
+    ];
+    let found = roles(&hst).expect("roles");
+    assert_eq!(found.frames, [0, 3]);
+    assert_eq!(found.companions.iter().map(|plane| plane.of).collect::<Vec<_>>(), [0, 0, 3, 3].map(Some));
+    // Two versions of the science image at the same position, and chips without world coordinates.
+    for images in [
+        [("SCI", version(1, sky(10.0))), ("SCI", version(2, sky(10.0)))],
+        [("IM1", String::new()), ("IM2", String::new())],
+        [("CCD_3", sky(10.0)), ("CCD_4", sky(10.0))],
+    ] {
+        assert_eq!(roles(&images).expect("roles").frames, [0, 1], "{images:?}");
+    }
+    // A background model in front of the science image.
+    let found = roles(&[("BKG", sky(10.0)), ("SCI", sky(10.0))]).expect("roles");
+    assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[1][..], Some(1)));
+}
+
+#[test]
+fn images_that_can_be_both_are_an_error() {
+    for images in [
+        vec![("", sky(10.0)), ("", sky(10.0))],
+        vec![("", sky(10.0)), ("SCI", sky(10.0))],
+        vec![("SCI", sky(10.0)), ("SCI", sky(10.0))],
+        vec![("LEFT", String::new()), ("RIGHT", String::new())],
+    ] {
+        let error = roles(&images).expect_err("both");
+        assert!(error.contains("a frame or a companion plane; allowed: --hdu 0, --hdu 1 or --hdu 0,1"), "{error}");
+    }
+    let summary =
+        roles(&[("SCI", sky(10.0)), ("MASK", sky(10.0)), ("D2IMARR", String::new())]).expect("roles").summary();
+    assert_eq!(
+        summary.as_deref(),
+        Some("the frame is HDU 0; companion planes, no frames: HDU 1 (MASK); distortion tables: HDU 2")
+    );
+    assert_eq!(roles(&[("SCI", sky(10.0))]).expect("roles").summary(), None);
+}
