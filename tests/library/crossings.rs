@@ -160,6 +160,7 @@ fn odd_orbits(epoch: Epoch) -> Vec<ElementSet> {
                     mean_motion_dot_rev_day2: 1e-5,
                     mean_motion_ddot_rev_day3: 0.0,
                     revolution_at_epoch: 0,
+                    decayed: None,
                     origin: Origin::Synthetic,
                 });
             }

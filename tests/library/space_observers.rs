@@ -84,6 +84,7 @@ fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f
         mean_motion_dot_rev_day2: 0.0,
         mean_motion_ddot_rev_day3: 0.0,
         revolution_at_epoch: 0,
+        decayed: None,
         origin: Origin::Synthetic,
     }
 }
