@@ -316,7 +316,7 @@ mod tests {
             (
                 put(LINE1, 19, "26000"),
                 LINE2.into(),
-                r#"invalid epoch "26000.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367"#,
+                r#"invalid epoch "26000.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367; day 0 is 31 December of the year before for some programs and an error for others"#,
             ),
             (format!("{}4", &LINE1[..68]), LINE2.into(), "line 1: checksum '4' does not match the sum of the line, 9"),
             (

@@ -102,10 +102,12 @@ fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
     }
 }
 
-/// Returns true for a line after which a bulletin has no more elements: `/EX` of packet radio, `NNNN` of telegrams.
+/// Returns true for a line after which a bulletin has no more elements: `/EX` of packet radio, `NNNN` of telegrams, a
+/// greeting (`73 de ...`), an HTML tag, or a line without letters and digits.
 fn ends_bulletin(line: &[u8]) -> bool {
-    let line = line.trim_ascii();
-    line.eq_ignore_ascii_case(b"/EX") || line == b"NNNN" || line.iter().all(|byte| b"-=*_".contains(byte))
+    let line = line.trim_ascii().to_ascii_uppercase();
+    let is_end = [&b"/EX"[..], b"/EXIT", b"/ACK", b"NNNN", b"END", b"EOF", b"EOT"].iter().any(|end| line == *end);
+    is_end || line.starts_with(b"73 ") || line.starts_with(b"<") || !line.iter().any(u8::is_ascii_alphanumeric)
 }
 
 /// Returns true for a line that explains the columns, with letters in place of a catalogue number.

@@ -23,7 +23,7 @@ const EXPECTED: &[(&str, Expected)] = &[
     ("ds9_saved_vector", (0, &["STARLINK-5095"])),
     ("night_dateline", (0, &["2026-08-22T05:5"])),
     ("opsim_two_snaps", (0, &["avoid"])),
-    ("omm_decayed", (1, &["has decayed before 2026-08-21T00:00:00 UTC (DECAY_DATE"])),
+    ("omm_decayed", (2, &["has decayed before 2026-08-21T00:00:00 UTC (DECAY_DATE"])),
     ("amsat_bulletin", (0, &["!truncated", "!rejected, more than half"])),
     ("frame_rgb_cube", (2, &["NAXIS3 = 3", "a colour image"])),
     ("tle_day000", (2, &["day 0 is 31 December of the year before for some programs"])),

@@ -239,8 +239,8 @@ fn verif_comments_state_the_part_of_the_exposure() {
             "MJD-OBS",
         ),
         (
-            "DATE-OBS= '2020-03-06' \nTIME-OBS= '23:00:00' / MST\nUT      = '06:00:00'",
-            "2020-03-06T06:00:00",
+            "DATE-OBS= '2020-03-06' \nTIME-OBS= '03:00:00' / MST\nUT      = '10:00:00'",
+            "2020-03-06T10:00:00",
             "DATE-OBS + UT",
         ),
         (
@@ -347,4 +347,38 @@ fn verif_settings_of_cameras_are_no_gains() {
         let calibration = of(cards);
         assert_eq!((calibration.gain_e_adu.expect(cards).value, calibration.doubtful_gain), (gain, None), "{cards}");
     }
+}
+
+/// Units in other keywords, counts of added frames, and times of the end without a date.
+#[test]
+fn valid_units_and_parts_in_other_keywords() {
+    let read = |text: &str| {
+        let header = Header::from_text(&format!("DATE-OBS= '2026-08-22T23:59:00'\n{text}"));
+        ExposureTime::from_headers(&[&header])
+    };
+    for (text, seconds) in [
+        ("EXPTIME = 2000\nEXPUNIT = 'ms'\n", 2.0),
+        ("XPOSURE = 0.0005\nTIMEUNIT= 'd'\n", 43.2),
+        ("EXPOSURE= 2.31481481481481E-05 / [d] time on source\n", 2.0),
+        ("EXPTIME = 2.0 / [s]\nTIMEUNIT= 'd'\n", 2.0),
+        ("EXPTIME = 2.0\nNFRAMES = 30 / frames of the sequence\n", 2.0),
+        ("EXPTIME = 30.0\nUT-END  = '00:00:10'\n", 30.0),
+    ] {
+        assert_eq!(read(text).expect(text).duration_s, seconds, "{text}");
+    }
+    for text in [
+        "EXPTIME = 2.0\nTIMEUNIT= 'd'\n",
+        "EXPTIME = 2.0\nEXPUNIT = 'ticks'\n",
+        "EXPTIME = 2.0\nNFRAMES = 30 / number of stacked frames\n",
+        "EXPTIME = 2.0\nUT-END  = '00:29:00'\n",
+    ] {
+        assert!(read(text).is_err(), "{text}");
+    }
+    // The date may be the local one, a day before that of universal time.
+    let header =
+        Header::from_text("DATE-OBS= '2026-08-21'\nTIME-OBS= '20:14:59' / LT\nUT      = '03:14:59'\nEXPTIME = 2.0\n");
+    assert!(ExposureTime::from_headers(&[&header]).is_err());
+    let header =
+        Header::from_text("DATE-OBS= '2026-08-21'\nTIME-OBS= '18:14:59' / LT\nUT      = '23:14:59'\nEXPTIME = 2.0\n");
+    assert!(ExposureTime::from_headers(&[&header]).is_ok());
 }

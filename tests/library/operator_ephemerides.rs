@@ -795,7 +795,8 @@ fn only_the_usable_interval_of_an_oem_is_used() {
     let all = read("a.oem", &text).expect("an ephemeris");
     let (first, last) = all.ephemerides[0].interval();
     let with = |cards: &str| text.replacen("META_STOP", &format!("{cards}\nMETA_STOP"), 1);
-    let iso = |epoch: Epoch| format!("{epoch}").replace(" UTC", "");
+    // The times of the message are in TAI.
+    let iso = |epoch: Epoch| epoch.to_time_scale(TimeScale::TAI).to_string().replace(" TAI", "");
     let (from, to) = (first + 20.0 * Unit::Minute, last - 20.0 * Unit::Minute);
     let cards = format!("USEABLE_START_TIME = {}\nUSEABLE_STOP_TIME = {}", iso(from), iso(to));
     let usable = read("a.oem", &with(&cards)).expect("an ephemeris");

@@ -156,8 +156,10 @@ fn of_amplifiers(
 }
 
 /// Words in comments of a gain that is a setting of the camera, in its own steps or in decibels.
-const SETTINGS: &[&str] =
-    &["db", "setting", "sensor", "camera", "analog", "analogue", "iso", "index", "mode", "value", "level", "percent"];
+const SETTINGS: &[&str] = &[
+    "db", "setting", "sensor", "camera", "analog", "analogue", "iso", "index", "mode", "value", "level", "percent",
+    "unitless", "zwo", "qhy", "step", "steps",
+];
 /// Keywords that camera programs write beside a gain that is a setting.
 const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL"];
 /// Largest gain without a unit that is taken as electrons per count. The 16 bits of most detectors hold a full well of
@@ -175,7 +177,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     };
     let words = Comment::new(&comment);
     let joined = comment.to_ascii_lowercase().replace([' ', '(', ')', '[', ']'], "");
-    let is_inverse = ["adu/e", "dn/e", "aduperelectron", "counts/e"].iter().any(|words| joined.contains(words));
+    let is_inverse = ["adu/e", "dn/e", "adupere", "dnpere", "count/e", "counts/e", "countpere", "countspere"]
+        .iter()
+        .any(|words| joined.contains(words));
     let has_unit = is_inverse
         || ["e-/", "e/adu", "e/dn", "e-adu", "e-per", "eperadu", "toe-", "electron", "photon"]
             .iter()

@@ -39,7 +39,10 @@ const MIDDLES: &[&str] = &[
     "midframe",
     "midscan",
     "midway",
+    "half",
     "halfway",
+    "effective",
+    "weighted",
     "center",
     "centre",
     "central",
@@ -161,9 +164,28 @@ impl Comment {
         if self.has(&["local", "localtime", "civil", "wall", "timezone"]) {
             return true;
         }
+        if self.has_offset() {
+            return true;
+        }
         // "est." is short for estimated; HST is also the telescope.
         let is_zone = |word: &String| ZONES.contains(&word.as_str()) && !self.text.contains(&format!("{word}."));
         !self.has(UNIVERSAL) && self.words.iter().any(is_zone)
+    }
+
+    /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7` or `(GMT +5:30)`.
+    fn has_offset(&self) -> bool {
+        let lower = self.text.to_ascii_lowercase();
+        ["utc", "gmt", "ut"].iter().any(|name| {
+            lower.match_indices(name).any(|(at, _)| {
+                let rest = lower[at + name.len()..].trim_start();
+                let is_word = !lower[..at].ends_with(|c: char| c.is_ascii_alphanumeric());
+                let digits = rest
+                    .strip_prefix(['+', '-'])
+                    .map(|rest| rest.trim_start().split(|c: char| c != ':' && !c.is_ascii_digit()));
+                let offset = digits.and_then(|mut digits| digits.next()).unwrap_or_default();
+                is_word && offset.len() <= 5 && offset.contains(|c: char| ('1'..='9').contains(&c))
+            })
+        })
     }
 
     /// Returns the time scale that the comment states, other than UTC.
@@ -183,27 +205,29 @@ impl Comment {
         }
     }
 
-    /// Returns the number of seconds in the unit of time that the comment states; 1 if it states none.
+    /// Returns the number of seconds in the unit of time that the comment states; `None` if it states none.
     ///
     /// A unit in brackets at the beginning (FITS standard 4.0, section 4.3.2) takes precedence over words.
     ///
     /// # Errors
     /// An unknown unit in brackets, or several units.
-    pub fn unit_s(&self) -> Result<f64, String> {
+    pub fn unit_s(&self) -> Result<Option<f64>, String> {
         if let Some((unit, _)) = self.text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']'))
             && unit.bytes().any(|byte| byte.is_ascii_alphabetic())
         {
-            return seconds_in(unit.trim()).ok_or_else(|| format!("the unit [{}]", unit.trim()));
+            return seconds_in(unit.trim()).map(Some).ok_or_else(|| format!("the unit [{}]", unit.trim()));
         }
         let lower = self.text.to_ascii_lowercase();
         // Characters that are not ASCII, such as the Greek letter of microseconds, are read as question marks.
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
         }
-        // Short words are units only in brackets or after "in": "(s)", "in min".
+        // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
         let is_short =
             |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
-        let is_marked = |word: &str| ["(", "[", "in "].iter().any(|mark| lower.contains(&format!("{mark}{word}")));
+        let marks = ["(", "[", "in ", "unit ", "units ", "unit:", "unit=", "unit: ", "unit = ", "units: ", "units = "];
+        let is_marked =
+            |word: &str| lower.trim() == word || marks.iter().any(|mark| lower.contains(&format!("{mark}{word}")));
         let words = lower.split(|c: char| !c.is_ascii_alphabetic());
         let mut units: Vec<f64> =
             words.filter(|word| !is_short(word) || is_marked(word)).filter_map(seconds_in).collect();
@@ -212,21 +236,21 @@ impl Comment {
         let part = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
         let part = part.iter().find(|(word, _)| lower.contains(word)).map_or(1.0, |(_, part)| *part);
         match units[..] {
-            [] => Ok(1.0),
-            [one] => Ok(part * one),
+            [] => Ok(None),
+            [one] => Ok(Some(part * one)),
             _ => Err("several units".to_owned()),
         }
     }
 }
 
 /// Returns the number of seconds in a unit of time, for example `ms`, `[10 us]` or `hours`; `None` for other words.
-fn seconds_in(unit: &str) -> Option<f64> {
+pub fn seconds_in(unit: &str) -> Option<f64> {
     let digits = unit.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
     let factor: f64 = if digits > 0 { unit[..digits].parse().ok()? } else { 1.0 };
     let name = unit[digits..].trim().trim_end_matches('.');
     let seconds = match name.to_ascii_lowercase().as_str() {
         "s" | "sec" | "secs" | "second" | "seconds" => 1.0,
-        "ds" => 0.1,
+        "ds" | "decisecond" | "deciseconds" => 0.1,
         "cs" | "centisecond" | "centiseconds" => 1e-2,
         "ms" | "msec" | "msecs" | "millisec" | "millisecs" | "millisecond" | "milliseconds" => 1e-3,
         "us" | "usec" | "usecs" | "microsec" | "microsecs" | "microsecond" | "microseconds" => 1e-6,
@@ -264,6 +288,11 @@ mod tests {
             ("Local time at start", Err("a local time")),
             ("MST, start", Err("a local time")),
             ("Local sidereal time", Err("a sidereal time")),
+            ("start, UTC-7", Err("a local time")),
+            ("computer clock (GMT +5:30)", Err("a local time")),
+            ("UTC+0, start", Ok(Some(Role::Start))),
+            ("UT1-UTC < 1 s", Ok(None)),
+            ("half-way through the exposure", Ok(Some(Role::Middle))),
             ("BJD of start", Err("a time corrected to the Sun or the barycentre")),
             ("start or end of exposure", Err("of more than one part of the exposure")),
         ] {
@@ -276,21 +305,23 @@ mod tests {
     #[test]
     fn units_in_comments() {
         for (text, seconds) in [
-            ("", Ok(1.0)),
-            ("[s] Exposure duration", Ok(1.0)),
-            ("[sec] at most 5 minutes", Ok(1.0)),
-            ("[d] time on source", Ok(86400.0)),
-            ("[10 us] steps", Ok(1e-5)),
-            ("[ks]", Ok(1e3)),
-            ("Exposure time (s)", Ok(1.0)),
-            ("Exposure time (h)", Ok(3600.0)),
-            ("exposure in min", Ok(60.0)),
-            ("Observation: Exposure Minutes", Ok(60.0)),
-            ("min exposure", Ok(1.0)),
-            ("exposure of the day", Ok(1.0)),
-            ("us", Ok(1e-6)),
-            ("exposure time in hundredths of a second", Ok(1e-2)),
-            ("[0:3600] exposure", Ok(1.0)),
+            ("", Ok(None)),
+            ("[s] Exposure duration", Ok(Some(1.0))),
+            ("[sec] at most 5 minutes", Ok(Some(1.0))),
+            ("[d] time on source", Ok(Some(86400.0))),
+            ("[10 us] steps", Ok(Some(10.0 * 1e-6))),
+            ("[ks]", Ok(Some(1e3))),
+            ("Exposure time (s)", Ok(Some(1.0))),
+            ("Exposure time (h)", Ok(Some(3600.0))),
+            ("exposure in min", Ok(Some(60.0))),
+            ("Observation: Exposure Minutes", Ok(Some(60.0))),
+            ("min exposure", Ok(None)),
+            ("exposure of the day", Ok(None)),
+            ("us", Ok(Some(1e-6))),
+            ("hr", Ok(Some(3600.0))),
+            ("unit = d", Ok(Some(86400.0))),
+            ("exposure time in hundredths of a second", Ok(Some(1e-2))),
+            ("[0:3600] exposure", Ok(None)),
             ("[furlong] exposure", Err("the unit [furlong]".to_owned())),
             ("seconds, not ms", Err("several units".to_owned())),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),

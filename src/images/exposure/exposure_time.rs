@@ -18,6 +18,9 @@ const START_SLACK_S: f64 = 1.0;
 /// time.
 const SHIFT_SLACK: f64 = 0.1;
 
+/// Largest accepted overhead, in addition to the exposure time, if only the time of day of the end is given, seconds.
+const LOOSE_END_S: f64 = 60.0;
+
 /// Start and duration of an exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureTime {
@@ -98,11 +101,12 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Im
     }) else {
         return Ok(false);
     };
-    let ends = instants.found.iter().filter(|instant| instant.role == Role::End && !instant.is_loose);
+    let ends = instants.found.iter().filter(|instant| instant.role == Role::End);
     let mut is_confirmed = false;
     for end in ends.filter(|end| !start.from.starts_with(&end.from)) {
         let span_s = seconds_between(start.epoch, end.epoch);
-        let slack_s = START_SLACK_S + start.slack_s + end.slack_s + SHIFT_SLACK * length.seconds;
+        let loose_s = if end.is_loose { LOOSE_END_S + length.seconds } else { 0.0 };
+        let slack_s = START_SLACK_S + start.slack_s + end.slack_s + SHIFT_SLACK * length.seconds + loose_s;
         if (span_s - length.seconds).abs() > slack_s {
             let given = format!("{} s, but it is {span_s:.1} s from {} to {}", length.seconds, start.from, end.from);
             let allowed = format!(
@@ -111,7 +115,7 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Im
             );
             return Err(ImagesError::invalid(length.keyword.clone(), given, allowed));
         }
-        is_confirmed = true;
+        is_confirmed |= !end.is_loose;
     }
     Ok(is_confirmed)
 }

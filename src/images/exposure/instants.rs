@@ -32,6 +32,10 @@ const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID"];
 const ENDS: &[&str] = &["DATE-END", "MJD-END", "JDEND"];
 
+/// Keywords with the time of day of the end. At some observatories it includes the readout, so that they only show that
+/// an exposure time is far too short.
+const END_TIMES: &[&str] = &["TIME-END", "TIMEEND", "UT-END", "UTEND", "UTC-END", "UTCEND", "UTSTOP"];
+
 /// Keywords whose names state that they refer to the start.
 const NAMED_STARTS: &[&str] =
     &["DATE-BEG", "DATE-STR", "MJD-BEG", "MJD-STR", "MJDSTART", "JDSTART", "JD-BEG", "JD-STR"];
@@ -95,6 +99,9 @@ impl Instants {
                     reader.days(keyword, role, false)?
                 }
             }
+        }
+        for keyword in END_TIMES {
+            reader.end_time(keyword);
         }
         Ok(reader.instants)
     }
@@ -160,6 +167,13 @@ impl Reader<'_> {
             has_time = true;
             // If the time is unusable, for example local, another keyword may give it.
             if self.instants.found.len() > known {
+                // If the local time is on the other side of midnight, the date may be the local one.
+                let found = self.instants.found[known].epoch;
+                let is_far =
+                    |local: &Epoch| crate::frames::seconds_between(*local, found).abs() > 0.5 * crate::constants::DAY_S;
+                if self.instants.local.iter().any(is_far) {
+                    self.instants.found.truncate(known);
+                }
                 break;
             }
         }
@@ -172,6 +186,21 @@ impl Reader<'_> {
         if let DateText::Moment(epoch) = parse_date(&value, self.scale_of(&comment)) {
             self.add(epoch, from, &value, 0.0, role, false, &[comment]);
         }
+    }
+
+    /// Reads the time of day of the end, which is within a day after the first instant of the start.
+    fn end_time(&mut self, keyword: &str) {
+        let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return };
+        let start = self.instants.found.iter().find(|instant| instant.role == Role::Start).map(|instant| instant.epoch);
+        let (Some(start), Some((clock, seconds))) = (start, parse_time(&value)) else { return };
+        let scale = self.scale_of(&comment);
+        let (year, month, day, ..) = start.to_gregorian(scale);
+        let Ok(year) = u32::try_from(year) else { return };
+        let Some(mut end) = at([year, month.into(), day.into()], clock, seconds, scale) else { return };
+        if crate::frames::seconds_between(start, end) < -0.5 * crate::constants::DAY_S {
+            end = crate::frames::seconds_after(end, crate::constants::DAY_S);
+        }
+        self.add(end, from, &value, 0.0, Role::End, true, &[comment]);
     }
 
     /// Reads a Julian date or a modified Julian date.

@@ -3,7 +3,7 @@
 use crate::constants::LONGEST_EXPOSURE_S;
 
 use super::super::error::ImagesError;
-use super::comment::Comment;
+use super::comment::{Comment, seconds_in};
 use super::instants::unreadable;
 use super::moment::Keywords;
 
@@ -18,7 +18,35 @@ const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOTAL"]
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
 const COADDS: &[&str] = &["COADDS", "COADD", "NCOADDS", "NCOADD", "CO-ADDS", "NUMCOADD", "NDIT", "ESO DET NDIT"];
 /// Keywords of the number of frames that were added afterwards.
-const STACKED: &[&str] = &["STACKCNT", "NCOMBINE", "SNAPSHOT", "NSTACK", "STACKNUM"];
+const STACKED: &[&str] = &["STACKCNT", "NCOMBINE", "NCOMB", "SNAPSHOT", "NSTACK", "NUMSTACK", "STACKNUM", "STACKED"];
+
+/// Names of other keywords for the number of frames, which count added frames only if their comment states so.
+const COUNTS: &[&str] =
+    &["NFRAMES", "NFRAME", "NUMFRAME", "NUMFRAMES", "NIMAGES", "NEXP", "NUMEXP", "NEXPOSUR", "NSUBS"];
+const ADDED: &[&str] = &[
+    "stack",
+    "stacked",
+    "stacking",
+    "combine",
+    "combined",
+    "coadd",
+    "coadds",
+    "coadded",
+    "co",
+    "added",
+    "summed",
+    "sum",
+    "averaged",
+    "average",
+    "median",
+    "integrated",
+    "accumulated",
+];
+
+/// Keywords of the unit of the exposure time, if its comment states none.
+const UNITS: &[&str] = &["EXPUNIT", "EXPUNITS", "TIMEUNIT"];
+/// Keywords in the unit of TIMEUNIT (FITS standard 4.0, section 9.4.2).
+const OF_TIMEUNIT: &[&str] = &["XPOSURE", "TELAPSE"];
 
 /// Largest difference between exposure times that are taken as consistent: a fraction of the exposure time, and
 /// seconds.
@@ -99,7 +127,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
     }
     let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART));
     let of_parts = parts.and_then(|(name, count)| {
-        let is_stack = STACKED.iter().any(|stacked| *stacked == name.replace('_', "-"));
+        let is_stack = STACKED.iter().chain(COUNTS).any(|stacked| *stacked == name.replace('_', "-"));
         if is_of_all && !is_stack {
             return None;
         }
@@ -125,17 +153,35 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Image
         return Err(unreadable(keyword, &value, "a number of seconds"));
     };
     let comment = Comment::new(&header.comment(&keyword));
-    let unit_s = comment.unit_s().map_err(|unit| {
+    let in_unit = |unit: String| {
         let given = format!("{number} in {unit} (comment {:?})", comment.text());
         let allowed = "one of [s], [ms], [us], [ns], [min], [h], [d]; or for example --exposure 30s";
         ImagesError::invalid(keyword.clone(), given, allowed)
-    })?;
-    Ok(Some(Stated { seconds: number * unit_s, keyword, comment }))
+    };
+    let unit_s = match comment.unit_s().map_err(in_unit)? {
+        Some(unit_s) => unit_s,
+        None => match keywords.text(UNITS) {
+            None => 1.0,
+            Some((name, unit)) => {
+                let stated = seconds_in(&unit).ok_or_else(|| in_unit(format!("the unit {unit:?} of {name}")))?;
+                // TIMEUNIT is the unit of these keywords only; others may be in seconds nevertheless.
+                if stated != 1.0 && name == "TIMEUNIT" && !OF_TIMEUNIT.contains(&keyword.as_str()) {
+                    return Err(in_unit(format!("seconds, or in the unit {unit:?} of TIMEUNIT")));
+                }
+                stated
+            }
+        },
+    };
+    // Rounded to 1 ns: 2.31481481481481e-05 days are 2 s.
+    let seconds = if unit_s == 1.0 { number } else { (number * unit_s * 1e9).round() / 1e9 };
+    Ok(Some(Stated { seconds, keyword, comment }))
 }
 
 /// Returns the keyword and the number of exposures that are added in the frame, if they are several.
 fn parts(keywords: Keywords<'_>) -> Option<(String, f64)> {
-    let (keyword, count, _) =
-        COADDS.iter().chain(STACKED).find_map(|keyword| keywords.number(&[keyword], |count| count > 1.0))?;
+    let several = |keyword: &str| keywords.number(&[keyword], |count| count > 1.0);
+    let sure = COADDS.iter().chain(STACKED).find_map(|keyword| several(keyword));
+    let counted = || COUNTS.iter().filter_map(|name| several(name)).find(|(_, _, text)| Comment::new(text).has(ADDED));
+    let (keyword, count, _) = sure.or_else(counted)?;
     Some((keyword, count))
 }

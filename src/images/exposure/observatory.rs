@@ -11,7 +11,13 @@ const CARTESIAN: [&str; 3] = ["OBSGEO-X", "OBSGEO-Y", "OBSGEO-Z"];
 /// Geodetic latitude and longitude, degrees, east positive, and height above the ellipsoid, m.
 const GEODETIC: [&str; 3] = ["OBSGEO-B", "OBSGEO-L", "OBSGEO-H"];
 /// Keywords with names of sites, in order of precedence.
-const NAMES: [&str; 4] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"];
+const NAMES: [&str; 6] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SITENAME", "SITE"];
+/// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
+/// the longitude. They must agree with the name of the site in one of the usual senses.
+const LATITUDES: [&str; 6] = ["SITELAT", "SITE-LAT", "OBS-LAT", "LAT-OBS", "LATITUDE", "GEOLAT"];
+const LONGITUDES: [&str; 7] = ["SITELONG", "SITE-LON", "OBS-LONG", "LONG-OBS", "LONGITUD", "LONGITUDE", "GEOLON"];
+/// Largest accepted difference of these from the site, degrees.
+const ROUGH_DEG: f64 = 0.5;
 
 /// Description of the keywords, for errors.
 pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known site in INSTRUME, TELESCOP or OBSERVAT";
@@ -20,12 +26,12 @@ pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known 
 /// precedence: first the header of the image, then the primary header.
 ///
 /// OBSGEO-X, -Y and -Z take precedence over OBSGEO-B, -L and -H. Without these, the site is the first known site among
-/// the names of instrument, telescope and observatory. SITELONG, OBS-LONG and similar keywords are not read: no
-/// standard defines their sign and unit, and both signs are in use.
+/// the names of instrument, telescope and observatory. SITELONG, OBS-LONG and similar keywords do not give the
+/// site, because no standard defines their sign and unit, and both signs are in use; they must not contradict its name.
 ///
 /// # Errors
-/// A position that is not on the Earth; names and positions more than 15 km apart; or a name that fits several sites,
-/// such as ATLAS, without a keyword that decides between them.
+/// A position that is not on the Earth; names and positions more than 15 km apart; SITELAT, SITELONG, ... of another place; or a name that fits several
+/// sites, such as ATLAS, without a keyword that decides between them.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesError> {
     let keywords = Keywords(headers);
     let numbers = |names: [&str; 3]| -> Option<[f64; 3]> {
@@ -78,8 +84,48 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
             let allowed = format!("one site within {SAME_SITE_KM} km, or for example --site, --mpc or --lat and --lon");
             Err(ImagesError::invalid(format!("site of {first_from}"), given, allowed))
         }
-        None => Ok(Some(first.clone())),
+        None => match rough_contradiction(keywords, first) {
+            Some(given) => {
+                let allowed = "the coordinates of the named site, or for example --site, --mpc or --lat and --lon";
+                Err(ImagesError::invalid(format!("site of {first_from}"), given, allowed))
+            }
+            None => Ok(Some(first.clone())),
+        },
     }
+}
+
+/// Returns the keyword and value of a latitude or longitude that is not that of the site in any usual sense: longitudes
+/// to the east or to the west, in degrees or hours. 0 and text without numbers are ignored.
+fn rough_contradiction(keywords: Keywords<'_>, site: &Site) -> Option<String> {
+    let stated = |names: &[&str]| {
+        let number = keywords.number(names, |value| value != 0.0);
+        number.map(|(keyword, value, _)| (value, format!("{keyword} is {value}"))).or_else(|| {
+            let (keyword, text) = keywords.text(names)?;
+            Some((degrees(&text).filter(|value| *value != 0.0)?, format!("{keyword} is {text:?}")))
+        })
+    };
+    let is_far = |a_deg: f64, b_deg: f64| ((a_deg - b_deg + 180.0).rem_euclid(360.0) - 180.0).abs() > ROUGH_DEG;
+    let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
+    let named = format!("at latitude {latitude_deg:.2} and longitude {longitude_deg:.2} deg");
+    if let Some((value, given)) = stated(&LATITUDES)
+        && is_far(value, latitude_deg)
+    {
+        return Some(format!("{named}, but {given}"));
+    }
+    let (value, given) = stated(&LONGITUDES)?;
+    let senses = [value, -value, 15.0 * value, -15.0 * value];
+    senses.iter().all(|sense| is_far(*sense, longitude_deg)).then(|| format!("{named}, but {given}"))
+}
+
+/// Parses an angle such as `-30.24`, `-30:14:40`, `30d14m40s` or `30 14 40 S`, degrees.
+fn degrees(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let is_negative = text.starts_with('-') || text.ends_with(['S', 's', 'W', 'w']) && !text.contains(['d', 'm']);
+    let mut parts = text.split(|c: char| !c.is_ascii_digit() && c != '.').filter(|part| !part.is_empty());
+    let whole: f64 = parts.next()?.parse().ok()?;
+    let rest: Option<Vec<f64>> = parts.take(2).map(|part| part.parse().ok()).collect();
+    let value = whole + rest?.iter().zip([60.0, 3600.0]).map(|(part, unit)| part / unit).sum::<f64>();
+    Some(if is_negative { -value } else { value })
 }
 
 #[cfg(test)]
@@ -115,10 +161,24 @@ mod tests {
         let decam = "OBS-LONG= 70.81489\nOBS-LAT = -30.16606\nTELESCOP= 'CTIO 4.0-m telescope'\nINSTRUME= 'DECam'\n";
         assert_eq!(site(decam).unwrap().unwrap().mpc_code.as_deref(), Some("W84"));
         let schmidt = "SITELAT = -31.277\nSITELONG= 210.934\nTELESCOP= 'UK Schmidt - Doubl'\n";
-        // The site is that of the name in the primary header.
-        assert_eq!(site(schmidt).unwrap().unwrap().name, "Cerro Tololo");
         assert_eq!(site_from_headers(&[&Header::from_text(schmidt)]).unwrap(), None);
+        // The primary header names another observatory.
+        let error = site(schmidt).unwrap_err().to_string();
+        assert!(error.contains("SITELAT is -31.277"), "{error}");
+        for fits in [
+            "SITELONG= '-70:48:53'\n",
+            "OBS-LONG= '04:43:15'\n",
+            "LONGITUD= 289.2\n",
+            "SITELAT= '30 10 S'\n",
+            "SITELAT= 0.0\n",
+        ] {
+            assert_eq!(site(fits).unwrap().unwrap().name, "Cerro Tololo", "{fits}");
+        }
+        for far in ["SITELONG= -155.5\n", "LATITUDE= 19.8\n", "SITELAT= '+30:10:00'\n", "SITENAME= 'Siding Spring'\n"] {
+            assert!(site(far).is_err(), "{far}");
+        }
     }
+
     /// Networks of telescopes at several sites, and keywords that contradict each other.
     #[test]
     fn contradictory_and_ambiguous_sites_are_errors() {

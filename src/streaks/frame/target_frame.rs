@@ -75,7 +75,8 @@ pub struct TargetFrame {
 impl TargetFrame {
     /// Opens a frame and reads its headers.
     ///
-    /// The images are the HDUs in the overrides, or else all frames of [`FrameImages`] with world coordinates. Each image needs a zero point in its header, in the primary header or in the overrides.
+    /// The images are the HDUs in the overrides, or else all frames of [`FrameImages`] with world coordinates. Each
+    /// image needs a zero point in its header, in the primary header or in the overrides.
     ///
     /// # Errors
     /// The file cannot be read; it has no images; the start, the exposure time or the zero point is missing; or a value

@@ -6,6 +6,9 @@ use crate::images::LightArea;
 const CELL: usize = 64;
 /// Distance of the rows from which the noise is computed.
 const ROW_STEP: usize = 4;
+/// Distance of the pixels of these rows. A cell then has 512 values, and its noise an error of 5 %, which the median of
+/// the neighbours reduces.
+const COLUMN_STEP: usize = 2;
 /// Fewest pixels with a value in a cell whose noise is computed.
 const FEWEST_PIXELS: usize = 32;
 /// Ratio of the standard deviation of a normal distribution and its median absolute deviation.
@@ -43,7 +46,7 @@ impl NoiseMap {
         let mut sigmas = vec![0.0; across * down];
         let mut rows = Self::rows(light_area).zip(values.chunks(columns.max(1))).peekable();
         while let Some((row, pixels)) = rows.next() {
-            for column in light_area.columns.clone() {
+            for column in light_area.columns.clone().step_by(COLUMN_STEP) {
                 let value = pixels[column] as f32;
                 if value.is_finite() {
                     cells[column / CELL].push([column as f32, row as f32, value]);
