@@ -269,7 +269,7 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("DATE-OBS= '2020-03-06T06:01:01' / Image created time", "the time of an event after the exposure"),
         ("DATE-OBS= '2020-03-06T06:01:01' / start or end of exposure", "of more than one part of the exposure"),
         ("MJD-OBS =             58914.25 / BJD of start", "a time corrected to the Sun or the barycentre"),
-        ("DATE-OBS= '2020-03-06T06:00:00' / mid\nMJD-OBS =             58914.25 / start", "30.0 s apart"),
+        ("DATE-OBS= '2020-03-06T06:00:00' / mid\nMJD-OBS =         58914.250000 / start", "30.0 s apart"),
     ] {
         let error = time(&format!("{cards}\n{LENGTH}")).expect_err(words);
         assert!(error.contains(words) && error.contains("--start"), "{error}");

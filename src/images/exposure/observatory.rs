@@ -169,12 +169,13 @@ mod tests {
             "SITELONG= '-70:48:53'\n",
             "OBS-LONG= '04:43:15'\n",
             "LONGITUD= 289.2\n",
-            "SITELAT= '30 10 S'\n",
-            "SITELAT= 0.0\n",
+            "SITELAT = '30 10 S'\n",
+            "SITELAT = 0.0\n",
         ] {
             assert_eq!(site(fits).unwrap().unwrap().name, "Cerro Tololo", "{fits}");
         }
-        for far in ["SITELONG= -155.5\n", "LATITUDE= 19.8\n", "SITELAT= '+30:10:00'\n", "SITENAME= 'Siding Spring'\n"] {
+        for far in ["SITELONG= -155.5\n", "LATITUDE= 19.8\n", "SITELAT = '+30:10:00'\n", "SITENAME= 'Siding Spring'\n"]
+        {
             assert!(site(far).is_err(), "{far}");
         }
     }
