@@ -10,21 +10,21 @@ WIDTH, HEIGHT = 560, 400
 LEFT, TOP, ACROSS, UP = 70, 50, 460, 290
 #: Largest drawn difference, and largest difference in the grey band, as fractions.
 LARGEST, BAND = 0.07, 0.05
-CORE_AND_WING, OTHERS, NORMAL = "#1f6fb4", "#4d9a5b", "#c8501e"
+COMMON, NORMAL = "#1f6fb4", "#c8501e"
 
 
 def read(path):
-    """Pairs (stated, observed) of each tenth, for three distributions: core and wing, pooled from others, normal."""
+    """Pairs (stated, observed) of each tenth, for two distributions: shape of the other kinds, normal."""
     rows = [line.strip("|").split("|")[1:] for line in Path(path).read_text().splitlines()[2:]]
     share = lambda cell: tuple(float(part.strip(" %")) / 100.0 for part in cell.split(","))
-    return [[share(row[column]) for row in rows] for column in range(3)]
+    return [[share(row[column]) for row in rows] for column in range(2)]
 
 
 def main(table, picture):
-    core_and_wing, others, normal = read(table)
+    common, normal = read(table)
     x = lambda stated: LEFT + ACROSS * stated
     y = lambda difference: TOP + UP * 0.5 * (1.0 - difference / LARGEST)
-    largest = max(abs(observed - stated) for points in (core_and_wing, others, normal) for stated, observed in points)
+    largest = max(abs(observed - stated) for points in (common, normal) for stated, observed in points)
     assert largest < LARGEST, f"a difference of {largest} is outside the chart"
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" font-family="sans-serif" font-size="12" fill="#222222">',
@@ -41,12 +41,9 @@ def main(table, picture):
     parts.append(f'<rect x="{x(0)}" y="{TOP}" width="{ACROSS}" height="{UP}" fill="none" stroke="#444444"/>')
     for stated, observed in normal:
         parts.append(f'<path d="M{x(stated):.1f} {y(observed - stated) - 5:.1f} l5 9 h-10 z" fill="{NORMAL}"/>')
-    for stated, observed in others:
-        parts.append(f'<rect x="{x(stated) - 3.5:.1f}" y="{y(observed - stated) - 3.5:.1f}" width="7" height="7" fill="none" stroke="{OTHERS}" stroke-width="1.5"/>')
-    for stated, observed in core_and_wing:
-        parts.append(f'<circle cx="{x(stated):.1f}" cy="{y(observed - stated):.1f}" r="4" fill="{CORE_AND_WING}" stroke="white"/>')
-    parts.append(f'<circle cx="76" cy="22" r="4" fill="{CORE_AND_WING}"/><text x="86" y="26">core and wing</text>')
-    parts.append(f'<rect x="204.5" y="18.5" width="7" height="7" fill="none" stroke="{OTHERS}" stroke-width="1.5"/><text x="218" y="26">pooled from the other models</text>')
+    for stated, observed in common:
+        parts.append(f'<circle cx="{x(stated):.1f}" cy="{y(observed - stated):.1f}" r="4" fill="{COMMON}" stroke="white"/>')
+    parts.append(f'<circle cx="76" cy="22" r="4" fill="{COMMON}"/><text x="86" y="26">common shape, fitted to the other kinds</text>')
     parts.append(f'<path d="M436 17 l5 9 h-10 z" fill="{NORMAL}"/><text x="448" y="26">normal</text>')
     middle = TOP + UP / 2
     parts.append(f'<text x="20" y="{middle}" text-anchor="middle" transform="rotate(-90 20 {middle})">observed share less stated probability</text>')

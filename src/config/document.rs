@@ -55,6 +55,10 @@ pub struct Config {
     /// Corrections of magnitudes and delays that streakcast learn wrote
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub learned: Option<PathBuf>,
+    /// Measured magnitudes (CSV of streakcast measure), which correct the magnitudes of the same pass
+    #[serde(deserialize_with = "one_or_many")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
+    pub measured: Vec<PathBuf>,
     /// Drag of satellites that hold their orbits by thrust: station-keeping (no drag; default) or published (as in the
     /// element set)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
@@ -263,8 +267,8 @@ const MAX_THREADS: usize = 1024;
 impl Config {
     /// Accepted keys of a configuration file, except for the tables of verbs.
     #[rustfmt::skip]
-    pub const KEYS: [&'static str; 44] = [
-        "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+    pub const KEYS: [&'static str; 45] = [
+        "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "measured", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
         "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
         "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
         "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
@@ -416,6 +420,7 @@ impl Config {
             [model];
             [models];
             [learned];
+            [measured];
             [drag];
             [shadow];
             [site, observer_elements, observer_norad, limb_height_km];
@@ -495,7 +500,7 @@ impl Config {
     }
 
     fn visit_paths(&mut self, mut visit: impl FnMut(&mut PathBuf)) {
-        self.elements.iter_mut().for_each(&mut visit);
+        self.elements.iter_mut().chain(&mut self.measured).for_each(&mut visit);
         [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag, &mut self.learned]
             .into_iter()
             .flatten()

@@ -14,7 +14,7 @@ use crate::images::ImagesError;
 use crate::measure::MeasureError;
 use crate::message::Quoted;
 use crate::orbit::OrbitError;
-use crate::passes::{LearnedError, SkyError};
+use crate::passes::{LearnedError, MeasuredError, SkyError};
 use crate::photometry::PhotometryError;
 use crate::schedule::ScheduleError;
 #[cfg(all(feature = "fits", unix))]
@@ -209,6 +209,9 @@ pub enum ConfigError {
     /// The learned file is invalid, or its offsets are relative to other models.
     #[error(transparent)]
     Learned(#[from] LearnedError),
+    /// A table of measured magnitudes is invalid.
+    #[error(transparent)]
+    Measured(#[from] MeasuredError),
     /// Error in bands, model files or standard magnitudes.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),

@@ -15,7 +15,7 @@ use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
 use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
 use crate::output::{Provenance, format_utc};
-use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
+use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
 use crate::schedule::lowest_altitude_rad;
 use crate::watch::Watch;
@@ -142,6 +142,17 @@ impl LoadedInputs {
         provenance.state("models", models.into_iter().collect::<Vec<_>>());
         if let (Some(learned), Some(path)) = (self.choice.learned(), &self.config.learned) {
             provenance.state("learned", learned.summary(&path.display().to_string()));
+        }
+        let mut sky = sky;
+        if !self.config.measured.is_empty() {
+            let tables = self.config.measured.iter().map(|path| read_measured(path));
+            let measured = tables.collect::<Result<Vec<_>, _>>()?.concat();
+            let not_used;
+            (sky, not_used) = sky.with_measured(&measured, &self.config.photometry()?)?;
+            let files: Vec<String> = self.config.measured.iter().map(|path| path.display().to_string()).collect();
+            let stated = json!({ "files": files, "measurements": measured.len(), "not_used": not_used });
+            provenance.state("measured", stated);
+            of_files.extend(warnings::of_measured(measured.len(), not_used));
         }
         let warnings = Vec::new();
         let mut prepared = PreparedSky { sky, eop, provenance, warnings, of_files, from_files, shells_made_for };

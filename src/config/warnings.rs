@@ -46,6 +46,14 @@ pub(super) fn of_left_out(left_out: &[LeftOut], unknown: usize, satellites: usiz
     if failed == 0 { old } else { format!("{old}; {cannot}") }
 }
 
+/// Returns a warning if measured magnitudes are not used.
+pub(super) fn of_measured(measured: usize, not_used: usize) -> Option<String> {
+    (not_used > 0).then(|| {
+        let of = counted(measured, "measured magnitude", "measured magnitudes");
+        format!("{not_used} of {of} not used: no element set of the satellite, or no predicted magnitude at that time")
+    })
+}
+
 /// Returns the warning about simulated constellations.
 pub(super) fn of_simulated(names: &[&str], satellites: usize) -> String {
     let noun = if names.len() == 1 { "constellation" } else { "constellations" };

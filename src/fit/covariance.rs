@@ -72,7 +72,7 @@ impl FitUncertainty {
 }
 
 /// Returns the uncertainty, from the curvature at the minimum, `(n_free, n_free)`, and each point's term of the
-/// gradient.
+/// gradient. `effective_points` is the sum of the weights of the points.
 pub(super) fn uncertainty(
     curvature: &DMatrix<f64>,
     scores: &[Vec<f64>],
@@ -80,6 +80,7 @@ pub(super) fn uncertainty(
     parameters: &[Parameter],
     free: &[usize],
     cost: f64,
+    effective_points: f64,
 ) -> FitUncertainty {
     let at_end = |i: usize| {
         let p = &parameters[i];
@@ -131,7 +132,7 @@ pub(super) fn uncertainty(
         &inverse * meat * &inverse * (groups / (groups - m as f64))
     } else {
         // χ² = 2 C for squares
-        let spare = scores.len().saturating_sub(free.len()).max(1) as f64;
+        let spare = (effective_points - free.len() as f64).max(1.0);
         inverse * (2.0 * cost / spare)
     };
     let mut full = vec![vec![0.0; parameters.len()]; parameters.len()];
@@ -176,7 +177,7 @@ mod tests {
                 let is_far = random.random::<f64>() < far_share;
                 let noise = if is_far { 3.0 } else { 0.1 } * random.sample::<f64, _>(StandardNormal);
                 let magnitude = TRUTH[0] + TRUTH[1] * geometry.phase_angle_rad() + offset + noise;
-                points.push(FitPoint { geometry, magnitude, sigma_mag: 0.1, group });
+                points.push(FitPoint { geometry, magnitude, sigma_mag: 0.1, weight: 1.0, group });
             }
         }
         points

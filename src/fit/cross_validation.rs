@@ -15,7 +15,7 @@ use super::measurements::{Measurements, ReduceOptions};
 use super::phase::{PhaseForm, SphereForm};
 use super::point::{FitPoint, points_of_pixels};
 use super::solve::{FitSettings, Problem};
-use super::statistics::{ResidualStatistics, aic_under, share_within, sigma_68_mag};
+use super::statistics::{ResidualStatistics, aic_under, share_within, weighted_sigma_68_mag};
 use super::two_panel_form::TwoPanelForm;
 use crate::photometry::{Coefficients, Earthshine};
 
@@ -36,17 +36,17 @@ pub struct FormScore {
     pub name: String,
     /// Number of free parameters.
     pub parameters: usize,
-    /// Statistics of the residuals of the fitted points.
+    /// Weighted statistics of the residuals of the fitted points.
     pub in_sample: ResidualStatistics,
-    /// Statistics of the residuals of the points that were held out.
+    /// Weighted statistics of the residuals of the points that were held out.
     pub held_out: ResidualStatistics,
     /// The points that were held out, fold by fold.
     pub held_out_points: Vec<HeldOutPoint>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
-    /// Sigma that contains 68.3 % of the residuals of the points that were held out, mag.
+    /// Sigma that contains 68.3 % of the weight of the residuals of the points that were held out, mag.
     pub sigma_68_mag: f64,
-    /// Fraction of the points of each fold whose residual is within the sigma of the *other* folds. It shows whether a
+    /// Fraction of the weight of the points of each fold whose residual is within the sigma of the *other* folds. It shows whether a
     /// predicted sigma holds for new points.
     pub within_one_sigma: f64,
 }
@@ -60,12 +60,21 @@ pub struct HeldOutPoint {
     pub predicted_mag: f64,
     /// Fold in which the point was held out.
     pub fold: usize,
+    /// Weight of the point.
+    pub weight: f64,
+    /// Group of the point: track, night or pass.
+    pub group: u32,
 }
 
 impl HeldOutPoint {
     /// Returns observed less predicted magnitude.
     pub fn residual_mag(&self) -> f64 {
         self.observed_mag - self.predicted_mag
+    }
+
+    /// Returns the residual and its weight.
+    pub fn weighted_residual(&self) -> (f64, f64) {
+        (self.residual_mag(), self.weight)
     }
 }
 
@@ -99,18 +108,18 @@ pub fn compare_forms(
         None => Folds::of_points(&points, folds)?,
     };
     let held_out = cross_validate(&fitted, &split)?;
-    let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
     let score = |((one, (form, settings)), held_out): ((&CompetingForm, &Fitted<'_>), Vec<HeldOutPoint>)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
-        let held_out_mag: Vec<f64> = held_out.iter().map(HeldOutPoint::residual_mag).collect();
+        let residuals: Vec<(f64, f64)> = held_out.iter().map(HeldOutPoint::weighted_residual).collect();
+        let finite = residuals.iter().copied().filter(|(residual, _)| residual.is_finite());
         let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
         Ok(FormScore {
             name: one.name.clone(),
             parameters: one.free.len(),
-            in_sample: ResidualStatistics::of(&fit.residuals_mag).ok_or_else(empty)?,
-            held_out: ResidualStatistics::of(&held_out_mag).ok_or(FitError::NoneUnseen { folds })?,
-            aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, one.free.len()),
-            sigma_68_mag: sigma_68_mag(&held_out_mag),
+            in_sample: fit.statistics(&points).ok_or_else(empty)?,
+            held_out: ResidualStatistics::weighted(finite).ok_or(FitError::NoneUnseen { folds })?,
+            aic: aic_under(settings.loss, &fit.residuals_mag, &points, one.free.len()),
+            sigma_68_mag: weighted_sigma_68_mag(&residuals),
             within_one_sigma: within_sigma_of_other_folds(&held_out),
             held_out_points: held_out,
         })
@@ -224,6 +233,8 @@ fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<V
                     observed_mag: point.magnitude,
                     predicted_mag,
                     fold,
+                    weight: point.weight,
+                    group: point.group,
                 };
                 Ok(held_out.iter().zip(predicted).map(of).collect())
             };
@@ -233,18 +244,18 @@ fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<V
     Ok((0..forms.len()).map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect()).collect())
 }
 
-/// Fraction of points within the sigma of the other folds.
+/// Fraction of the weight within the sigma of the other folds.
 fn within_sigma_of_other_folds(held_out: &[HeldOutPoint]) -> f64 {
     let count = held_out.iter().map(|point| point.fold + 1).max().unwrap_or(0);
     let (mut inside, mut all) = (0.0, 0.0);
     for fold in 0..count {
         let side = |same: bool| {
-            let part = held_out.iter().filter(|point| (point.fold == fold) == same).map(HeldOutPoint::residual_mag);
-            part.filter(|r| r.is_finite()).collect::<Vec<f64>>()
+            let part = held_out.iter().filter(|point| (point.fold == fold) == same);
+            part.map(HeldOutPoint::weighted_residual).filter(|(r, _)| r.is_finite()).collect::<Vec<_>>()
         };
         let (own, others) = (side(true), side(false));
-        let n = own.len() as f64;
-        if let Some(share) = share_within(own.into_iter().map(|r| (r, 1.0)), sigma_68_mag(&others)) {
+        let n: f64 = own.iter().map(|(_, weight)| weight).sum();
+        if let Some(share) = share_within(own, weighted_sigma_68_mag(&others)) {
             inside += share * n;
             all += n;
         }

@@ -177,7 +177,7 @@ pub fn lu2024(
         groups: measurements.groups.clone(),
         ..Measurements::default()
     };
-    let singles = points_of_measurements(&thinned, &RawWeights { by_group: false, ..RawWeights::default() });
+    let singles = points_of_measurements(&thinned, &RawWeights { group_correlation: 0.0, ..RawWeights::default() });
     let predicted = predict(form, &singles, &fit.values());
     let residuals = singles.iter().zip(predicted).map(|(point, predicted)| point.magnitude - predicted);
     let single_mag = residuals.filter(|residual| residual.is_finite()).collect();

@@ -8,7 +8,6 @@
 //! - `covariance`, `jackknife`: errors of the parameters, from groups of points or, for pixels, from sets of tracks
 //! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on held-out points, the tests
 //!   of Lu (2024)
-//! - `error_distribution`: core and wing of residuals
 //! - `simulation`, `lu2024`: simulated photometry of a known brightness law, and the printed numbers of Lu (2024) with
 //!   the same numbers computed from photometry
 //! - `posterior`: samples of the posterior, drawn by an ensemble of walkers, and the files of their chains
@@ -20,7 +19,6 @@ pub mod checks;
 mod covariance;
 mod cross_validation;
 mod error;
-mod error_distribution;
 mod form;
 pub mod inference;
 mod jackknife;
@@ -46,7 +44,6 @@ mod two_panel_kernel;
 pub use covariance::{CovarianceKind, FitUncertainty};
 pub use cross_validation::{CompetingForm, FormScore, HeldOutPoint, baseline_forms, compare_forms, predict};
 pub use error::FitError;
-pub use error_distribution::error_distribution;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;
 pub use jackknife::jackknife;
@@ -59,11 +56,14 @@ pub use objective::{Loss, Objective};
 pub use panels_form::PanelsForm;
 pub use paper_tests::{COEFFICIENTS, LayerOffset, PairedModels, PaperTests, paper_tests};
 pub use phase::{PhaseForm, SphereForm};
-pub use point::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
+pub use point::{FitPoint, RawWeights, group_weights, points_of_measurements, points_of_pixels};
 pub use posterior::{ChainAbout, Marginal, Posterior, PosteriorSettings, draw, posterior, read_chain, write_chain};
 pub use report::{Report, form_score_table, marginal_table, offset_table, paired_model_table, parameter_table};
 pub use simulation::{MagnitudeLaw, Simulation, SimulationOptions, TrackTruth, simulate};
-pub use solve::{Fit, FitSettings, Problem};
+pub use solve::{Fit, FitSettings, Problem, weigh_groups};
 pub use soundness::{Fault, PoorAxis, faults, points_behind};
-pub use statistics::{PairedTest, ResidualStatistics, rms, sigma_68_mag};
+pub use statistics::{
+    PairedTest, ResidualStatistics, group_correlation, median_mag, rms, sigma_68_mag, weighted_quantile,
+    weighted_sigma_68_mag,
+};
 pub use two_panel_form::TwoPanelForm;

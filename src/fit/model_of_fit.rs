@@ -3,15 +3,11 @@
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{GeometryRange, ModelFile, PANEL_OFFSET, PhotometryError, Provenance};
 
-use super::error_distribution::error_distribution;
 use super::paper_tests::COEFFICIENTS;
 use super::point::FitPoint;
 use super::solve::Fit;
-use super::statistics::sigma_68_mag;
+use super::statistics::{median_mag, weighted_sigma_68_mag};
 
-/// Uncertainty that is added in quadrature to sigma outside the fitted geometry, mag. It is assumed, and the same for
-/// all models.
-const OUTSIDE_MAG: f64 = 1.0;
 /// Fraction of the points that is ignored at each end of the range of geometry, because a few stray points do not cover
 /// a range.
 const STRAY_SHARE: f64 = 0.001;
@@ -38,8 +34,11 @@ pub struct ModelDescription {
 }
 
 /// Returns a model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
-/// covariance, the range of the points, and sigma and distribution of the residuals of single measurements
-/// (`singles_mag`, preferably of held-out points).
+/// covariance, the range of the points, and the sigma of single measurements.
+///
+/// `singles` are residuals of single measurements (mag, preferably of held-out points) and their weights. Residuals that
+/// are not finite are left out. The model is the median of these measurements: its light is multiplied so that the
+/// median of the residuals is 0. Sigma is the half width about the median that contains 68.3 % of the weight.
 ///
 /// # Errors
 /// [`PhotometryError`] if a number is outside the limits of model files.
@@ -48,7 +47,7 @@ pub fn model_file(
     fit: &Fit,
     points: &[FitPoint],
     rms_mag: f64,
-    singles_mag: &[f64],
+    singles: &[(f64, f64)],
     description: &ModelDescription,
 ) -> Result<ModelFile, PhotometryError> {
     let index = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
@@ -73,18 +72,42 @@ pub fn model_file(
     for parameter in fitted.panels.iter_mut().flat_map(|panels| &mut panels.parameters) {
         parameter.value = value(&parameter.name, parameter.value);
     }
-    let sigma_mag = sigma_68_mag(singles_mag);
-    let in_sigmas: Vec<(f64, f64)> = singles_mag.iter().map(|residual_mag| (residual_mag / sigma_mag, 1.0)).collect();
+    let singles: Vec<(f64, f64)> = singles.iter().copied().filter(|(residual, _)| residual.is_finite()).collect();
+    let median_mag = median_mag(&singles);
+    let about_median: Vec<(f64, f64)> =
+        singles.iter().map(|(residual, weight)| (residual - median_mag, *weight)).collect();
+    let sigma_mag = weighted_sigma_68_mag(&about_median);
+    // A magnitude fainter by the median is light multiplied by 10^(-0.4 median).
+    let factor = 10_f64.powf(-0.4 * median_mag);
+    let before = fitted.clone();
+    if let Some(c) = &mut fitted.coefficients {
+        [&mut c.c1, &mut c.c2, &mut c.c3, &mut c.c4, &mut c.c5].into_iter().for_each(|c| *c *= factor);
+    }
+    if let Some(panels) = &mut fitted.panels {
+        panels.scale_light(factor);
+    }
+    // The covariance is that of the scaled parameters.
+    let scale = |(name, value): (&str, f64)| {
+        let scaled =
+            fitted.parameters().into_iter().find(|(other, _)| *other == name).map_or(value, |(_, value)| value);
+        if value == 0.0 { 1.0 } else { scaled / value }
+    };
+    let scales: Vec<f64> = before.parameters().into_iter().map(scale).collect();
+    let scale_of = |row: usize| scales.get(row).copied().unwrap_or(1.0);
+    let scaled = |all: &Vec<Vec<f64>>| -> Vec<Vec<f64>> {
+        let row = |(r, &i): (usize, &usize)| {
+            order.iter().enumerate().map(|(c, &j)| all[i][j] * scale_of(r) * scale_of(c)).collect()
+        };
+        order.iter().enumerate().map(row).collect()
+    };
     let file = ModelFile {
         name: description.name.clone(),
         aliases: Vec::new(),
         title: description.title.clone(),
-        covariance: covariance.map(|all| order.iter().map(|&i| order.iter().map(|&j| all[i][j]).collect()).collect()),
+        covariance: covariance.map(scaled),
         rms_mag: Some(rounded(rms_mag)),
         sigma_mag: rounded(sigma_mag),
-        sigma_outside_mag: rounded(sigma_mag.hypot(OUTSIDE_MAG)),
         sigma_origin: description.sigma_origin.clone(),
-        error_distribution: error_distribution(&in_sigmas),
         geometry_range: Some(range_of(points)),
         provenance: Provenance {
             source: description.source.clone(),

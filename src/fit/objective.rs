@@ -9,7 +9,7 @@ use super::form::{BLOCK, Evaluated, Parameter, Prepared};
 use super::inference::{LogProbability, NormalEquations};
 use super::point::FitPoint;
 
-/// Loss function ρ(r) of a residual r in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a
+/// Loss function ρ(r) of a residual r in units of its error; ½ w ρ, with the weight w of the point, is the negative logarithm of a likelihood, up to a
 /// constant.
 #[derive(Copy, Clone, Debug, PartialEq, Default)]
 pub enum Loss {
@@ -67,10 +67,11 @@ impl Loss {
 /// Number of blocks per task. Sums are made chunk by chunk, so that they do not depend on the number of threads.
 const CHUNK_BLOCKS: usize = 16;
 
-/// Magnitudes and 1/σ of a block; 1/σ is 0 for elements beyond the last point.
+/// Magnitudes, 1/σ and weights of a block; 1/σ is 0 for elements beyond the last point.
 struct ObservedBlock {
     magnitude: [f64; BLOCK],
     per_sigma: [f64; BLOCK],
+    weight: [f64; BLOCK],
 }
 
 /// Cost of a form for given points, as a function of the free parameters.
@@ -94,9 +95,11 @@ impl<'a> Objective<'a> {
         loss: Loss,
     ) -> Self {
         let observed = points.chunks(BLOCK).map(|block| {
-            let mut observed = ObservedBlock { magnitude: [0.0; BLOCK], per_sigma: [0.0; BLOCK] };
+            let zero = [0.0; BLOCK];
+            let mut observed = ObservedBlock { magnitude: zero, per_sigma: zero, weight: zero };
             for (lane, point) in block.iter().enumerate() {
                 (observed.magnitude[lane], observed.per_sigma[lane]) = (point.magnitude, 1.0 / point.sigma_mag);
+                observed.weight[lane] = point.weight;
             }
             observed
         });
@@ -117,8 +120,12 @@ impl<'a> Objective<'a> {
 
     /// Returns starting values of the free parameters, the best first.
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
-        let observed: Vec<(f64, f64)> =
-            self.observed.iter().flat_map(|block| block.magnitude.into_iter().zip(block.per_sigma)).collect();
+        // For squares, a weight is equivalent to a larger error.
+        let of_block = |block: &ObservedBlock| {
+            let pair = |lane: usize| (block.magnitude[lane], block.per_sigma[lane] * block.weight[lane].sqrt());
+            std::array::from_fn::<_, BLOCK, _>(pair)
+        };
+        let observed: Vec<(f64, f64)> = self.observed.iter().flat_map(of_block).collect();
         let starts = self.prepared.starts(&self.all(&[]), &self.free, &observed);
         starts.into_iter().map(|all| self.free.iter().map(|&i| all[i]).collect()).collect()
     }
@@ -149,8 +156,9 @@ impl<'a> Objective<'a> {
             for (lane, computed) in out.iter().enumerate() {
                 let per_sigma = observed.per_sigma[lane];
                 let r = (observed.magnitude[lane] - computed) * per_sigma;
-                let pull = -self.loss.weight(r * r) * r * per_sigma;
-                let curvature = self.loss.influence_slope(r * r) * per_sigma * per_sigma;
+                let weight = observed.weight[lane];
+                let pull = -weight * self.loss.weight(r * r) * r * per_sigma;
+                let curvature = weight * self.loss.influence_slope(r * r) * per_sigma * per_sigma;
                 for i in 0..n {
                     (0..n).for_each(|j| bread[(i, j)] += curvature * slopes[i][lane] * slopes[j][lane]);
                 }
@@ -167,7 +175,7 @@ impl<'a> Objective<'a> {
         let mut cost = 0.0;
         for (block, observed) in blocks.iter().enumerate() {
             evaluated.magnitudes(from + block, &mut out);
-            // C = ½ Σ ρ(r²)
+            // C = ½ Σ w ρ(r²)
             for ((out, magnitude), per_sigma) in out.iter_mut().zip(&observed.magnitude).zip(&observed.per_sigma) {
                 let r = (magnitude - *out) * per_sigma;
                 *out = r * r;
@@ -175,7 +183,7 @@ impl<'a> Objective<'a> {
             if self.loss != Loss::Squares {
                 out.iter_mut().for_each(|r2| *r2 = self.loss.of(*r2));
             }
-            cost += 0.5 * sum(&out);
+            cost += 0.5 * product(&out, &observed.weight);
         }
         cost
     }
@@ -199,12 +207,13 @@ impl<'a> Objective<'a> {
                     Loss::Squares => (r * r, 1.0),
                     other => (other.of(r * r), other.weight(r * r)),
                 };
+                let share = observed.weight[lane] * share;
                 losses[lane] = loss;
                 // dr/dp = -dm/dp/σ
                 pull[lane] = -share * r * per_sigma;
                 weight[lane] = share * per_sigma * per_sigma;
             }
-            cost += 0.5 * sum(&losses);
+            cost += 0.5 * product(&losses, &observed.weight);
             for i in 0..n {
                 gradient[i] += product(&pull, &slopes[i]);
                 for lane in 0..BLOCK {
@@ -264,17 +273,7 @@ impl LogProbability for Objective<'_> {
     }
 }
 
-/// Returns the sum, computed with eight accumulators, so that no addition has to wait for the previous one.
-fn sum(column: &[f64; BLOCK]) -> f64 {
-    let mut lanes = [0.0; 8];
-    for eight in column.chunks_exact(8) {
-        for lane in 0..8 {
-            lanes[lane] += eight[lane];
-        }
-    }
-    lanes.iter().sum()
-}
-
+/// Returns the scalar product, computed with eight accumulators, so that no addition has to wait for the previous one.
 fn product(a: &[f64; BLOCK], b: &[f64; BLOCK]) -> f64 {
     let mut lanes = [0.0; 8];
     for (a, b) in a.chunks_exact(8).zip(b.chunks_exact(8)) {

@@ -132,10 +132,10 @@ fn paired(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint],
     };
     let (a, b) = (of(one), of(other));
     let both: Vec<(usize, f64, f64)> = a.iter().filter_map(|(i, a)| Some((*i, *a, *b.get(i)?))).collect();
-    let sigmas_mag: Vec<f64> = both.iter().map(|(i, ..)| points[*i].sigma_mag).collect();
+    let shared: Vec<FitPoint> = both.iter().map(|(i, ..)| points[*i]).collect();
     let (a, b): (Vec<f64>, Vec<f64>) = both.iter().map(|(_, a, b)| (*a, *b)).unzip();
     let parameters = [one.free.len(), other.free.len()];
-    let aic = |residuals: &[f64], k| aic_under(loss, residuals, &sigmas_mag, k);
+    let aic = |residuals: &[f64], k| aic_under(loss, residuals, &shared, k);
     PairedModels {
         names,
         n: a.len(),

@@ -8,7 +8,8 @@ use super::error::FitError;
 use super::form::{Form, Parameter, Prepared};
 use super::inference::{LeastSquares, Minimum, Stop, minimise};
 use super::objective::{Loss, Objective};
-use super::point::FitPoint;
+use super::point::{FitPoint, weigh};
+use super::statistics::{ResidualStatistics, group_correlation};
 
 /// Settings of a fit.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -91,6 +92,9 @@ impl Problem {
             if !(point.sigma_mag > 0.0 && point.sigma_mag.is_finite()) {
                 return Err(wrong("sigma_mag", point.sigma_mag, "a positive number"));
             }
+            if !(point.weight > 0.0 && point.weight.is_finite()) {
+                return Err(wrong("weight", point.weight, "a positive number"));
+            }
             if !(-30.0..=60.0).contains(&point.magnitude) {
                 return Err(wrong("magnitude", point.magnitude, "-30 to 60"));
             }
@@ -140,7 +144,9 @@ impl Problem {
         // The residuals at the initial values identify the form and the geometry.
         let residuals = self.objective().residuals_mag(&self.free_values(), self.points.len());
         for (point, residual) in self.points.iter().zip(residuals) {
-            [point.magnitude, point.sigma_mag, residual].iter().for_each(|x| hash.update(x.to_le_bytes()));
+            [point.magnitude, point.sigma_mag, point.weight, residual]
+                .iter()
+                .for_each(|x| hash.update(x.to_le_bytes()));
         }
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -183,9 +189,10 @@ impl Problem {
         let is_definite = curvature.clone().cholesky().is_some();
         let curvature: &DMatrix<f64> = if is_definite { &curvature } else { &minimum.curvature };
         let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
+        let effective: f64 = self.points.iter().map(|point| point.weight).sum();
         Fit {
             form: self.form.clone(),
-            uncertainty: uncertainty(curvature, &scores, &groups, &parameters, &self.free, minimum.cost),
+            uncertainty: uncertainty(curvature, &scores, &groups, &parameters, &self.free, minimum.cost, effective),
             parameters,
             free: self.free.clone(),
             cost: minimum.cost,
@@ -195,6 +202,19 @@ impl Problem {
             residuals_mag: objective.residuals_mag(&minimum.x, self.points.len()),
         }
     }
+}
+
+/// Sets the weights of single measurements by the correlation of the residuals within their groups, measured with a fit
+/// to the points as they are, and returns this correlation.
+///
+/// # Errors
+/// The errors of [`Problem::new`] and [`Problem::solve`].
+pub fn weigh_groups(form: &dyn Form, points: &mut [FitPoint], settings: &FitSettings) -> Result<f64, FitError> {
+    let fit = Problem::new(form, points, settings)?.solve()?;
+    let groups: Vec<u32> = fit.kept.iter().map(|&index| points[index].group).collect();
+    let correlation = group_correlation(&fit.residuals_mag, &groups);
+    weigh(points, correlation);
+    Ok(correlation)
 }
 
 impl Fit {
@@ -210,6 +230,13 @@ impl Fit {
             (*own, self.uncertainty.kind) = (covariance, kind);
         }
         self
+    }
+
+    /// Returns the weighted statistics of the residuals; `points` are the points that were given to the fit. `None` for a
+    /// fit without points.
+    pub fn statistics(&self, points: &[FitPoint]) -> Option<ResidualStatistics> {
+        let weights = self.kept.iter().map(|&index| points[index].weight);
+        ResidualStatistics::weighted(self.residuals_mag.iter().copied().zip(weights))
     }
 
     /// Returns the value of a parameter; `None` for an unknown name.

@@ -225,7 +225,13 @@ mod tests {
             .map(|angles| {
                 let [sun, longitude, latitude] = angles.map(f64::to_radians);
                 let geometry = ViewingGeometry::from_angles(sun, longitude, latitude, 1000.0, 550.0);
-                FitPoint { geometry: geometry.expect("a geometry"), magnitude: 6.0, sigma_mag: 0.1, group: 0 }
+                FitPoint {
+                    geometry: geometry.expect("a geometry"),
+                    magnitude: 6.0,
+                    sigma_mag: 0.1,
+                    weight: 1.0,
+                    group: 0,
+                }
             })
             .collect()
     }

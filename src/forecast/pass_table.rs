@@ -245,7 +245,7 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             Column::new(
                 "in_fitted_range",
                 Kind::Boolean,
-                "False if the geometry at the brightest visible point is outside the fitted range of the model; the sigma is then larger.",
+                "False if the geometry at the brightest visible point is more than 10 deg from the geometries to which the model was fitted.",
             ),
             |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
         ),

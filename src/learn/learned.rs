@@ -7,6 +7,7 @@ use hifitime::Epoch;
 use super::error::LearnError;
 use super::hierarchy::{KindFit, fit_kind};
 use super::lateness::{MeasuredDelay, learn_lateness};
+use super::leave_out::satellites_differ;
 use super::pass::Pass;
 use crate::elements::{Generation, NoradId};
 use crate::output::{Column, Kind, Table, format_utc};
@@ -19,6 +20,9 @@ pub struct Learned {
     pub file: LearnedFile,
     /// Fits of the kinds with magnitudes.
     pub fits: BTreeMap<Generation, KindFit>,
+    /// Kinds whose satellites have no offsets of their own in the file, because such offsets do not improve the
+    /// predictions of other passes.
+    pub without_satellites: Vec<Generation>,
 }
 
 /// First and last time, and numbers of passes and measurements.
@@ -46,6 +50,7 @@ impl Extent {
 
 /// Learns the offsets of satellites and kinds from passes, and the errors along the track from delays with their kinds.
 ///
+/// Offsets of single satellites are included only for kinds for which they improve the prediction of other passes.
 /// `models` must not apply a learned file. `provenance` names the files and options.
 ///
 /// # Errors
@@ -68,7 +73,7 @@ pub fn learn(
             kinds.insert(*kind, LearnedKind { kind: *kind, magnitude: None, lateness: Some(lateness) });
         }
     }
-    let (mut satellites, mut fits) = (Vec::new(), BTreeMap::new());
+    let (mut satellites, mut fits, mut without_satellites) = (Vec::new(), BTreeMap::new(), Vec::new());
     for kind in Generation::ALL {
         let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
         let (Some(extent), Some(model)) = (Extent::of(of_kind.iter().copied()), models.of_kind(kind)) else { continue };
@@ -95,6 +100,10 @@ pub fn learn(
         };
         let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });
         entry.magnitude = Some(magnitude);
+        if !satellites_differ(&of_kind, model.sigma_mag()) {
+            without_satellites.push(kind);
+            by_satellite.clear();
+        }
         for (id, of_satellite) in by_satellite {
             let Some(extent) = Extent::of(of_satellite.iter().copied()) else { continue };
             let ([first_utc, last_utc], prediction) = (extent.utc(), fit.predict(id));
@@ -112,7 +121,8 @@ pub fn learn(
         }
         fits.insert(kind, fit);
     }
-    Ok(Learned { file: LearnedFile::new(provenance, all.utc(), kinds.into_values().collect(), satellites), fits })
+    let file = LearnedFile::new(provenance, all.utc(), kinds.into_values().collect(), satellites);
+    Ok(Learned { file, fits, without_satellites })
 }
 
 /// Returns a magnitude with four decimals, which is more than the measurements determine.

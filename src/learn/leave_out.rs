@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::hierarchy::fit_kind;
 use super::pass::Pass;
-use crate::elements::Generation;
+use crate::elements::{Generation, NoradId};
 use crate::output::{Column, Kind, Table};
 use crate::passes::ModelChoice;
 
@@ -113,6 +113,34 @@ pub fn leave_passes_out(passes: &[Pass], models: &ModelChoice, seen: &[usize]) -
     };
     let by_kind = found.iter().filter_map(|(kind, seen, _)| row(Some(*kind), *seen));
     by_kind.chain(seen.iter().filter_map(|seen| row(None, *seen))).collect()
+}
+
+/// Smallest number of passes of satellites with other passes from which the gain of offsets of satellites is judged.
+const LEAST_JUDGED: usize = 10;
+
+/// Returns true if offsets of single satellites predict their other passes better than the offset of the kind: the mean
+/// absolute difference of the medians of passes is smaller. Each pass is predicted without itself.
+///
+/// True with fewer than ten passes of satellites that have others: the offsets are then shrunk towards that of the kind.
+pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64) -> bool {
+    let has_others = |pass: &&Pass| of_kind.iter().filter(|other| other.norad_id() == pass.norad_id()).count() > 1;
+    let judged: Vec<&Pass> = of_kind.iter().copied().filter(has_others).collect();
+    if judged.len() < LEAST_JUDGED {
+        return true;
+    }
+    let differences = |left_out: &&Pass| {
+        let others: Vec<&Pass> = of_kind.iter().copied().filter(|pass| !std::ptr::eq(*pass, *left_out)).collect();
+        let fit = fit_kind(&others, sigma_mag);
+        // No satellite has the number 0: the prediction of the kind.
+        [left_out.norad_id(), NoradId(0)].map(|id| (left_out.median_mag() - fit.predict(id).offset_mag).abs())
+    };
+    let [own, kind] = judged
+        .par_iter()
+        .map(differences)
+        .collect::<Vec<_>>()
+        .into_iter()
+        .fold([0.0, 0.0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+    own < kind
 }
 
 const COLUMNS: [Column; 9] = [

@@ -7,10 +7,8 @@ use hifitime::Epoch;
 use crate::elements::{Generation, NoradId};
 use crate::frames::seconds_between;
 use crate::math::quantile::median;
+use crate::passes::LONGEST_PASS_GAP_S;
 
-/// Longest interval between two measurements of one pass, seconds. A pass of a low satellite takes some ten minutes,
-/// and the next one is an orbit later.
-const LONGEST_GAP_S: f64 = 1200.0;
 /// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 const SIGMA_OF_MAD: f64 = 1.4826;
 /// Smallest number of measurements from which the scatter within a pass is computed.
@@ -97,7 +95,7 @@ pub fn group_passes(points: impl IntoIterator<Item = (NoradId, Generation, PassP
     let mut passes = Vec::new();
     for ((kind, norad_id), mut points) in satellites {
         points.sort_by_key(|point| point.epoch);
-        let same_pass = |a: &PassPoint, b: &PassPoint| seconds_between(a.epoch, b.epoch) < LONGEST_GAP_S;
+        let same_pass = |a: &PassPoint, b: &PassPoint| seconds_between(a.epoch, b.epoch) < LONGEST_PASS_GAP_S;
         passes.extend(points.chunk_by(same_pass).filter_map(|points| Pass::new(norad_id, kind, points.to_vec())));
     }
     passes

@@ -95,7 +95,9 @@ impl PassEvaluator<'_> {
         let geometry = ViewingGeometry::new(satellite, observer, &sun)?;
         let illumination = self.sky.shadow().illumination(satellite, &sun);
         let Some(photometry) = self.photometry else { return Some((geometry, illumination, None)) };
-        let brightness = self.sky.brightness_in(self.element_index, &geometry, illumination.lit_fraction(), photometry);
+        let epoch = seconds_after(self.scene.start, time_s);
+        let lit_fraction = illumination.lit_fraction();
+        let brightness = self.sky.brightness_in(self.element_index, epoch, &geometry, lit_fraction, photometry);
         Some((geometry, illumination, brightness))
     }
 

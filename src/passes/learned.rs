@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::elements::Generation;
-use crate::photometry::ErrorDistribution;
+use crate::photometry::{ErrorDistribution, NormalPart};
 
 /// Version of the schema that is supported.
 const SCHEMA: u32 = 1;
@@ -171,7 +171,11 @@ pub struct LearnedSatellite {
 /// Distribution of measured magnitudes about learned ones, in units of their sigma: two normal distributions that agree
 /// with Student's t of four degrees of freedom, whose central 68.27 % are within one sigma.
 pub(crate) const LEARNED_ERRORS: ErrorDistribution =
-    ErrorDistribution { core_shift: 0.0, core_sigma: 0.78, wing_share: 0.31, wing_shift: 0.0, wing_sigma: 1.75 };
+    ErrorDistribution { parts: [symmetric(0.69, 0.78), symmetric(0.31, 1.75), symmetric(0.0, 1.0)] };
+
+const fn symmetric(share: f64, width: f64) -> NormalPart {
+    NormalPart { share, centre: 0.0, width }
+}
 
 impl LearnedFile {
     /// Creates a file of the supported schema from its content.

@@ -7,11 +7,12 @@
 //! `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the
 //! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
 //! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the
-//! corrections of `learned`.
+//! corrections of `learned`; `corrections` corrects the magnitudes of a pass by those of `measured`.
 
 mod above_horizon;
 mod altaz;
 mod candidates;
+mod corrections;
 mod crossing;
 mod delayed_track;
 mod ephemeris;
@@ -23,6 +24,7 @@ mod field_passes;
 mod intervals;
 mod known_positions;
 mod learned;
+mod measured;
 mod models;
 mod predictability;
 mod probability;
@@ -45,6 +47,7 @@ pub use field_passes::{
 pub use intervals::intervals_where;
 pub(crate) use learned::LEARNED_ERRORS;
 pub use learned::{LearnedError, LearnedFile, LearnedKind, LearnedLateness, LearnedMagnitude, LearnedSatellite};
+pub use measured::{LONGEST_PASS_GAP_S, MeasuredError, MeasuredMagnitude, read_measured};
 pub use models::ModelChoice;
 pub use predictability::Predictability;
 pub use sky::Sky;

@@ -8,8 +8,8 @@ use crate::elements::{ElementSet, Generation, GenerationTable, Origin};
 use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
 /// Rule by which each element set gets a brightness model. The first of these that exists is used: the learned model of
-/// the satellite, the model of its generation, its standard magnitude in the given table, the model of the built-in
-/// bright object or class of rocket bodies, the prior for rocket bodies, the prior for any object.
+/// the satellite, the model of its generation, the model of the built-in bright object, its standard magnitude in the
+/// given table, the model of the built-in class of rocket bodies, the prior for rocket bodies, the prior for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -138,7 +138,8 @@ impl ModelChoice {
         self
     }
 
-    /// Sets the standard magnitudes that are used for objects without a generation.
+    /// Sets the standard magnitudes that are used for objects without a generation and without a built-in magnitude of
+    /// their own.
     pub fn with_standard_magnitudes(mut self, standard_magnitudes: StandardMagnitudes) -> Self {
         self.standard_magnitudes = standard_magnitudes;
         self
@@ -169,11 +170,14 @@ impl ModelChoice {
         if let Some(model) = models.get(&table.of(elements)) {
             return model.clone();
         }
-        if let Some(half_lit) = self.standard_magnitudes.get(elements.norad_id.0) {
+        let built_in = BrightObjects::embedded().get(elements.norad_id.0, &elements.name);
+        // Magnitudes of classes are means over the list of which the user's table may be a newer version.
+        let is_object = built_in.is_some_and(|object| object.norad_id.is_some());
+        let listed = self.standard_magnitudes.get(elements.norad_id.0).filter(|_| !is_object);
+        if let Some(half_lit) = listed {
             return Arc::new(BrightnessModel::from_standard_magnitude(half_lit));
         }
-        let bright = BrightObjects::embedded().get(elements.norad_id.0, &elements.name);
-        if let Some(model) = bright.and_then(|object| self.bright.get(object.name)) {
+        if let Some(model) = built_in.and_then(|object| self.bright.get(object.name)) {
             return model.clone();
         }
         if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.unknown.clone() }

@@ -6,6 +6,7 @@ use hifitime::Epoch;
 
 use super::error::SkyError;
 use super::exposure::Exposure;
+use super::measured::MeasuredPasses;
 use super::models::ModelChoice;
 use super::predictability::PredictabilityCache;
 use super::probability::REACH_SIGMAS;
@@ -33,6 +34,8 @@ pub struct Sky {
     ephemerides: Arc<Vec<Arc<Ephemeris>>>,
     classes: Arc<Vec<OrbitClass>>,
     models: Arc<Vec<Arc<BrightnessModel>>>,
+    /// Measured magnitudes, which correct those of their passes.
+    pub(super) measured: Arc<MeasuredPasses>,
     viewpoint: Viewpoint,
     drag: DragModel,
     shadow: ShadowModel,
@@ -73,6 +76,7 @@ impl Sky {
             ephemerides: Arc::default(),
             classes: Arc::new(classes),
             models: Arc::new(models),
+            measured: Arc::default(),
             viewpoint: viewpoint.into(),
             drag,
             shadow: ShadowModel::default(),
@@ -85,9 +89,10 @@ impl Sky {
         }
     }
 
-    /// Returns a sky with the same satellites for another observer. Both skies share their caches.
+    /// Returns a sky with the same satellites for another observer, without measured magnitudes. Both skies share their
+    /// caches.
     pub fn seen_from(&self, viewpoint: impl Into<Viewpoint>) -> Self {
-        Self { viewpoint: viewpoint.into(), ..self.clone() }
+        Self { viewpoint: viewpoint.into(), measured: Arc::default(), ..self.clone() }
     }
 
     /// Returns a sky with the same satellites and observer whose queries stop with [`SkyError::Interrupted`] after

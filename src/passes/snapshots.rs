@@ -153,21 +153,23 @@ impl Sky {
     }
 
     /// Returns the brightness of a satellite at a point. Its uncertainty is that of the brightness model, without the
-    /// error of the elements. `None` in the umbra and if the model gives no light.
+    /// error of the elements. It is corrected by [measurements](Sky::with_measured) of the same pass. `None` in the
+    /// umbra and if the model gives no light.
     pub fn brightness(
         &self,
         element_index: usize,
         point: &TrackPoint,
         photometry: &PhotometryOptions,
     ) -> Option<Brightness> {
-        self.brightness_in(element_index, &point.geometry, point.illumination.lit_fraction(), photometry)
+        self.brightness_in(element_index, point.epoch, &point.geometry, point.illumination.lit_fraction(), photometry)
     }
 
-    /// Returns the brightness as [`Self::brightness`] does, for a viewing geometry and the fraction of the Sun's light
-    /// that reaches the satellite.
+    /// Returns the brightness as [`Self::brightness`] does, for a time, a viewing geometry and the fraction of the Sun's
+    /// light that reaches the satellite. The time selects the pass whose measurements are used.
     pub fn brightness_in(
         &self,
         element_index: usize,
+        epoch: Epoch,
         geometry: &ViewingGeometry,
         lit_fraction: f64,
         photometry: &PhotometryOptions,
@@ -176,7 +178,8 @@ impl Sky {
         let extinction_mag_per_airmass =
             photometry.extinction_mag_per_airmass.filter(|_| self.viewpoint().site().is_some());
         let photometry = PhotometryOptions { extinction_mag_per_airmass, ..*photometry };
-        self.model(element_index).brightness(geometry, lit_fraction, &photometry)
+        let light = self.model(element_index).brightness(geometry, lit_fraction, &photometry)?;
+        Some(if self.measured.is_empty() { light } else { self.measured.apply(element_index, epoch, geometry, light) })
     }
 
     fn snapshots_of(

@@ -63,18 +63,20 @@ impl fmt::Display for MagnitudeSource {
 /// Predicted apparent magnitude of a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brightness {
-    /// Magnitude at the observer, dimmed by the Earth's shadow.
+    /// Magnitude at the observer, dimmed by the Earth's shadow: the median of single measurements.
     pub magnitude: Magnitude,
-    /// One sigma of a single measurement about the prediction, mag: the scatter about the model, and in quadrature the
-    /// errors of its parameters, of colour, position and, outside the fitted geometry, of the model itself.
+    /// One sigma of a single measurement about the prediction, mag: the scatter about the model and, in quadrature, the
+    /// errors of colour and position.
     pub sigma_mag: f64,
-    /// Scatter about the model only, mag; at most `sigma_mag`.
+    /// Scatter about the model only, mag; at most `sigma_mag`. It is larger outside the fitted geometry and near the
+    /// Earth's shadow.
     pub scatter_mag: f64,
     /// Distribution of the scatter, in units of `scatter_mag`.
     pub error_distribution: ErrorDistribution,
     /// Source of the magnitude.
     pub source: MagnitudeSource,
-    /// True if the geometry is within that of the fitted measurements; outside it the uncertainty is larger.
+    /// True if the geometry is within 10° of that of the fitted measurements; farther away the uncertainty is more than
+    /// 1.4 times as large as inside.
     pub in_fitted_range: bool,
     /// True if the model is for another band and the magnitude was converted with the Sun's colour.
     pub grey_reflectance: bool,
@@ -83,7 +85,7 @@ pub struct Brightness {
 impl Brightness {
     /// Returns the probability that the satellite is brighter than an apparent magnitude in the same band, [0, 1].
     ///
-    /// The scatter about the model has a core and wings; the other errors in `sigma_mag` are normal and independent.
+    /// The scatter about the model has wings; the other errors in `sigma_mag` are normal and independent.
     pub fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
         // m + σ x + e < limit, with the scatter σ and e² = sigma_mag² - σ²
         let more_mag = (self.sigma_mag * self.sigma_mag - self.scatter_mag * self.scatter_mag).max(0.0).sqrt();
@@ -168,6 +170,7 @@ impl PhotometryOptions {
 
 #[cfg(test)]
 mod tests {
+    use super::super::error_distribution::NormalPart;
     use super::*;
 
     #[test]
@@ -186,8 +189,8 @@ mod tests {
         assert!((light.probability_brighter_than(5.0) - 0.022_750_132).abs() < 1e-9);
         assert_eq!(light.probability_brighter_than(6.0), 0.5);
         // A tenth of the magnitudes is in a wing that is 2 mag brighter; only the wing is brighter than 4.5 mag.
-        let flares =
-            ErrorDistribution { wing_share: 0.1, wing_shift: -5.0, wing_sigma: 0.5, ..light.error_distribution };
+        let mut flares = light.error_distribution;
+        (flares.parts[0].share, flares.parts[1]) = (0.9, NormalPart { share: 0.1, centre: -5.0, width: 0.5 });
         let flaring = Brightness { sigma_mag: 0.4, error_distribution: flares, ..light };
         assert!((flaring.probability_brighter_than(4.5) - 0.1).abs() < 1e-2);
     }

@@ -12,7 +12,7 @@ mod magnitude;
 mod model;
 mod model_file;
 pub mod panels;
-mod parameter_sigma;
+mod pass_update;
 mod phase;
 pub mod radiation;
 mod standard_magnitudes;
@@ -22,13 +22,14 @@ pub use band::{Band, MagSystem};
 pub use bright_objects::{BrightObject, BrightObjects};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 pub use error::PhotometryError;
-pub use error_distribution::ErrorDistribution;
+pub use error_distribution::{ErrorDistribution, NormalPart};
 pub use library::ModelLibrary;
 pub use magnitude::{Magnitude, StandardMagnitude, airmass};
 pub use model::BrightnessModel;
 pub use model_file::{
     Coefficients, GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, PhasePolynomial, Provenance, SatelliteShape,
 };
+pub use pass_update::{PassResidual, PassUpdate, pass_correlation};
 pub use phase::{DiffuseSphere, PhaseFunction, StandardObject};
 pub use standard_magnitudes::StandardMagnitudes;
 pub use two_panel::{Blocked, BodyAngles, ChassisAndSail, SatelliteModel, SatellitePositions, Terms};

@@ -9,13 +9,13 @@ use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptio
 use super::error::PhotometryError;
 use super::error_distribution::ErrorDistribution;
 use super::magnitude::{StandardMagnitude, airmass};
-use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
-use super::panels::{PanelAssembly, PanelSensitivity};
-use super::parameter_sigma::ParameterSigmas;
+use super::model_file::{GeometryRange, ModelFile, ModelKind};
+use super::panels::{PanelAssembly, PanelsSpec};
 use super::phase::{PhaseFunction, StandardObject};
 use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
+use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::frames::{Body, Direction, Gcrs, Position};
-use crate::geometry::ViewingGeometry;
+use crate::geometry::{KARMAN_LINE_KM, ViewingGeometry};
 
 /// Uncertainty that is added in quadrature if a magnitude is converted from the model's band to another one with the
 /// Sun's colour, mag.
@@ -32,6 +32,35 @@ pub(super) const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
 /// Assumed size of an unknown object, m.
 const UNKNOWN_SIZE_M: f64 = 3.0;
 
+/// Distance from the fitted geometry at which the variance of single magnitudes is twice that inside, radians.
+///
+/// Sigma on regions that were left out of the fits, over that inside, is 1.0 at 0 to 3°, 1.2 at 5 to 8°, 1.7 at 12 to
+/// 18° and 2.5 at 18 to 25° (five kinds, `tests/fitting/outside_geometry.rs`).
+const OUTSIDE_SCALE_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
+
+/// Uncertainty that is added in quadrature beyond the largest fitted phase angle of models with a forward lobe, mag.
+/// The strength of the lobe there is not known from smaller phase angles; errors are 0.5 to 3 mag.
+const FORWARD_SIGMA_MAG: f64 = 1.0;
+
+/// Uncertainty that is added in quadrature near the Earth's shadow, mag. Single magnitudes of Starlink V1.5 scatter by
+/// 0.41 to 0.46 mag there, elsewhere by 0.33 mag.
+const NEAR_SHADOW_SIGMA_MAG: f64 = 0.25;
+
+/// Fraction of sunlight below which a satellite is near the Earth's shadow.
+const NEAR_SHADOW_LIT: f64 = 0.999;
+
+/// Returns true if less than 99.9 % of the sunlight arrives, or if the line to the Sun passes less than 100 km above a
+/// sphere of the equatorial radius.
+fn is_near_shadow(geometry: &ViewingGeometry, lit_fraction: f64) -> bool {
+    let radius_km = geometry.height_km + EARTH_EQUATORIAL_RADIUS_KM;
+    let is_grazing = geometry.sun_latitude_rad < 0.0
+        && radius_km * geometry.sun_latitude_rad.cos() < EARTH_EQUATORIAL_RADIUS_KM + KARMAN_LINE_KM;
+    lit_fraction < NEAR_SHADOW_LIT || is_grazing
+}
+
+/// Tolerance of the cosine of a phase angle at the end of a range.
+const ROUNDING: f64 = 1e-9;
+
 /// Ranges of the geometry of the points to which a model was fitted, each as [least, greatest], radians.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct FittedRange {
@@ -39,31 +68,37 @@ struct FittedRange {
     sun_latitude_rad: [f64; 2],
     /// Latitude of the observer above the chassis plane.
     observer_latitude_rad: [f64; 2],
-    /// Cosines of the largest and the smallest phase angle, with some slack. They avoid an arc cosine for each point of
-    /// a track.
+    /// Phase angle.
+    phase_rad: [f64; 2],
+    /// Cosines of the largest and the smallest phase angle, which avoid an arc cosine for points inside.
     cos_phase: [f64; 2],
 }
-
-/// Slack at the ends of a fitted range, radians (and in cosines), for the rounding in the conversion from degrees.
-const RANGE_SLACK: f64 = 1e-9;
 
 impl FittedRange {
     fn from_file(range: &GeometryRange) -> Self {
         let radians = |range: Option<[f64; 2]>, all: [f64; 2]| range.unwrap_or(all).map(f64::to_radians);
-        let [least, greatest] = radians(range.phase_angle_deg, [0.0, 180.0]);
+        let phase_rad = radians(range.phase_angle_deg, [0.0, 180.0]);
         Self {
             sun_latitude_rad: radians(range.sun_latitude_deg, [-90.0, 90.0]),
             observer_latitude_rad: radians(range.observer_latitude_deg, [-90.0, 90.0]),
-            cos_phase: [greatest.cos() - RANGE_SLACK, least.cos() + RANGE_SLACK],
+            phase_rad,
+            cos_phase: [phase_rad[1].cos(), phase_rad[0].cos()],
         }
     }
 
-    fn holds(&self, geometry: &ViewingGeometry, cos_phase: f64) -> bool {
-        let within = |value: f64, [from, to]: [f64; 2]| from - RANGE_SLACK <= value && value <= to + RANGE_SLACK;
+    /// Returns the distance of a geometry from the ranges: the root of the sum of the squares of the angles by which
+    /// Sun, observer and phase angle exceed them, radians.
+    fn distance_rad(&self, geometry: &ViewingGeometry, cos_phase: f64) -> f64 {
+        let beyond = |value: f64, [from, to]: [f64; 2]| (from - value).max(value - to).max(0.0);
+        let sun = beyond(geometry.sun_latitude_rad, self.sun_latitude_rad);
+        let observer = beyond(geometry.observer_latitude_rad, self.observer_latitude_rad);
         let [least, greatest] = self.cos_phase;
-        within(geometry.sun_latitude_rad, self.sun_latitude_rad)
-            && within(geometry.observer_latitude_rad, self.observer_latitude_rad)
-            && (least..=greatest).contains(&cos_phase)
+        let phase = if (least..=greatest).contains(&cos_phase) {
+            0.0
+        } else {
+            beyond(cos_phase.clamp(-1.0, 1.0).acos(), self.phase_rad)
+        };
+        (sun * sun + observer * observer + phase * phase).sqrt()
     }
 }
 
@@ -76,41 +111,22 @@ enum Law {
     Mean(StandardMagnitude),
 }
 
-/// Step of the parameters of panels for derivatives, in their sigmas: well above rounding (1e-16), and so small that
-/// the light changes linearly.
-const STEP_SIGMAS: f64 = 1e-3;
-
-/// Step of panel offsets for derivatives, degrees.
-const OFFSET_STEP_DEG: f64 = 1e-3;
-
-/// Uncertainty of the fitted parameters of a model.
-#[derive(Clone, Debug, PartialEq)]
-enum ParameterUncertainty {
-    /// The uncertainty is unknown.
-    None,
-    /// Covariance of a two-panel model. If the panel offset was fitted as well, models with a larger and a smaller
-    /// offset give the derivative with respect to it.
-    Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
-    /// Covariance of the parameters of panels, and the derivatives with respect to them.
-    Panels(ParameterSigmas, Box<PanelSensitivity>),
-}
-
 /// A brightness model: two panels, a list of panels, a phase function, a standard magnitude or a mean.
 ///
 /// Computing a magnitude allocates nothing, except for earthshine on lists of panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessModel {
     law: Law,
-    uncertainty: ParameterUncertainty,
     source: MagnitudeSource,
     band: Band,
     system: MagSystem,
     sigma_mag: f64,
-    sigma_outside_mag: f64,
     /// Learned offset of the satellite, mag; added to apparent magnitudes.
     offset_mag: f64,
     error_distribution: ErrorDistribution,
     fitted_range: Option<FittedRange>,
+    /// True for a model with a lobe of transmitted light in the direction of the sunlight.
+    has_forward_lobe: bool,
     size_m: f64,
     file: Option<Arc<ModelFile>>,
 }
@@ -138,32 +154,15 @@ impl BrightnessModel {
         };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();
-        let sigmas = file.covariance.as_deref().map(ParameterSigmas::new);
-        let mut uncertainty = ParameterUncertainty::None;
         let (law, source) = match file.kind {
             ModelKind::Panels => {
                 let spec = file.panels.as_ref().ok_or_else(|| needs("panels"))?;
-                if let (Some(sigmas), Some(covariance)) = (sigmas, &file.covariance) {
-                    let variances = covariance.iter().enumerate().filter_map(|(i, row)| row.get(i));
-                    let steps: Vec<f64> = variances.map(|variance| STEP_SIGMAS * variance.sqrt()).collect();
-                    let sensitivity = PanelSensitivity::new(spec, &steps);
-                    uncertainty = ParameterUncertainty::Panels(sigmas, Box::new(sensitivity));
-                }
                 (Law::Panels(Box::new(spec.assemble(&[]))), MagnitudeSource::Brdf(name))
             }
             ModelKind::TwoPanel => {
                 let shape = file.shape.as_ref().ok_or_else(|| needs("shape"))?;
                 let coefficients = file.coefficients.as_ref().ok_or_else(|| needs("coefficients"))?;
                 let model = SatelliteModel::new(shape, coefficients).ok_or_else(|| needs("shape"))?;
-                if let Some(sigmas) = sigmas {
-                    let moved = |by: f64| {
-                        let panel_offset_deg = shape.panel_offset_deg + by;
-                        SatelliteModel::new(&SatelliteShape { panel_offset_deg, ..*shape }, coefficients)
-                    };
-                    let is_fitted = file.parameters().iter().any(|(name, _)| *name == PANEL_OFFSET);
-                    let both = moved(OFFSET_STEP_DEG).zip(moved(-OFFSET_STEP_DEG)).filter(|_| is_fitted);
-                    uncertainty = ParameterUncertainty::Gradient(sigmas, both.map(|(up, down)| Box::new([up, down])));
-                }
                 (Law::TwoPanel(Box::new(model)), MagnitudeSource::Brdf(name))
             }
             ModelKind::PhaseFunction => {
@@ -179,17 +178,18 @@ impl BrightnessModel {
                 (Law::Mean(mean), source)
             }
         };
+        // A prior describes differences between objects, which have no wing of flares.
+        let is_prior = file.kind == ModelKind::Prior;
         Ok(Self {
             law,
-            uncertainty,
             source,
             band,
             system,
             sigma_mag: file.sigma_mag,
-            sigma_outside_mag: file.sigma_outside_mag,
             offset_mag: 0.0,
-            error_distribution: file.error_distribution.unwrap_or_default(),
+            error_distribution: if is_prior { ErrorDistribution::NORMAL } else { ErrorDistribution::SATELLITES },
             fitted_range: file.geometry_range.as_ref().map(FittedRange::from_file),
+            has_forward_lobe: file.panels.as_ref().is_some_and(PanelsSpec::has_forward_lobe),
             size_m: file.size_m,
             file: Some(Arc::new(file)),
         })
@@ -206,15 +206,14 @@ impl BrightnessModel {
     pub(super) fn of_object(half_lit: StandardMagnitude, sigma_mag: f64, source: MagnitudeSource, size_m: f64) -> Self {
         Self {
             law: Law::Object(StandardObject { half_lit }),
-            uncertainty: ParameterUncertainty::None,
             source,
             band: Band::V,
             system: MagSystem::Vega,
             sigma_mag,
-            sigma_outside_mag: sigma_mag,
             offset_mag: 0.0,
-            error_distribution: ErrorDistribution::default(),
+            error_distribution: ErrorDistribution::SATELLITES,
             fitted_range: None,
+            has_forward_lobe: false,
             size_m,
             file: None,
         }
@@ -229,20 +228,10 @@ impl BrightnessModel {
     /// `offset_mag` fainter, and single measurements scatter by `sigma_mag` with this distribution. The source ends
     /// with `(learned)`.
     ///
-    /// The learned sigma contains the errors of the parameters. Outside the fitted range it is larger by the same
-    /// variance as before. Standard magnitudes are those of the model.
+    /// Outside the fitted range the learned sigma is increased by the rule of the model. Standard magnitudes are those
+    /// of the model.
     pub fn with_learned(&self, offset_mag: f64, sigma_mag: f64, error_distribution: ErrorDistribution) -> Self {
-        // σ'² = σ_learned² + σ_outside² - σ_inside²
-        let more_mag2 = self.sigma_outside_mag.powi(2) - self.sigma_mag.powi(2);
-        Self {
-            offset_mag,
-            sigma_mag,
-            sigma_outside_mag: (sigma_mag.powi(2) + more_mag2).max(0.0).sqrt().max(sigma_mag),
-            error_distribution,
-            uncertainty: ParameterUncertainty::None,
-            source: self.source.of_learned(),
-            ..self.clone()
-        }
+        Self { offset_mag, sigma_mag, error_distribution, source: self.source.of_learned(), ..self.clone() }
     }
 
     /// Returns the magnitude at 1000 km in full sunlight without earthshine, in the model's own band and system. `None`
@@ -334,8 +323,8 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the apparent magnitude with its uncertainty, its source, and whether the geometry is within the fitted
-    /// range.
+    /// Returns the apparent magnitude (the median of single measurements) with its uncertainty, its source, and whether
+    /// the geometry is within 10° of the fitted one.
     ///
     /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` if it is 0 or NaN, if no
     /// lit surface is visible, or if extinction is applied and the satellite is on or below the observer's horizon.
@@ -362,14 +351,11 @@ impl BrightnessModel {
             None => 0.0,
         };
         let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air + self.offset_mag);
-        let in_fitted_range = self.covers_phase(geometry, to_sun.cosine(&to_observer));
-        let scatter = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
-        let sigma =
-            self.parameter_sigma_mag(&to_sun, &to_observer, earth_m2_sr).map_or(scatter, |own| scatter.hypot(own));
+        let (scatter_mag, in_fitted_range) = self.scatter_mag(geometry, to_sun.cosine(&to_observer), lit_fraction);
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
-            sigma_mag: if grey_reflectance { sigma.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { sigma },
-            scatter_mag: self.sigma_mag,
+            sigma_mag: if grey_reflectance { scatter_mag.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { scatter_mag },
+            scatter_mag,
             error_distribution: self.error_distribution,
             source: self.source.clone(),
             in_fitted_range,
@@ -377,38 +363,22 @@ impl BrightnessModel {
         })
     }
 
-    /// Returns the uncertainty (one sigma) of the magnitude due to that of the fitted parameters alone, mag: √(J Σ Jᵀ).
-    ///
-    /// The uncertainty is that of the sunlight. Earthshine (`earth_m2_sr`, 0 without) is taken as exact, although it
-    /// depends on the same coefficients; it only reduces the uncertainty. `None` if the model has no covariance, or if
-    /// no lit surface is visible.
-    pub fn parameter_sigma_mag(
-        &self,
-        to_sun: &Direction<Body>,
-        to_observer: &Direction<Body>,
-        earth_m2_sr: f64,
-    ) -> Option<f64> {
-        let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
-        let (variance, b_total) = match (&self.uncertainty, &self.law) {
-            (ParameterUncertainty::Gradient(sigmas, moved), Law::TwoPanel(model)) => {
-                let (gradient, b_total) = model.gradient(to_sun, to_observer);
-                let mut all = [0.0; 8];
-                all[..7].copy_from_slice(&gradient);
-                if let Some(moved) = moved {
-                    let [up, down] = moved.each_ref().map(|model| model.gradient(to_sun, to_observer).1);
-                    all[7] = (up - down) / (2.0 * OFFSET_STEP_DEG);
-                }
-                (sigmas.variance_of_gradient(&all), b_total)
-            }
-            (ParameterUncertainty::Panels(sigmas, sensitivity), Law::Panels(assembly)) => {
-                let (gradient, b_total) = sensitivity.gradient(assembly, to_sun, to_observer);
-                (sigmas.variance_of_gradient(&gradient), b_total)
-            }
-            _ => return None,
-        };
-        // m = -2.5 log₁₀ B + …, dm/dp = -(2.5 / ln 10) (dB/dp) / B
-        let b_total = b_total + earth_m2_sr;
-        (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
+    /// Returns the uncertainty (one sigma) of a single magnitude about the model in a geometry, mag, and whether the
+    /// geometry is within 10° of the fitted one.
+    fn scatter_mag(&self, geometry: &ViewingGeometry, cos_phase: f64, lit_fraction: f64) -> (f64, bool) {
+        // s² = s0² (1 + (d / 10°)²), with the distance d from the fitted geometry
+        let distance =
+            self.fitted_range.map_or(0.0, |range| range.distance_rad(geometry, cos_phase) / OUTSIDE_SCALE_RAD);
+        let mut variance = self.sigma_mag * self.sigma_mag * (1.0 + distance * distance);
+        let is_forward =
+            self.has_forward_lobe && self.fitted_range.is_some_and(|range| cos_phase < range.cos_phase[0] - ROUNDING);
+        if is_forward {
+            variance += FORWARD_SIGMA_MAG * FORWARD_SIGMA_MAG;
+        }
+        if is_near_shadow(geometry, lit_fraction) {
+            variance += NEAR_SHADOW_SIGMA_MAG * NEAR_SHADOW_SIGMA_MAG;
+        }
+        (variance.sqrt(), distance <= 1.0 && !is_forward)
     }
 
     /// Returns the uncertainty (one sigma) of a single measurement about the model inside the fitted range, mag.
@@ -416,18 +386,15 @@ impl BrightnessModel {
         self.sigma_mag
     }
 
-    /// Returns the distribution of observed less predicted magnitudes, in units of [`sigma_mag`](Self::sigma_mag).
+    /// Returns the distribution of observed less predicted magnitudes, in units of sigma.
     pub fn error_distribution(&self) -> &ErrorDistribution {
         &self.error_distribution
     }
 
-    /// Returns true for a geometry within that of the fitted points, or for a model that was not fitted to points.
+    /// Returns true for a geometry within 10° of that of the fitted points, or for a model that was not fitted to
+    /// points. Beyond the largest fitted phase angle of a model with a forward lobe the result is false.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
-        self.covers_phase(geometry, geometry.to_sun().cosine(&geometry.to_observer()))
-    }
-
-    fn covers_phase(&self, geometry: &ViewingGeometry, cos_phase: f64) -> bool {
-        self.fitted_range.is_none_or(|range| range.holds(geometry, cos_phase))
+        self.scatter_mag(geometry, geometry.to_sun().cosine(&geometry.to_observer()), 1.0).1
     }
 
     /// Returns the chassis and sail (solar array) of a two-panel model.

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use super::band::{Band, MagSystem};
 use super::error::{Check, PhotometryError, SCHEMA_VERSION};
-use super::error_distribution::ErrorDistribution;
 use super::panels::PanelsSpec;
 
 /// Name of the panel offset of chassis and sail, a parameter that may be fitted together with the coefficients.
@@ -23,7 +22,7 @@ pub enum ModelKind {
     Panels,
     /// A polynomial in the phase angle: `phase_function`.
     PhaseFunction,
-    /// Mean at 1000 km of a constellation or of a class of objects, used for every geometry: `mean_mag`.
+    /// Magnitude at 1000 km of a constellation or of a class of objects, used for every geometry: `mean_mag`.
     Mean,
     /// As `mean`, but an assumed value for unknown satellites.
     Prior,
@@ -67,22 +66,16 @@ pub struct ModelFile {
     /// Polynomial in the phase angle (`phase_function`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub phase_function: Option<PhasePolynomial>,
-    /// Mean magnitude at 1000 km (`mean`, `prior`).
+    /// Median magnitude at 1000 km of a constellation or class (`mean`, `prior`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_mag: Option<f64>,
     /// Root mean square of the residuals of the fitted points, mag; null if not published.
     pub rms_mag: Option<f64>,
-    /// Uncertainty (one sigma) of a single measurement about the model inside the fitted range, mag, without the
-    /// contribution of the covariance of the parameters.
+    /// Half width about the model that contains 68.3 % of single measurements inside the fitted range, mag. It includes
+    /// the errors of the parameters. Outside the range sigma grows with the distance from it.
     pub sigma_mag: f64,
-    /// Uncertainty (one sigma) outside the fitted range, mag; at least `sigma_mag`.
-    pub sigma_outside_mag: f64,
-    /// How the two uncertainties were determined.
+    /// How sigma was determined.
     pub sigma_origin: String,
-    /// Distribution of single measurements about the model, in units of `sigma_mag`; null or omitted for
-    /// [`ErrorDistribution::default`].
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub error_distribution: Option<ErrorDistribution>,
     /// Geometry of the fitted points; null for an average.
     pub geometry_range: Option<GeometryRange>,
     /// Source and caveats.
@@ -252,11 +245,7 @@ impl ModelFile {
             check.range("rms_mag", rms_mag, 0.0, 5.0)?;
         }
         check.range("sigma_mag", self.sigma_mag, 0.01, 5.0)?;
-        check.range("sigma_outside_mag", self.sigma_outside_mag, self.sigma_mag, 5.0)?;
         check.filled("sigma_origin", &self.sigma_origin)?;
-        if let Some(distribution) = &self.error_distribution {
-            distribution.validate(&check)?;
-        }
         check.filled("provenance.source", &self.provenance.source)?;
         check.filled("provenance.data", &self.provenance.data)?;
         check.filled("provenance.date", &self.provenance.date)?;

@@ -1,10 +1,10 @@
 //! Standard magnitudes by object, read from the table for the program QuickSat (`qs.mag`).
 //!
-//! Mike McCants' intrinsic magnitude is for 1000 km, *full* phase, and the brightest likely aspect. Here it is
-//! converted to the mean at half phase (Molczan's convention), which is 1.45 mag fainter: 2.5 log10 2 for the phase,
-//! and about 0.7 mag from the brightest to the average aspect (McCants' page on the two definitions). Other programs
-//! read the column as if it were for half phase, and merged lists in circulation add 1.0 mag. Rows without a magnitude
-//! are skipped.
+//! Mike McCants' intrinsic magnitude is for 1000 km and full phase. Here it is converted to half phase, as Heavens-Above
+//! does: 2.5 log10 2 = 0.75 mag. For HST and Envisat, Heavens-Above's magnitudes are 0.7 mag fainter than those of the
+//! list. The magnitudes of the list are for the brightest likely aspect; McCants' page on the definitions gives a mean
+//! aspect that is 0.7 mag fainter, which Heavens-Above does not apply. Merged lists in circulation add 1.0 or 1.5 mag.
+//! Rows without a magnitude are skipped.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -13,9 +13,8 @@ use std::collections::BTreeMap;
 use super::error::PhotometryError;
 use super::magnitude::StandardMagnitude;
 
-/// Offset from full phase and brightest likely aspect to half phase and average aspect: 2.5 log10 2 + 0.7 mag (McCants,
-/// "Intrinsic magnitude definitions").
-const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
+/// Offset from full phase to half phase: 2.5 log10 2 mag.
+const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953;
 
 /// Magnitudes at 1000 km and a phase angle of 90°, by NORAD catalogue number.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,7 +23,7 @@ pub struct StandardMagnitudes {
 }
 
 impl StandardMagnitudes {
-    /// Reads a `qs.mag` table; magnitudes are converted to half phase and mean aspect.
+    /// Reads a `qs.mag` table; magnitudes are converted to half phase.
     ///
     /// # Errors
     /// [`PhotometryError::NoStandardMagnitudes`] if no line has a NORAD number and a magnitude.
@@ -78,8 +77,8 @@ mod tests {
     fn verif_rows_are_read_and_converted_to_half_phase() {
         let table = StandardMagnitudes::from_qs_mag(ROWS).unwrap();
         assert_eq!(table.len(), 2);
-        assert!((table.get(11).unwrap().0 - 8.9526).abs() < 1e-4);
-        assert!((table.get(25544).unwrap().0 - -0.5474).abs() < 1e-4);
+        assert!((table.get(11).unwrap().0 - 8.2526).abs() < 1e-4);
+        assert!((table.get(25544).unwrap().0 - -1.2474).abs() < 1e-4);
         assert_eq!(table.get(39084), None);
     }
 

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use hifitime::Epoch;
+
 use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
@@ -170,7 +172,9 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
         request.sky.watch().check()?;
         let band = rows[*row].band.as_deref();
         let expected = if rules.has_limit(band) {
-            expected_of(&satellites, request, &|one| probability_brighter(one, &passes, band, &rules, request))
+            let brighter =
+                |one: &CrossingProbability| probability_brighter(one, exposure.start, &passes, band, &rules, request);
+            expected_of(&satellites, request, &brighter)
         } else {
             expected_of(&satellites, request, &|_| 1.0)
         };
@@ -281,6 +285,7 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
 /// field centre.
 fn probability_brighter(
     one: &CrossingProbability,
+    epoch: Epoch,
     passes: &[Pass],
     band: Option<&str>,
     rules: &Rules<'_>,
@@ -291,7 +296,7 @@ fn probability_brighter(
         return rules.probability_brighter(of_pass, band).unwrap_or(1.0);
     }
     let CrossingProbability { element_index, geometry, lit_fraction, angular_rate_rad_s, .. } = *one;
-    let brightness = request.sky.brightness_in(element_index, &geometry, lit_fraction, request.photometry);
+    let brightness = request.sky.brightness_in(element_index, epoch, &geometry, lit_fraction, request.photometry);
     let light = brightness.as_ref().map(|brightness| Light {
         element_index,
         range_km: geometry.range_km,

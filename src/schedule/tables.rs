@@ -429,7 +429,7 @@ fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             Column::new(
                 "in_fitted_range",
                 Kind::Boolean,
-                "False if the geometry is outside the fitted range of the model, where the sigma is large; empty without a magnitude.",
+                "False if the geometry is more than 10 deg from those to which the model was fitted; empty without a magnitude.",
             ),
             |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
         ),

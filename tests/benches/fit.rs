@@ -85,7 +85,7 @@ fn read(path: &str) -> Vec<FitPoint> {
         let n: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
         let [sun, longitude, latitude] = [n[0], n[1], n[2]].map(f64::to_radians);
         let geometry = ViewingGeometry::from_angles(sun, longitude, latitude, 1000.0, 550.0).expect("a geometry");
-        FitPoint { geometry, magnitude: n[3], sigma_mag: n[4], group: 0 }
+        FitPoint { geometry, magnitude: n[3], sigma_mag: n[4], weight: 1.0, group: 0 }
     })
     .collect()
 }

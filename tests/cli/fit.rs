@@ -122,7 +122,7 @@ fn verif_interrupted_chains_can_be_resumed() {
     // A saved chain for other points belongs to another fit, and is rejected.
     let (code, _, stderr) = run(
         folder.path(),
-        &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.ecsv -o m.json"),
+        &format!("{FIT} --folds 0 --scatter-mag 0.4 --mcmc 70 --burn-in 5 --seed 4 --chains cut.ecsv -o m.json"),
     );
     assert!(code == 2 && stderr.contains("another fit"), "{stderr}");
     fs::write(at("broken.ecsv"), b"# %ECSV 1.0\n# not really\n").expect("a file");

@@ -146,7 +146,7 @@ fn models_of_all_satellites_and_of_a_kind() {
 /// `model pressure` has the force of the library, at the latitudes that are given.
 #[test]
 fn pressure_of_sunlight_is_that_of_the_library() {
-    let latitudes_deg = ["-20", "5", "60"];
+    let latitudes_deg = ["-20", "15", "60"];
     let words = ["model", "pressure", "starlink-v1.5-facets", "--mass-kg", "250", "--quiet", "--sun-latitude-deg"];
     let answer = json(&[&words, &latitudes_deg]);
     let rows = answer["accelerations"].as_array().unwrap();
@@ -166,8 +166,9 @@ fn pressure_of_sunlight_is_that_of_the_library() {
         let away = -expected.dot(to_sun.vector());
         assert!((number("acceleration_away_from_sun_nm_s2") - away).abs() < 1e-4, "{row}");
         assert!((number("cross_section_m2") - force.cross_section_m2).abs() < 1e-4, "{row}");
-        // Panels reflect a few hundredths of the light and absorb the rest.
-        assert!((1.0..1.2).contains(&number("pressure_coefficient")), "{row}");
+        // Panels reflect or transmit a few hundredths of the light and absorb the rest. Transmitted light reduces the
+        // force.
+        assert!((0.95..1.2).contains(&number("pressure_coefficient")), "{row}");
         assert_eq!(row["in_fitted_range"], latitude_deg == -20.0);
     }
     assert_eq!(answer["provenance"]["mass_kg"], 250.0);

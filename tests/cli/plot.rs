@@ -420,7 +420,7 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
 fn verif_tables_of_forecast_are_drawn() {
     let folder = tempdir().unwrap();
     let (curves, json, ecsv) = (path(&folder, "c.csv"), path(&folder, "n.json"), path(&folder, "c.ecsv"));
-    let night = ["forecast", "--night", "2026-08-14", "--max-mag", "5", "--min-culmination", "86", "--samples", "41"];
+    let night = ["forecast", "--night", "2026-08-14", "--max-mag", "5.3", "--min-culmination", "86", "--samples", "41"];
     for (light_curves, output) in [(&curves, &json), (&ecsv, &path(&folder, "n.jsonl"))] {
         let (code, _, stderr) = run(&[&night, SKY, &["--light-curves", light_curves, "-o", output]]);
         assert_eq!(code, 0, "{stderr}");

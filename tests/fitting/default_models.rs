@@ -1,141 +1,105 @@
-//! The default models have the best score of all bundled candidates on held-out tracks, nights or degrees of the Sun's
-//! altitude.
+//! The default models have the best score of all bundled candidates on held-out tracks, nights or passes.
 //!
-//! Models fitted for this project are fitted again to four fifths of the groups and predict the remaining fifth.
-//! Published models were made from other measurements, so that all points are held-out for them. The quadratic in the
-//! phase angle, fitted to the same folds, shows whether the additional parameters of panels improve the prediction.
+//! Models fitted for this project are fitted again to nine tenths of the groups and predict the remaining tenth.
+//! Published models were made from other measurements, so that all points are held out for them. The quadratic in the
+//! phase angle, fitted to the same folds by the same recipe, shows whether the additional parameters of panels improve
+//! the prediction.
 //!
-//! The log score is the mean logarithm of the probability density of the residuals, mag⁻¹. The density is a sum of two
-//! normal distributions of mean zero, a core and wings, fitted to the residuals of the other folds.
+//! The log score is the mean logarithm of the probability density of the residuals, mag⁻¹. The density is that of
+//! `ErrorDistribution::SATELLITES` with the median and the sigma of the other folds. All means are weighted by group.
 //!
-//! Of large surveys every n-th point is used.
+//! `cargo test --test fitting -- --ignored write_models` fits the models to all points of the surveys and writes the model
+//! files; `fit run` gives the same parameters.
 //!
 //! Requires the data folder; skipped with a message without it.
 
 use std::fmt::Write;
 use std::path::Path;
 
-use streakcast::elements::Generation;
 use streakcast::fit::checks::compare;
-use streakcast::fit::measurements::{
-    Format, Measurements, PhotometryOptions, Placement, RecordReader, Selection, measure,
-};
-use streakcast::fit::{
-    FitPoint, FitSettings, Form, Loss, PanelsForm, PhaseForm, Problem, RawWeights, TwoPanelForm,
-    points_of_measurements, predict, rms,
-};
+use streakcast::fit::{FitSettings, HeldOutPoint, Loss, ModelDescription, PhaseForm, Problem, model_file};
 use streakcast::passes::ModelChoice;
-use streakcast::photometry::{BrightnessModel, Earthshine, ModelKind, ModelLibrary};
+use streakcast::photometry::{ErrorDistribution, ModelLibrary};
 
-use crate::common::{assert_is_documented, thin};
+use super::survey::{
+    FOLDS, GroupMean, Recipe, SURVEYS, Weighted, held_out_of_form, log_density, mean_of, median_and_sigma_mag,
+};
+use crate::common::assert_is_documented;
 
-const FOLDS: usize = 5;
+/// Largest mean absolute residual of default models, mag.
+const MOST_MAG: [(&str, f64); 2] = [("starlink-v1.5-facets", 0.33), ("visorsat-panels", 0.345)];
+/// Smallest difference of the mean absolute residual from that of a robust quadratic in the phase angle, mag.
+const LEAST_GAIN_MAG: (&str, f64) = ("visorsat-panels", 0.05);
 
-/// Residuals of the points for which a candidate predicts a magnitude, each with its fold.
-type Residuals = Vec<(f64, usize)>;
-
-/// Survey of satellites of one generation.
-struct Survey {
-    kind: Generation,
-    path: &'static str,
-    format: Format,
-    height_km: Option<f64>,
-    /// Bundled models of this generation.
-    candidates: &'static [Candidate],
+struct Score {
+    log: GroupMean,
+    absolute_mag: GroupMean,
 }
 
-/// Bundled model with the settings of the fit that produced it (docs/explanation/models.md).
-struct Candidate {
-    model: &'static str,
-    held: &'static [(&'static str, f64)],
-    loss: Loss,
+/// Scores held-out points with median and sigma of the other folds.
+fn score(points: &[HeldOutPoint]) -> Score {
+    let of_others: Vec<[f64; 2]> =
+        (0..FOLDS).map(|fold| median_and_sigma_mag(points.iter().filter(|one| one.fold != fold))).collect();
+    let value = |one: &HeldOutPoint| {
+        let [median, sigma] = of_others[one.fold];
+        (one.residual_mag() - median, sigma)
+    };
+    let log = |one: &HeldOutPoint| {
+        let (residual, sigma) = value(one);
+        log_density(&ErrorDistribution::SATELLITES, residual, sigma)
+    };
+    let absolute =
+        points.iter().map(|one| Weighted { value: value(one).0.abs(), weight: one.weight, group: one.group });
+    Score { log: mean_of(points, log), absolute_mag: GroupMean::of(absolute) }
 }
-
-const fn candidate(model: &'static str, held: &'static [(&'static str, f64)], loss: Loss) -> Candidate {
-    Candidate { model, held, loss }
-}
-
-const SURVEYS: [Survey; 5] = [
-    Survey {
-        kind: Generation::StarlinkV15,
-        path: "photometry/pomenis/pomenis_observations.csv",
-        format: Format::Pomenis,
-        height_km: None,
-        candidates: &[
-            candidate("starlink-v1.5-facets", &[], Loss::Squares),
-            candidate("starlink-v1.5", &[("c1", 0.0), ("n_sail", 5.0)], Loss::Squares),
-            candidate("starlink-v1.5-phase", &[], Loss::Squares),
-        ],
-    },
-    Survey {
-        kind: Generation::StarlinkV2Mini,
-        path: "photometry/slingshot_v2/Observations_in_field.csv",
-        format: Format::Slingshot,
-        height_km: None,
-        candidates: &[
-            candidate("v2mini-panels", &[("n_straight", 18.0)], Loss::SoftL1),
-            candidate("v2mini", &[], Loss::Squares),
-        ],
-    },
-    Survey {
-        kind: Generation::StarlinkVisorSat,
-        path: "derived/mmt9_starlink_visorsat.csv.gz",
-        format: Format::Mmt,
-        height_km: Some(540.0),
-        candidates: &[
-            candidate("visorsat-panels", &[("n_sail", 1.0)], Loss::Squares),
-            candidate("visorsat", &[], Loss::Squares),
-        ],
-    },
-    Survey {
-        kind: Generation::OneWeb,
-        path: "derived/mmt9_oneweb.csv.gz",
-        format: Format::Mmt,
-        height_km: Some(1200.0),
-        candidates: &[
-            candidate("oneweb-panels", &[("sail_diffuse", 0.0), ("n_straight", 1.6)], Loss::Squares),
-            candidate("oneweb", &[], Loss::Squares),
-        ],
-    },
-    Survey {
-        kind: Generation::IridiumNext,
-        path: "derived/mmt9_iridium2.csv.gz",
-        format: Format::Mmt,
-        height_km: Some(780.0),
-        candidates: &[candidate("iridium-next", &[], Loss::Squares)],
-    },
-];
 
 #[test]
 fn valid_default_models_have_the_best_score_on_unseen_points() {
     let Some(data) = crate::common::data_dir() else { return };
     let (library, defaults) = (ModelLibrary::embedded(), ModelChoice::default());
-    let mut table = "| kind | points | model | log score | RMS, mag |\n|---|---|---|---|---|\n".to_owned();
+    let mut table =
+        "| kind | points, groups | model | log score | mean absolute residual, mag |\n|---|---|---|---|---|\n"
+            .to_owned();
     for survey in &SURVEYS {
         let points = survey.points(&data);
-        let folds = folds(&points);
         let default = defaults.of_kind(survey.kind).and_then(|model| Some(model.file()?.name.clone())).unwrap();
-        let of_candidate = |candidate: &Candidate| {
-            (
-                candidate.model,
-                score(&unseen_of_model(&library.get(candidate.model).unwrap(), candidate, &points, &folds)),
-            )
-        };
-        let mut scores: Vec<(&str, [f64; 2])> = survey.candidates.iter().map(of_candidate).collect();
-        let quadratic = FitSettings::free(&["a0", "a1", "a2"]);
-        let quadratic = score(&unseen_of_form(&PhaseForm { degree: 2 }, &quadratic, &points, &folds));
-        scores.push(("quadratic in phase", quadratic));
-        let best_log = scores.iter().max_by(|a, b| a.1[0].total_cmp(&b.1[0])).unwrap();
-        let best_rms = scores.iter().min_by(|a, b| a.1[1].total_cmp(&b.1[1])).unwrap();
-        assert_eq!((best_log.0, best_rms.0), (default.as_str(), default.as_str()), "{}: {scores:?}", survey.kind);
-        for (index, (name, [log_score, rms_mag])) in scores.iter().enumerate() {
-            let of_survey = if index == 0 { format!("{} | {}", survey.kind, points.len()) } else { "|".to_owned() };
+        assert_eq!(survey.models[0].name, default);
+        let of_candidate = |candidate| score(&survey.held_out(candidate, &points));
+        let mut scores: Vec<(&str, Score)> = survey.models.iter().map(|one| (one.name, of_candidate(one))).collect();
+        let settings = FitSettings { loss: Loss::SoftL1, ..FitSettings::free(&["a0", "a1", "a2"]) };
+        let quadratic = held_out_of_form("quadratic", Box::new(PhaseForm { degree: 2 }), &settings, &points);
+        scores.push(("quadratic in phase", score(&quadratic)));
+        let groups = points.iter().map(|point| point.group).collect::<std::collections::BTreeSet<_>>().len();
+        for (index, (name, score)) in scores.iter().enumerate() {
+            let of_survey =
+                if index == 0 { format!("{} | {}, {groups}", survey.kind, points.len()) } else { "|".to_owned() };
             let name = if *name == default { format!("**{name}**") } else { (*name).to_owned() };
-            writeln!(table, "| {of_survey} | {name} | {log_score:.3} | {rms_mag:.3} |").unwrap();
+            let (log, mag) = (score.log, score.absolute_mag);
+            writeln!(
+                table,
+                "| {of_survey} | {name} | {:.3} +- {:.3} | {:.3} +- {:.3} |",
+                log.mean, log.error, mag.mean, mag.error
+            )
+            .unwrap();
+        }
+        println!("{table}");
+        let own = &scores[0].1;
+        for (name, other) in &scores[1..] {
+            assert!(
+                own.log.mean > other.log.mean && own.absolute_mag.mean < other.absolute_mag.mean,
+                "{name}\n{table}"
+            );
+        }
+        if let Some((_, most)) = MOST_MAG.iter().find(|(name, _)| *name == default) {
+            assert!(own.absolute_mag.mean <= *most, "{table}");
+        }
+        if default == LEAST_GAIN_MAG.0 {
+            let gain = scores.last().unwrap().1.absolute_mag.mean - own.absolute_mag.mean;
+            assert!(gain >= LEAST_GAIN_MAG.1, "{table}");
         }
         // Every bundled model of these satellites is a candidate.
         let satellites = |name: &str| compare(&library.get(name).unwrap(), None)[0].satellites.unwrap();
-        let mut candidates: Vec<&str> = survey.candidates.iter().map(|one| one.model).collect();
+        let mut candidates: Vec<&str> = survey.models.iter().map(|one| one.name).collect();
         candidates.sort_unstable();
         let of_kind: Vec<&str> = library.names().filter(|name| satellites(name) == satellites(&default)).collect();
         assert_eq!(of_kind, candidates, "{}", survey.kind);
@@ -143,114 +107,52 @@ fn valid_default_models_have_the_best_score_on_unseen_points() {
     assert_is_documented("default-models.md", &table);
 }
 
-impl Survey {
-    fn points(&self, data: &Path) -> Vec<FitPoint> {
-        let options = PhotometryOptions { format: Some(self.format), ..PhotometryOptions::default() };
-        let mut reader = RecordReader::open(&[data.join(self.path)], &options).unwrap();
-        let mut measured: Measurements =
-            measure(&mut reader, &Placement::recorded(self.height_km), &Selection::default()).unwrap();
-        thin(&mut measured);
-        points_of_measurements(&measured, &RawWeights::default())
-    }
-}
-
-/// Returns the fold of each point; all points of a group have the same fold.
-fn folds(points: &[FitPoint]) -> Vec<usize> {
-    let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
-    groups.sort_unstable();
-    groups.dedup();
-    assert!(groups.len() >= 3 * FOLDS, "{} groups", groups.len());
-    points.iter().map(|point| groups.partition_point(|&other| other < point.group) % FOLDS).collect()
-}
-
-fn unseen_of_model(model: &BrightnessModel, candidate: &Candidate, points: &[FitPoint], folds: &[usize]) -> Residuals {
-    let file = model.file().unwrap();
-    let (band, system) = model.band();
-    let (earthshine, sun_magnitude) = (Earthshine::Computed, band.sun_magnitude(system));
-    let form: Box<dyn Form> = match (file.kind, &file.panels, file.shape.zip(file.coefficients)) {
-        (ModelKind::Panels, Some(spec), _) => Box::new(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
-        (ModelKind::TwoPanel, _, Some((shape, coefficients))) => {
-            Box::new(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
-        }
-        _ => {
-            let residual = |point: &FitPoint| point.magnitude - model.standard_magnitude(&point.geometry).unwrap().0;
-            return points.iter().map(residual).zip(folds.iter().copied()).collect();
-        }
-    };
-    let held: Vec<(String, f64)> = candidate.held.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
-    let parameters = form.parameters().into_iter().map(|parameter| parameter.name);
-    // The angle between chassis and sail is not fitted.
-    let is_free = |name: &String| name != "panel_offset_deg" && held.iter().all(|(other, _)| other != name);
-    let free = parameters.filter(is_free).collect();
-    unseen_of_form(&*form, &FitSettings { free, held, loss: candidate.loss, ..FitSettings::default() }, points, folds)
-}
-
-/// Returns the residuals of each fold from the fit to the others, for points for which the form gives a magnitude.
-fn unseen_of_form(form: &dyn Form, settings: &FitSettings, points: &[FitPoint], folds: &[usize]) -> Residuals {
-    let mut unseen = Vec::new();
-    for fold in 0..FOLDS {
-        let side = |held: bool| -> Vec<FitPoint> {
-            points.iter().zip(folds).filter(|(_, of)| (**of == fold) == held).map(|(point, _)| *point).collect()
-        };
-        let (fitted, predicted) = (side(false), side(true));
-        let fit = Problem::new(form, &fitted, settings).unwrap().solve().unwrap();
-        let magnitudes = predict(form, &predicted, &fit.values());
-        unseen.extend(predicted.iter().zip(magnitudes).map(|(point, magnitude)| (point.magnitude - magnitude, fold)));
-    }
-    assert!(unseen.iter().all(|(residual, _)| residual.is_finite()), "a point that {} does not explain", form.name());
-    unseen
-}
-
-/// Returns log score, mag⁻¹, and RMS, mag.
-fn score(unseen: &Residuals) -> [f64; 2] {
-    let all: Vec<f64> = unseen.iter().map(|(residual, _)| *residual).collect();
-    let mut sum = 0.0;
-    for fold in 0..FOLDS {
-        let side = |same: bool| -> Vec<f64> {
-            unseen.iter().filter(|(_, of)| (*of == fold) == same).map(|(residual, _)| *residual).collect()
-        };
-        let distribution = CoreAndWings::fitted(&side(false));
-        sum += side(true).iter().map(|residual| distribution.density_per_mag(*residual).ln()).sum::<f64>();
-    }
-    [sum / all.len() as f64, rms(&all)]
-}
-
-/// Sum of two normal distributions of mean zero.
-#[derive(Copy, Clone)]
-struct CoreAndWings {
-    sigma_mag: [f64; 2],
-    share: [f64; 2],
-}
-
-impl CoreAndWings {
-    /// Fits the distribution by maximum likelihood (expectation maximisation).
-    fn fitted(residuals_mag: &[f64]) -> Self {
-        let whole = rms(residuals_mag);
-        let mut now = Self { sigma_mag: [0.6 * whole, 1.8 * whole], share: [0.8, 0.2] };
-        for _ in 0..200 {
-            let mut sums = [[0.0_f64; 2]; 2];
-            for residual in residuals_mag {
-                let all = now.density_per_mag(*residual);
-                for (part, sums) in sums.iter_mut().enumerate() {
-                    let weight = now.part_per_mag(part, *residual) / all;
-                    sums[0] += weight;
-                    sums[1] += weight * residual * residual;
-                }
+/// Fits the models again and writes parameters, covariance, range, RMS and sigma into their files.
+#[test]
+#[ignore = "writes into the source"]
+fn write_models() {
+    let data = crate::common::data_dir().expect("the data folder");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/photometry/models");
+    let library = ModelLibrary::embedded();
+    for survey in &SURVEYS {
+        // Fits to all points; median and sigma from every n-th point, because rows of a track differ little.
+        let (points, thinned) = (survey.weighed(&survey.measurements(&data)), survey.points(&data));
+        for candidate in survey.models {
+            let Some(Recipe { form, settings }) = survey.recipe(candidate) else { continue };
+            let problem = Problem::new(&*form, &points, &settings).unwrap();
+            let fit = problem.solve().unwrap();
+            let base = library.get(candidate.name).unwrap().file().unwrap().clone();
+            let held_out = survey.held_out(candidate, &thinned);
+            let singles: Vec<(f64, f64)> = held_out.iter().map(HeldOutPoint::weighted_residual).collect();
+            let description = ModelDescription {
+                name: base.name.clone(),
+                title: base.title.clone(),
+                source: base.provenance.source.clone(),
+                data: base.provenance.data.clone(),
+                date: base.provenance.date.clone(),
+                provisional: base.provenance.provisional,
+                notes: base.provenance.notes.clone(),
+                sigma_origin: format!(
+                    "sigma contains 68.3 % of the residuals of single measurements of held-out {} ({FOLDS} folds) about \
+                     their median, which is 0; other surveys may be offset by 0.1 to 0.2 mag",
+                    survey.group_name()
+                ),
+            };
+            let rms_mag = fit.statistics(&points).unwrap().rms_mag;
+            let mut file = model_file(&base, &fit, problem.points(), rms_mag, &singles, &description).unwrap();
+            file.aliases = base.aliases.clone();
+            // Six digits are more than the points determine.
+            let rounded = |x: f64| format!("{x:.5e}").parse::<f64>().unwrap();
+            if let Some(panels) = &mut file.panels {
+                panels.parameters.iter_mut().for_each(|one| one.value = rounded(one.value));
             }
-            now.share = sums.map(|[weight, _]| weight / residuals_mag.len() as f64);
-            // The sigmas are at least the measurement errors of the surveys.
-            now.sigma_mag = sums.map(|[weight, square]| (square / weight).sqrt().max(0.05));
+            if let Some(c) = &mut file.coefficients {
+                [&mut c.c1, &mut c.c2, &mut c.c3, &mut c.c4, &mut c.c5, &mut c.n_sail, &mut c.n_base]
+                    .into_iter()
+                    .for_each(|c| *c = rounded(*c));
+            }
+            println!("{}: rms {rms_mag:.3}, sigma {:.3}, {:?}", file.name, file.sigma_mag, file.parameters());
+            std::fs::write(folder.join(format!("{}.json", file.name)), file.to_json() + "\n").unwrap();
         }
-        now
-    }
-
-    fn part_per_mag(&self, part: usize, residual_mag: f64) -> f64 {
-        let sigma = self.sigma_mag[part];
-        // s e^(-r²/2σ²) / (σ √2π)
-        self.share[part] * (-0.5 * (residual_mag / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt())
-    }
-
-    fn density_per_mag(&self, residual_mag: f64) -> f64 {
-        self.part_per_mag(0, residual_mag) + self.part_per_mag(1, residual_mag)
     }
 }

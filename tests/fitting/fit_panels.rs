@@ -24,7 +24,7 @@ const SATELLITE: &str = r#"{
     "spheres": [{ "name": "clutter", "area_m2": 10, "albedo": "clutter", "phase": "isotropic" }],
     "blocking": [{ "panel": "sail", "by": "base" }]
   },
-  "covariance": null, "rms_mag": null, "sigma_mag": 0.5, "sigma_outside_mag": 1.0, "sigma_origin": "assumed", "geometry_range": null,
+  "covariance": null, "rms_mag": null, "sigma_mag": 0.5, "sigma_origin": "assumed", "geometry_range": null,
   "provenance": { "source": "made up", "data": "none", "n_points": null, "date": "2026-11", "provisional": true, "notes": [] }
 }"#;
 
@@ -46,7 +46,7 @@ fn points() -> Vec<FitPoint> {
     let at = |sun: f64, (longitude, latitude): (f64, f64)| {
         let [sun, longitude, latitude] = [sun, longitude, latitude].map(f64::to_radians);
         let geometry = ViewingGeometry::from_angles(sun, longitude, latitude, 1000.0, 550.0).expect("a geometry");
-        FitPoint { geometry, magnitude: 6.0, sigma_mag: 0.1, group: (longitude * 100.0) as u32 }
+        FitPoint { geometry, magnitude: 6.0, sigma_mag: 0.1, weight: 1.0, group: (longitude * 100.0) as u32 }
     };
     suns.iter().flat_map(|&sun| directions.iter().map(move |&direction| at(sun, direction))).collect()
 }

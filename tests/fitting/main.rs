@@ -14,4 +14,7 @@ mod learning;
 mod measured;
 mod measured_real;
 mod model_validation;
+mod outside_geometry;
+mod pass_update;
+mod survey;
 mod unseen_surveys;

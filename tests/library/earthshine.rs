@@ -284,7 +284,7 @@ fn verif_panels_receive_earthshine_if_enabled() {
                  "front": [{"law": "phong", "weight": c.c4, "exponent": c.n_base}, {"law": "lambert", "albedo": c.c5}],
                  "earthshine": true}],
                 "blocking": [{"panel": "sail", "by": "chassis"}]},
-            "covariance": null, "rms_mag": null, "sigma_mag": 0.3, "sigma_outside_mag": 1.0, "sigma_origin": "assumed",
+            "covariance": null, "rms_mag": null, "sigma_mag": 0.3, "sigma_origin": "assumed",
             "geometry_range": null,
             "provenance": {"source": "a test", "data": "none", "n_points": null, "date": "2026", "provisional": true, "notes": []}
         });

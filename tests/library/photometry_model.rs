@@ -249,8 +249,8 @@ fn verif_effects_of_options_and_shadow_on_a_magnitude() {
     let plain = model.brightness(&geometry, 1.0, &default).unwrap();
     assert_eq!(plain.source.to_string(), "brdf:starlink-v1.5");
     assert!(plain.in_fitted_range && !plain.grey_reflectance);
-    // Sigma of the file, and the contribution of the errors of the coefficients.
-    assert!((0.417..0.45).contains(&plain.sigma_mag), "{}", plain.sigma_mag);
+    // Inside the fitted geometry sigma is that of the file.
+    assert_eq!(plain.sigma_mag, model.sigma_mag());
     assert!((plain.magnitude.0 - model.standard_magnitude(&geometry).unwrap().at_range(700.0).0).abs() < 1e-12);
     let with = |options: PhotometryOptions, lit: f64| model.brightness(&geometry, lit, &options);
     let change = |options: PhotometryOptions, lit: f64| with(options, lit).unwrap().magnitude.0 - plain.magnitude.0;
@@ -291,6 +291,13 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     let inside = at("starlink-v1.5", -14.0, 30.0, -50.0).unwrap();
     let outside = at("starlink-v1.5", -60.0, 30.0, -50.0).unwrap();
     assert!(inside.in_fitted_range && !outside.in_fitted_range && outside.sigma_mag > inside.sigma_mag);
+    // Sigma grows with the distance d from the fitted geometry, here of the Sun's latitude alone: √(1 + (d / 10°)²).
+    let sigma = |sun_deg: f64| at("starlink-v1.5", sun_deg, 30.0, -50.0).unwrap().sigma_mag / inside.sigma_mag;
+    for (beyond_deg, flagged) in [(0.0, true), (5.0, true), (9.9, true), (12.0, false)] {
+        let ratio = sigma(beyond_deg - 5.0);
+        assert!((ratio - (1.0 + (beyond_deg / 10.0_f64).powi(2)).sqrt()).abs() < 1e-9, "{beyond_deg}: {ratio}");
+        assert_eq!(at("starlink-v1.5", beyond_deg - 5.0, 30.0, -50.0).unwrap().in_fitted_range, flagged);
+    }
     // Sun above, observer above and behind: no lit panel is visible.
     assert_eq!(at("starlink-v1.5", 120.0 - 90.0, 60.0, 90.0), None);
     // At a phase angle of 4 degrees the phase function is clamped and has a large sigma.
@@ -298,7 +305,7 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     assert!(!clamped.in_fitted_range && clamped.sigma_mag > at("v2mini", -14.0, 90.0, -50.0).unwrap().sigma_mag);
     assert_eq!(clamped.source.to_string(), "phase:v2mini");
     // A prior does not depend on the direction.
-    assert_eq!(at("unknown", -14.0, 90.0, -50.0), at("unknown", -60.0, 9.0, -10.0));
+    assert_eq!(at("unknown", -14.0, 90.0, -50.0), at("unknown", -10.0, 9.0, -10.0));
     // Magnitude of a sphere at a phase angle of 90 degrees: its standard magnitude.
     let sphere = BrightnessModel::from_standard_magnitude(StandardMagnitude(5.5));
     let geometry = ViewingGeometry::from_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2, 1000.0, 1000.0).unwrap();

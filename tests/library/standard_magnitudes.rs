@@ -22,9 +22,9 @@ fn elements(data: &std::path::Path, id: u32) -> ElementSet {
     sets.element_sets.into_iter().find(|set| set.norad_id == NoradId(id)).unwrap()
 }
 
-fn sky(set: ElementSet, site: Site) -> Sky {
+fn sky(set: ElementSet, site: Site, choice: &ModelChoice) -> Sky {
     let eop = EopTable::embedded().without_polar_motion();
-    Sky::with_models(vec![set], Observer::new(site), eop, &ModelChoice::default()).with_drag(DragModel::Published)
+    Sky::with_models(vec![set], Observer::new(site), eop, choice).with_drag(DragModel::Published)
 }
 
 /// Returns the rows of one pass: time, range (km), magnitude.
@@ -50,7 +50,7 @@ fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
     ];
     let (mut phases_deg, mut differences) = (Vec::new(), Vec::new());
     for (id, date, day, offset_h, site) in passes {
-        let sky = sky(elements(&data, id), site.unwrap());
+        let sky = sky(elements(&data, id), site.unwrap(), &ModelChoice::default());
         let object = BrightObjects::embedded().get(id, "").unwrap();
         for (clock, distance_km, printed) in events(&text, date) {
             let local: Epoch = format!("{day}T{clock} UTC").parse().unwrap();
@@ -83,12 +83,20 @@ fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
     assert!(worst(0) < PRINTED_MAG && worst(1) > 10.0 * PRINTED_MAG && worst(2) > 20.0 * PRINTED_MAG);
 }
 
-/// Brightest times of 15 passes of the ISS with its built-in magnitude.
+/// Brightest times of 15 passes of the ISS, without and with a table of standard magnitudes.
 #[test]
-fn valid_iss_without_a_file_against_heavens_above() {
+fn valid_iss_with_and_without_a_file_against_heavens_above() {
     let Some(data) = crate::common::data_dir() else { return };
+    let bytes = std::fs::read(data.join("metadata/qs.mag")).unwrap();
+    let table = StandardMagnitudes::from_qs_mag(&String::from_utf8_lossy(&bytes)).unwrap();
+    for choice in [ModelChoice::default(), ModelChoice::default().with_standard_magnitudes(table)] {
+        iss_against_heavens_above(&data, &choice);
+    }
+}
+
+fn iss_against_heavens_above(data: &std::path::Path, choice: &ModelChoice) {
     // Heavens-Above ends passes at the geometric shadow.
-    let sky = sky(elements(&data, 25_544), Site::new_deg("Zurich", 47.3744, 8.541, 0.0).unwrap())
+    let sky = sky(elements(data, 25_544), Site::new_deg("Zurich", 47.3744, 8.541, 0.0).unwrap(), choice)
         .with_shadow(ShadowModel::Geometric);
     let start: Epoch = "2022-01-21T12:00:00 UTC".parse().unwrap();
     let request = ForecastRequest {
@@ -113,6 +121,19 @@ fn valid_iss_without_a_file_against_heavens_above() {
         compared += 1;
     }
     assert_eq!(compared, 15);
+}
+
+/// Standard magnitudes of HST and Envisat in the list, if the built-in ones were not used: the difference from those of
+/// Heavens-Above.
+#[test]
+fn valid_conversion_of_the_list_against_heavens_above() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let bytes = std::fs::read(data.join("metadata/qs.mag")).unwrap();
+    let listed = StandardMagnitudes::from_qs_mag(&String::from_utf8_lossy(&bytes)).unwrap();
+    for id in [20_580, 27_386] {
+        let of_heavens_above = BrightObjects::embedded().get(id, "").unwrap().half_lit.0;
+        assert!((listed.get(id).unwrap().0 - of_heavens_above).abs() < PRINTED_MAG, "{id}");
+    }
 }
 
 /// Magnitudes of classes are the means of the listed magnitudes.
@@ -152,10 +173,14 @@ fn verif_built_in_objects_have_their_models() {
     assert_eq!(source(19_120, "SL-16 R/B"), "prior:sl-16-rocket-body");
     assert_eq!(source(19_120, "CZ-99 R/B"), "prior:rocket-body");
     assert_eq!(source(12, "VANGUARD 2"), "prior");
-    // A table of the user takes precedence.
-    let table = StandardMagnitudes::from_qs_mag("25544   98 67A    ISS            -2.0              348\n").unwrap();
-    let own = ModelChoice::default().with_standard_magnitudes(table).model_of(&named(25_544, "ISS"));
+    // A table of the user takes precedence over classes and priors, but not over single built-in objects.
+    let text = "25544   98 67A    ISS            -2.0              348\n\
+                19120   88 39B    C* 1943 Rk      1.9 10.4 3.9 0.0  11\n";
+    let choice = ModelChoice::default().with_standard_magnitudes(StandardMagnitudes::from_qs_mag(text).unwrap());
     let geometry = ViewingGeometry::from_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2, 1000.0, 420.0).unwrap();
-    assert!((own.standard_magnitude(&geometry).unwrap().0 - (1.4526 - 2.0)).abs() < 1e-4);
-    assert_eq!(*own.source(), MagnitudeSource::StandardMagnitude);
+    for (id, name, expected) in [(25_544, "ISS", -1.8), (19_120, "SL-16 R/B", 1.9 + 0.7526)] {
+        let own = choice.model_of(&named(id, name));
+        assert!((own.standard_magnitude(&geometry).unwrap().0 - expected).abs() < 1e-4, "{name}");
+        assert_eq!(*own.source(), MagnitudeSource::StandardMagnitude);
+    }
 }

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use crate::math::quantile::median;
 use crate::output::{Column, Kind, Table};
 use crate::photometry::BrightnessModel;
 
-use super::super::statistics::{ResidualStatistics, share_within, sigma_68_mag};
+use super::super::point::group_weights;
+use super::super::statistics::{ResidualStatistics, share_within, weighted_sigma_68_mag};
 use super::photometry::{Photometry, ReferenceMeasurement, in_v};
 use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
@@ -19,13 +21,21 @@ pub const SURVEY_ERROR_MAG: f64 = 0.2;
 /// difference.
 const DIFFERENCE_TOLERANCE: f64 = 2.0;
 
+/// Correlation of the differences of one track, night or pass, from which the weights of the measurements follow. It is
+/// 0.2 to 0.6 in the surveys.
+const GROUP_CORRELATION: f64 = 0.5;
+
 /// Smallest and largest accepted ratio of the half width that contains 68.3 % of the differences from measurements to
-/// the sigma in the model's file. A sigma that is too small misleads more than one that is too large.
+/// the predicted sigma. A sigma that is too small misleads more than one that is too large.
 pub const SIGMA_RATIOS: [f64; 2] = [1.0 / 1.5, 1.25];
 
-/// Largest RMS with which a model is accepted, in units of the sigma in its file. Flares and misidentified satellites
+/// Largest RMS with which a model is accepted, in units of the predicted sigma. Flares and misidentified satellites
 /// form wings, which raise the RMS above the sigma that contains 68.3 %. Above twice that sigma the wings dominate.
 const RMS_TOLERANCE_SIGMA: f64 = 2.0;
+
+/// Difference between the median of single magnitudes, which a model predicts, and their mean, which is published, in
+/// units of sigma: flares make the mean brighter. The files of published means and phase functions are fainter by as much.
+pub const MEDIAN_LESS_MEAN_SIGMAS: f64 = 0.2;
 
 /// Kind of a reference.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -114,7 +124,8 @@ pub struct Comparison {
     pub sample: Option<Sample>,
     /// Number of geometries or measurements compared.
     pub n: usize,
-    /// Mean of the model over these geometries or measurements, mag.
+    /// Mean of the model over these geometries or measurements, mag. For published means and phase functions it is that of
+    /// single magnitudes, which is [`MEDIAN_LESS_MEAN_SIGMAS`] brighter than the mean of the predicted medians.
     pub model_mean_mag: Option<f64>,
     /// Standard deviation of the model over these geometries or measurements, mag.
     pub model_sd_mag: Option<f64>,
@@ -132,13 +143,14 @@ pub struct Comparison {
     /// 1.4826 times the median absolute deviation of reference minus model, mag; `None` if the reference is a published
     /// mean.
     pub core_mag: Option<f64>,
-    /// Uncertainty (one sigma) of a single prediction as stated in the model's file, mag.
+    /// Uncertainty (one sigma) of a single prediction, mag: the median of the sigmas that the program predicts for the
+    /// geometries of the measurements; for other references that in the model's file.
     pub sigma_mag: f64,
-    /// Fraction of the differences that are within `sigma_mag`. If the reference is a published mean: fraction of the
-    /// model's magnitudes that are within the published standard deviation of that mean.
+    /// Fraction of the differences that are within the sigma of their prediction. If the reference is a published mean:
+    /// fraction of the model's magnitudes that are within the published standard deviation of that mean.
     pub within_one_sigma: Option<f64>,
-    /// Half width that contains 68.3 % of the differences from measurements, over `sigma_mag`; `None` for other
-    /// references.
+    /// Half width that contains 68.3 % of the differences from measurements, each in units of the sigma of its
+    /// prediction; `None` for other references.
     pub sigma_ratio: Option<f64>,
     /// Result of the comparison.
     pub verdict: Verdict,
@@ -153,8 +165,9 @@ pub struct Comparison {
 ///   survey, because the survey scatters by as much about its own curve, and a model that depends on more angles than
 ///   the phase angle cannot follow the curve exactly;
 /// * measurements if the difference is at most twice its error, the ratio of sigmas is within [`SIGMA_RATIOS`], and the
-///   RMS is at most twice the sigma in the model's file. Measurements in grazing sunlight are compared separately with
-///   the same tolerances.
+///   RMS is at most twice sigma. Measurements in grazing sunlight are compared separately with
+///   the same tolerances. Each measurement is compared with the sigma that the program predicts for its geometry, and
+///   weighted by the number of measurements of its group.
 ///
 /// The result has at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
@@ -189,7 +202,7 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
         let modelled: Vec<Modelled> = shell_geometries(height_km, inclination_deg)
             .iter()
             .filter_map(|(geometry, weight)| {
-                let magnitude = in_v(model, geometry)?.0;
+                let magnitude = in_v(model, geometry)?.0 - MEDIAN_LESS_MEAN_SIGMAS * sigma_mag;
                 Some(Modelled { magnitude, weight: *weight, phase_rad: geometry.phase_angle_rad() })
             })
             .collect();
@@ -287,41 +300,52 @@ fn with_curve(row: Comparison, curve: &PublishedCurve, sd_mag: f64, modelled: &[
 }
 
 fn with_measurements(row: Comparison, model: &BrightnessModel, measured: &[ReferenceMeasurement]) -> Comparison {
-    let (pairs, groups): (Vec<Pair>, Vec<u32>) = measured
-        .iter()
-        .filter_map(|one| {
-            let model_mag = one.of_model(model)?.0;
-            Some((Pair { reference_mag: one.magnitude.0, model_mag, weight: 1.0 }, one.group))
-        })
-        .unzip();
+    let compared = measured.iter().filter_map(|one| {
+        let (model_mag, sigma_mag) = (one.of_model(model)?.0, one.sigma_of_model_mag(model)?);
+        Some((Pair { reference_mag: one.magnitude.0, model_mag, weight: 1.0 }, sigma_mag, one.group))
+    });
+    let mut pairs = Vec::new();
+    let (mut sigmas_mag, mut groups): (Vec<f64>, Vec<u32>) = (Vec::new(), Vec::new());
+    for (pair, sigma_mag, group) in compared {
+        pairs.push(pair);
+        sigmas_mag.push(sigma_mag);
+        groups.push(group);
+    }
+    let weights = group_weights(&groups, GROUP_CORRELATION);
+    pairs.iter_mut().zip(&weights).for_each(|(pair, weight)| pair.weight = *weight);
     let Some((row, statistics)) = with_pairs(&row, &pairs) else { return row };
-    let differences: Vec<f64> = pairs.iter().map(Pair::difference_mag).collect();
-    let sampling_mag = error_of_mean(&differences, &groups, &statistics);
-    let sigma_ratio = sigma_68_mag(&differences) / row.sigma_mag;
+    let sampling_mag = error_of_mean(&pairs, &groups, &statistics);
+    let in_sigmas: Vec<(f64, f64)> =
+        pairs.iter().zip(&sigmas_mag).map(|(pair, sigma)| (pair.difference_mag() / sigma, pair.weight)).collect();
+    let sigma_ratio = weighted_sigma_68_mag(&in_sigmas);
+    let rms_sigmas = ResidualStatistics::weighted(in_sigmas.iter().copied()).map_or(f64::NAN, |all| all.rms_mag);
     let row = Comparison {
         difference_error_mag: Some(SURVEY_ERROR_MAG.hypot(sampling_mag)),
+        sigma_mag: median(sigmas_mag),
+        within_one_sigma: share_within(in_sigmas, 1.0),
         sigma_ratio: Some(sigma_ratio),
         ..row
     };
     let [least, greatest] = SIGMA_RATIOS;
-    let has_few_wings = statistics.rms_mag <= RMS_TOLERANCE_SIGMA * row.sigma_mag;
+    let has_few_wings = rms_sigmas <= RMS_TOLERANCE_SIGMA;
     let agrees = is_close(&row) && (least..=greatest).contains(&sigma_ratio) && has_few_wings;
     Comparison { verdict: verdict(agrees), ..row }
 }
 
-/// Returns the statistical error of the mean of differences, mag, whose groups are independent of one another; for a
-/// single group, the spread of the differences.
-fn error_of_mean(differences: &[f64], groups: &[u32], statistics: &ResidualStatistics) -> f64 {
+/// Returns the statistical error of the weighted mean of differences, mag, whose groups are independent of one another;
+/// for a single group, the spread of the differences.
+fn error_of_mean(pairs: &[Pair], groups: &[u32], statistics: &ResidualStatistics) -> f64 {
     let mut sums = BTreeMap::new();
-    for (difference, group) in differences.iter().zip(groups) {
-        *sums.entry(group).or_insert(0.0) += difference - statistics.mean_mag;
+    for (pair, group) in pairs.iter().zip(groups) {
+        *sums.entry(group).or_insert(0.0) += pair.weight * (pair.difference_mag() - statistics.mean_mag);
     }
-    let (count, n) = (sums.len() as f64, differences.len() as f64);
+    let count = sums.len() as f64;
     if sums.len() < 2 {
         return statistics.sd_mag;
     }
-    // e² = G/(G - 1) Σ_g (Σ_i (d_i - mean))² / n²            Liang and Zeger (1986), Biometrika 73, 13
-    (count / (count - 1.0) * sums.values().map(|sum| sum * sum).sum::<f64>()).sqrt() / n
+    let total: f64 = pairs.iter().map(|pair| pair.weight).sum();
+    // e² = G/(G - 1) Σ_g (Σ_i w_i (d_i - mean))² / (Σ w)²            Liang and Zeger (1986), Biometrika 73, 13
+    (count / (count - 1.0) * sums.values().map(|sum| sum * sum).sum::<f64>()).sqrt() / total
 }
 
 /// Magnitudes of a reference and of the model in one geometry, with its weight.
@@ -383,7 +407,7 @@ const COLUMNS: [Column; 19] = [
     Column::real("difference_errors", "", 2, "Difference divided by its error; ok from -2 to 2."),
     Column::real("rms_mag", "mag", 3, "Root mean square of reference minus model; empty against a mean."),
     Column::real("core_mag", "mag", 3, "1.4826 times the median absolute deviation of reference minus model."),
-    Column::real("sigma_mag", "mag", 3, "One sigma of a single prediction, from the model's file."),
+    Column::real("sigma_mag", "mag", 3, "One sigma of a single prediction (median over the measurements)."),
     Column::real(
         "within_one_sigma",
         "",
@@ -394,7 +418,7 @@ const COLUMNS: [Column; 19] = [
         "sigma_ratio",
         "",
         3,
-        "Half width with 68.3 % of the differences from measurements, divided by that sigma; ok from 0.67 to 1.25.",
+        "Half width with 68.3 % of the differences from measurements, in their sigmas; ok from 0.67 to 1.25.",
     ),
     Column::new("verdict", Kind::Text, "ok, off, or no data."),
 ];
@@ -436,12 +460,13 @@ mod tests {
     fn verif_error_of_the_mean_counts_groups() {
         // Four groups of equal differences are four measurements: sd 1.29, error 1.29/√4.
         let values = [1.0, 2.0, 3.0, 4.0];
-        let differences: Vec<f64> = values.iter().flat_map(|value| [*value; 5]).collect();
+        let pair = |difference: f64| Pair { reference_mag: difference, model_mag: 0.0, weight: 0.5 };
+        let pairs: Vec<Pair> = values.iter().flat_map(|value| [*value; 5]).map(pair).collect();
         let groups: Vec<u32> = (0..4).flat_map(|group| [group; 5]).collect();
-        let statistics = ResidualStatistics::of(&differences).unwrap();
+        let statistics = ResidualStatistics::weighted(pairs.iter().map(|one| (one.difference_mag(), 0.5))).unwrap();
         let expected = (5.0_f64 / 3.0).sqrt() / 2.0;
-        assert!((error_of_mean(&differences, &groups, &statistics) - expected).abs() < 1e-12);
-        assert_eq!(error_of_mean(&differences, &[7; 20], &statistics), statistics.sd_mag);
+        assert!((error_of_mean(&pairs, &groups, &statistics) - expected).abs() < 1e-12);
+        assert_eq!(error_of_mean(&pairs, &[7; 20], &statistics), statistics.sd_mag);
     }
 
     #[test]

@@ -19,7 +19,8 @@ mod population;
 mod published;
 
 pub use comparison::{
-    Comparison, ReferenceKind, SIGMA_RATIOS, SURVEY_ERROR_MAG, Sample, Verdict, compare, comparison_table,
+    Comparison, MEDIAN_LESS_MEAN_SIGMAS, ReferenceKind, SIGMA_RATIOS, SURVEY_ERROR_MAG, Sample, Verdict, compare,
+    comparison_table,
 };
 pub use photometry::{DataSet, Photometry, ReferenceMeasurement};
 pub use population::POPULATION;

@@ -10,7 +10,10 @@ use super::super::measurements::{
 };
 use crate::geometry::{KARMAN_LINE_KM, ViewingGeometry};
 use crate::input;
-use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
+use crate::photometry::{
+    Band, BrightnessModel, Earthshine, MagSystem, PhotometryOptions as LightOptions, StandardMagnitude,
+    StandardMagnitudes,
+};
 
 /// A published set of measurements.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -107,6 +110,14 @@ pub struct ReferenceMeasurement {
 }
 
 impl ReferenceMeasurement {
+    /// Returns the uncertainty (one sigma) of the model's magnitude in this geometry and light, V (Vega), mag; that of
+    /// the model if only the phase angle is known.
+    pub fn sigma_of_model_mag(&self, model: &BrightnessModel) -> Option<f64> {
+        let Some(geometry) = self.geometry else { return Some(model.sigma_mag()) };
+        let sunlight = LightOptions { earthshine: Earthshine::Off, ..LightOptions::default() };
+        Some(model.brightness(&geometry, self.lit_fraction, &sunlight)?.sigma_mag)
+    }
+
     /// Returns the magnitude of the model in this geometry and light, V (Vega) at a range of 1000 km. `None` if no lit
     /// surface is visible, or if the model requires angles that are unknown.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {

@@ -7,6 +7,7 @@
 //! - `format`, `column_map`: layouts of published tables, and of custom tables
 //! - `blocks`, `rows`, `record`, `reader`: blocks of whole rows of a file, parsed into records in parallel and in
 //!   bounded memory
+//! - `untimed`: passes of measurements without times
 //! - `placement`, `ephemeris`, `offset`, `triangle`: viewing geometry from element sets (with a fitted delay), from
 //!   recorded angles, or from distance and phase angle
 //! - `identify`: identification of the satellites of tracks
@@ -48,6 +49,7 @@ mod reduce;
 mod rows;
 mod selection;
 mod triangle;
+mod untimed;
 
 pub use column_map::ColumnMap;
 pub use density_mode::{DensityMode, half_sample_mode, kernel_mode, kernel_sigma};

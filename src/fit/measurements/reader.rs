@@ -13,7 +13,8 @@ use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::format::{FilterCounts, Format};
 use super::record::{Record, RecordSource};
-use super::rows::{Layout, Parsed};
+use super::rows::{Layout, Parsed, UNKNOWN_PASS};
+use super::untimed::passes_without_times;
 use crate::geometry::Site;
 
 /// Options for reading photometry.
@@ -219,13 +220,24 @@ impl RecordReader {
                 continue;
             }
             record.row = u32::try_from(row).unwrap_or(u32::MAX);
-            record.group = groups[record.group as usize];
+            record.group = groups.get(record.group as usize).copied().unwrap_or(UNKNOWN_PASS);
             record.site = record.site.map(|site| sites[site as usize]);
             records.push(record);
         }
         self.dropped.append(dropped);
         open.rows += parsed.rows;
         Ok(())
+    }
+}
+
+impl RecordReader {
+    /// Numbers the passes of rows without times, within the rows that are read at a time (8 MB).
+    fn name_passes(&mut self, records: &mut [Record]) {
+        for pass in passes_without_times(records) {
+            let number = self.groups.len() as u32;
+            self.groups.push(format!("{} pass from row {}", self.name(), records[pass[0]].row));
+            pass.into_iter().for_each(|index| records[index].group = number);
+        }
     }
 }
 
@@ -273,6 +285,7 @@ impl RecordSource for RecordReader {
         for one in parsed {
             self.take(&mut open, one, &mut records)?;
         }
+        self.name_passes(&mut records);
         self.open = Some(open);
         Ok(Some(records))
     }

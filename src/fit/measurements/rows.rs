@@ -115,6 +115,9 @@ impl Layout {
     }
 }
 
+/// Group of rows whose pass is not yet known.
+pub(super) const UNKNOWN_PASS: u32 = u32::MAX;
+
 /// State of the parser within a block.
 struct Rows<'l> {
     layout: &'l Layout,
@@ -254,11 +257,12 @@ impl<'l> Rows<'l> {
     }
 
     /// Returns the number of a row's group within the block. The group is the track if it is recorded, otherwise the
-    /// satellite, the night, the degree of the Sun's altitude, or the file.
+    /// satellite, the night, or the file. [`UNKNOWN_PASS`] if the passes follow from the geometries of all rows.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
             // Rows of the same track are usually consecutive.
-            if self.parsed.records.last().is_some_and(|last| self.parsed.groups[last.group as usize] == track) {
+            let is_of = |last: &Record| self.parsed.groups.get(last.group as usize).is_some_and(|group| group == track);
+            if self.parsed.records.last().is_some_and(is_of) {
                 return self.parsed.records[self.parsed.records.len() - 1].group;
             }
             return self.numbered(track.to_owned());
@@ -267,10 +271,8 @@ impl<'l> Rows<'l> {
             return self.numbered(format!("satellite {norad_id}"));
         }
         let Some(epoch) = epoch else {
-            // Without times, the Sun's altitude is used instead; a degree corresponds to some minutes.
-            let sun = self.layout.text(cell, Field::SunAltitude).and_then(|text| text.parse::<f64>().ok());
-            let name = sun.map_or_else(|| self.layout.file.clone(), |sun| format!("Sun at {} deg", sun.floor()));
-            return self.numbered(name);
+            let has_angles = self.layout.map.column(Field::SunAltitude).is_some();
+            return if has_angles { UNKNOWN_PASS } else { self.numbered(self.layout.file.clone()) };
         };
         // A night is named by the date of its evening, so days begin at local noon.
         let longitude = site.map_or(0.0, |site| self.parsed.sites[site as usize].longitude_rad);

@@ -107,6 +107,28 @@ impl PanelsSpec {
             .is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.is_linear))
     }
 
+    /// Returns true if light is transmitted in a lobe about the direction of the sunlight.
+    pub(in crate::photometry) fn has_forward_lobe(&self) -> bool {
+        let mut through = self.panels.iter().flat_map(|panel| &panel.through);
+        through.any(|law| matches!(law, LawSpec::Straight { .. }))
+    }
+
+    /// Multiplies the light of all laws and spheres by a factor, except for that of binomial laws.
+    pub(crate) fn scale_light(&mut self, factor: f64) {
+        let is_linear: Vec<bool> = (0..self.parameters.len()).map(|index| self.is_linear(index)).collect();
+        for (parameter, _) in self.parameters.iter_mut().zip(is_linear).filter(|(_, is_linear)| *is_linear) {
+            parameter.value *= factor;
+        }
+        let laws = self.panels.iter_mut().flat_map(|panel| {
+            panel.front.iter_mut().chain(&mut panel.back).chain(&mut panel.through).filter_map(LawSpec::strength_mut)
+        });
+        for strength in laws.chain(self.spheres.iter_mut().map(|sphere| &mut sphere.albedo)) {
+            if let Coefficient::Number(value) = strength {
+                *value *= factor;
+            }
+        }
+    }
+
     /// Returns the coefficients that refer to a parameter.
     fn terms_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = Term<'a>> {
         let terms = self.panels.iter().flat_map(PanelSpec::laws).flat_map(|(_, law)| law.terms());
@@ -328,6 +350,20 @@ impl<'a> Term<'a> {
 }
 
 impl LawSpec {
+    /// Returns the coefficient to which the light is proportional; `None` for the binomial law.
+    fn strength_mut(&mut self) -> Option<&mut Coefficient> {
+        match self {
+            Self::Lambert { albedo } => Some(albedo),
+            Self::Abg { a, .. } => Some(a),
+            Self::Gaussian { peak_per_sr, .. } => Some(peak_per_sr),
+            Self::Phong { weight, .. }
+            | Self::Straight { weight, .. }
+            | Self::Retro { weight, .. }
+            | Self::Facets { weight, .. } => Some(weight),
+            Self::Binomial { .. } => None,
+        }
+    }
+
     /// Returns the coefficients that may be parameters.
     pub(crate) fn terms(&self) -> Vec<Term<'_>> {
         match self {

@@ -5,7 +5,6 @@ mod assembly;
 mod attitude;
 mod build;
 mod panel_file;
-mod sensitivity;
 mod shapes;
 mod sunlight_force;
 
@@ -14,6 +13,5 @@ pub use attitude::{Attitude, PanelOffset};
 pub use panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
-pub(super) use sensitivity::PanelSensitivity;
 pub use shapes::{PanelPolygon, PlacedRectangle, Sphere, SpherePhase};
 pub use sunlight_force::SunlightForce;

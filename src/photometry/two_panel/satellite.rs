@@ -14,7 +14,7 @@ use crate::photometry::brightness::Earthshine;
 use crate::photometry::earthshine::LitEarth;
 use crate::photometry::model_file::{Coefficients, SatelliteShape};
 
-use super::equations::{Blocked, ChassisAndSail, Directions, LitPanels, OpenSail, slope_of_lobe, weighted_sum};
+use super::equations::{Blocked, ChassisAndSail, Directions, LitPanels, OpenSail};
 
 /// Reflected light by term, m² sr⁻¹, with cosines and areas included, and the blocked fractions of the sail.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -106,19 +106,6 @@ impl SatelliteModel {
             earth_diffuse_m2_sr: 0.0,
             blocked: self.panels.blocked_of(&open),
         }
-    }
-
-    /// Returns the derivatives of B_total with respect to c1, c2, c3, c4, c5, n_sail and n_base, and B_total itself, m²
-    /// sr⁻¹.
-    pub fn gradient(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> ([f64; 7], f64) {
-        let exponents = [Some(self.n_sail), Some(self.n_base)];
-        let (_, lit) = self.lit(to_sun, to_observer, exponents);
-        let basis = lit.basis::<false>(exponents);
-        let mut gradient = [0.0; 7];
-        gradient[..5].copy_from_slice(&basis.map(|column| column[0]));
-        gradient[5] = self.c[0] * slope_of_lobe(basis[0][0], self.n_sail, lit.ln_sail[0]);
-        gradient[6] = self.c[3] * slope_of_lobe(basis[3][0], self.n_base, lit.ln_base[0]);
-        (gradient, weighted_sum::<false, 1>(&self.c, &basis)[0])
     }
 
     /// Returns the glossy and the diffuse earthshine of the chassis, m² sr⁻¹; 0 if no ground in view is lit. Takes 1 to

@@ -15,7 +15,7 @@ from .typing import FieldOptions, FloatArray, Json, PathLike
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
-        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models", "learned",
+        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models", "learned", "measured",
     }
 )  # fmt: skip
 #: Keys that an engine uses in addition to the satellites.
@@ -202,6 +202,7 @@ _CONVERTERS: dict[str, Callable[[str, object], Json]] = {
     "eop": _path,
     "qs_mag": _path,
     "learned": _path,
+    "measured": _paths,
     "observer_elements": _path,
     "field": _path_or_table,
     "policy": _path_or_table,

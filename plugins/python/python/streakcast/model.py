@@ -101,6 +101,8 @@ class StreakModel(MeasureQueries):
           `~astropy.units.Quantity`; at most one day.
         - ``learned``: path of a file that `streakcast.learn` or ``streakcast learn`` wrote: corrections of magnitudes
           and delays.
+        - ``measured``: path or list of paths of tables that ``streakcast measure`` wrote, or with the columns
+          ``norad_id``, ``mid_utc``, ``magnitude`` and ``magnitude_sigma``: magnitudes in the same pass are corrected.
         - ``qs_mag``: path of a table of standard magnitudes in the format of McCants' ``qs.mag``.
         - ``drag``: drag of satellites that hold their orbits by thrust: ``"station-keeping"`` (none; default) or
           ``"published"`` (as in the element set).

@@ -265,6 +265,7 @@ class ModelOptions(_ExposureOptions, total=False):
     shadow: str | None
     eop: PathLike | None
     learned: PathLike | None
+    measured: PathLike | Sequence[PathLike] | None
     qs_mag: PathLike | None
     accept_bad_checksums: bool | None
     observer_elements: PathLike | None

@@ -178,6 +178,11 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
     }
     let stated = found.provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect();
     let learned = learn(&found.passes, &delays, &found.models, stated)?;
+    for kind in &learned.without_satellites {
+        notices.info(&format!(
+            "offsets of single satellites of {kind} are not written: they do not improve the predictions of other passes"
+        ));
+    }
     write_bytes(&typed.output, learned.file.to_json().as_bytes(), &notices)?;
     notices.info(&format!(
         "{} in {} of {}",

@@ -49,7 +49,8 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("folds is {}; allowed: 2 or more", typed.form.folds));
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
-    let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    let mut input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    input.weigh(&chosen, &typed.weights)?;
     let mismatch = input.band_mismatch(chosen.band);
     input.notices.warn(&mismatch);
     let own =
@@ -66,7 +67,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     }
     if typed.reduction.raw_points {
         provenance.state("scatter_mag", typed.weights.scatter_mag);
-        provenance.state("equal_weights", typed.weights.equal_weights);
+        provenance.state("group_correlation", input.group_correlation.unwrap_or(0.0));
     }
     provenance.state("loss", chosen.settings.loss.to_string());
     provenance.state("model", chosen.file.name.as_str());

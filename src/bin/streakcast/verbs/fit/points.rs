@@ -7,11 +7,12 @@ use streakcast::fit::measurements::{
     DensityMode, DropCounts, DropReason, FilterCounts, Measurements, RecordReader, ReduceOptions, Reducer, Reduction,
     measure, reduce,
 };
-use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
+use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pixels, weigh_groups};
 use streakcast::output::{Provenance, counted};
 use streakcast::photometry::Band;
 
 use super::arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};
+use super::form::ChosenForm;
 use super::photometry;
 use crate::notices::Notices;
 use crate::start::begin;
@@ -24,10 +25,26 @@ pub struct FitInput {
     pub reduction: Option<Reduction>,
     /// Points of the fit.
     pub points: Vec<FitPoint>,
+    /// Measured correlation within groups; `None` for pixels and equal weights.
+    pub group_correlation: Option<f64>,
     pub notices: Notices,
 }
 
 impl FitInput {
+    /// Sets the weights of single measurements by the correlation within their groups, unless weights are equal.
+    pub fn weigh(&mut self, chosen: &ChosenForm, typed: &WeightArguments) -> anyhow::Result<()> {
+        if self.reduction.is_some() || typed.equal_weights {
+            return Ok(());
+        }
+        let correlation = weigh_groups(chosen.form.as_form(), &mut self.points, &chosen.settings)?;
+        let effective: f64 = self.points.iter().map(|point| point.weight).sum();
+        self.notices.info(&format!(
+            "correlation within groups (tracks, nights or passes) {correlation:.2}: effective number of points {effective:.0}"
+        ));
+        self.group_correlation = Some(correlation);
+        Ok(())
+    }
+
     /// Returns a warning if the band of the photometry differs from that of the model.
     pub fn band_mismatch(&self, band: Band) -> Option<String> {
         self.filters.mismatch(band).map(|mismatch| mismatch.to_string())
@@ -71,7 +88,7 @@ pub fn read(
     if points.is_empty() {
         return Err(no_points(&measurements, pixels.as_ref()));
     }
-    Ok(FitInput { measurements, filters, reduction: pixels, points, notices })
+    Ok(FitInput { measurements, filters, reduction: pixels, points, group_correlation: None, notices })
 }
 
 /// Reads the selected measurements, and prints the numbers of rows. `history` are the element sets of the flags.
@@ -97,7 +114,9 @@ pub fn weights(typed: &WeightArguments) -> anyhow::Result<RawWeights> {
     if !(typed.scatter_mag > 0.0 && typed.scatter_mag.is_finite()) {
         return Err(anyhow!("scatter-mag is {} mag; allowed: above 0 mag", typed.scatter_mag));
     }
-    Ok(RawWeights { scatter_mag: typed.scatter_mag, by_group: !typed.equal_weights })
+    let default = RawWeights::default();
+    let group_correlation = if typed.equal_weights { 0.0 } else { default.group_correlation };
+    Ok(RawWeights { scatter_mag: typed.scatter_mag, group_correlation })
 }
 
 fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {

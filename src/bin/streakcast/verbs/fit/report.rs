@@ -25,7 +25,7 @@ pub struct FitResults<'a> {
     pub faults: &'a [Fault],
     pub standings: &'a [FormScore],
     /// Residuals of single measurements from the model, mag.
-    pub single_mag: &'a [f64],
+    pub singles: &'a [(f64, f64)],
     pub posterior: Option<(&'a Chain, &'a Posterior)>,
 }
 
@@ -121,16 +121,12 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
         costs(&fit.costs)
     ));
     report.section("Residuals");
-    let spread = |name: &str, residuals: &[f64]| {
-        ResidualStatistics::of(residuals).map(|s| {
-            format!("{name}: {} points, mean {:+.3}, RMS {:.3}, core {:.3} mag", s.n, s.mean_mag, s.rms_mag, s.core_mag)
-        })
+    let spread = |name: &str, s: ResidualStatistics| {
+        format!("{name}: {} points, mean {:+.3}, RMS {:.3}, core {:.3} mag", s.n, s.mean_mag, s.rms_mag, s.core_mag)
     };
-    report.list(
-        spread("Fitted points", &fit.residuals_mag)
-            .into_iter()
-            .chain(spread("Single measurements", results.single_mag)),
-    );
+    let fitted = fit.statistics(&results.input.points).map(|s| spread("Fitted points", s));
+    let singles = ResidualStatistics::weighted(results.singles.iter().copied());
+    report.list(fitted.into_iter().chain(singles.map(|s| spread("Single measurements", s))));
     if results.chosen.settings.loss != Loss::Squares {
         report.paragraph(ROBUST);
     }

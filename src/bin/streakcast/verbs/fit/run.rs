@@ -8,8 +8,7 @@ use hifitime::Epoch;
 use streakcast::fit::inference::check_walkers;
 use streakcast::fit::{
     CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, HeldOutPoint, ModelDescription, Problem,
-    RawWeights, ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file,
-    points_of_measurements, predict, rms,
+    RawWeights, baseline_forms, compare_forms, faults, jackknife, model_file, points_of_measurements, predict,
 };
 use streakcast::photometry::ModelFile;
 
@@ -34,14 +33,15 @@ pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let output = checked(typed, &chosen)?;
-    let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    let mut input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    input.weigh(&chosen, &typed.weights)?;
     let problem = Problem::new(chosen.form.as_form(), &input.points, &chosen.settings)?;
     // A saved chain of another fit is an error, which is reported before the computation.
     let sampling = typed.mcmc.map(|steps| chains::prepare(typed, &input, &problem, steps)).transpose()?;
     let notices = &input.notices;
     notices.warn(&input.band_mismatch(chosen.band));
     let fit = with_jackknife(typed.jackknife, &chosen, &input, problem.solve()?)?;
-    let in_sample = ResidualStatistics::of(&fit.residuals_mag).ok_or_else(|| {
+    let in_sample = fit.statistics(&input.points).ok_or_else(|| {
         anyhow!("no point was fitted; allowed: photometry of satellites with sunlit surfaces in the model")
     })?;
     notices.info(&format!(
@@ -53,7 +53,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     ));
     let faults = faults(&problem, &fit);
     let standings = standings(typed, &chosen, &input)?;
-    let single_mag = single(&chosen, &input, &fit);
+    let singles = single(&chosen, &input, &fit);
     let drawn = sampling.map(|run| chains::sample(typed, &input, &problem, &fit, run)).transpose()?;
     let results = FitResults {
         typed,
@@ -63,7 +63,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         fit: &fit,
         faults: &faults,
         standings: &standings,
-        single_mag: &single_mag,
+        singles: &singles,
         posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
     };
     let file = file(&results)?;
@@ -131,30 +131,28 @@ fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> 
     Ok(standings)
 }
 
-/// Returns the residuals of single measurements from the fit, mag.
-fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
-    let points: Vec<FitPoint> =
-        points_of_measurements(&input.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
+/// Returns the residuals of single measurements from the fit, mag, with their weights.
+fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<(f64, f64)> {
+    let points: Vec<FitPoint> = match input.reduction {
+        Some(_) => points_of_measurements(&input.measurements, &RawWeights::default()),
+        None => input.points.clone(),
+    };
     let predicted = predict(chosen.form.as_form(), &points, &fit.values());
-    points
-        .iter()
-        .zip(predicted)
-        .map(|(point, predicted)| point.magnitude - predicted)
-        .filter(|r| r.is_finite())
-        .collect()
+    let residuals = points.iter().zip(predicted).map(|(point, predicted)| (point.magnitude - predicted, point.weight));
+    residuals.filter(|(r, _)| r.is_finite()).collect()
 }
 
 fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
     let FitResults { typed, chosen, input, problem, fit, .. } = results;
-    // Sigma and error distribution are those of new single measurements. They are computed from held-out measurements
-    // if there are any.
+    // Median and sigma are those of new single measurements. They are computed from held-out measurements if there are
+    // any.
     let own = results.standings.first().filter(|_| typed.reduction.raw_points);
-    let (singles_mag, origin) = match own {
+    let (singles, origin) = match own {
         Some(own) => (
-            own.held_out_points.iter().map(HeldOutPoint::residual_mag).collect(),
+            own.held_out_points.iter().map(HeldOutPoint::weighted_residual).collect(),
             format!("holds 68.3 % of single measurements of held-out tracks or nights ({} folds)", typed.form.folds),
         ),
-        None => (results.single_mag.to_vec(), "holds 68.3 % of the single measurements, in sample".to_owned()),
+        None => (results.singles.to_vec(), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
@@ -168,8 +166,8 @@ fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
         notes: notes(typed, input, chosen),
         sigma_origin: origin,
     };
-    let rms_mag = rms(&fit.residuals_mag);
-    Ok(model_file(base, fit, problem.points(), rms_mag, &singles_mag, &description)?)
+    let rms_mag = fit.statistics(&input.points).map_or(f64::NAN, |statistics| statistics.rms_mag);
+    Ok(model_file(base, fit, problem.points(), rms_mag, &singles, &description)?)
 }
 
 fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<String> {
@@ -182,7 +180,12 @@ fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<
             typed.reduction.max_iqr,
             reduction.points
         ),
-        None => format!("Fitted to single measurements with a scatter of {} mag.", typed.weights.scatter_mag),
+        None => {
+            let weights = input.group_correlation.map_or("equal weights".to_owned(), |correlation| {
+                format!("weights for a correlation of {correlation:.2} within tracks, nights or passes")
+            });
+            format!("Fitted to single measurements with a scatter of {} mag and {weights}.", typed.weights.scatter_mag)
+        }
     };
     let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
     let mut notes = vec![kind, light.to_owned(), format!("Loss: {}.", chosen.settings.loss)];

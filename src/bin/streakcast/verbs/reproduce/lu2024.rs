@@ -321,7 +321,8 @@ fn fitted_file(base: &ModelFile, found: &Lu2024, source: &Source, problem: &Prob
         sigma_origin: "holds 68.3 % of the single measurements, in sample".to_owned(),
     };
     let rms_mag = rms(&found.fit.residuals_mag);
-    Ok(model_file(base, &found.fit, problem.points(), rms_mag, &found.single_mag, &description)?)
+    let singles: Vec<(f64, f64)> = found.single_mag.iter().map(|residual| (*residual, 1.0)).collect();
+    Ok(model_file(base, &found.fit, problem.points(), rms_mag, &singles, &description)?)
 }
 
 /// Returns rows of a figure of the sky: the range of magnitudes over its panels, and the Sun's altitude at which the
