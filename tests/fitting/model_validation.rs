@@ -23,7 +23,10 @@ fn rows_of(name: &str, photometry: Option<&Photometry>) -> Vec<Comparison> {
 /// Returns true for the published mean from which a bundled model differs: that of V2 Mini in brightness mitigation.
 /// The survey measured the first V2 Mini satellites in 2023; the later mean of 7.22 agrees with the panels.
 fn is_known_difference(row: &Comparison) -> bool {
-    row.model == "v2mini-panels" && row.kind == ReferenceKind::Mean && row.reference.contains("2306.06657")
+    let is_mean = row.kind == ReferenceKind::Mean && row.reference.contains("2306.06657");
+    // Most passes of Slingshot are brighter than the published function.
+    let is_function = row.kind == ReferenceKind::Photometry && row.verdict != Verdict::NoData;
+    (row.model == "v2mini-panels" && is_mean) || (row.model == "v2mini" && is_function)
 }
 
 fn expected_verdict(row: &Comparison) -> Verdict {
@@ -103,12 +106,12 @@ fn changed(from: &str, name: &str, changes: &[(&str, serde_json::Value)]) -> Bri
 
 #[test]
 fn verif_a_wrong_model_is_reported() {
-    let faint = changed("oneweb.json", "oneweb-mine", &[("/mean_mag", 7.9.into())]);
+    let faint = changed("oneweb.json", "oneweb-mine", &[("/mean_mag", 8.1.into())]);
     let rows = compare(&faint, None);
     let mean = one(&rows, ReferenceKind::Mean);
     assert_eq!(mean.verdict, Verdict::Off);
     // The published mean is 7.18 mag, sigma 0.544 mag.
-    assert!((mean.difference_mag.unwrap() + 0.72 - 0.2 * 0.544).abs() < 1e-9 && mean.within_one_sigma == Some(0.0));
+    assert!((mean.difference_mag.unwrap() + 0.92 - 0.2 * 0.544).abs() < 1e-9 && mean.within_one_sigma == Some(0.0));
     let bright = changed("visorsat.json", "visorsat-mine", &[("/phase_function/coefficients/0", 4.732.into())]);
     let rows = compare(&bright, None);
     assert_eq!(one(&rows, ReferenceKind::PhaseCurve).verdict, Verdict::Off);
@@ -198,8 +201,8 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
         let rows = compare(&changed(from, name, &[&in_i[..], &[shifted]].concat()), None);
         rows.iter().filter_map(|row| row.difference_mag).collect::<Vec<_>>()
     };
-    assert!(apart("oneweb.json", "oneweb-i", "/mean_mag", 7.18)[0].abs() < ROUNDING_MAG);
-    let curve = apart("visorsat.json", "visorsat-i", "/phase_function/coefficients/0", 5.732);
+    assert!(apart("oneweb.json", "oneweb-i", "/mean_mag", 7.18 + 0.2 * 0.544)[0].abs() < ROUNDING_MAG);
+    let curve = apart("visorsat.json", "visorsat-i", "/phase_function/coefficients/0", 5.732 + 0.2 * 0.48);
     assert!(curve[1].abs() < ROUNDING_MAG, "{curve:?}");
     // The reflectances of panels do not depend on the band, so that the result is the same.
     let (panels_in_i, panels) = (changed("starlink-v1.5.json", "v1.5-i", &in_i), rows_of("starlink-v1.5", None));
@@ -291,10 +294,8 @@ fn valid_bundled_models_against_photometry() {
         ]) {
             assert!((computed - expected).abs() < tolerance, "{name}: {all:?}");
         }
-        // Published sigmas are the scatter of single magnitudes. Because of wings, more than 68 % are within one sigma.
         let is_fitted = FITTED.contains(&name);
-        let share = if is_fitted { 0.6..0.8 } else { 0.68..0.92 };
-        assert!(share.contains(&row.within_one_sigma.unwrap()), "{row:?}");
+        assert!((0.6..0.8).contains(&row.within_one_sigma.unwrap()), "{row:?}");
         // Sigma is that of the core without the wings: it has a lower and an upper limit.
         let (rms, core) = (row.rms_mag.unwrap(), row.core_mag.unwrap());
         assert!(!is_fitted || (core < row.sigma_mag && rms < 2.0 * row.sigma_mag && row.sigma_mag < rms), "{row:?}");

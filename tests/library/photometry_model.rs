@@ -293,10 +293,13 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     assert!(inside.in_fitted_range && !outside.in_fitted_range && outside.sigma_mag > inside.sigma_mag);
     // Sigma grows with the distance d from the fitted geometry, here of the Sun's latitude alone: √(1 + (d / 10°)²).
     let sigma = |sun_deg: f64| at("starlink-v1.5", sun_deg, 30.0, -50.0).unwrap().sigma_mag / inside.sigma_mag;
+    // Largest Sun latitude of the fitted points.
+    let last_deg =
+        library.get("starlink-v1.5").unwrap().file().unwrap().geometry_range.unwrap().sun_latitude_deg.unwrap()[1];
     for (beyond_deg, flagged) in [(0.0, true), (5.0, true), (9.9, true), (12.0, false)] {
-        let ratio = sigma(beyond_deg - 5.0);
+        let ratio = sigma(last_deg + beyond_deg);
         assert!((ratio - (1.0 + (beyond_deg / 10.0_f64).powi(2)).sqrt()).abs() < 1e-9, "{beyond_deg}: {ratio}");
-        assert_eq!(at("starlink-v1.5", beyond_deg - 5.0, 30.0, -50.0).unwrap().in_fitted_range, flagged);
+        assert_eq!(at("starlink-v1.5", last_deg + beyond_deg, 30.0, -50.0).unwrap().in_fitted_range, flagged);
     }
     // Sun above, observer above and behind: no lit panel is visible.
     assert_eq!(at("starlink-v1.5", 120.0 - 90.0, 60.0, 90.0), None);

@@ -53,8 +53,8 @@ pub(super) fn passes_without_times(records: &[Record]) -> Vec<Vec<usize>> {
         }
     }
     let mut passes = std::collections::BTreeMap::<usize, Vec<usize>>::new();
-    for i in 0..rows.len() {
-        passes.entry(root(&mut linked, i)).or_default().push(rows[i].record);
+    for (i, row) in rows.iter().enumerate() {
+        passes.entry(root(&mut linked, i)).or_default().push(row.record);
     }
     let mut passes: Vec<Vec<usize>> = passes.into_values().collect();
     passes.iter_mut().for_each(|pass| pass.sort_unstable());
