@@ -261,6 +261,9 @@ const VERBS: [&str; 17] = [
     "measure", "learn", "serve", "statistics", "model", "doctor",
 ];
 
+/// Largest size of a configuration file, bytes.
+const LARGEST_BYTES: u64 = 1_000_000;
+
 /// Largest number of threads.
 const MAX_THREADS: usize = 1024;
 
@@ -281,6 +284,7 @@ impl Config {
     /// The file cannot be read, is not TOML, or has an unknown key, an invalid value, or keys that exclude each other.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let shown = path.display().to_string();
+        Self::check_size(path).map_err(|message| ConfigError::Toml { path: shown.clone(), message })?;
         let text = input::read_to_string(path).map_err(|source| ConfigError::Io {
             what: "configuration",
             path: shown.clone(),
@@ -291,6 +295,19 @@ impl Config {
         config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.default_time_scale = config.time_scale.take();
         Ok(config)
+    }
+
+    /// Checks that a configuration file is not larger than 1,000,000 bytes. Parsing a much larger one takes seconds.
+    ///
+    /// # Errors
+    /// The size, and what is allowed. A file without a size, such as a stream, is accepted.
+    pub fn check_size(path: &Path) -> Result<(), String> {
+        match path.metadata() {
+            Ok(file) if file.len() > LARGEST_BYTES => {
+                Err(format!("the file has {} bytes; allowed: at most {LARGEST_BYTES}", file.len()))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Parses the text of a configuration file; `origin` is its name in errors.

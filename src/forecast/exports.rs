@@ -23,6 +23,8 @@ pub struct EmptyNight<'a> {
     pub end: Epoch,
     /// Reason why no pass is visible, from [`Forecast::why_empty`](super::Forecast::why_empty).
     pub why: &'a str,
+    /// True if the passes of some satellites are unknown, because their elements are too old.
+    pub is_unknown: bool,
 }
 
 /// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each pass. `made` is the time of
@@ -86,13 +88,14 @@ pub fn calendar<'a>(
         }
         line("END:VEVENT".into());
     }
-    if let Some(EmptyNight { start, end, why }) = empty {
+    if let Some(EmptyNight { start, end, why, is_unknown }) = empty {
         line("BEGIN:VEVENT".into());
         line(format!("UID:none-{}-{}@streakcast", stamp(start), stamp(end)));
         line(format!("DTSTAMP:{}", stamp(made)));
         line(format!("DTSTART:{}", stamp(start)));
         line(format!("DTEND:{}", stamp(seconds_after(end, 1.0))));
-        line(format!("SUMMARY:{}", escaped(&format!("No visible satellite pass over {}", site.name))));
+        let summary = if is_unknown { "Unknown satellite passes" } else { "No visible satellite pass" };
+        line(format!("SUMMARY:{}", escaped(&format!("{summary} over {}", site.name))));
         line(format!("DESCRIPTION:{}", escaped(why)));
         line(format!("LOCATION:{}", escaped(&site.name)));
         line("TRANSP:TRANSPARENT".into());

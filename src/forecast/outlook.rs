@@ -149,6 +149,12 @@ impl Forecast {
         })
     }
 
+    /// Returns the number of satellites whose passes are unknown, because their elements are too old.
+    pub fn unknown(&self) -> usize {
+        let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
+        self.found.left_out.iter().filter(is_unknown).count()
+    }
+
     /// Returns the reason why no pass over the site is visible; `None` if there is one.
     pub fn why_empty(&self, sky: &Sky, request: &ForecastRequest) -> Option<String> {
         if !self.found.passes.is_empty() {
@@ -176,8 +182,7 @@ impl Forecast {
             let is = verb(count.too_faint, "is", "are");
             reasons.push(format!("{} {is} predicted fainter than mag {limit}", passes(count.too_faint)));
         }
-        let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
-        let unknown = self.found.left_out.iter().filter(is_unknown).count();
+        let unknown = self.unknown();
         if unknown > 0 {
             reasons.push(format!("the elements of {unknown} of {satellites} satellites are too old to predict passes"));
         }

@@ -90,6 +90,8 @@ fn an_output_never_replaces_an_input_or_another_output() {
     let input: &[&str] = &["is also an input", "allowed: another file"];
     fails(&[&flags, &["-o", &schedule]], input);
     fails(&[&flags, &["-o", &same]], input);
+    let model = file(&folder, "m.json", b"{}");
+    fails(&[&flags, &["--model", &format!("oneweb={model}"), "-o", &model]], input);
     fails(&[&["windows", "--targets", &schedule, "--night", "2026-08-14", "-o", &schedule], SITE, SHELLS], input);
     fails(&[&["forecast", "--night", "2026-08-14", "--config", &config, "-o", &schedule], SITE], input);
     fails(&[&["forecast", "--night", "2026-08-14", "--config", &config, "-o", &config], SITE], input);

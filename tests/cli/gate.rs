@@ -321,6 +321,57 @@ fn missing_and_invalid_files_open_the_gate() {
     }
 }
 
+/// Errors in the keys of a verb, and files that are too large to parse in time, are faults of the configuration file.
+#[test]
+fn errors_in_tables_of_the_configuration_open_the_gate() {
+    let folder = tempfile::tempdir().unwrap();
+    let (config, status) = (path(&folder, "c.toml"), path(&folder, "status.json"));
+    let base: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--exposure", "10s", "--now", NOW];
+    let rest: &[&str] = &["--fov", "8deg", "--config", &config, "--status-file", &status];
+    let zeros = "\0".repeat(1_000_001);
+    for (text, part) in [
+        ("[gate]\nnope = 1", "unknown key 'nope'"),
+        ("[forecast]\nnope = 1", "unknown key 'nope'"),
+        ("fov = '-1deg'", "fov is -1"),
+        (&zeros, "1000001 bytes; allowed: at most 1000000"),
+    ] {
+        fs::write(&config, text).unwrap();
+        let (code, _, stderr) = run(&[base, POINTING, rest]);
+        assert_eq!(code, 0, "{part}: {stderr}");
+        let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        assert_eq!(
+            (record["fault"].as_str(), record["exit_code"].as_i64()),
+            (Some("setup"), Some(0)),
+            "{part}: {record}"
+        );
+        assert!(stderr.contains(part) && stderr.contains("the exposure starts"), "{part}: {stderr}");
+        let (code, _, stderr) = run(&[base, POINTING, rest, &["--strict"]]);
+        assert!(code == 2 && !stderr.contains("the exposure starts"), "{part}: {stderr}");
+        fs::remove_file(&status).unwrap();
+    }
+    // A wrong flag is not a fault of a file.
+    fs::write(&config, "").unwrap();
+    assert_eq!(run(&[base, POINTING, rest, &["--nope"]]).0, 2);
+}
+
+/// Counters of a status file do not overflow.
+#[test]
+fn the_largest_counters_remain() {
+    let folder = tempfile::tempdir().unwrap();
+    let status = path(&folder, "status.json");
+    let most = u64::MAX;
+    fs::write(&status, format!("{{\"counters\": {{\"runs\": {most}, \"faults\": {{\"setup\": {most}}}}}}}")).unwrap();
+    let base: &[&str] = &["gate", "--shells", "oneweb", "--mpc", "X05", "--exposure", "10s", "--fov", "1deg"];
+    let (code, _, stderr) =
+        run(&[base, POINTING, &["--now", NOW, "--policy", "/nowhere/p.toml", "--status-file", &status]]);
+    assert!(code == 0 && !stderr.contains("panicked"), "{stderr}");
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!(
+        (record["counters"]["runs"].as_u64(), record["counters"]["faults"]["setup"].as_u64()),
+        (Some(most), Some(most))
+    );
+}
+
 /// A computation of a day of crossings takes longer than 0.1 s. The thread is left behind, as in a call that blocks.
 #[test]
 fn the_gate_answers_at_its_deadline() {

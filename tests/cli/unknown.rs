@@ -143,18 +143,25 @@ fn starts_with_late_satellites_are_unknown() {
     }
 }
 
-/// A single old satellite among those of a forecast: its passes are not listed, and the reason is not that it does not
-/// rise.
+/// A forecast of only satellites with old elements is an error, like that of an old catalogue: an empty list would mean
+/// that they do not rise. If the passes of some are unknown, an empty calendar says so.
 #[test]
 fn an_empty_forecast_names_old_elements() {
     let folder = tempfile::tempdir().unwrap();
     let file = elements(&folder, "STARLINK-31", 60.0, 10);
     let night = ["forecast", "--night", "2026-08-14", "--mpc", "X05", "--elements", &file, "--norad"];
-    let (code, _, stderr) = run(&[&night, &["60010"]]);
-    assert_eq!(code, 0, "{stderr}");
-    assert!(stderr.contains("no passes: the elements of 1 of 1 satellites are too old to predict passes"), "{stderr}");
-    let (_, stdout, _) = run(&[&night, &["60010", "--format", "ics"]]);
-    assert!(stdout.replace("\r\n ", "").contains("too old to predict passes"), "{stdout}");
+    for format in ["csv", "json", "ics"] {
+        let (code, stdout, stderr) = run(&[&night, &["60010", "--format", format]]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(
+            stderr.contains("error: the elements of 1 selected satellite are too old to predict passes"),
+            "{stderr}"
+        );
+    }
+    let (_, stdout, stderr) = run(&[&night, &["60010", "60001", "--max-mag=-5", "--format", "ics"]]);
+    let calendar = stdout.replace("\r\n ", "");
+    assert!(calendar.contains("SUMMARY:Unknown satellite passes over"), "{stdout} {stderr}");
+    assert!(calendar.contains("the elements of 1 of 2 satellites are too old to predict passes"), "{stdout}");
 }
 
 #[test]

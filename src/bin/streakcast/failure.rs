@@ -57,6 +57,33 @@ fn report(message: &str) {
     let _ = io::Write::write_fmt(&mut io::stderr(), format_args!("{}\n", bounded(&printable(&line))));
 }
 
+/// Returns the message of a usage error. `place` is the file and table of the value that is in error, if it is not on the
+/// command line.
+pub fn usage_message(error: &clap::Error, command: Command, place: Option<&str>) -> String {
+    let text = error.render().to_string();
+    let message: Vec<&str> = text
+        .lines()
+        .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
+        .map(str::trim)
+        .filter(|line| !line.is_empty())
+        .collect();
+    let mut message = message.join("; ").replace(":; ", ": ");
+    // Errors of Rust's own parsers of numbers.
+    for (error, allowed) in
+        [("invalid float literal", "a number"), ("invalid digit found in string", "a whole number of 0 or more")]
+    {
+        message = message.replace(error, &format!("allowed: {allowed}"));
+    }
+    let (verb, path) = innermost(command);
+    // clap lists only names that are similar to the unknown one.
+    if error.kind() == ErrorKind::InvalidSubcommand {
+        let allowed = verb.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name);
+        message += &format!("; allowed: {}", allowed.collect::<Vec<_>>().join(", "));
+    }
+    let place = place.map(|place| format!("{place}: ")).unwrap_or_default();
+    format!("{place}{} (see {path} --help)", message.trim_start_matches("error: "))
+}
+
 /// Prints help and version on standard output, and a usage error on one line of standard error. `place` is the file and
 /// table of the value that is in error, if it is not on the command line.
 pub fn report_usage(error: &clap::Error, command: Command, place: Option<&str>) -> ExitCode {
@@ -74,29 +101,7 @@ pub fn report_usage(error: &clap::Error, command: Command, place: Option<&str>) 
                 report(&message);
                 return ExitCode::from(2);
             }
-            let text = error.render().to_string();
-            let message: Vec<&str> = text
-                .lines()
-                .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
-                .map(str::trim)
-                .filter(|line| !line.is_empty())
-                .collect();
-            let mut message = message.join("; ").replace(":; ", ": ");
-            // Errors of Rust's own parsers of numbers.
-            for (error, allowed) in [
-                ("invalid float literal", "a number"),
-                ("invalid digit found in string", "a whole number of 0 or more"),
-            ] {
-                message = message.replace(error, &format!("allowed: {allowed}"));
-            }
-            let (verb, path) = innermost(command);
-            // clap lists only names that are similar to the unknown one.
-            if error.kind() == ErrorKind::InvalidSubcommand {
-                let allowed = verb.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name);
-                message += &format!("; allowed: {}", allowed.collect::<Vec<_>>().join(", "));
-            }
-            let place = place.map(|place| format!("{place}: ")).unwrap_or_default();
-            report(&format!("{place}{} (see {path} --help)", message.trim_start_matches("error: ")));
+            report(&usage_message(error, command, place));
             ExitCode::from(2)
         }
     }

@@ -1,6 +1,7 @@
 //! Files on the command line: no output replaces an input or another output.
 
 use std::collections::BTreeMap;
+use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -32,8 +33,14 @@ pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
             continue;
         }
         let is_output = OUTPUTS.contains(&id) || (verb, id) == ("plot", "data");
-        let paths = matches.try_get_raw(id).ok().flatten().into_iter().flatten().map(PathBuf::from);
-        if is_output { &mut outputs } else { &mut inputs }.extend(paths);
+        let texts = matches.try_get_raw(id).ok().flatten().into_iter().flatten();
+        if is_output {
+            outputs.extend(texts.map(PathBuf::from));
+        } else {
+            // A model for one kind of satellite is given as KIND=FILE.
+            let of_kind = |text: &OsStr| Some(PathBuf::from(text.to_str()?.split_once('=')?.1));
+            inputs.extend(texts.flat_map(|text| [Some(PathBuf::from(text)), of_kind(text)]).flatten());
+        }
     }
     let config = matches.try_get_one::<PathBuf>("file").ok().flatten();
     if let (Some(file), false) = (config, outputs.is_empty()) {

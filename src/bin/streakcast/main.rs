@@ -17,11 +17,14 @@ mod start;
 mod verb_tables;
 mod verbs;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
+use anyhow::anyhow;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use failure::{exit_code, report_usage};
+use failure::{exit_code, report_usage, usage_message};
+use verb_tables::Words;
 #[cfg(feature = "fit")]
 use verbs::alarms::AlarmsArguments;
 use verbs::annotate::AnnotateArguments;
@@ -138,11 +141,29 @@ enum Verb {
 
 fn main() -> ExitCode {
     let command = rejected::hide(help::complete(Arguments::command()));
-    let words = match verb_tables::insert(&command, std::env::args_os().collect()) {
+    let typed: Vec<OsString> = std::env::args_os().collect();
+    // Errors in a file are faults of the gate, which may not stop an exposure.
+    let is_gate = typed.get(1).is_some_and(|verb| verb == "gate");
+    let mut file_error = None;
+    let mut words = match verb_tables::insert(&command, typed.clone()) {
         Ok(words) => words,
+        Err(error) if is_gate => {
+            file_error = Some(error);
+            Words::typed(typed.clone())
+        }
         Err(error) => return exit_code(Err(error)),
     };
-    let matches = match command.clone().try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now())) {
+    let parse =
+        |words: &Words| command.clone().try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now()));
+    let matches = match parse(&words) {
+        Err(error) if is_gate && words.place_of(&error).is_some() => {
+            file_error = Some(anyhow!(usage_message(&error, command.clone(), words.place_of(&error))));
+            words = Words::typed(typed);
+            parse(&words)
+        }
+        matches => matches,
+    };
+    let matches = match matches {
         Ok(matches) => matches,
         Err(error) => return report_usage(&error, command, words.place_of(&error)),
     };
@@ -168,7 +189,7 @@ fn main() -> ExitCode {
         Verb::Windows(typed) => verbs::windows::run(*typed),
         Verb::Forecast(typed) => verbs::forecast::run(*typed),
         Verb::Ephemeris(typed) => verbs::ephemeris::run(*typed),
-        Verb::Gate(typed) => verbs::gate::run(*typed),
+        Verb::Gate(typed) => verbs::gate::run(*typed, file_error),
         Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "plot")]

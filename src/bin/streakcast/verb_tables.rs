@@ -44,6 +44,11 @@ pub struct Words {
 }
 
 impl Words {
+    /// Returns a command line without keys of a file.
+    pub fn typed(words: Vec<OsString>) -> Self {
+        Self { words, table: String::new(), inserted: Vec::new() }
+    }
+
     /// Returns the file and table if the error is that of an inserted key.
     pub fn place_of(&self, error: &clap::Error) -> Option<&str> {
         let names = [ContextKind::InvalidArg, ContextKind::PriorArg].into_iter().filter_map(|kind| error.get(kind));
@@ -64,7 +69,7 @@ impl Words {
 /// A table or key of the file is unknown, or a value has no form on the command line. Other errors in the file are
 /// those of [`Config::read`].
 pub fn insert(command: &Command, words: Vec<OsString>) -> anyhow::Result<Words> {
-    let mut all = Words { words, table: String::new(), inserted: Vec::new() };
+    let mut all = Words::typed(words);
     // With this setting, a command line with errors is parsed as far as possible. Its errors are reported later.
     let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(&all.words) else { return Ok(all) };
     let (mut verb, mut matches, mut path) = (command, &matches, Vec::new());
@@ -74,6 +79,9 @@ pub fn insert(command: &Command, words: Vec<OsString>) -> anyhow::Result<Words> 
         (verb, matches) = (subcommand, inner);
     }
     let Some(file) = config_file(verb, matches).filter(|file| !is_stream(file)) else { return Ok(all) };
+    if Config::check_size(&file).is_err() {
+        return Ok(all);
+    }
     let text = read_to_string(&file).unwrap_or_default();
     let Ok(keys) = text.parse::<Table>() else { return Ok(all) };
     let shown = file.display().to_string();
@@ -140,6 +148,10 @@ fn check(table: &Table, root: &Command, verb: &Command, path: &str, file: &str) 
         };
         if key == "config" {
             bail!("configuration {file}{place}: config is only a flag; allowed: the file without this key");
+        }
+        if path.is_empty() && owners.is_empty() && !Config::KEYS.iter().any(|known| is_same(known, key)) {
+            // An unknown key is an error of the whole file; the other keys need no check.
+            return Ok(());
         }
         if !is_key {
             let similarity =

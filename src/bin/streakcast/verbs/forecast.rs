@@ -133,6 +133,12 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings_of(from, to, &|elements| selected.contains(elements)));
     prepared.check_known(from, to)?;
     let found = forecast(&prepared.sky, &request, &selection)?;
+    if found.found.passes.is_empty() && found.unknown() == found.found.satellites {
+        return Err(anyhow!(
+            "the elements of {} are too old to predict passes; specify elements of about the date of the request",
+            counted(found.unknown(), "selected satellite", "selected satellites")
+        ));
+    }
     notices.warn_left_out(&prepared, &found.found.left_out, from)?;
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
@@ -167,7 +173,12 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let utc_offset_s = |epoch| typed.time_zone.as_ref().map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
     match document {
         Some(Document::Calendar) => {
-            let empty = why_invisible.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
+            let empty = why_invisible.as_deref().map(|why| EmptyNight {
+                start: request.start,
+                end: request.end,
+                why,
+                is_unknown: found.unknown() > 0,
+            });
             output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty, utc_offset_s), &notices)?;
         }
         Some(Document::TrackingData) => {

@@ -64,13 +64,21 @@ struct Decision {
     notices: Option<Notices>,
 }
 
-pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
+/// Runs the verb. `file_error` is an error in the configuration file, in a key of a verb: a fault, like any error in a
+/// file.
+pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::Result<Outcome> {
     let flags = Flags::new(typed)?;
     let began = flags.clock.now();
     let step = Step::default();
-    let decided = {
-        let (flags, step) = (flags.clone(), step.clone());
-        within(flags.deadline, move || decide(&flags, &step))
+    let decided = match file_error {
+        Some(error) => {
+            let result = Err(Fault::new(FaultKind::Setup, error));
+            Ok(Decision { result, status: Map::new(), notices: None })
+        }
+        None => {
+            let (flags, step) = (flags.clone(), step.clone());
+            within(flags.deadline, move || decide(&flags, &step))
+        }
     };
     let timeout_s = flags.timeout.as_secs_f64();
     let fault = match decided {
@@ -172,17 +180,18 @@ impl Counted {
 /// Writes the status of a run, with the counters over all runs.
 fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counted) -> std::io::Result<()> {
     let Before { mut counters, satellites } = status_file::read(Some(path));
-    counters.runs += 1;
+    counters.runs = counters.runs.saturating_add(1);
     counters.waited_s += counted.waited_s;
     match counted.verdict {
-        "waited" => counters.waited += 1,
-        "clear" => counters.clear += 1,
-        "not_clear" => counters.not_clear += 1,
-        "skipped" => counters.skipped += 1,
+        "waited" => counters.waited = counters.waited.saturating_add(1),
+        "clear" => counters.clear = counters.clear.saturating_add(1),
+        "not_clear" => counters.not_clear = counters.not_clear.saturating_add(1),
+        "skipped" => counters.skipped = counters.skipped.saturating_add(1),
         _ => {}
     }
     if let Some(kind) = counted.fault {
-        *counters.faults.entry(kind.name().to_owned()).or_default() += 1;
+        let count = counters.faults.entry(kind.name().to_owned()).or_default();
+        *count = count.saturating_add(1);
     }
     if let (None, Some(satellites)) = (status.get("satellites"), satellites) {
         state(&mut status, "satellites", satellites);
