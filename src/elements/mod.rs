@@ -23,7 +23,6 @@ mod tle_file;
 
 pub use element_set::{ElementSet, NoradId, Origin, share_of_stale};
 pub use ephemeris::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
-#[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
 pub use error::ElementsError;
 pub use generation::{Certainty, Generation, GenerationTable, STARLINK_TABLE_DATE};
