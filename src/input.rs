@@ -42,10 +42,23 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
 /// Reads a text file in UTF-8 of at most [`LARGEST_INPUT`] bytes.
 ///
 /// # Errors
-/// The errors of [`read`], and invalid UTF-8.
+/// The errors of [`read`], and invalid UTF-8, with its line.
 pub fn read_to_string(path: &Path) -> io::Result<String> {
-    String::from_utf8(read(path)?)
-        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+    text_of(read(path)?)
+}
+
+/// Returns the text of a file.
+///
+/// # Errors
+/// Invalid UTF-8, with its line.
+pub fn text_of(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..valid].iter().filter(|&&byte| byte == b'\n').count();
+        invalid(format!(
+            "invalid UTF-8 in line {line} (byte {valid}); convert a Latin-1 file with iconv -f LATIN1 -t UTF-8"
+        ))
+    })
 }
 
 /// Largest number of rows of a table.
@@ -196,6 +209,15 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_in_other_encodings_has_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        fs::write(&path, b"a,b\n1,2\nM\xfcnchen,3\n").unwrap();
+        let error = read_to_string(&path).unwrap_err().to_string();
+        assert!(error.starts_with("invalid UTF-8 in line 3 (byte 9); convert"), "{error}");
+    }
 
     #[test]
     fn verif_endless_readers_are_cut_off() {

@@ -319,7 +319,14 @@ impl Config {
         let of_toml = |error: &toml::de::Error| crate::input::toml_error(error, text);
         let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
         // TOML keys may have hyphens or underscores; the fields have underscores.
-        let mut keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();
+        let mut renamed = toml::Table::new();
+        for (key, value) in keys {
+            let name = key.replace('-', "_");
+            if renamed.insert(name.clone(), value).is_some() {
+                return Err(error(format!("{name} is given twice, with hyphens and with underscores; allowed: once")));
+            }
+        }
+        let mut keys = renamed;
         // The command line reads and checks the tables of verbs. It cannot read a stream twice.
         let is_table_of_verb = |key: &str, value: &toml::Value| value.is_table() && VERBS.contains(&key);
         if let Some((verb, _)) = keys.iter().find(|(key, value)| is_table_of_verb(key, value))
@@ -353,6 +360,7 @@ impl Config {
         self.check_viewpoint()?;
         self.check_field()?;
         self.check_limits()?;
+        self.check_exposure()?;
         self.photometry()?;
         self.rotation_rad()?;
         self.samples()?;

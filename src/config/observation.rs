@@ -14,7 +14,7 @@ use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_directio
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
 use crate::photometry::{Band, Earthshine, PhotometryOptions};
-use crate::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduleError, ScheduleOptions};
+use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleError, ScheduleOptions};
 
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
@@ -170,6 +170,25 @@ impl Config {
             in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
         }
         Ok(())
+    }
+
+    /// Checks the values of a single exposure and of the search for later starts.
+    pub(super) fn check_exposure(&self) -> Result<(), ConfigError> {
+        let ExposureConfig { start, duration, .. } = &self.exposure;
+        if let Some(start) = start {
+            // A flag may set another scale, which does not change the form.
+            parse_moment(start.as_str(), self.time_scale()?.or(Some(TimeScale::UTC)))?;
+        }
+        if let Some(duration) = duration {
+            parse_duration_s("exposure", duration.as_str())?;
+        }
+        if let Some(delay) = &self.rules.max_delay {
+            parse_duration_s("max-delay", delay.as_str())?;
+        }
+        if let Some(blocking) = &self.rules.blocking {
+            blocking.parse::<Blocking>().map_err(ConfigError::Policy)?;
+        }
+        self.pointing().map(|_| ())
     }
 
     /// Returns band (V if omitted), magnitude system and light sources of the magnitudes.

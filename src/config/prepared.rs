@@ -242,7 +242,22 @@ impl PreparedSky {
             _ => Ok(()),
         }
     }
+
+    /// Returns a warning if the positions of the satellites are unknown in a part of the time from `first` to `last`, in
+    /// steps of six hours; `None` if they are always known.
+    pub fn unknown_part_warning(&self, first: Epoch, last: Epoch) -> Option<String> {
+        let steps = (seconds_between(first, last) / UNKNOWN_STEP_S).ceil() as usize;
+        let epochs = (0..steps).map(|step| seconds_after(first, step as f64 * UNKNOWN_STEP_S)).chain([last]);
+        let unknown: Vec<(Epoch, String)> =
+            epochs.filter_map(|epoch| Some((epoch, self.sky.predictability(epoch).reason()?))).collect();
+        let ((begin, reason), (end, _)) = (unknown.first()?, unknown.last()?);
+        let (begin, end) = (format_utc(*begin, 0), format_utc(*end, 0));
+        Some(format!("{reason} from {begin} to {end}: passes in this time are missing"))
+    }
 }
+
+/// Step of [`PreparedSky::unknown_part_warning`], seconds: that of [`Sky::predictability`].
+const UNKNOWN_STEP_S: f64 = 6.0 * 3600.0;
 
 /// Removes modules and docked spacecraft of space stations whose main object has an element set, because the magnitude
 /// of a station includes them. Docked spacecraft have the same elements as their station. Returns the names of the

@@ -166,20 +166,18 @@ fn site_of_name(name: &str) -> Result<Site, ConfigError> {
 }
 
 fn site_of(table: &SiteTable) -> Result<Site, ConfigError> {
-    match (&table.mpc, table.latitude_deg, table.longitude_deg) {
-        (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
-            Err(ConfigError::Both { first: "an MPC code", second: "coordinates" })
+    let SiteTable { name, mpc, latitude_deg, longitude_deg, height_m } = table;
+    match (mpc, name, (latitude_deg, longitude_deg, height_m)) {
+        (Some(code), None, (None, None, None)) => Ok(Site::from_mpc(code)?),
+        (Some(_), Some(_), _) => Err(ConfigError::Both { first: "an MPC code", second: "a name" }),
+        (Some(_), None, _) => Err(ConfigError::Both { first: "an MPC code", second: "coordinates" }),
+        (None, name, (Some(latitude), Some(longitude), height)) => {
+            let name = name.as_deref().unwrap_or_default();
+            Ok(Site::new_deg(name, *latitude, *longitude, height.unwrap_or(0.0))?)
         }
-        (Some(code), None, None) => Ok(Site::from_mpc(code)?),
-        (None, Some(latitude), Some(longitude)) => {
-            let name = table.name.as_deref().unwrap_or_default();
-            Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
-        }
-        (None, None, None) => match &table.name {
-            Some(name) => site_of_name(name),
-            None => Err(ConfigError::Missing { what: "site", allowed: SITES }),
-        },
-        (None, _, _) => Err(ConfigError::Missing { what: "complete coordinates of the site", allowed: SITES }),
+        (None, Some(name), (None, None, None)) => site_of_name(name),
+        (None, None, (None, None, None)) => Err(ConfigError::Missing { what: "site", allowed: SITES }),
+        (None, ..) => Err(ConfigError::Missing { what: "complete coordinates of the site", allowed: SITES }),
     }
 }
 
@@ -193,6 +191,19 @@ mod tests {
 
     fn message<T: std::fmt::Debug>(result: Result<T, ConfigError>) -> String {
         result.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_table_with_contradictory_keys_is_rejected() {
+        for (keys, part) in [
+            ("name = 'La Silla'\nmpc = 'X05'", "an MPC code and a name exclude each other"),
+            ("mpc = 'X05'\nheight_m = 10", "an MPC code and coordinates exclude each other"),
+            ("name = 'La Silla'\nheight_m = 10", "missing complete coordinates of the site"),
+            ("latitude_deg = 10", "missing complete coordinates of the site"),
+        ] {
+            let found = message(config(&format!("[site]\n{keys}")).site());
+            assert!(found.contains(part), "{keys}: {found}");
+        }
     }
 
     #[test]

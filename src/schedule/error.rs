@@ -56,6 +56,14 @@ pub enum ScheduleError {
         /// Description of the file.
         what: String,
     },
+    /// A column that is read occurs several times.
+    #[error("schedule {path}: column {column} occurs twice; allowed: once")]
+    RepeatedColumn {
+        /// Path of the file.
+        path: String,
+        /// Name of the column.
+        column: String,
+    },
     /// A line is invalid.
     #[error("schedule {path}, line {line}: {what}")]
     Line {

@@ -19,21 +19,26 @@ pub struct FoundWindows<'a> {
 }
 
 impl FoundWindows<'_> {
-    fn windows(&self) -> &[ClearWindow] {
+    /// Returns the windows; none for an invalid row.
+    pub fn windows(&self) -> &[ClearWindow] {
         self.found.map_or(&[], |found| &found.windows)
     }
 
-    /// Returns the reason why the target has no window; `None` if it has at least one.
+    /// Returns the reason why the target has no window, or why some starts are unknown; `None` if it has all windows.
     pub fn reason(&self) -> Option<String> {
         match (&self.listed.target, self.found) {
             (Err(reason), _) => Some(reason.clone()),
             (Ok(_), Some(found)) if found.observable.is_empty() => {
                 Some("never above the lowest altitude in the dark".to_owned())
             }
-            (Ok(_), Some(found)) if found.windows.is_empty() => {
-                Some(found.unknown.as_ref().map_or("never clear".to_owned(), |why| format!("unknown: {why}")))
+            (Ok(_), Some(TargetWindows { windows, unknown: None, .. })) => {
+                windows.is_empty().then(|| "never clear".to_owned())
             }
-            _ => None,
+            (Ok(_), Some(TargetWindows { windows, unknown: Some(why), .. })) => {
+                let what = if windows.is_empty() { "unknown" } else { "some starts are unknown" };
+                Some(format!("{what}: {why}"))
+            }
+            (Ok(_), None) => None,
         }
     }
 
@@ -111,7 +116,11 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
                 "Total length of the shutter openings allowed by the altitudes of target and Sun.",
             ),
             Column::new("n_dodged", Kind::Integer, "Number of passes between the windows."),
-            Column::new("reason", Kind::Text, "Reason why there is no window; empty if there is one."),
+            Column::new(
+                "reason",
+                Kind::Text,
+                "Reason why there is no window, or why some starts are unknown and omitted.",
+            ),
         ],
         rows: rows.collect(),
     }

@@ -263,6 +263,8 @@ fn invalid_schedules() {
     schedule("rows.json", b"{\"visits\": []}", &["without an array 'exposures'"]);
     schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json, line 1"]);
     schedule("none.json", b"[]", &["none.json is empty"]);
+    let twice = b"exposure_id,start_utc,duration_s,ra_deg,dec_deg,ra_deg\n1,2024-08-14T03:30:00Z,30,280,-30,10\n";
+    schedule("twice.csv", twice, &["twice.csv: column ra_deg occurs twice; allowed: once"]);
     schedule("page.html", b"<html></html>", &["XML or HTML", "allowed: opsim SQLite"]);
     schedule("cut.db", b"SQLite format 3\0 and then nothing", &["cut.db"]);
     fails(&[&flag(&folder.path().display().to_string())], &["is a directory"]);
@@ -273,7 +275,7 @@ fn invalid_schedules() {
     // Rows that cannot be judged are part of the result and not an error.
     let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
-    let warned = "warning: 1 of 1 exposure cannot be judged; first exposure 1: ";
+    let warned = ": 1 of 1 exposure cannot be judged; first row 1, exposure 1: ";
     for part in [warned, "outside the years of the ephemeris", "1957 to 2099"] {
         assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
     }
@@ -284,7 +286,7 @@ fn invalid_schedules() {
     let low = format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,85\n2,2024-08-14T03:31:00Z,30,280,85\n");
     let (code, _, stderr) = run(&[&flag(&file(&folder, "low.csv", low.as_bytes()))]);
     assert_eq!(code, 0, "{stderr}");
-    let warned = "warning: 2 of 2 exposures cannot be judged; first exposure 1: ";
+    let warned = ": 2 of 2 exposures cannot be judged; first row 1, exposure 1: ";
     assert!(stderr.contains(warned) && stderr.contains("horizon"), "{stderr}");
 }
 
@@ -400,7 +402,7 @@ fn invalid_rows_are_kept_with_a_reason_and_the_others_are_evaluated() {
     let schedule = file(&folder, "s.csv", text.as_bytes());
     let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
-    let warning = "warning: 10 of 12 exposures cannot be judged; first exposure nan: right ascension is NaN";
+    let warning = ": 10 of 12 exposures cannot be judged; first row 2, exposure nan: right ascension is NaN";
     assert!(stderr.contains(warning), "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();

@@ -186,6 +186,7 @@ fn usage_errors_have_exit_code_2_always() {
         (&[GATE, POINTING, &["--now", "yesterday"]], "invalid time 'yesterday'"),
         (&[GATE, &["--ra", "25h", "--dec", "0"]], "25h"),
         (&[GATE, POINTING, &["--stdin", "nina"]], "nina"),
+        (&[GATE, &["--indi", "localhost:99999"]], "allowed: HOST or HOST:PORT with a port from 1 to 65535"),
         (&[&["gate", "--mpc", "X05", "--fov", "1deg", "--exposure", "1s"], POINTING], "missing satellites"),
         (&[&["gate", "--shells", "oneweb", "--fov", "1deg", "--exposure", "1s"], POINTING], "missing site"),
         (&[&["gate", "--shells", "oneweb", "--mpc", "ZZZ", "--fov", "1deg", "--exposure", "1s"], POINTING], "ZZZ"),
@@ -333,6 +334,11 @@ fn errors_in_tables_of_the_configuration_open_the_gate() {
         ("[gate]\nnope = 1", "unknown key 'nope'"),
         ("[forecast]\nnope = 1", "unknown key 'nope'"),
         ("fov = '-1deg'", "fov is -1"),
+        ("[gate]\nmax_wait = 5", "[gate]: max-wait is 5, without a unit"),
+        ("[gate]\ntimeout = '0s'", "[gate]: timeout is 0 s; allowed: 0.1 to 600 s"),
+        ("[gate]\nindi = 'mount:99999'", "allowed: HOST or HOST:PORT"),
+        ("max_delay = 10", "max-delay is 10, without a unit"),
+        ("max_delay = '1s'\nmax-delay = '2s'", "max_delay is given twice"),
         (&zeros, "1000001 bytes; allowed: at most 1000000"),
     ] {
         fs::write(&config, text).unwrap();
@@ -350,8 +356,11 @@ fn errors_in_tables_of_the_configuration_open_the_gate() {
         fs::remove_file(&status).unwrap();
     }
     // A wrong flag is not a fault of a file.
-    fs::write(&config, "").unwrap();
-    assert_eq!(run(&[base, POINTING, rest, &["--nope"]]).0, 2);
+    for text in ["", "[gate]\nmax_wait = 5"] {
+        fs::write(&config, text).unwrap();
+        assert_eq!(run(&[base, POINTING, rest, &["--nope"]]).0, 2);
+        assert_eq!(run(&[base, POINTING, rest, &["--timeout", "0s"]]).0, 2);
+    }
 }
 
 /// Counters of a status file do not overflow.
@@ -370,6 +379,48 @@ fn the_largest_counters_remain() {
         (record["counters"]["runs"].as_u64(), record["counters"]["faults"]["setup"].as_u64()),
         (Some(most), Some(most))
     );
+}
+
+/// Only a status file is replaced. Other files of the user remain, and the result is that without a status file.
+#[test]
+fn other_files_are_not_replaced_by_a_status() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = path(&folder, "other");
+    let base: &[&str] = &["gate", "--shells", "oneweb", "--mpc", "X05", "--exposure", "10s", "--fov", "1deg"];
+    let base = [base, POINTING, &["--now", NOW, "--limit-mag=-20", "--status-file", &other]].concat();
+    for text in ["limit_mag = 7\n", "{\"type\": \"FeatureCollection\"}", "[1, 2]", "\u{0}"] {
+        fs::write(&other, text).unwrap();
+        for (strict, expected) in [(&[][..], 0), (&["--strict"][..], 2)] {
+            let (code, _, stderr) = run(&[&base, strict]);
+            assert!(
+                code == expected && stderr.contains("is not a status file; allowed: a new file"),
+                "{text}: {stderr}"
+            );
+            assert_eq!(fs::read_to_string(&other).unwrap(), text);
+        }
+    }
+    for text in ["", " \n"] {
+        fs::write(&other, text).unwrap();
+        assert_eq!(run(&[&base]).0, 0);
+        assert!(fs::read_to_string(&other).unwrap().contains("\"verdict\": \"clear\""));
+    }
+}
+
+/// Runs at the same time with one status file are all counted.
+#[test]
+fn runs_at_the_same_time_are_all_counted() {
+    const RUNS: usize = 6;
+    let folder = tempfile::tempdir().unwrap();
+    let status = path(&folder, "status.json");
+    let base: &[&str] = &["gate", "--shells", "oneweb", "--mpc", "X05", "--exposure", "10s", "--fov", "1deg"];
+    let base = [base, POINTING, &["--now", NOW, "--policy", "/nowhere/p.toml", "--status-file", &status]].concat();
+    thread::scope(|scope| {
+        for _ in 0..RUNS {
+            scope.spawn(|| assert_eq!(run(&[&base]).0, 0));
+        }
+    });
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!(record["counters"]["runs"].as_u64(), Some(RUNS as u64), "{record}");
 }
 
 /// A computation of a day of crossings takes longer than 0.1 s. The thread is left behind, as in a call that blocks.

@@ -129,6 +129,29 @@ fn passes_windows_and_calendars_with_old_elements_state_the_reason() {
     assert!(stdout.contains("positions unknown") && !stdout.contains("early or late"), "{stdout}");
 }
 
+/// A forecast over days and windows over a week, of which the last days are unknown, say so.
+#[test]
+fn the_unknown_days_of_a_longer_request_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    // Known until 21 days after the epoch.
+    let file = elements(&folder, "STARLINK-31", 18.0, 1);
+    let elements: &[&str] = &["--elements", &file, "--mpc", "X05"];
+    let range: &[&str] = &["--start", "2026-08-14T22:00:00Z", "--end", "2026-08-19T22:00:00Z"];
+    let (code, _, stderr) = run(&[&["forecast", "--norad", "60001"], range, elements]);
+    assert_eq!(code, 0, "{stderr}");
+    let warning = "days old: positions unknown from 2026-08-1";
+    assert!(stderr.contains(warning) && stderr.contains(" to 2026-08-19T22:00:00Z: passes in this time"), "{stderr}");
+    // The target is observable in the nights of the known days and of the unknown ones.
+    let target: &[&str] = &["--ra", "230", "--dec=-30", "--exposure", "10min", "--fov", "0.1deg"];
+    let (code, stdout, stderr) = run(&[&["windows", "--format", "json"], range, elements, target]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    let found = &answer["targets"][0];
+    assert!(found["n_windows"].as_u64().unwrap() > 0, "{found}");
+    assert!(found["reason"].as_str().unwrap().starts_with("some starts are unknown: elements 2"), "{found}");
+    assert!(stderr.contains(": some starts are unknown: elements 2"), "{stderr}");
+}
+
 /// Satellites in drag are early or late by minutes after 60 days: crossings have probabilities, but no start is known to
 /// be clear.
 #[test]

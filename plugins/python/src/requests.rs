@@ -87,11 +87,14 @@ impl Nights {
         self.nights.columns = night_row.columns;
         self.nights.rows.extend(night_row.rows);
         let left_out = prepared.left_out_warning(&found.found.left_out, request.start).map_err(failure::setup)?;
-        let unknown = selection.unknown_warning(sky.elements());
-        let warnings =
-            [left_out, unknown, found.prior_warning(sky, request.max_magnitude), found.fitted_range_warning()]
-                .into_iter()
-                .flatten();
+        let warnings = [
+            left_out,
+            prepared.unknown_part_warning(request.start, request.end),
+            selection.unknown_warning(sky.elements()),
+            found.prior_warning(sky, request.max_magnitude),
+            found.fitted_range_warning(),
+        ];
+        let warnings = warnings.into_iter().flatten();
         self.warnings.extend(warnings.map(|warning| failure::as_arguments(&warning)));
         Ok(self)
     }

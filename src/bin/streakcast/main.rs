@@ -158,7 +158,7 @@ fn main() -> ExitCode {
     let matches = match parse(&words) {
         Err(error) if is_gate && words.place_of(&error).is_some() => {
             file_error = Some(anyhow!(usage_message(&error, command.clone(), words.place_of(&error))));
-            words = Words::typed(typed);
+            words = Words::typed(typed.clone());
             parse(&words)
         }
         matches => matches,
@@ -170,10 +170,20 @@ fn main() -> ExitCode {
     if let Err(error) = rejected::check(&matches).and_then(|()| files::check(&command, &matches)) {
         return exit_code(Err(error));
     }
-    let arguments = match Arguments::from_arg_matches(&matches) {
+    let mut arguments = match Arguments::from_arg_matches(&matches) {
         Ok(arguments) => arguments,
         Err(error) => return report_usage(&error, command, words.place_of(&error)),
     };
+    // The same for values that the parser does not check.
+    if let (Verb::Gate(gate), Some(table)) = (&arguments.verb, words.table())
+        && let Err(error) = verbs::gate::check_values(gate)
+    {
+        file_error = Some(anyhow!("{table}: {error}"));
+        arguments = match parse(&Words::typed(typed)).and_then(|matches| Arguments::from_arg_matches(&matches)) {
+            Ok(arguments) => arguments,
+            Err(error) => return report_usage(&error, command, None),
+        };
+    }
     #[cfg(feature = "serve")]
     let is_server = matches!(arguments.verb, Verb::Serve(_));
     #[cfg(not(feature = "serve"))]

@@ -49,6 +49,11 @@ impl Words {
         Self { words, table: String::new(), inserted: Vec::new() }
     }
 
+    /// Returns file and table of the inserted keys, if there are any.
+    pub fn table(&self) -> Option<&str> {
+        (!self.inserted.is_empty()).then_some(self.table.as_str())
+    }
+
     /// Returns the file and table if the error is that of an inserted key.
     pub fn place_of(&self, error: &clap::Error) -> Option<&str> {
         let names = [ContextKind::InvalidArg, ContextKind::PriorArg].into_iter().filter_map(|kind| error.get(kind));

@@ -88,8 +88,15 @@ impl ColumnMap {
     /// Finds the columns by name.
     ///
     /// # Errors
-    /// One error with all missing columns and all columns of the file.
+    /// One error with all missing columns and all columns of the file; or a column that is read occurs twice.
     pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
+        let starts = STARTS.iter().map(|(name, ..)| name);
+        let read = [ID, DURATION, SNAPS, VISIT, RIGHT_ASCENSION, DECLINATION, ROTATION, BAND].concat();
+        for name in read.iter().chain(starts) {
+            if names.iter().filter(|found| found == name).count() > 1 {
+                return Err(ScheduleError::RepeatedColumn { path: display(path), column: (*name).to_owned() });
+            }
+        }
         let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
         let start = STARTS.iter().find_map(|&(name, form, scale)| {
             let index = names.iter().position(|found| found == name)?;

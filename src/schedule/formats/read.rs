@@ -40,14 +40,8 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     }
     input::check_size(&file).map_err(io_error)?;
     let bytes = input::read_at_most(head.as_slice().chain(file), input::LARGEST_INPUT).map_err(io_error)?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let valid = error.utf8_error().valid_up_to();
-        let line = 1 + error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count();
-        let what = format!(
-            "invalid UTF-8 in line {line} (byte {valid}); convert a Latin-1 file with iconv -f LATIN1 -t UTF-8"
-        );
-        ScheduleError::Format { path: display(path), what }
-    })?;
+    let text = input::text_of(bytes)
+        .map_err(|error| ScheduleError::Format { path: display(path), what: error.to_string() })?;
     let text = match text.strip_prefix('\u{feff}') {
         Some(text) => text.to_owned(),
         None => text,

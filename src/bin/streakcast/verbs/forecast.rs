@@ -140,6 +140,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
         ));
     }
     notices.warn_left_out(&prepared, &found.found.left_out, from)?;
+    notices.warn(&prepared.unknown_part_warning(from, to));
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     notices.warn(&found.fitted_range_warning());

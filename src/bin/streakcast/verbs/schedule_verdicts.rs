@@ -1,12 +1,13 @@
 //! Computes the verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
+use streakcast::message::Quoted;
 use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::schedule::{
     FlagReport, FlagTotals, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow,
@@ -28,6 +29,8 @@ pub struct PreparedSchedule {
     /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
+    /// Path of the schedule.
+    path: PathBuf,
     /// For a batch share: for each row of the file, true if it is in `schedule`.
     pub keep: Option<Vec<bool>>,
 }
@@ -75,7 +78,7 @@ impl PreparedSchedule {
             }),
         );
         provenance.state("options", options_json(config, policy, telescope));
-        Ok(Self { schedule, plan, sky, provenance, notices, keep })
+        Ok(Self { schedule, plan, sky, provenance, notices, path: path.to_owned(), keep })
     }
 
     /// Judges the rows in parts, calls `take` with the rows and the report of each part, and prints the warnings and
@@ -93,7 +96,7 @@ impl PreparedSchedule {
             None => invalid_rows(schedule, take)?,
         };
         notices.warn(&schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref()));
-        summary(notices, &totals);
+        summary(notices, &totals, schedule, &self.path);
         Ok(totals)
     }
 
@@ -230,7 +233,8 @@ pub fn given_field(config: &Config) -> Value {
     }
 }
 
-pub fn summary(notices: &Notices, totals: &FlagTotals) {
+/// Prints the number of exposures with each verdict, and a warning for rows of the file that cannot be judged.
+pub fn summary(notices: &Notices, totals: &FlagTotals, schedule: &Schedule, path: &Path) {
     let counts: Vec<String> =
         [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Unknown, VerdictKind::Invalid]
             .into_iter()
@@ -240,10 +244,12 @@ pub fn summary(notices: &Notices, totals: &FlagTotals) {
     let number = counted(totals.exposures(), "exposure", "exposures");
     for kind in [VerdictKind::Unknown, VerdictKind::Invalid] {
         if let Some(first) = totals.first(kind) {
+            let row = schedule.exposures.iter().find(|row| row.id == first.exposure_id).map_or(0, |row| row.row + 1);
             notices.warn(&[format!(
-                "{} of {number} cannot be judged; first exposure {}: {}",
+                "schedule {}: {} of {number} cannot be judged; first row {row}, exposure {}: {}",
+                path.display(),
                 totals.count(kind),
-                first.exposure_id,
+                Quoted::new(&first.exposure_id),
                 first.reasons.join("; ")
             )]);
         }

@@ -160,9 +160,10 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let found = found(&listed, &report);
     let without = found.iter().filter_map(|one| {
         let name = Quoted::new(&one.listed.name);
-        one.reason().map(|reason| format!("target {name} has no window: {reason}"))
+        let what = if one.windows().is_empty() { " has no window" } else { "" };
+        one.reason().map(|reason| format!("target {name}{what}: {reason}"))
     });
-    notices.warn_first(without, "targets without a window");
+    notices.warn_first(without, "targets without a window or with unknown starts");
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &plan.photometry);
     prepared.provenance.state(

@@ -17,9 +17,10 @@ use streakcast::schedule::MagnitudeLimit;
 
 use super::clock::Clock;
 use super::deadline::within;
+use super::indi::Address;
 use crate::required::Required;
 
-#[derive(Args)]
+#[derive(Clone, Args)]
 pub struct GateArguments {
     /// Right ascension of the field's centre (ICRS): 188.5 (degrees) or 12h34m
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "dec")]
@@ -62,7 +63,7 @@ pub struct GateArguments {
     pub target: Option<String>,
     /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
     #[arg(long, value_name = "HOST:PORT", help_heading = "Host")]
-    pub indi: Option<String>,
+    pub indi: Option<Address>,
     /// Name of the mount, if the INDI server has several
     #[arg(long, value_name = "NAME", requires = "indi", help_heading = "Host")]
     pub indi_device: Option<String>,
@@ -107,7 +108,7 @@ pub struct Flags {
     pub stdin: Option<Host>,
     pub targets: Option<PathBuf>,
     pub target: Option<String>,
-    pub indi: Option<String>,
+    pub indi: Option<Address>,
     pub indi_device: Option<String>,
     pub status_file: Option<PathBuf>,
 }
@@ -195,6 +196,14 @@ impl Flags {
         // The site may come from an INDI server.
         if self.indi.is_some() { required } else { required.site() }.check()
     }
+}
+
+/// Checks the values of flags that no argument parser checks.
+///
+/// # Errors
+/// The errors of [`Flags::new`].
+pub fn check_values(typed: &GateArguments) -> anyhow::Result<()> {
+    Flags::new(typed.clone()).map(|_| ())
 }
 
 /// Checks the flags that are not names of files.

@@ -1,7 +1,9 @@
 //! INDI client that reads pointing and site of a mount from a server (XML over TCP). It does not set any property.
 
+use std::fmt;
 use std::io::{self, BufReader, Read, Write};
-use std::net::{TcpStream, ToSocketAddrs};
+use std::net::{Ipv6Addr, TcpStream, ToSocketAddrs};
+use std::str::FromStr;
 use std::time::{Duration, Instant};
 
 use hifitime::Epoch;
@@ -42,7 +44,7 @@ pub struct Mount {
 }
 
 /// Reads pointing and site of a mount from a server within `timeout`.
-pub fn read_mount(address: &str, device: Option<&str>, timeout: Duration, clock: &Clock) -> Result<Mount, Fault> {
+pub fn read_mount(address: &Address, device: Option<&str>, timeout: Duration, clock: &Clock) -> Result<Mount, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Indi, format!("INDI server {address}: {what}"));
     let deadline = Instant::now() + timeout;
     let mut stream = connect(address, deadline).map_err(|error| fault(error.to_string()))?;
@@ -59,15 +61,47 @@ pub fn read_mount(address: &str, device: Option<&str>, timeout: Duration, clock:
     })
 }
 
+/// Host and port of a server.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address {
+    host: String,
+    port: u16,
+}
+
+impl FromStr for Address {
+    type Err = String;
+
+    /// Parses `HOST` or `HOST:PORT`; an IPv6 address with a port is in brackets.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (host, port) = match text.strip_prefix('[').and_then(|rest| rest.split_once(']')) {
+            Some((host, port)) => (host, port),
+            None if text.parse::<Ipv6Addr>().is_ok() => (text, ""),
+            None => text.split_at(text.find(':').unwrap_or(text.len())),
+        };
+        let port = match port.strip_prefix(':') {
+            None if port.is_empty() => Some(PORT),
+            digits => digits.and_then(|digits| digits.parse().ok()).filter(|&port| port > 0),
+        };
+        match port {
+            Some(port) if !host.is_empty() && !host.contains(|c: char| c.is_whitespace() || c == '/') => {
+                Ok(Self { host: host.to_owned(), port })
+            }
+            _ => Err("allowed: HOST or HOST:PORT with a port from 1 to 65535, for example 10.0.0.2:7624".to_owned()),
+        }
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { host, port } = self;
+        if host.contains(':') { write!(formatter, "[{host}]:{port}") } else { write!(formatter, "{host}:{port}") }
+    }
+}
+
 /// Connects to a server. If its name has several addresses, each has an equal share of the time that is left.
-fn connect(address: &str, deadline: Instant) -> io::Result<TcpStream> {
-    let with_port = if address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok()) {
-        address.to_owned()
-    } else {
-        format!("{address}:{PORT}")
-    };
+fn connect(address: &Address, deadline: Instant) -> io::Result<TcpStream> {
     let mut last = io::Error::new(io::ErrorKind::NotFound, "no such host");
-    let sockets: Vec<_> = with_port.to_socket_addrs()?.take(MOST_ADDRESSES).collect();
+    let sockets: Vec<_> = (address.host.as_str(), address.port).to_socket_addrs()?.take(MOST_ADDRESSES).collect();
     for (index, socket) in sockets.iter().enumerate() {
         let share = left(deadline, Duration::MAX) / (sockets.len() - index) as u32;
         match TcpStream::connect_timeout(socket, share.max(SHORTEST)) {
@@ -315,6 +349,33 @@ fn sexagesimal(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn addresses_of_servers() {
+        for (text, address) in [
+            ("localhost", "localhost:7624"),
+            ("10.0.0.2:80", "10.0.0.2:80"),
+            ("::1", "[::1]:7624"),
+            ("[fe80::1]", "[fe80::1]:7624"),
+            ("[::1]:65535", "[::1]:65535"),
+        ] {
+            assert_eq!(text.parse::<Address>().unwrap().to_string(), address);
+        }
+        for text in [
+            "",
+            ":7624",
+            "localhost:",
+            "localhost:0",
+            "localhost:65536",
+            "localhost:x",
+            "a b",
+            "http://a",
+            "[::1]7",
+            "a:1:2",
+        ] {
+            assert!(text.parse::<Address>().is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn numbers_as_indi_writes_them() {

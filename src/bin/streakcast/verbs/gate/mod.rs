@@ -9,5 +9,5 @@ mod run;
 mod status_file;
 mod targets;
 
-pub use arguments::GateArguments;
+pub use arguments::{GateArguments, check_values};
 pub use run::run;

@@ -179,6 +179,7 @@ impl Counted {
 
 /// Writes the status of a run, with the counters over all runs.
 fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counted) -> std::io::Result<()> {
+    let _lock = status_file::lock(path);
     let Before { mut counters, satellites } = status_file::read(Some(path));
     counters.runs = counters.runs.saturating_add(1);
     counters.waited_s += counted.waited_s;
@@ -532,6 +533,7 @@ fn rounded(value: f64, decimals: i32) -> Option<f64> {
 /// run.
 fn write_waiting(path: Option<&Path>, mut status: Map<String, Value>) {
     let Some(path) = path else { return };
+    let _lock = status_file::lock(path);
     state(&mut status, "verdict", "waiting");
     state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
     let _ = status_file::write(path, &status);

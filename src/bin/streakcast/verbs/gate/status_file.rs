@@ -1,7 +1,11 @@
 //! Status file of the gate, with the result of the run and counters over all runs; kinds of faults.
 
 use std::fmt;
+use std::fs::{File, TryLockError};
+use std::io;
 use std::path::Path;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -37,11 +41,40 @@ pub fn read(path: Option<&Path>) -> Before {
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
+/// Longest wait for another run that counts in the same folder.
+const LONGEST_LOCK: Duration = Duration::from_secs(1);
+/// Pause between two attempts to lock a folder.
+const LOCK_PAUSE: Duration = Duration::from_millis(5);
+
+/// Locks the folder of the status file until the result is dropped, so that runs at the same time do not lose counts.
+/// The file itself is replaced at each run. `None` if the folder cannot be locked, or another program keeps it locked.
+pub fn lock(path: &Path) -> Option<File> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = File::open(folder).ok()?;
+    let began = Instant::now();
+    loop {
+        match folder.try_lock() {
+            Ok(()) => return Some(folder),
+            Err(TryLockError::WouldBlock) if began.elapsed() < LONGEST_LOCK => sleep(LOCK_PAUSE),
+            Err(_) => return None,
+        }
+    }
+}
+
 /// Writes the status file atomically.
-pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()> {
-    // A pipe or device is not replaced by a file.
+///
+/// # Errors
+/// The path is that of a pipe or device, or of a file that is not a status file: it is not replaced.
+pub fn write(path: &Path, statements: &Map<String, Value>) -> io::Result<()> {
     if path.exists() {
         input::check_regular(path)?;
+        let before = input::read(path)?;
+        let before = String::from_utf8_lossy(before.trim_ascii());
+        // Every status file has counters. A damaged one is replaced.
+        if !before.is_empty() && !(before.starts_with('{') && before.contains("\"counters\"")) {
+            let what = "the file exists and is not a status file; allowed: a new file, or one that gate wrote";
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
+        }
     }
     let text = serde_json::to_string_pretty(statements)? + "\n";
     write_atomically(path, |out| out.write_all(text.as_bytes()))

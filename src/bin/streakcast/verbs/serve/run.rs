@@ -115,7 +115,7 @@ fn load(
         let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
         notices.warn(&of_schedule);
         warnings.extend(of_schedule);
-        schedule_verdicts::summary(notices, &totals);
+        schedule_verdicts::summary(notices, &totals, schedule, path);
         let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         provenance.state(
             "schedule",
