@@ -6,6 +6,7 @@
 mod abandoned;
 mod atomic;
 mod delimited;
+mod folder_lock;
 mod json;
 mod provenance;
 mod table;
@@ -15,6 +16,7 @@ mod votable;
 pub use atomic::{AtomicFile, ScratchFolder, check_target, remove_unfinished, write_atomically};
 pub(crate) use delimited::{csv_cell, ecsv_column};
 pub use delimited::{write_csv, write_csv_rows, write_ecsv};
+pub use folder_lock::lock_folder;
 pub use json::{Section, write_json, write_json_lines};
 pub use provenance::Provenance;
 pub use table::{Column, Kind, Table, TableField, Value, json_members, json_rows};

@@ -1,16 +1,15 @@
 //! Status file of the gate, with the result of the run and counters over all runs; kinds of faults.
 
 use std::fmt;
-use std::fs::{File, TryLockError};
+use std::fs::File;
 use std::io;
 use std::path::Path;
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use streakcast::input;
-use streakcast::output::write_atomically;
+use streakcast::output::{lock_folder, write_atomically};
 
 /// Counters over all runs that use the same status file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,22 +42,12 @@ pub fn read(path: Option<&Path>) -> Before {
 
 /// Longest wait for another run that counts in the same folder.
 const LONGEST_LOCK: Duration = Duration::from_secs(1);
-/// Pause between two attempts to lock a folder.
-const LOCK_PAUSE: Duration = Duration::from_millis(5);
 
 /// Locks the folder of the status file until the result is dropped, so that runs at the same time do not lose counts.
 /// The file itself is replaced at each run. `None` if the folder cannot be locked, or another program keeps it locked.
 pub fn lock(path: &Path) -> Option<File> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = File::open(folder).ok()?;
-    let began = Instant::now();
-    loop {
-        match folder.try_lock() {
-            Ok(()) => return Some(folder),
-            Err(TryLockError::WouldBlock) if began.elapsed() < LONGEST_LOCK => sleep(LOCK_PAUSE),
-            Err(_) => return None,
-        }
-    }
+    lock_folder(folder, LONGEST_LOCK)
 }
 
 /// Writes the status file atomically.
@@ -71,7 +60,7 @@ pub fn write(path: &Path, statements: &Map<String, Value>) -> io::Result<()> {
         let before = input::read(path)?;
         let before = String::from_utf8_lossy(before.trim_ascii());
         // Every status file has counters. A damaged one is replaced.
-        if !before.is_empty() && !(before.starts_with('{') && before.contains("\"counters\"")) {
+        if !(before.is_empty() || before.starts_with('{') && before.contains("\"counters\"")) {
             let what = "the file exists and is not a status file; allowed: a new file, or one that gate wrote";
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
         }
