@@ -20,6 +20,8 @@ pub const DAY_S: f64 = 86_400.0;
 /// Longest accepted exposure, s: a day, longer than any night. Memory and time of a search grow with the exposure, so
 /// that an exposure without a bound would exhaust them.
 pub const LONGEST_EXPOSURE_S: f64 = DAY_S;
+/// Accepted rotations of a field, degrees.
+pub const ROTATIONS_DEG: std::ops::RangeInclusive<f64> = -360.0..=360.0;
 /// Earth's gravitational parameter in WGS72, km³/s²: the value that SGP4 and the element sets use (Hoots and Roehrich
 /// 1980, Spacetrack Report 3).
 pub const WGS72_MU_KM3_S2: f64 = 398_600.8;

@@ -60,6 +60,7 @@ pub mod photometry;
 pub mod plot;
 pub mod schedule;
 pub mod streaks;
+mod units;
 mod watch;
 
 pub use elements::Satellites;

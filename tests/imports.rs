@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules that every module may import.
-const FOR_ALL: [&str; 4] = ["constants", "input", "message", "watch"];
+const FOR_ALL: [&str; 5] = ["constants", "input", "message", "units", "watch"];
 
 /// Allowed imports of each module besides [`FOR_ALL`].
 const MAY_IMPORT: &[(&str, &[&str])] = &[

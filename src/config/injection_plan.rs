@@ -14,7 +14,7 @@ use super::site::no_site_in;
 use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, ImagesError, Telescope};
-use crate::input::{self, CsvRows};
+use crate::input::{self, CsvRows, NumberColumn};
 use crate::message::Quoted;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
@@ -23,6 +23,7 @@ use crate::streaks::{
     MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan,
     Tumbling,
 };
+use crate::units::{MAGNITUDES, SECONDS};
 use crate::watch::Watch;
 
 /// Default β of the Moffat profile of a point spread function.
@@ -405,16 +406,15 @@ fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
     let failed =
         |error: &dyn std::fmt::Display| ConfigError::invalid(format!("light curve {}: {error}", path.display()));
     let rows = CsvRows::open(path).map_err(|error| failed(&error))?;
-    let column = |name: &str| rows.column(name, FORM).map_err(|error| failed(&error));
-    let columns = [column("time_s")?, column("delta_mag")?];
+    let column = |names: &[&str], unit| rows.numbers(names, unit, FORM).map_err(|error| failed(&error));
+    let columns = [column(&["time_s"], &SECONDS)?, column(&["delta_mag"], &MAGNITUDES)?];
     let mut points = Vec::new();
     for row in rows {
         let (line, row) = row.map_err(|error| failed(&error))?;
-        let number = |index: usize| {
-            let text = row.get(index).unwrap_or_default();
-            let not_a_number =
-                || format!("line {line}: '{}' is not a number; allowed: numbers in {FORM}", Quoted::new(text));
-            text.parse::<f64>().map_err(|_| failed(&not_a_number()))
+        let number = |column: NumberColumn| {
+            let text = Quoted::new(column.text(&row));
+            let not_a_number = || format!("line {line}: '{text}' is not a number; allowed: numbers in {FORM}");
+            column.number(&row).ok_or_else(|| failed(&not_a_number()))
         };
         points.push((number(columns[0])?, number(columns[1])?));
     }

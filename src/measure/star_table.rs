@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
-
 use super::error::MeasureError;
 use crate::frames::{Direction, Gcrs};
-use crate::input;
+use crate::input::CsvRows;
+use crate::message::Quoted;
+use crate::units::{DEGREES, MAGNITUDES};
 
 /// Columns and ranges of a table, for errors.
 const FORM: &str =
@@ -33,43 +33,46 @@ pub struct StarTable {
 }
 
 impl StarTable {
-    /// Reads a CSV table with the columns `ra_deg`, `dec_deg`, `mag` (or `magnitude`) and, optionally, `mag_sigma` and
+    /// Reads a CSV or ECSV table with the columns `ra_deg`, `dec_deg`, `mag` (or `magnitude`) and, optionally, `mag_sigma` and
     /// `band`. Other columns are ignored, as are lines that begin with `#`.
     ///
     /// # Errors
     /// The file cannot be read, a column is missing, or a value is out of range.
     pub fn read(path: &Path) -> Result<Self, MeasureError> {
-        #[derive(Deserialize)]
-        struct Row {
-            ra_deg: f64,
-            dec_deg: f64,
-            #[serde(alias = "magnitude")]
-            mag: f64,
-            #[serde(alias = "magnitude_sigma")]
-            mag_sigma: Option<f64>,
-            band: Option<String>,
-        }
         let origin = format!("table of stars {}", path.display());
-        let text = input::read_to_string(path)
-            .map_err(|error| MeasureError::invalid(origin.clone(), format!("not readable ({error})"), FORM))?;
-        let mut reader =
-            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let failed =
+            |error: std::io::Error| MeasureError::invalid(origin.clone(), format!("not readable ({error})"), FORM);
+        let rows = CsvRows::open(path).map_err(failed)?;
+        let column = |names: &[&str], unit| rows.numbers(names, unit, FORM).map_err(failed);
+        let columns = [
+            column(&["ra_deg", "ra"], &DEGREES)?,
+            column(&["dec_deg", "dec"], &DEGREES)?,
+            column(&["mag", "magnitude"], &MAGNITUDES)?,
+        ];
+        let sigma = rows.optional_numbers(&["mag_sigma", "magnitude_sigma"], &MAGNITUDES).map_err(failed)?;
+        let band_column = rows.find("band");
         let mut stars = Vec::new();
-        for (index, row) in reader.deserialize::<Row>().enumerate() {
-            let row = row.map_err(|error| MeasureError::invalid(origin.clone(), format!("invalid ({error})"), FORM))?;
-            let sigma_mag = row.mag_sigma.unwrap_or(0.0);
-            let is_valid = row.ra_deg.is_finite()
-                && row.dec_deg.abs() <= 90.0
-                && (-30.0..=60.0).contains(&row.mag)
+        for row in rows {
+            let (line, row) = row.map_err(failed)?;
+            let [ra_deg, dec_deg, mag] = columns.map(|column| column.number(&row).unwrap_or(f64::NAN));
+            // An empty cell is an unknown error.
+            let sigma_mag = match sigma {
+                Some(column) if !column.text(&row).is_empty() => column.number(&row).unwrap_or(f64::NAN),
+                _ => 0.0,
+            };
+            let is_valid = ra_deg.is_finite()
+                && dec_deg.abs() <= 90.0
+                && (-30.0..=60.0).contains(&mag)
                 && (0.0..=10.0).contains(&sigma_mag);
             if !is_valid {
-                let Row { ra_deg, dec_deg, mag, .. } = row;
-                let given = format!("at ra {ra_deg}, dec {dec_deg}, mag {mag} +- {sigma_mag}");
-                return Err(MeasureError::invalid(format!("{origin}: star {}", index + 1), given, FORM));
+                let [ra, dec, mag] = columns.map(|column| Quoted::new(column.text(&row)));
+                let sigma = Quoted::new(sigma.map_or("", |column| column.text(&row)));
+                let given = format!("at ra {ra}, dec {dec}, mag {mag} +- {sigma}");
+                return Err(MeasureError::invalid(format!("{origin}, line {line}: star"), given, FORM));
             }
-            let direction = Direction::from_lon_lat_rad(row.ra_deg.to_radians(), row.dec_deg.to_radians());
-            let band = row.band.as_deref().map_or(String::new(), band_name);
-            stars.push((CatalogueStar { direction, magnitude: row.mag, sigma_mag }, band));
+            let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+            let band = band_column.and_then(|index| row.get(index)).map_or(String::new(), band_name);
+            stars.push((CatalogueStar { direction, magnitude: mag, sigma_mag }, band));
         }
         if stars.is_empty() {
             return Err(MeasureError::invalid(origin, "empty", FORM));
@@ -124,6 +127,18 @@ mod tests {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         StarTable::read(file.path())
+    }
+
+    #[test]
+    fn units_are_those_of_the_columns() {
+        let header = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: ra, unit: hourangle, datatype: float64}\n\
+             # - {name: dec, unit: rad, datatype: float64}\n# - {name: mag, unit: mmag, datatype: float64}\n";
+        let stars = table(&format!("{header}ra dec mag\n2 0.1 9500\n")).unwrap().in_band(None).unwrap();
+        assert!((stars[0].direction.longitude_rad() - 30_f64.to_radians()).abs() < 1e-12);
+        assert!((stars[0].direction.latitude_rad() - 0.1).abs() < 1e-12 && (stars[0].magnitude - 9.5).abs() < 1e-12);
+        let error = table(&format!("{header}ra_deg dec mag\n2 0.1 9500\n").replace("name: ra,", "name: ra_deg,"));
+        let message = error.unwrap_err().to_string();
+        assert!(message.contains("column ra_deg is in 'hourangle'; allowed: deg"), "{message}");
     }
 
     #[test]

@@ -71,7 +71,11 @@ pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Val
 
 /// Returns the text of one cell of CSV, quoted if necessary.
 pub(crate) fn csv_cell(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+    if text.contains([',', '"', '\n', '\r']) || text.starts_with('#') {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
 }
 
 /// Writes the line of column names and the rows, which are the same in CSV and ECSV.
@@ -82,7 +86,8 @@ fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
 }
 
 fn csv_writer(out: &mut dyn Write) -> csv::Writer<&mut dyn Write> {
-    csv::WriterBuilder::new().flexible(true).from_writer(out)
+    // A row whose first cell begins with # is quoted: readers, also that of schedules, take it for a comment otherwise.
+    csv::WriterBuilder::new().flexible(true).comment(Some(b'#')).from_writer(out)
 }
 
 fn write_rows(writer: &mut csv::Writer<&mut dyn Write>, table: &Table) -> io::Result<()> {
@@ -167,5 +172,13 @@ mod tests {
              # meta: {\"provenance\": {}}\n# schema: astropy-2.0\n\
              name,ra_deg,norad_id\nA,12.0,7\n"
         );
+    }
+
+    #[test]
+    fn an_id_that_begins_like_a_comment_is_quoted() {
+        let table = Table { columns: vec![Column::new("exposure_id", Kind::Text, "")], rows: vec![vec!["#7".into()]] };
+        let mut out = Vec::new();
+        write_csv_rows(&mut out, &table).unwrap();
+        assert_eq!(String::from_utf8(out).unwrap(), "\"#7\"\n");
     }
 }

@@ -67,14 +67,21 @@ impl Almanac {
     fn day(&self, start: Epoch, eop: &EopTable) -> Arc<Day> {
         let number = mjd_utc(start).floor();
         let key = number as i64;
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, day)) = kept.iter().find(|(known, _)| *known == key) {
-            return day.clone();
+        let known = |kept: &[(i64, Arc<Day>)]| kept.iter().find(|(known, _)| *known == key).map(|(_, day)| day.clone());
+        let lock = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(day) = known(&lock()) {
+            return day;
         }
+        // The lock is free during the computation, so that threads with other days do not wait. Threads that need the
+        // same day may compute it twice.
         let first = Epoch::from_mjd_utc(number);
         let last = seconds_after(first, REACH_S);
         let day =
             Arc::new(Day { orientation: OrientationTable::new(first, last, eop), sun: SunTable::new(first, last) });
+        let mut kept = lock();
+        if let Some(day) = known(&kept) {
+            return day;
+        }
         kept.push((key, day.clone()));
         let surplus = kept.len().saturating_sub(CACHED_DAYS);
         kept.drain(..surplus);

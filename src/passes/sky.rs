@@ -139,6 +139,9 @@ impl Sky {
     /// An ephemeris of a satellite without an element set is ignored, because the element set determines the class and
     /// the brightness model of a satellite.
     pub fn with_ephemerides(self, ephemerides: Vec<Arc<Ephemeris>>) -> Self {
+        if ephemerides.is_empty() && self.ephemerides.is_empty() {
+            return self;
+        }
         let index = SatelliteIndex::new(&self.elements, self.drag);
         Self {
             index: Arc::new(index.with_ephemerides(&self.elements, &ephemerides, &self.eop)),

@@ -3,6 +3,7 @@
 use std::io;
 
 use crate::message::Quoted;
+use crate::units::UnitError;
 use hifitime::TimeScale;
 use thiserror::Error;
 
@@ -123,17 +124,23 @@ pub enum ScheduleError {
         /// Time scale in the options.
         given: TimeScale,
     },
-    /// The unit of a column contradicts its name.
-    #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}", unit = Quoted::new(.unit))]
+    /// The unit of a column is unknown, or contradicts its name.
+    #[error("schedule {path}: {source}")]
     Unit {
+        /// Path of the file.
+        path: String,
+        /// Column, unit and accepted units.
+        source: UnitError,
+    },
+    /// The time scale in the name of a column contradicts that in the header of the file.
+    #[error("schedule {path}: column {column} is in '{header}'; allowed: the time scale in the name of the column")]
+    NamedTimeScale {
         /// Path of the file.
         path: String,
         /// Name of the column.
         column: String,
-        /// Unit in the header of the file.
-        unit: String,
-        /// Accepted units.
-        allowed: &'static str,
+        /// Time scale in the header of the file.
+        header: TimeScale,
     },
     /// SQLite reported an error.
     #[cfg(feature = "sqlite")]

@@ -13,11 +13,14 @@ const GROUP_S: f64 = 43_200.0;
 /// limb changes by up to 0.6° in this time.
 const LIMB_INTERVAL_S: f64 = 10.0;
 
+/// Sampling interval of a pointing's altitude for a site, seconds.
+const SITE_SAMPLES_S: f64 = 600.0;
+
 /// Returns the lowest altitude of a pointing while the shutter is open, radians. Refraction and aberration (20") are
 /// neglected.
 ///
-/// From a site it is the lower of the altitudes at opening and at closing; in between, the altitude is higher, or lower
-/// by less than a degree for exposures of an hour. From an orbit it is the lowest angle above the Earth's limb, sampled
+/// From a site it is the lowest of the altitudes at opening, at closing and, in between, at intervals of at most ten
+/// minutes; the altitude between them is lower by less than 0.02 degrees. From an orbit it is the lowest angle above the Earth's limb, sampled
 /// every 10 s; NaN if the position of the telescope cannot be computed.
 pub fn lowest_altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable) -> f64 {
     let end = seconds_after(exposure.start, exposure.duration_s);
@@ -60,7 +63,7 @@ pub(super) fn lowest_altitudes_over(
 fn lowest_in(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable) -> f64 {
     let opened_s = seconds_between(table.reference(), exposure.start);
     let samples = match viewpoint {
-        Viewpoint::Site(_) => 1.0,
+        Viewpoint::Site(_) => (exposure.duration_s / SITE_SAMPLES_S).ceil().max(1.0),
         Viewpoint::Orbit(_) => (exposure.duration_s / LIMB_INTERVAL_S).ceil().max(1.0),
     };
     (0..=samples as usize)

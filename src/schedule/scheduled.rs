@@ -1,18 +1,20 @@
 //! Schedules: exposures in the order of their rows. An invalid row has a reason instead of an exposure.
 
 use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, Row, ScheduleFormat, StartColumn, StartForm, display, read_raw};
-use crate::constants::LONGEST_EXPOSURE_S;
+use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
 };
 use crate::output::format_utc;
 use crate::passes::Exposure;
+use crate::units::{DAYS, DEGREES, SECONDS, Unit};
 
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,7 +61,7 @@ impl Schedule {
     ///
     /// # Errors
     /// - The file is missing, a directory, empty or in another format.
-    /// - A required column is missing or has the wrong unit.
+    /// - A required column is missing, or its unit is unknown or contradicts its name. Other units are converted.
     /// - Times have no time scale, and `options` has none.
     pub fn read(path: &Path, options: &ScheduleOptions) -> Result<Self, ScheduleError> {
         schedule_from_raw(path, read_raw(path)?, options)
@@ -99,13 +101,13 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         return Err(if no_columns { ScheduleError::Empty { path } } else { ScheduleError::NoRows { path } });
     }
     let map = ColumnMap::find(path, &table.names)?;
-    check_units(path, &table, &map)?;
+    let scales = Scales::read(path, &table, &map)?;
     let scale = start_scale(path, &table, &map.start, options)?;
     let exposures = table
         .rows
         .iter()
         .enumerate()
-        .map(|(row, cells)| scheduled_exposure(row, &cells, &map, scale, options))
+        .map(|(row, cells)| scheduled_exposure(row, &cells, &map, &scales, scale, options))
         .collect();
     Ok(Schedule { format: table.format, exposures, start_column: map.start.name, time_scale: scale })
 }
@@ -121,13 +123,8 @@ fn start_scale(
     if let (Some(named), Some(of_header)) = (start.scale, of_header)
         && named != of_header
     {
-        let allowed = "the time scale in the name of the column";
-        return Err(ScheduleError::Unit {
-            path: display(path),
-            column: start.name.clone(),
-            unit: of_header.to_string(),
-            allowed,
-        });
+        let (path, column) = (display(path), start.name.clone());
+        return Err(ScheduleError::NamedTimeScale { path, column, header: of_header });
     }
     // Times with a zone (Z or an offset) in every cell need no time scale.
     let zoned = || {
@@ -154,29 +151,41 @@ fn start_scale(
         .ok_or_else(|| ScheduleError::NoTimeScale { path: display(path), column: start.name.clone() })
 }
 
-fn check_units(path: &Path, table: &RawTable, map: &ColumnMap) -> Result<(), ScheduleError> {
-    let degrees: &[&str] = &["deg", "degree", "degrees"];
-    let seconds: &[&str] = &["s", "second", "seconds"];
-    let expected = [
-        (Some(map.right_ascension), degrees, "deg"),
-        (Some(map.declination), degrees, "deg"),
-        (map.rotation, degrees, "deg"),
-        (Some(map.duration), seconds, "s"),
-    ];
-    for (index, spellings, allowed) in expected {
-        let Some(column) = index.and_then(|index| table.names.get(index)) else { continue };
-        if let Some(unit) = table.units.get(column).filter(|unit| !spellings.contains(&unit.as_str())) {
-            let (column, unit) = (column.clone(), unit.clone());
-            return Err(ScheduleError::Unit { path: display(path), column, unit, allowed });
-        }
+/// Values of the units of the columns, in the units of an exposure.
+#[derive(Copy, Clone)]
+struct Scales {
+    start: f64,
+    duration: f64,
+    /// Value for the time of a visit with several snaps.
+    visit: f64,
+    right_ascension: f64,
+    declination: f64,
+    rotation: f64,
+}
+
+impl Scales {
+    fn read(path: &Path, table: &RawTable, map: &ColumnMap) -> Result<Self, ScheduleError> {
+        let of = |index: Option<usize>, unit: &Unit| match index {
+            Some(index) => table.scale(path, index, unit),
+            None => Ok(1.0),
+        };
+        let start = Some(map.start.index).filter(|_| map.start.form != StartForm::Iso);
+        Ok(Self {
+            start: of(start, &DAYS)?,
+            duration: of(Some(map.duration), &SECONDS)?,
+            visit: of(map.snaps.and_then(|(_, visit)| visit), &SECONDS)?,
+            right_ascension: of(Some(map.right_ascension), &DEGREES)?,
+            declination: of(Some(map.declination), &DEGREES)?,
+            rotation: of(map.rotation, &DEGREES)?,
+        })
     }
-    Ok(())
 }
 
 fn scheduled_exposure(
     row: usize,
     cells: &Row,
     map: &ColumnMap,
+    scales: &Scales,
     scale: TimeScale,
     options: &ScheduleOptions,
 ) -> ScheduledExposure {
@@ -188,7 +197,7 @@ fn scheduled_exposure(
     let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
     let id = map.id.and_then(|index| cell(index).text()).unwrap_or_else(numbered);
     let band = map.band.and_then(|index| cell(index).text());
-    let exposure = exposure(&id, cell, map, scale, options);
+    let exposure = exposure(&id, cell, map, scales, scale, options);
     ScheduledExposure { id, row, band, exposure }
 }
 
@@ -196,33 +205,36 @@ fn exposure<'a>(
     id: &str,
     cell: impl Fn(usize) -> &'a Cell,
     map: &ColumnMap,
+    scales: &Scales,
     scale: TimeScale,
     options: &ScheduleOptions,
 ) -> Result<Exposure, String> {
-    let number = |index: usize, name: &str, range: std::ops::RangeInclusive<f64>| {
-        let value = cell(index).number().map_err(|what| format!("{name} {what}"))?;
+    let number = |index: usize, scale: f64, name: &str, range: RangeInclusive<f64>| {
+        let value = scale * cell(index).number().map_err(|what| format!("{name} {what}"))?;
         if range.contains(&value) {
             Ok(value)
         } else {
             Err(format!("{name} is {value}; allowed: {} to {}", range.start(), range.end()))
         }
     };
-    let start = start_of(cell(map.start.index), &map.start, scale)?;
-    let mut duration_s = number(map.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
+    let start = start_of(&cell(map.start.index).scaled(scales.start), &map.start, scale)?;
+    let mut duration_s = number(map.duration, scales.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
     // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
     if let Some((snaps, visit)) = map.snaps
         && !matches!(cell(snaps), Cell::Missing)
-        && number(snaps, "numExposures", 0.0..=1e6)? > 1.0
+        && number(snaps, 1.0, "numExposures", 0.0..=1e6)? > 1.0
     {
         let visit = visit.ok_or("visit has several snaps (numExposures), and visitTime is missing")?;
-        duration_s = number(visit, "visitTime", duration_s..=LONGEST_EXPOSURE_S)?;
+        duration_s = number(visit, scales.visit, "visitTime", duration_s..=LONGEST_EXPOSURE_S)?;
     }
     // Right ascensions may be given in [0, 360] or [-180, 180].
-    let right_ascension_deg = number(map.right_ascension, "right ascension", -180.0..=360.0)?;
-    let declination_deg = number(map.declination, "declination", -90.0..=90.0)?;
-    let rotation_rad = match map.rotation.map(&cell) {
-        None | Some(Cell::Missing) => options.default_rotation_rad,
-        Some(value) => value.number().map_err(|what| format!("rotation {what}"))?.to_radians(),
+    let right_ascension_deg = number(map.right_ascension, scales.right_ascension, "right ascension", -180.0..=360.0)?;
+    let declination_deg = number(map.declination, scales.declination, "declination", -90.0..=90.0)?;
+    let rotation_rad = match map.rotation {
+        Some(column) if *cell(column) != Cell::Missing => {
+            number(column, scales.rotation, "rotation", ROTATIONS_DEG)?.to_radians()
+        }
+        _ => options.default_rotation_rad,
     };
     Ok(Exposure {
         id: id.to_owned(),

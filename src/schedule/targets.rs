@@ -7,9 +7,10 @@ use hifitime::Epoch;
 use super::error::ScheduleError;
 use super::formats::{Cell, display, read_raw};
 use super::windows::WindowTarget;
-use crate::constants::LONGEST_EXPOSURE_S;
+use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
 use crate::passes::Exposure;
+use crate::units::{DEGREES, SECONDS, Unit};
 
 const NAME: &[&str] = &["name", "target_name", "starname", "target"];
 const UNIQUE_ID: &[&str] = &["unique_id", "id"];
@@ -33,8 +34,8 @@ pub struct ListedTarget {
 /// Reads a target list (CSV, ECSV, JSON and the other formats of schedules).
 ///
 /// Columns: `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or exposure)`; optional: `unique_id, rotation_deg,
-/// band`. Positions are ICRS, in degrees or as text such as `12h34m56s` and `-30d30m`. A row without a position is
-/// kept, with the reason. `duration_s` and `rotation_rad` are used for rows without an exposure time or a rotation.
+/// band`. Positions are ICRS, in degrees or as text such as `12h34m56s` and `-30d30m`; numbers in another unit that the
+/// file or the name of the column states are converted. A row without a position is kept, with the reason. `duration_s` and `rotation_rad` are used for rows without an exposure time or a rotation.
 ///
 /// # Errors
 /// Same as [`Schedule::read`](super::Schedule::read), and missing columns.
@@ -45,7 +46,8 @@ pub fn read_targets(
 ) -> Result<Vec<ListedTarget>, ScheduleError> {
     let table = read_raw(path)?;
     let find = |accepted: &[&str]| accepted.iter().find_map(|name| table.names.iter().position(|found| found == name));
-    let columns = [find(NAME), find(RIGHT_ASCENSION), find(DECLINATION), find(EXPOSURE)];
+    let angle = |accepted: &[&str]| DEGREES.find(accepted, &table.names);
+    let columns = [find(NAME), angle(RIGHT_ASCENSION), angle(DECLINATION), SECONDS.find(EXPOSURE, &table.names)];
     let needed = [("name", true), ("ra_deg", true), ("dec_deg", true), ("exposure_s", duration_s.is_none())];
     let missing: Vec<&str> = columns
         .iter()
@@ -62,8 +64,15 @@ pub fn read_targets(
     if table.rows.is_empty() {
         return Err(ScheduleError::NoRows { path: display(path) });
     }
-    let (unique_id, rotation, band) = (find(UNIQUE_ID), find(ROTATION), find(BAND));
+    let (unique_id, rotation, band) = (find(UNIQUE_ID), angle(ROTATION), find(BAND));
     let [name, right_ascension, declination, exposure] = columns;
+    let scale = |column: Option<usize>, unit: &Unit| column.map_or(Ok(1.0), |index| table.scale(path, index, unit));
+    let scales = [
+        scale(right_ascension, &DEGREES)?,
+        scale(declination, &DEGREES)?,
+        scale(exposure, &SECONDS)?,
+        scale(rotation, &DEGREES)?,
+    ];
     let listed = table.rows.iter().enumerate().map(|(row, cells)| {
         let numbered = (row + 1).to_string();
         let cells = match cells.as_ref() {
@@ -75,10 +84,10 @@ pub fn read_targets(
         let cell = |column: Option<usize>| column.and_then(|column| cells.get(column)).unwrap_or(&Cell::Missing);
         let name = cell(name).text().unwrap_or(numbered);
         let cells_of_target = TargetCells {
-            right_ascension: cell(right_ascension),
-            declination: cell(declination),
-            exposure: cell(exposure),
-            rotation: cell(rotation),
+            right_ascension: cell(right_ascension).scaled(scales[0]),
+            declination: cell(declination).scaled(scales[1]),
+            exposure: cell(exposure).scaled(scales[2]),
+            rotation: cell(rotation).scaled(scales[3]),
         };
         let target = cells_of_target.exposure(&name, duration_s, rotation_rad);
         let target = target.map(|exposure| WindowTarget { exposure, band: cell(band).text() });
@@ -87,32 +96,39 @@ pub fn read_targets(
     Ok(listed.collect())
 }
 
-struct TargetCells<'a> {
-    right_ascension: &'a Cell,
-    declination: &'a Cell,
-    exposure: &'a Cell,
-    rotation: &'a Cell,
+/// Cells of a target in degrees and seconds.
+struct TargetCells {
+    right_ascension: Cell,
+    declination: Cell,
+    exposure: Cell,
+    rotation: Cell,
 }
 
-impl TargetCells<'_> {
+impl TargetCells {
     fn exposure(&self, name: &str, duration_s: Option<f64>, rotation_rad: f64) -> Result<Exposure, String> {
         let position = |cell: &Cell, what: &str| {
             cell.text().ok_or_else(|| format!("{what} is missing: the target has no position"))
         };
-        let right_ascension_deg = parse_right_ascension_deg(&position(self.right_ascension, "right ascension")?)
+        let right_ascension_deg = parse_right_ascension_deg(&position(&self.right_ascension, "right ascension")?)
             .map_err(|e| e.to_string())?;
         let declination_deg =
-            parse_declination_deg(&position(self.declination, "declination")?).map_err(|e| e.to_string())?;
-        let duration_s = match (self.exposure, duration_s) {
+            parse_declination_deg(&position(&self.declination, "declination")?).map_err(|e| e.to_string())?;
+        let duration_s = match (&self.exposure, duration_s) {
             (Cell::Missing, Some(duration_s)) => duration_s,
             (cell, _) => cell.number().map_err(|what| format!("exposure {what}"))?,
         };
         if !(0.0..=LONGEST_EXPOSURE_S).contains(&duration_s) {
             return Err(format!("exposure is {duration_s} s; allowed: 0 to {LONGEST_EXPOSURE_S}"));
         }
-        let rotation_rad = match self.rotation {
+        let rotation_rad = match &self.rotation {
             Cell::Missing => rotation_rad,
-            cell => cell.number().map_err(|what| format!("rotation {what}"))?.to_radians(),
+            cell => {
+                let rotation_deg = cell.number().map_err(|what| format!("rotation {what}"))?;
+                if !ROTATIONS_DEG.contains(&rotation_deg) {
+                    return Err(format!("rotation is {rotation_deg}; allowed: -360 to 360"));
+                }
+                rotation_deg.to_radians()
+            }
         };
         Ok(Exposure {
             id: name.to_owned(),

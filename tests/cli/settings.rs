@@ -257,7 +257,6 @@ fn the_help_of_min_probability_states_its_effect_on_verdicts() {
 
 /// The units of a table of targets are those of its columns.
 #[test]
-#[ignore = "issue of settings layers: units of columns are not read"]
 fn targets_have_the_units_of_their_columns() {
     let folder = TempDir::new().unwrap();
     let flags: &[&str] = &["windows", "--fov", "1deg", "--min-altitude", "5"];
@@ -275,5 +274,8 @@ fn targets_have_the_units_of_their_columns() {
              # - {{name: exposure, unit: {exposure}, datatype: float64}}\nname ra dec exposure\n{row}\n"
         )
     };
-    assert_eq!(targets(&table("deg", "s", "a 282.0 -30 300")), targets(&table("hourangle", "min", "a 18.8 -30 5")));
+    let expected = targets(&table("deg", "s", "a 282.0 -30 300"));
+    assert_eq!(expected, targets(&table("hourangle", "min", "a 18.8 -30 5")));
+    // The unit at the end of a name counts as well.
+    assert_eq!(expected, targets("name,ra_hourangle,dec_arcmin,exposure_min\na,18.8,-1800,5\n"));
 }

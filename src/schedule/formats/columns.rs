@@ -7,6 +7,7 @@ use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
 use crate::message::{Quoted, listed};
+use crate::units::{DEGREES, SECONDS};
 
 /// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
@@ -98,18 +99,19 @@ impl ColumnMap {
             }
         }
         let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
+        let angle = |accepted: &[&str]| DEGREES.find(accepted, names);
         let start = STARTS.iter().find_map(|&(name, form, scale)| {
             let index = names.iter().position(|found| found == name)?;
             Some(StartColumn { index, name: name.to_owned(), form, scale })
         });
         let (id, duration, right_ascension, declination) =
-            (find(ID), find(DURATION), find(RIGHT_ASCENSION), find(DECLINATION));
+            (find(ID), SECONDS.find(DURATION, names), angle(RIGHT_ASCENSION), angle(DECLINATION));
         let needs_id = start.as_ref().is_none_or(|start| start.name != PLANNED_START);
         if let (Some(start), Some(duration), Some(right_ascension), Some(declination)) =
             (start.clone(), duration, right_ascension, declination)
             && (id.is_some() || !needs_id)
         {
-            let (rotation, band) = (find(ROTATION), find(BAND));
+            let (rotation, band) = (angle(ROTATION), find(BAND));
             let is_sum = names[duration] == VISIT_EXPOSURE;
             let snaps = find(SNAPS).filter(|_| is_sum).map(|snaps| (snaps, find(VISIT)));
             return Ok(Self { id, start, duration, right_ascension, declination, rotation, band, snaps });
@@ -234,6 +236,17 @@ impl Cell {
             Cell::Text(text) => text.parse().map_err(|_| format!("'{}' is not a number", Quoted::new(text)))?,
         };
         if number.is_finite() { Ok(number) } else { Err(format!("is {number}")) }
+    }
+
+    /// Returns the cell with its number in another unit. Texts that are not numbers are unchanged.
+    pub fn scaled(&self, scale: f64) -> Cell {
+        match self {
+            Cell::Text(text) if scale != 1.0 => {
+                text.parse().map_or_else(|_| self.clone(), |number: f64| Cell::Number(number * scale))
+            }
+            Cell::Number(number) => Cell::Number(number * scale),
+            cell => cell.clone(),
+        }
     }
 
     /// Returns the text; `None` for a missing cell.

@@ -2,11 +2,14 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::columns::{Row, ScheduleFormat};
+use super::super::error::ScheduleError;
+use super::columns::{Row, ScheduleFormat, display};
 use super::csv_text::CsvText;
+use crate::units::Unit;
 
 /// Rows of a table.
 #[derive(Clone, Debug)]
@@ -60,5 +63,14 @@ impl RawTable {
     /// Creates a table without rows, units or time scales.
     pub fn new(format: ScheduleFormat, names: Vec<String>) -> Self {
         Self { format, names, rows: Rows::Cells(Vec::new()), units: BTreeMap::new(), time_scales: BTreeMap::new() }
+    }
+
+    /// Returns the value of the unit of a column, in the given unit.
+    ///
+    /// # Errors
+    /// The unit is unknown or contradicts the name of the column.
+    pub fn scale(&self, path: &Path, index: usize, unit: &Unit) -> Result<f64, ScheduleError> {
+        let name = self.names.get(index).map_or("", String::as_str);
+        unit.scale(name, &self.units).map_err(|source| ScheduleError::Unit { path: display(path), source })
     }
 }

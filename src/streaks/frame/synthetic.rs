@@ -19,6 +19,7 @@ use crate::input::CsvRows;
 use crate::message::Quoted;
 use crate::output::format_utc;
 use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e};
+use crate::units::{DEGREES, MAGNITUDES};
 
 /// Description of a synthetic frame, read from a TOML file.
 ///
@@ -242,16 +243,19 @@ fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec
         StreaksError::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
     };
     let rows = CsvRows::open(path).map_err(failed)?;
-    let column = |name: &str| rows.column(name, STAR_LIST_FORM).map_err(failed);
-    let columns = [column("ra_deg")?, column("dec_deg")?, column("magnitude")?];
+    let column = |names: &[&str], unit| rows.numbers(names, unit, STAR_LIST_FORM).map_err(failed);
+    let columns = [
+        column(&["ra_deg", "ra"], &DEGREES)?,
+        column(&["dec_deg", "dec"], &DEGREES)?,
+        column(&["magnitude"], &MAGNITUDES)?,
+    ];
     let mut stars = Vec::new();
     for row in rows {
         let (line, row) = row.map_err(failed)?;
-        let cell = |column: usize| row.get(column).unwrap_or_default();
-        let [ra_deg, dec_deg, magnitude] = columns.map(|column| cell(column).parse().unwrap_or(f64::NAN));
+        let [ra_deg, dec_deg, magnitude] = columns.map(|column| column.number(&row).unwrap_or(f64::NAN));
         if !(ra_deg.is_finite() && dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&magnitude)) {
             let what = format!("star list {shown}, line {line}: star");
-            let [ra, dec, magnitude] = columns.map(|column| Quoted::new(cell(column)));
+            let [ra, dec, magnitude] = columns.map(|column| Quoted::new(column.text(&row)));
             let given = format!("at ra {ra}, dec {dec}, magnitude {magnitude}");
             return Err(StreaksError::invalid(what, given, STAR_LIST_FORM));
         }

@@ -1,0 +1,142 @@
+//! Units of the columns of tables that the program reads. A unit is stated by the file (ECSV, VOTable), by the end of the
+//! column's name (`ra_deg`), or by both. Values are converted to the unit that the program uses.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use thiserror::Error;
+
+use crate::message::Quoted;
+
+/// Unit of a column in the program, and the units that are converted to it.
+#[derive(Debug)]
+pub struct Unit {
+    /// Other spellings and units, each with its value in the first one, which is the unit in the program.
+    accepted: &'static [(&'static str, f64)],
+    /// The units as shown in messages.
+    allowed: &'static str,
+}
+
+/// Degrees.
+pub static DEGREES: Unit = Unit {
+    accepted: &[
+        ("deg", 1.0),
+        ("degree", 1.0),
+        ("degrees", 1.0),
+        ("rad", 180.0 / PI),
+        ("radian", 180.0 / PI),
+        ("radians", 180.0 / PI),
+        ("hourangle", 15.0),
+        ("arcmin", 1.0 / 60.0),
+        ("arcsec", 1.0 / 3600.0),
+        ("mas", 1.0 / 3_600_000.0),
+    ],
+    allowed: "deg, rad, hourangle, arcmin, arcsec or mas",
+};
+
+/// Seconds.
+pub static SECONDS: Unit = Unit {
+    accepted: &[
+        ("s", 1.0),
+        ("sec", 1.0),
+        ("second", 1.0),
+        ("seconds", 1.0),
+        ("ms", 1e-3),
+        ("min", 60.0),
+        ("minute", 60.0),
+        ("minutes", 60.0),
+        ("h", 3600.0),
+        ("hr", 3600.0),
+        ("hour", 3600.0),
+        ("hours", 3600.0),
+        ("d", 86400.0),
+        ("day", 86400.0),
+        ("days", 86400.0),
+    ],
+    allowed: "s, ms, min, h or d",
+};
+
+/// Days, of Julian dates.
+pub static DAYS: Unit =
+    Unit { accepted: &[("d", 1.0), ("day", 1.0), ("days", 1.0), ("mjd", 1.0), ("jd", 1.0)], allowed: "d" };
+
+/// Magnitudes.
+pub static MAGNITUDES: Unit = Unit {
+    accepted: &[("mag", 1.0), ("mag(AB)", 1.0), ("mag(ST)", 1.0), ("mmag", 1e-3)],
+    allowed: "mag, mag(AB), mag(ST) or mmag",
+};
+
+/// Unit of a column that is unknown, or contradicts the name of the column.
+#[derive(Debug, Error, PartialEq)]
+#[error("column {} is in '{}'; allowed: {allowed}", Quoted::new(.column), Quoted::new(.unit))]
+pub struct UnitError {
+    /// Name of the column.
+    pub column: String,
+    /// Unit that the file states.
+    pub unit: String,
+    /// Accepted units.
+    pub allowed: &'static str,
+}
+
+impl Unit {
+    fn value(&self, unit: &str) -> Option<(&'static str, f64)> {
+        self.accepted.iter().find(|(accepted, _)| *accepted == unit).copied()
+    }
+
+    /// Returns the value of the unit of a column, in the unit of the program. `units` are those that the file states,
+    /// by column name. A column without any unit is in the unit of the program.
+    ///
+    /// # Errors
+    /// The unit is not accepted, or differs from that in the name of the column.
+    pub fn scale(&self, column: &str, units: &BTreeMap<String, String>) -> Result<f64, UnitError> {
+        let named = column.rsplit_once('_').and_then(|(_, end)| self.value(end));
+        let Some(unit) = units.get(column).map(|unit| unit.trim()).filter(|unit| !unit.is_empty()) else {
+            return Ok(named.map_or(1.0, |(_, scale)| scale));
+        };
+        let error = |allowed| UnitError { column: column.to_owned(), unit: unit.to_owned(), allowed };
+        match (self.value(unit), named) {
+            (Some((_, scale)), Some((allowed, named))) if scale != named => Err(error(allowed)),
+            (Some((_, scale)), _) => Ok(scale),
+            (None, named) => Err(error(named.map_or(self.allowed, |(allowed, _)| allowed))),
+        }
+    }
+
+    /// Returns the index of the column of a quantity: one of the names in `accepted`, in order of preference, or one of
+    /// these that ends with another unit, as `ra_rad` for `ra_deg`.
+    pub fn find(&self, accepted: &[&str], names: &[String]) -> Option<usize> {
+        let own = accepted.iter().find_map(|name| names.iter().position(|found| found == name));
+        let stem = |name: &str| Some(name.rsplit_once('_').filter(|(_, end)| self.value(end).is_some())?.0.to_owned());
+        own.or_else(|| {
+            let stems: Vec<String> = accepted.iter().filter_map(|name| stem(name)).collect();
+            names.iter().position(|found| stem(found).is_some_and(|found| stems.contains(&found)))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_converted_and_contradictions_rejected() {
+        let units: BTreeMap<String, String> =
+            [("ra", "hourangle"), ("ra_deg", "hourangle"), ("dec_deg", "degree"), ("dec", "m"), ("rotation", "")]
+                .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+                .into();
+        assert_eq!(DEGREES.scale("ra", &units), Ok(15.0));
+        assert_eq!(DEGREES.scale("dec_deg", &units), Ok(1.0));
+        assert_eq!(DEGREES.scale("rotation", &units), Ok(1.0));
+        assert_eq!(SECONDS.scale("exposure_min", &units), Ok(60.0));
+        let message = |column| DEGREES.scale(column, &units).unwrap_err().to_string();
+        assert_eq!(message("ra_deg"), "column ra_deg is in 'hourangle'; allowed: deg");
+        assert_eq!(message("dec"), "column dec is in 'm'; allowed: deg, rad, hourangle, arcmin, arcsec or mas");
+    }
+
+    #[test]
+    fn names_may_end_with_another_unit() {
+        let names = ["name", "ra_hourangle", "dec_m", "exposure_min"].map(str::to_owned);
+        assert_eq!(DEGREES.find(&["ra_deg", "ra"], &names), Some(1));
+        assert_eq!(DEGREES.find(&["dec_deg"], &names), None);
+        assert_eq!(SECONDS.find(&["exposure_s"], &names), Some(3));
+    }
+}
