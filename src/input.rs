@@ -119,6 +119,14 @@ impl CsvRows {
         Ok(Self { rows: reader.into_records(), names, units, count: 0 })
     }
 
+    /// Returns the index of a column.
+    ///
+    /// # Errors
+    /// The column is missing; the message names `allowed`.
+    pub fn column(&self, name: &str, allowed: &str) -> io::Result<usize> {
+        self.find(name).ok_or_else(|| missing(name, allowed))
+    }
+
     /// Returns the index of a column; `None` if it is missing.
     pub fn find(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|found| found == name)
@@ -140,8 +148,7 @@ impl CsvRows {
     /// # Errors
     /// The errors of [`CsvRows::optional_numbers`], and a missing column; the message names `allowed`.
     pub fn numbers(&self, accepted: &[&str], unit: &Unit, allowed: &str) -> io::Result<NumberColumn> {
-        let missing = || invalid(format!("missing column {}; allowed: {allowed}", accepted[0]));
-        self.optional_numbers(accepted, unit)?.ok_or_else(missing)
+        self.optional_numbers(accepted, unit)?.ok_or_else(|| missing(accepted[0], allowed))
     }
 }
 
@@ -184,6 +191,10 @@ impl Iterator for CsvRows {
 
 fn invalid(what: String) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, what)
+}
+
+fn missing(column: &str, allowed: &str) -> io::Error {
+    invalid(format!("missing column {column}; allowed: {allowed}"))
 }
 
 fn csv_error(error: csv::Error) -> io::Error {

@@ -66,8 +66,8 @@ impl StarTable {
                 && (0.0..=10.0).contains(&sigma_mag);
             if !is_valid {
                 let [ra, dec, mag] = columns.map(|column| Quoted::new(column.text(&row)));
-                let sigma = Quoted::new(sigma.map_or("", |column| column.text(&row)));
-                let given = format!("at ra {ra}, dec {dec}, mag {mag} +- {sigma}");
+                let sigma = sigma.map_or(String::new(), |column| format!(" +- {}", Quoted::new(column.text(&row))));
+                let given = format!("at ra {ra}, dec {dec}, mag {mag}{sigma}");
                 return Err(MeasureError::invalid(format!("{origin}, line {line}: star"), given, FORM));
             }
             let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
@@ -162,10 +162,10 @@ mod tests {
         for (text, part) in [
             ("ra_deg,dec_deg\n1,2\n", "mag"),
             ("ra_deg,dec_deg,mag\n", "empty"),
-            ("ra_deg,dec_deg,mag\n1,2,10\n1,92,10\n", "star 2"),
-            ("ra_deg,dec_deg,mag\n1,2,nan\n", "star 1"),
+            ("ra_deg,dec_deg,mag\n1,2,10\n1,92,10\n", "line 3: star"),
+            ("ra_deg,dec_deg,mag\n1,2,nan\n", "line 2: star"),
             ("ra_deg,dec_deg,mag,mag_sigma\n1,2,10,-1\n", "-1"),
-            ("ra_deg,dec_deg,mag\n1,2,bright\n", "invalid"),
+            ("ra_deg,dec_deg,mag\n1,2,bright\n", "mag bright"),
         ] {
             let message = table(text).unwrap_err().to_string();
             assert!(message.contains(part) && message.contains("allowed: CSV with ra_deg"), "{message}");

@@ -113,6 +113,7 @@ mod tests {
             exposures: hours.iter().enumerate().map(row).collect(),
             start_column: "start_utc".into(),
             time_scale: TimeScale::UTC,
+            comments_like_rows: 0,
         }
     }
 

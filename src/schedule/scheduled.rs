@@ -7,7 +7,7 @@ use std::path::Path;
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ScheduleError;
-use super::formats::{Cell, ColumnMap, RawTable, Row, ScheduleFormat, StartColumn, StartForm, display, read_raw};
+use super::formats::{Cell, ColumnMap, RawTable, Row, Rows, ScheduleFormat, StartColumn, StartForm, display, read_raw};
 use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
@@ -52,6 +52,9 @@ pub struct Schedule {
     pub start_column: String,
     /// Time scale of the start times.
     pub time_scale: TimeScale,
+    /// Number of comments in CSV that have as many cells as a row. An identifier that begins with `#` must be in
+    /// quotation marks.
+    pub comments_like_rows: usize,
 }
 
 impl Schedule {
@@ -109,7 +112,12 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         .enumerate()
         .map(|(row, cells)| scheduled_exposure(row, &cells, &map, &scales, scale, options))
         .collect();
-    Ok(Schedule { format: table.format, exposures, start_column: map.start.name, time_scale: scale })
+    let comments_like_rows = match &table.rows {
+        Rows::Csv(text) => text.comments_like_rows,
+        Rows::Cells(_) => 0,
+    };
+    let start_column = map.start.name;
+    Ok(Schedule { format: table.format, exposures, start_column, time_scale: scale, comments_like_rows })
 }
 
 /// Returns the time scale of the start times: from the name of the column, the header of the file, or the options.

@@ -693,3 +693,45 @@ fn control_characters_of_files_are_escaped_for_people() {
     assert!(run(&[&flag(&schedule), &["--format", "csv"]]).1.contains("a\u{1b}[2J"));
     fails(&[POINTING, SITE, &["--shells", "x\u{1b}[2J"]], &["x\\u{1b}[2J"]);
 }
+
+/// An exposure whose name begins with `#` is read if the name is quoted, and written so that it can be read again. Without
+/// quotation marks it is a comment, of which a warning tells.
+#[test]
+fn names_that_begin_like_comments() {
+    let folder = TempDir::new().unwrap();
+    let row = ",2024-08-14T23:30:00Z,30,217,-30\n";
+    let text = format!("# ours, not a row\n{HEADER}\"#7\"{row}#8{row}# a remark\n9{row}");
+    let schedule = file(&folder, "s.csv", text.as_bytes());
+    let flags = folder.path().join("flags.csv").display().to_string();
+    let (code, _, stderr) = run(&[&flag(&schedule), &["-o", &flags]]);
+    assert_eq!(code, 0, "{stderr}");
+    let warning = "warning: 1 comment has as many cells as a row: an exposure whose name begins with # must have it in";
+    assert!(stderr.contains(warning), "{stderr}");
+    let (code, stdout, stderr) = run(&[&flag(&flags), &["--format", "json"]]);
+    assert!(code == 0 && !stderr.contains("as many cells"), "{stderr}");
+    let again: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let ids: Vec<&str> =
+        again["flags"].as_array().unwrap().iter().map(|flag| flag["exposure_id"].as_str().unwrap()).collect();
+    assert_eq!(ids, ["#7", "9"]);
+}
+
+/// A pointing that is above the horizon at opening and at closing may set in between; rotations have a range.
+#[test]
+fn a_pointing_that_sets_and_rises_again_is_below_the_horizon() {
+    let folder = TempDir::new().unwrap();
+    // For nearly a sidereal day.
+    let text = format!(
+        "{},rotation_deg\nday,2024-08-14T23:30:00Z,86000,217,-30,0\nshort,2024-08-14T23:30:00Z,30,217,-30,0\n\
+         turned,2024-08-14T23:30:00Z,30,217,-30,1e300\n",
+        HEADER.trim_end()
+    );
+    let schedule = file(&folder, "s.csv", text.as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json", "--quiet"]]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let flags = &answer["flags"];
+    assert_eq!([&flags[0]["verdict"], &flags[2]["verdict"]], ["invalid", "invalid"], "{flags}");
+    assert_ne!(flags[1]["verdict"], "invalid", "{flags}");
+    assert!(flags[0]["reasons"][0].as_str().unwrap().contains("below the horizon (altitude -"), "{flags}");
+    assert!(flags[2]["reasons"][0].as_str().unwrap().contains("allowed: -360 to 360"), "{flags}");
+}

@@ -92,6 +92,8 @@ pub(in crate::schedule) struct CsvText {
     width: usize,
     /// Number of rows.
     pub rows: usize,
+    /// Number of comments after the line of names that have as many cells as it.
+    pub comments_like_rows: usize,
 }
 
 impl CsvText {
@@ -101,11 +103,15 @@ impl CsvText {
     /// There is no line of names, or there are too many rows.
     pub fn new(path: &Path, text: String) -> Result<(Vec<String>, Self), ScheduleError> {
         let mut rows = 0;
-        let (header, _) = visit(path, &text, |_, _| rows += 1)?;
+        let (header, end) = visit(path, &text, |_, _| rows += 1)?;
         if rows > MOST_ROWS {
             return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
         }
-        Ok((names_of(&header), Self { text, width: header.len(), rows }))
+        let width = header.len();
+        let separator = char::from(delimiter_of(first_line(&text)));
+        let is_like_a_row = |line: &&str| line.starts_with('#') && line.matches(separator).count() + 1 == width;
+        let comments_like_rows = text[end..].lines().filter(is_like_a_row).count();
+        Ok((names_of(&header), Self { text, width, rows, comments_like_rows }))
     }
 
     /// Returns the rows in order.

@@ -17,6 +17,6 @@ pub(super) use delimited::ecsv_layout;
 pub(super) use json::{Members, json_layout};
 #[cfg(feature = "sqlite")]
 pub(super) use opsim::open_read_only;
-pub(super) use raw_table::RawTable;
+pub(super) use raw_table::{RawTable, Rows};
 pub(super) use read::read_raw;
 pub(super) use votable::{Span, votable_layout};

@@ -185,6 +185,12 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
             schedule.start_column, schedule.time_scale
         ));
     }
+    if schedule.comments_like_rows > 0 {
+        let comments = counted(schedule.comments_like_rows, "comment has", "comments have");
+        warnings.push(format!(
+            "{comments} as many cells as a row: an exposure whose name begins with # must have it in quotation marks"
+        ));
+    }
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
         let exposures = counted(repeated, "exposure has", "exposures have");
