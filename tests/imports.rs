@@ -13,6 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("input", &[]),
     ("message", &[]),
+    ("units", &[]),
     ("watch", &[]),
     ("math", &[]),
     ("elements", &[]),
