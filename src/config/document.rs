@@ -117,7 +117,7 @@ pub struct Config {
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(skip))]
     pub default_time_scale: Option<String>,
-    /// Earth orientation (UT1 and polar motion): IERS finals2000A file; bundled UT1 table if omitted
+    /// Earth orientation (UT1 and polar motion): IERS finals2000A file; bundled table if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Time"))]
     pub eop: Option<PathBuf>,
     /// Files and threads of the run.

@@ -83,17 +83,15 @@ impl Config {
         })
     }
 
-    /// Returns the table of Earth orientation: from the given file, or else the bundled table of UT1.
-    ///
-    /// Without a file, polar motion is zero, as in Skyfield. This causes an error of at most 18 m, while element sets
-    /// have errors of about a kilometre. The provenance states which table is used.
+    /// Returns the table of Earth orientation: from the given file, or else the bundled table of UT1 and polar motion.
+    /// The provenance states which table is used.
     ///
     /// # Errors
     /// The file cannot be read or is invalid.
     pub fn eop_table(&self) -> Result<EopTable, ConfigError> {
         match &self.eop {
             Some(path) => parse_file("Earth orientation", path, EopTable::from_finals2000a),
-            None => Ok(EopTable::embedded().without_polar_motion()),
+            None => Ok(EopTable::embedded()),
         }
     }
 

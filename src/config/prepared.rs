@@ -10,10 +10,12 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::inputs::LoadedInputs;
 use super::warnings;
+use crate::constants::DAY_S;
 use crate::elements::{Constellation, ElementSet, Ephemeris, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
-use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
+use crate::math::quantile::median;
+use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
@@ -74,7 +76,7 @@ impl LoadedInputs {
         let viewpoint = self.config.viewpoint(middle)?;
         let mut of_files = Vec::new();
         let mut provenance = Provenance::new();
-        let mut elements: Vec<ElementSet> = Vec::new();
+        let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();
         if let Some(catalogue) = &self.catalogue {
             provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
             of_files.extend(warnings::of_catalogue(catalogue));
@@ -82,7 +84,8 @@ impl LoadedInputs {
             provenance
                 .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
             provenance.attach("cut_short", warnings::cut_short(catalogue).collect::<Vec<_>>());
-            elements = catalogue.at(middle);
+            let chosen = catalogue.chosen_at(middle);
+            (elements, others) = (chosen.sets, chosen.others);
             let merged = merge_parts_of_stations(&mut elements);
             if !merged.is_empty() {
                 provenance.attach("modules_merged", merged);
@@ -127,10 +130,15 @@ impl LoadedInputs {
         provenance.state("shadow", self.shadow.name());
 
         let eop = self.eop.clone();
+        let has_others = !others.is_empty();
         let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice)
             .with_drag(self.drag)
-            .with_shadow(self.shadow);
-        let sky = if ephemerides.is_empty() { sky } else { sky.with_ephemerides(ephemerides.to_vec()) };
+            .with_other_epochs(others, middle)
+            .with_shadow(self.shadow)
+            .with_ephemerides(ephemerides.to_vec());
+        if has_others {
+            provenance.state("mean_motion", mean_motion_json(&sky, from_files, middle));
+        }
         if !ephemerides.is_empty() {
             provenance.state("ephemerides", ephemerides_json(&sky, &without_elements, first, last));
         }
@@ -354,6 +362,27 @@ fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: 
         "not_covered": none.iter().take(LISTED).collect::<Vec<_>>(),
         "without_element_set": without_elements.iter().take(LISTED).collect::<Vec<_>>(),
         "interpolation": "Lagrange, degree 7",
+    })
+}
+
+/// Returns the number of satellites by the source of their mean motion, and the median lateness of those from files at a
+/// time.
+fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Value {
+    let counts = sky.mean_motions();
+    let median_s = |sigma_s: &dyn Fn(usize, f64) -> f64| {
+        let ages = sky.elements()[..from_files].iter().map(|set| seconds_between(set.epoch, at) / DAY_S).enumerate();
+        let median_s = median(ages.map(|(index, age_days)| sigma_s(index, age_days)).collect());
+        (100.0 * median_s).round() / 100.0
+    };
+    let of = |wanted: &[MeanMotion]| wanted.iter().filter_map(|motion| counts.get(motion)).sum::<usize>();
+    json!({
+        "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Enclosed]),
+        "four_epochs": of(&[MeanMotion::FourSets]),
+        "rate_of_change": of(&[MeanMotion::Rate]),
+        "changed_between_epochs": of(&[MeanMotion::Changed, MeanMotion::NoRate]),
+        "one_epoch": of(&[MeanMotion::OneSet]),
+        "median_late_s": median_s(&|index, age_days| sky.uncertainty(index, age_days).along_track_s),
+        "median_late_with_one_epoch_s": median_s(&|index, age_days| sky.uncertainty_of_one_set(index, age_days).along_track_s),
     })
 }
 

@@ -159,12 +159,18 @@ pub(super) fn of_age(
     let farthest = old.iter().map(|&index| age_days(index)).max_by(f64::total_cmp)?;
     let known: Vec<usize> = old.iter().copied().filter(|&index| sky.is_known(index, age_days(index))).collect();
     let late_s: Vec<f64> = known.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
+    let without = if !known.is_empty() && sky.mean_motions().keys().any(|motion| motion.is_improved()) {
+        let of_one_set = |&index: &usize| sky.uncertainty_of_one_set(index, age_days(index)).along_track_s;
+        format!(", without the sets of other epochs by {:.1} s", median(known.iter().map(of_one_set).collect()))
+    } else {
+        String::new()
+    };
     let (are, they) = if old.len() == 1 { ("is", "it is") } else { ("are", "they are") };
     let lateness = match (known.len(), old.len() - known.len()) {
         (0, _) => "too old to predict positions".to_owned(),
-        (_, 0) => format!("{they} early or late by {:.1} s (68 %, median)", median(late_s)),
+        (_, 0) => format!("{they} early or late by {:.1} s{without} (68 %, median)", median(late_s)),
         (_, unknown) => format!(
-            "{} too old to predict positions, the others early or late by {:.1} s (68 %, median)",
+            "{} too old to predict positions, the others early or late by {:.1} s{without} (68 %, median)",
             grouped(unknown),
             median(late_s)
         ),

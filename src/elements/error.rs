@@ -34,11 +34,13 @@ pub enum ElementsError {
         /// Error of the operating system.
         source: io::Error,
     },
-    /// The path is a directory.
-    #[error("{file} is a directory; specify the files of element sets in it")]
-    Directory {
-        /// Name of the file as given.
-        file: String,
+    /// The folder contains no files.
+    #[error(
+        "the folder {folder} contains no files; allowed: files of element sets, or folders that contain only these"
+    )]
+    EmptyFolder {
+        /// Name of the folder as given.
+        folder: String,
     },
     /// The file is empty or contains only blanks.
     #[error("{file} is empty; allowed: {ALLOWED}")]

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use hifitime::Epoch;
+use hifitime::{Epoch, Unit};
 
 use super::element_set::{ElementSet, NoradId};
 
@@ -46,9 +46,7 @@ impl History {
 
     /// Returns the records of one object in time order; empty if the object is unknown.
     pub fn of(&self, norad_id: NoradId) -> &[ElementSet] {
-        let start = self.sets.partition_point(|set| set.norad_id < norad_id);
-        let length = self.sets[start..].partition_point(|set| set.norad_id == norad_id);
-        &self.sets[start..start + length]
+        others_of(&self.sets, norad_id)
     }
 
     /// Returns the records of each object, in time order.
@@ -73,33 +71,92 @@ impl History {
         self.objects().filter_map(|sets| sets.last()).cloned().collect()
     }
 
-    /// Same as [`at`](Self::at), without copying.
-    pub fn into_nearest(self, epoch: Epoch) -> Vec<ElementSet> {
-        self.into_one_each(|sets| nearest_index(sets, epoch).unwrap_or(0))
+    /// Returns the element set of every object nearest to a time, as [`at`](Self::at), and those of the same object
+    /// within [`OTHERS_WITHIN_DAYS`] of it.
+    pub fn into_nearest(self, epoch: Epoch) -> Chosen {
+        self.into_chosen(|sets| nearest_index(sets, epoch).unwrap_or(0))
     }
 
-    /// Same as [`newest`](Self::newest), without copying.
-    pub fn into_newest(self) -> Vec<ElementSet> {
-        self.into_one_each(|sets| sets.len() - 1)
+    /// Returns the latest element set of every object, as [`newest`](Self::newest), and those of the same object within
+    /// [`OTHERS_WITHIN_DAYS`] of it.
+    pub fn into_newest(self) -> Chosen {
+        self.into_chosen(|sets| sets.len() - 1)
     }
 
-    fn into_one_each(mut self, choose: impl Fn(&[ElementSet]) -> usize) -> Vec<ElementSet> {
-        let mut keep = vec![false; self.sets.len()];
-        let mut start = 0;
-        for sets in self.objects() {
-            keep[start + choose(sets)] = true;
-            start += sets.len();
+    fn into_chosen(self, choose: impl Fn(&[ElementSet]) -> usize) -> Chosen {
+        if self.sets.windows(2).all(|pair| pair[0].norad_id != pair[1].norad_id) {
+            return Chosen { sets: self.sets, others: Vec::new() };
         }
-        let mut flags = keep.into_iter();
-        self.sets.retain(|_| flags.next().unwrap_or(false));
-        self.sets
+        let mut roles = Vec::with_capacity(self.sets.len());
+        for sets in self.objects() {
+            let chosen = choose(sets);
+            roles.extend((0..sets.len()).map(|index| match index == chosen {
+                true => Role::Chosen,
+                false if is_near(&sets[index], &sets[chosen]) => Role::Other,
+                false => Role::Unused,
+            }));
+        }
+        let mut found = Chosen::default();
+        for (set, role) in self.sets.into_iter().zip(roles) {
+            match role {
+                Role::Chosen => found.sets.push(set),
+                Role::Other => found.others.push(set),
+                Role::Unused => {}
+            }
+        }
+        found
     }
+}
+
+/// Returns the element sets of one object from a list that is sorted by catalogue number.
+pub(crate) fn others_of(sets: &[ElementSet], norad_id: NoradId) -> &[ElementSet] {
+    let start = sets.partition_point(|set| set.norad_id < norad_id);
+    let length = sets[start..].partition_point(|set| set.norad_id == norad_id);
+    &sets[start..start + length]
+}
+
+/// One element set of each object, and element sets of the same objects with other epochs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chosen {
+    /// One element set of each object, sorted by catalogue number.
+    pub sets: Vec<ElementSet>,
+    /// Element sets of the same objects within [`OTHERS_WITHIN_DAYS`] of the chosen ones, sorted by catalogue number,
+    /// then by epoch.
+    pub others: Vec<ElementSet>,
+}
+
+/// Largest difference between the epochs of an element set and of others that are kept with it, days. The mean motion
+/// between two epochs is used up to 16 days.
+pub const OTHERS_WITHIN_DAYS: f64 = 18.0;
+
+/// Use of one record of a history.
+enum Role {
+    Chosen,
+    Other,
+    Unused,
+}
+
+fn is_near(set: &ElementSet, chosen: &ElementSet) -> bool {
+    (set.epoch - chosen.epoch).abs() <= Unit::Day * OTHERS_WITHIN_DAYS
 }
 
 /// Returns the element set nearest to a time for every object; `sets` must be sorted.
 pub(super) fn nearest_of_each(sets: &[ElementSet], epoch: Epoch) -> Vec<ElementSet> {
     let objects = sets.chunk_by(|a, b| a.norad_id == b.norad_id);
     objects.filter_map(|sets| sets.get(nearest_index(sets, epoch)?)).cloned().collect()
+}
+
+/// Returns the element sets nearest to a time, and the others near them; `sets` must be sorted.
+pub(super) fn chosen_of_each(sets: &[ElementSet], epoch: Epoch) -> Chosen {
+    let mut found = Chosen::default();
+    for sets in sets.chunk_by(|a, b| a.norad_id == b.norad_id) {
+        let Some(index) = nearest_index(sets, epoch) else { continue };
+        let chosen = &sets[index];
+        found.sets.push(chosen.clone());
+        let others = sets.iter().enumerate().filter(|(other, set)| *other != index && is_near(set, chosen));
+        found.others.extend(others.map(|(_, set)| set.clone()));
+    }
+    found
 }
 
 /// Returns the index of the nearest epoch; `sets` must be in time order.

@@ -26,7 +26,8 @@ pub use ephemeris::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, 
 pub(crate) use epoch::parse_iso;
 pub use error::ElementsError;
 pub use generation::{Certainty, Generation, GenerationTable, STARLINK_TABLE_DATE};
-pub use history::History;
+pub(crate) use history::others_of;
+pub use history::{Chosen, History};
 pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
 pub(crate) use record::excerpt;
 pub use record::{ElementFormat, RejectReason, Rejected};

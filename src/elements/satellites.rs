@@ -9,10 +9,10 @@ use rayon::prelude::*;
 use super::element_set::ElementSet;
 use super::ephemeris::Ephemeris;
 use super::error::ElementsError;
-use super::history::{History, nearest_of_each};
+use super::history::{Chosen, History, chosen_of_each, nearest_of_each};
 use super::record::Rejected;
 use super::shell::Constellation;
-use super::source::{FileReading, SourceFile, read_bytes, read_file};
+use super::source::{FileReading, SourceFile, files_of, read_bytes, read_file};
 use super::tle::Checksums;
 
 /// Options for reading element sets.
@@ -58,6 +58,9 @@ pub enum Keep {
 pub struct Satellites {
     /// Element sets sorted by catalogue number, then by epoch if several of one object are kept.
     pub element_sets: Vec<ElementSet>,
+    /// Element sets of the same objects with other epochs, at most 18 days from the selected ones, sorted by catalogue
+    /// number, then by epoch; empty with [`Keep::All`]. They improve the mean motion (`orbit::OrbitModel`).
+    pub other_epochs: Vec<ElementSet>,
     /// Operator ephemerides, in file order.
     pub ephemerides: Vec<Arc<Ephemeris>>,
     /// Rejected records, sorted by file and line.
@@ -66,19 +69,22 @@ pub struct Satellites {
     pub sources: Vec<SourceFile>,
     /// Number of records removed as exact duplicates of others.
     pub duplicates: usize,
-    /// Number of records removed because another epoch of the same object was selected.
+    /// Number of records that are not selected because another epoch of the same object is, including
+    /// [`other_epochs`](Self::other_epochs).
     pub superseded: usize,
+    /// Time for which the element sets were selected: that of [`Keep::Nearest`], or else the latest epoch.
+    pub(crate) selected_for: Option<Epoch>,
 }
 
 impl Satellites {
-    /// Reads files. The format of each is detected from its content.
+    /// Reads files, and all files in folders. The format of each is detected from its content.
     ///
     /// Invalid records are listed in [`rejected`](Self::rejected), and the others are kept. An invalid ephemeris is an
     /// error.
     ///
     /// # Errors
     /// * no file is given;
-    /// * a file cannot be read, is a directory, is empty, or is an invalid gzip file;
+    /// * a file cannot be read, is empty, or is an invalid gzip file; a folder has no files;
     /// * a file is in none of the formats, or has no valid record;
     /// * an ephemeris is invalid.
     pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, ElementsError> {
@@ -86,7 +92,8 @@ impl Satellites {
             return Err(ElementsError::NoFiles);
         }
         let checksums = options.checksums();
-        let readings: Result<Vec<_>, _> = paths.par_iter().map(|path| read_file(path.as_ref(), checksums)).collect();
+        let files = files_of(paths)?;
+        let readings: Result<Vec<_>, _> = files.par_iter().map(|path| read_file(path, checksums)).collect();
         Ok(Self::assemble(readings?, options.keep))
     }
 
@@ -132,6 +139,14 @@ impl Satellites {
         nearest_of_each(&self.element_sets, epoch)
     }
 
+    /// Returns the same element sets as [`at`](Self::at), and those of other epochs.
+    pub fn chosen_at(&self, epoch: Epoch) -> Chosen {
+        if self.other_epochs.is_empty() {
+            return chosen_of_each(&self.element_sets, epoch);
+        }
+        Chosen { sets: self.element_sets.clone(), others: self.other_epochs.clone() }
+    }
+
     /// Returns all records as a history. This requires [`Keep::All`]; otherwise there is only one record of each
     /// object.
     pub fn into_history(self) -> History {
@@ -166,10 +181,15 @@ impl Satellites {
         let history = History::new(sets);
         self.duplicates = given - history.len();
         let distinct = history.len();
-        self.element_sets = match keep {
+        let Chosen { sets, others } = match keep {
             Keep::Newest => history.into_newest(),
             Keep::Nearest(epoch) => history.into_nearest(epoch),
-            Keep::All => history.into_element_sets(),
+            Keep::All => Chosen { sets: history.into_element_sets(), others: Vec::new() },
+        };
+        (self.element_sets, self.other_epochs) = (sets, others);
+        self.selected_for = match keep {
+            Keep::Nearest(epoch) => Some(epoch),
+            _ => self.epochs().map(|(_, latest)| latest),
         };
         self.superseded = distinct - self.element_sets.len();
     }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::io::ErrorKind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use flate2::read::MultiGzDecoder;
@@ -51,12 +51,36 @@ pub(super) struct FileReading {
     pub rejected: Vec<Rejected>,
 }
 
+/// Returns the paths with folders replaced by the files in them, sorted by name. Subfolders, hidden files and the
+/// records and locks of `streakcast fetch` are not read.
+pub(super) fn files_of<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, ElementsError> {
+    let mut files = Vec::new();
+    for path in paths.iter().map(AsRef::as_ref) {
+        if !path.is_dir() {
+            files.push(path.to_owned());
+            continue;
+        }
+        let unreadable = |source| ElementsError::Unreadable { file: path.display().to_string(), source };
+        let mut found = Vec::new();
+        for entry in path.read_dir().map_err(unreadable)? {
+            let file = entry.map_err(unreadable)?.path();
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if !file.is_dir() && !name.starts_with('.') && !OF_FETCH.iter().any(|end| name.ends_with(end)) {
+                found.push(file);
+            }
+        }
+        if found.is_empty() {
+            return Err(ElementsError::EmptyFolder { folder: path.display().to_string() });
+        }
+        found.sort();
+        files.extend(found);
+    }
+    Ok(files)
+}
+
 /// Reads a file from disk.
 pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, ElementsError> {
     let file = || path.display().to_string();
-    if path.is_dir() {
-        return Err(ElementsError::Directory { file: file() });
-    }
     let bytes = input::read(path).map_err(|source| ElementsError::Unreadable { file: file(), source })?;
     read_bytes(&file(), &bytes, checksums)
 }
@@ -168,6 +192,9 @@ fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
         })
         .collect()
 }
+
+/// Ends of the names of the records and locks that `streakcast fetch` writes next to its files.
+const OF_FETCH: [&str; 2] = [".fetch.json", ".lock"];
 
 /// Largest size of decompressed text relative to the compressed one. Catalogues expand by a factor of 3 (TLE) to 20
 /// (XML).

@@ -36,6 +36,12 @@ impl Lateness {
         Self { parts: [inner, outer, manoeuvres], searched: 2 }
     }
 
+    /// As [`core_and_manoeuvres`](Self::core_and_manoeuvres), where the third Gaussian is an ordinary part of the
+    /// distribution, whose delays are searched.
+    pub fn core_and_wings(core: [(f64, f64); 2], wings: (f64, f64)) -> Self {
+        Self { searched: 3, ..Self::core_and_manoeuvres(core, wings) }
+    }
+
     /// The distribution with an independent Gaussian error added, such as that of a clock.
     pub fn blurred(&self, sigma_s: f64) -> Self {
         Self { parts: self.parts.map(|(weight, part_s)| (weight, part_s.hypot(sigma_s))), ..*self }

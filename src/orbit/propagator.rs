@@ -218,10 +218,7 @@ impl Propagator {
     /// # Errors
     /// As [`Propagator::new`].
     pub fn with_drag(elements: &ElementSet, drag: DragModel) -> Result<Self, OrbitError> {
-        match drag.class_of(elements) {
-            Some(class) => Self::new(&class.elements(elements)),
-            None => Self::new(elements),
-        }
+        Self::new(&drag.propagated(elements))
     }
 
     /// Returns the position integrated from the element epoch; `None` for orbits without resonances.
@@ -415,18 +412,21 @@ pub(super) enum SearchedPropagator<'a> {
 impl SatelliteIndex {
     /// Initialises SGP4 for every element set, on all threads.
     pub fn new(elements: &[ElementSet], drag: DragModel) -> Self {
-        let made: Vec<Result<Propagator, OrbitError>> =
-            elements.par_iter().map(|set| Propagator::with_drag(set, drag)).collect();
+        let propagated: Vec<ElementSet> = elements.par_iter().map(|set| drag.propagated(set)).collect();
+        Self::of_propagated(&propagated, drag)
+    }
+
+    /// Initialises SGP4 for the elements of every [`OrbitModel`](super::OrbitModel), on all threads. They were computed
+    /// for this treatment of drag.
+    pub fn of_propagated(elements: &[ElementSet], drag: DragModel) -> Self {
+        let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
         let mut left_out = Vec::new();
         let propagators = made
             .into_iter()
             .enumerate()
             .map(|(element_index, result)| {
-                result
-                    .map_err(|reason| {
-                        left_out.push(LeftOut { norad_id: elements[element_index].norad_id, element_index, reason });
-                    })
-                    .ok()
+                let norad_id = elements[element_index].norad_id;
+                result.map_err(|reason| left_out.push(LeftOut { norad_id, element_index, reason })).ok()
             })
             .collect();
         Self { propagators, left_out, drag, ephemerides: BTreeMap::new() }

@@ -38,7 +38,8 @@
 use std::f64::consts::TAU;
 
 use super::lateness::Lateness;
-use super::station_keeping::{DragModel, StationKeeping};
+use super::starlink_lateness;
+use super::station_keeping::{DragModel, MeanMotion, StarlinkClass};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, Origin};
 
@@ -93,8 +94,8 @@ pub enum OrbitKind {
     Eccentric,
     /// Simulated satellite of a shell. Its errors are those at epoch at any age.
     Synthetic,
-    /// Starlink that holds its orbit and is propagated without drag.
-    StationKeeping(StationKeeping),
+    /// Starlink of a class, with the source of its mean motion.
+    Starlink(StarlinkClass, MeanMotion),
 }
 
 /// Kind of orbit together with the drag published in one element set.
@@ -106,6 +107,8 @@ pub struct OrbitClass {
     pub period_s: f64,
     /// D = |ṅ/2| P: seconds gained in a day squared.
     pub drag_s_day2: f64,
+    /// Days from the epoch to that of the other element set of the mean motion, negative if that is older; 0 without.
+    pub baseline_days: f64,
     /// Factor of the error along the track, from measured delays; 1 without them.
     pub lateness_factor: f64,
 }
@@ -116,10 +119,11 @@ impl OrbitClass {
     /// `mean_motion_rev_day` must be positive; `mean_motion_dot_rev_day2` is half the derivative, as published.
     pub fn new(kind: OrbitKind, mean_motion_rev_day: f64, mean_motion_dot_rev_day2: f64) -> Self {
         let period_s = DAY_S / mean_motion_rev_day;
-        Self { kind, period_s, drag_s_day2: mean_motion_dot_rev_day2.abs() * period_s, lateness_factor: 1.0 }
+        let drag_s_day2 = mean_motion_dot_rev_day2.abs() * period_s;
+        Self { kind, period_s, drag_s_day2, baseline_days: 0.0, lateness_factor: 1.0 }
     }
 
-    /// Returns the class of an element set.
+    /// Returns the class of an element set alone.
     ///
     /// One set alone does not show every manoeuvre. On 5,370 daily sets of 72 Starlinks the class was compared with a
     /// rule for three consecutive sets (|da/dt| < 100 m a day). 83 % are classified correctly: 96 % of those on
@@ -129,18 +133,36 @@ impl OrbitClass {
     pub fn of(elements: &ElementSet, drag: DragModel) -> Self {
         let kind = match (elements.origin, drag.class_of(elements)) {
             (Origin::Synthetic, _) => OrbitKind::Synthetic,
-            (Origin::Published, Some(class)) => OrbitKind::StationKeeping(class),
+            (Origin::Published, Some(class)) => OrbitKind::Starlink(class, MeanMotion::OneSet),
             (Origin::Published, None) => published_kind(elements),
         };
         Self::new(kind, elements.mean_motion_rev_day, elements.mean_motion_dot_rev_day2)
     }
 
+    /// Returns the class of a Starlink with another source of its mean motion; other classes are not changed.
+    pub(super) fn with_mean_motion(self, motion: MeanMotion, baseline_days: f64) -> Self {
+        match self.kind {
+            OrbitKind::Starlink(class, _) => Self { kind: OrbitKind::Starlink(class, motion), baseline_days, ..self },
+            _ => self,
+        }
+    }
+
+    /// Returns the source of the mean motion.
+    pub fn mean_motion(&self) -> MeanMotion {
+        match self.kind {
+            OrbitKind::Starlink(_, motion) => motion,
+            _ => MeanMotion::OneSet,
+        }
+    }
+
     /// Distribution of the delay along the track at an age in days.
     pub fn lateness(&self, age_days: f64) -> Lateness {
-        let age = age_days.abs();
+        let cap_s = CAP_TURNS * self.period_s;
         let usual = match self.kind {
-            OrbitKind::StationKeeping(keeping) => keeping.lateness(age, self.drag_s_day2, CAP_TURNS * self.period_s),
-            kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age)),
+            OrbitKind::Starlink(class, motion) => {
+                starlink_lateness::lateness(class, motion, age_days, self.drag_s_day2, self.baseline_days, cap_s)
+            }
+            kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age_days.abs())),
         };
         usual.scaled(self.lateness_factor)
     }
@@ -153,10 +175,24 @@ impl OrbitClass {
     pub fn is_known(&self, age_days: f64) -> bool {
         let calibrated_days = match self.kind {
             OrbitKind::Synthetic => return true,
-            OrbitKind::StationKeeping(_) => CALIBRATED_STATION_KEEPING_DAYS,
+            OrbitKind::Starlink(..) => CALIBRATED_STATION_KEEPING_DAYS,
             _ => CALIBRATED_DAYS,
         };
         age_days.abs() <= calibrated_days && self.lateness(age_days).searched_share() >= LEAST_KNOWN_SHARE
+    }
+
+    /// Returns the largest delay that is searched between two ages in days, seconds.
+    pub fn largest_reach_s(&self, ages_days: [f64; 2]) -> f64 {
+        let [first, last] = ages_days;
+        // Errors grow with the distance in time from the epoch, except between two epochs, where they are largest in the
+        // middle.
+        let middle = (0.5 * self.baseline_days).clamp(first.min(last), first.max(last));
+        let reach_s = |age_days: f64| self.lateness(age_days).reach_s();
+        reach_s(first).max(reach_s(last)).max(if self.mean_motion() == MeanMotion::Enclosed {
+            reach_s(middle)
+        } else {
+            0.0
+        })
     }
 
     /// Returns the class with a factor of the error along the track.
@@ -167,10 +203,7 @@ impl OrbitClass {
     /// One-sigma error across the track at an age in days, km.
     pub fn cross_track_km(&self, age_days: f64) -> f64 {
         let age = age_days.abs();
-        let growth_km = match self.kind {
-            OrbitKind::StationKeeping(keeping) => keeping.cross_track_km(age),
-            kind => Growth::of(kind).cross_track_km(self, age),
-        };
+        let growth_km = Growth::of(self.kind).cross_track_km(self, age);
         growth_km.hypot(CROSS_FLOOR_KM).min(CROSS_CAP_KM)
     }
 
@@ -242,6 +275,11 @@ impl Growth {
         root_sum_square(&[self.kx * age.powf(self.px), self.cx * shift_km_day * age])
     }
 
+    /// Growth across the track only: the error along the track is computed by `starlink_lateness`.
+    const fn of_starlink(kx: f64, px: f64) -> Self {
+        Self { k1: 0.0, k2: 0.0, c: 0.0, f: 0.0, p: 1.0, q: 1.0, kx, px, cx: 0.0 }
+    }
+
     /// The fits of `tests/reference/calibrate_orbit_uncertainty.py`, rounded to two or three digits.
     #[rustfmt::skip]
     const fn of(kind: OrbitKind) -> Self {
@@ -252,8 +290,14 @@ impl Growth {
             OrbitKind::MediumEarth    => Self { k1: 0.135, k2: 0.001,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.35,  px: 0.54, cx: 0.0 },
             OrbitKind::Geosynchronous => Self { k1: 1.6,   k2: 0.149,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 2.1,   px: 0.60, cx: 0.0 },
             OrbitKind::Eccentric      => Self { k1: 21.5,  k2: 0.49,   c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.18,  px: 1.45, cx: 0.0 },
-            // For station keeping, the growth is computed by `StationKeeping`.
-            OrbitKind::Synthetic | OrbitKind::StationKeeping(_) => Self { k1: 0.0,   k2: 0.0,    c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.0,   px: 1.0,  cx: 0.0 },
+            OrbitKind::Synthetic      => Self::of_starlink(0.0, 1.0),
+            OrbitKind::Starlink(class, _) => match class {
+                StarlinkClass::V15          => Self::of_starlink(0.057, 1.33),
+                StarlinkClass::Station      => Self::of_starlink(0.111, 1.12),
+                StarlinkClass::StrongDrag   => Self::of_starlink(0.142, 0.99),
+                StarlinkClass::DirectToCell => Self::of_starlink(0.252, 0.87),
+                StarlinkClass::Parked | StarlinkClass::Raising | StarlinkClass::MovingV15 | StarlinkClass::Descending => Self::of(OrbitKind::Manoeuvring),
+            },
         }
     }
 }
@@ -312,11 +356,7 @@ mod tests {
     use crate::elements::NoradId;
     use hifitime::Epoch;
 
-    const KINDS: [OrbitKind; 11] = [
-        OrbitKind::StationKeeping(StationKeeping::StarlinkV15),
-        OrbitKind::StationKeeping(StationKeeping::Starlink),
-        OrbitKind::StationKeeping(StationKeeping::StarlinkStrongDrag),
-        OrbitKind::StationKeeping(StationKeeping::DirectToCell),
+    const KINDS: [OrbitKind; 7] = [
         OrbitKind::OnStation,
         OrbitKind::Manoeuvring,
         OrbitKind::LowEarth,
@@ -327,9 +367,13 @@ mod tests {
     ];
 
     fn classes() -> impl Iterator<Item = OrbitClass> {
-        KINDS.into_iter().flat_map(|kind| {
+        let starlinks = StarlinkClass::ALL.into_iter().flat_map(|class| {
+            [MeanMotion::OneSet, MeanMotion::TwoSets, MeanMotion::FourSets, MeanMotion::Changed, MeanMotion::Rate]
+                .map(|motion| OrbitKind::Starlink(class, motion))
+        });
+        KINDS.into_iter().chain(starlinks).flat_map(|kind| {
             [(16.4, 0.13), (15.06, -2e-5), (14.2, 0.0), (2.0, 1e-7), (1.0027, -3e-6)]
-                .map(|(n, dot)| OrbitClass::new(kind, n, dot))
+                .map(|(n, dot)| OrbitClass { baseline_days: -7.0, ..OrbitClass::new(kind, n, dot) })
         })
     }
 
@@ -368,7 +412,7 @@ mod tests {
                     // Growth is below t^2.3, so 0.02 d never multiplies it by more than (1 + 0.02/t)^2.3.
                     let most = (1.0 + 0.02 / (age - 0.02)).powf(2.3) + 1e-12;
                     // With more satellites that manoeuvred, the half width passes from the core to the wings.
-                    let is_mixture = matches!(class.kind, OrbitKind::StationKeeping(_));
+                    let is_mixture = matches!(class.kind, OrbitKind::Starlink(..));
                     assert!(is_mixture || next.along_track_s <= last.along_track_s * most, "{class:?} at {age} d");
                     assert!(next.cross_track_km <= last.cross_track_km * most, "{class:?} at {age} d");
                 }

@@ -1,8 +1,10 @@
 //! A catalogue of satellites seen by an observer at a site or by a telescope in orbit; all queries start from it.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hifitime::Epoch;
+use rayon::prelude::*;
 
 use super::error::SkyError;
 use super::exposure::Exposure;
@@ -14,12 +16,12 @@ use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Ephemeris, Satellites};
+use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{
-    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, OrbitArc, OrbitClass, OrbitError, OrbitUncertainty,
-    Propagator, Reach, SatelliteIndex, uncertainty,
+    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitError,
+    OrbitModel, OrbitUncertainty, Propagator, Reach, SatelliteIndex, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 use crate::watch::Watch;
@@ -30,6 +32,7 @@ use crate::watch::Watch;
 #[derive(Clone, Debug)]
 pub struct Sky {
     elements: Arc<Vec<ElementSet>>,
+    others: Arc<OtherEpochs>,
     index: Arc<SatelliteIndex>,
     ephemerides: Arc<Vec<Arc<Ephemeris>>>,
     classes: Arc<Vec<OrbitClass>>,
@@ -48,13 +51,27 @@ pub struct Sky {
     watch: Watch,
 }
 
+/// Element sets of other epochs than those in use, from which mean motions are computed.
+#[derive(Clone, Debug)]
+struct OtherEpochs {
+    /// Sorted by catalogue number.
+    sets: Vec<ElementSet>,
+    /// Time at which the predictions are best.
+    moment: Epoch,
+}
+
 impl Sky {
     /// Creates a sky from satellites and an observer, with the embedded brightness models and Earth orientation table.
     ///
     /// This takes about 2 µs of processor time per satellite. The model of the Earth's shadow includes the atmosphere.
     pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
-        Self::with_models(satellites.element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default())
-            .with_ephemerides(satellites.ephemerides)
+        let Satellites { element_sets, other_epochs, ephemerides, selected_for, .. } = satellites;
+        let sky = Self::with_models(element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default());
+        match selected_for {
+            Some(moment) => sky.with_other_epochs(other_epochs, moment),
+            None => sky,
+        }
+        .with_ephemerides(ephemerides)
     }
 
     /// Creates a sky like [`Sky::new`] does, but with the given brightness models and Earth orientation table, and
@@ -66,12 +83,13 @@ impl Sky {
         choice: &ModelChoice,
     ) -> Self {
         let drag = DragModel::default();
-        let index = SatelliteIndex::new(&elements, drag);
-        let class = |set| OrbitClass::of(set, drag).with_lateness_factor(choice.lateness_factor(set));
-        let classes: Vec<OrbitClass> = elements.iter().map(class).collect();
+        let others = OtherEpochs { sets: Vec::new(), moment: Epoch::default() };
+        let factors = elements.iter().map(|set| choice.lateness_factor(set)).collect::<Vec<_>>();
+        let (index, classes) = orbits(&elements, &others, drag, |index| factors[index]);
         let models: Vec<_> = elements.iter().map(|elements| choice.model_of(elements)).collect();
         Self {
             elements: Arc::new(elements),
+            others: Arc::new(others),
             index: Arc::new(index),
             ephemerides: Arc::default(),
             classes: Arc::new(classes),
@@ -117,21 +135,44 @@ impl Sky {
         if drag == self.drag {
             return self;
         }
-        let index = SatelliteIndex::new(&self.elements, drag);
+        Self { drag, ..self }.with_new_orbits()
+    }
+
+    /// Returns the sky with element sets of other epochs of the same satellites, in any order. They improve the mean
+    /// motions of Starlinks near the time `moment` ([`OrbitModel`]).
+    pub fn with_other_epochs(self, mut sets: Vec<ElementSet>, moment: Epoch) -> Self {
+        if sets.is_empty() {
+            return self;
+        }
+        sets.sort_by_key(|set| set.norad_id);
+        Self { others: Arc::new(OtherEpochs { sets, moment }), ..self }.with_new_orbits()
+    }
+
+    fn with_new_orbits(self) -> Self {
+        let factor = |index: usize| self.classes[index].lateness_factor;
+        let (index, classes) = orbits(&self.elements, &self.others, self.drag, factor);
         Self {
             index: Arc::new(index.with_ephemerides(&self.elements, &self.ephemerides, &self.eop)),
-            classes: Arc::new(
-                self.elements
-                    .iter()
-                    .zip(&*self.classes)
-                    .map(|(set, old)| OrbitClass::of(set, drag).with_lateness_factor(old.lateness_factor))
-                    .collect(),
-            ),
+            classes: Arc::new(classes),
             windows: Arc::default(),
             predictabilities: Arc::default(),
-            drag,
             ..self
         }
+    }
+
+    /// Returns the number of satellites by the source of their mean motion.
+    pub fn mean_motions(&self) -> BTreeMap<MeanMotion, usize> {
+        let mut counts = BTreeMap::new();
+        for class in &*self.classes {
+            *counts.entry(class.mean_motion()).or_default() += 1;
+        }
+        counts
+    }
+
+    /// Returns the uncertainty that a prediction would have with one element set of the satellite.
+    pub fn uncertainty_of_one_set(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
+        let alone = OrbitClass::of(&self.elements[element_index], self.drag);
+        uncertainty(alone.with_lateness_factor(self.classes[element_index].lateness_factor), age_days)
     }
 
     /// Returns the sky with ephemerides. They are used for the exposures that they cover; SGP4 is used for all others.
@@ -142,14 +183,7 @@ impl Sky {
         if ephemerides.is_empty() && self.ephemerides.is_empty() {
             return self;
         }
-        let index = SatelliteIndex::new(&self.elements, self.drag);
-        Self {
-            index: Arc::new(index.with_ephemerides(&self.elements, &ephemerides, &self.eop)),
-            ephemerides: Arc::new(ephemerides),
-            windows: Arc::default(),
-            predictabilities: Arc::default(),
-            ..self
-        }
+        Self { ephemerides: Arc::new(ephemerides), ..self }.with_new_orbits()
     }
 
     /// Returns the sky with all satellites, whatever the age of their elements. By default, satellites whose position
@@ -332,15 +366,13 @@ impl Sky {
         let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
             SearchScope::Nominal => Reach::default(),
             SearchScope::Delayed => {
-                // Errors grow with the distance in time from the epoch, so that the larger error is at one of the ends
-                // of the window.
                 let class = &self.classes[element_index];
-                let [first, last] = ends.map(|epoch| self.element_age_days(element_index, epoch).abs());
-                let age_days = first.max(last);
+                let ages_days = ends.map(|epoch| self.element_age_days(element_index, epoch));
+                let age_days = ages_days[0].abs().max(ages_days[1].abs());
                 let (stated_s, stated_km) = self.index.largest_stated_errors(element_index);
                 let stated = Lateness::gaussian(stated_s);
                 Reach {
-                    along_track_s: class.lateness(age_days).reach_s().max(stated.reach_s()),
+                    along_track_s: class.largest_reach_s(ages_days).max(stated.reach_s()),
                     cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days).max(stated_km),
                 }
             }
@@ -350,4 +382,18 @@ impl Sky {
         scene.windows = self.windows.over(&self.index, [start, end], scope, &unknown, &reach, &self.watch)?;
         Ok(scene)
     }
+}
+
+/// Returns the propagators and classes of satellites; `factor` gives the factor of the lateness of each.
+fn orbits(
+    elements: &[ElementSet],
+    others: &OtherEpochs,
+    drag: DragModel,
+    factor: impl Fn(usize) -> f64,
+) -> (SatelliteIndex, Vec<OrbitClass>) {
+    let of = |set: &ElementSet| OrbitModel::of(set, others_of(&others.sets, set.norad_id), others.moment, drag);
+    let (propagated, classes): (Vec<ElementSet>, Vec<OrbitClass>) =
+        elements.par_iter().map(of).map(|model| (model.elements, model.class)).unzip();
+    let classes = classes.into_iter().enumerate().map(|(index, class)| class.with_lateness_factor(factor(index)));
+    (SatelliteIndex::of_propagated(&propagated, drag), classes.collect())
 }

@@ -2,6 +2,10 @@
 
 use std::fs;
 
+use serde_json::Value;
+use streakcast::elements::Satellites;
+use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
+
 use crate::common::cli::{SKY, done, json, path, records, run};
 
 const HEADER: &str = "norad_id,name,utc,julian_date_utc,ra_deg,dec_deg,ra_cos_dec_rate_deg_s,dec_rate_deg_s,altitude_deg,azimuth_deg,altitude_rate_deg_s,azimuth_cos_altitude_rate_deg_s,range_km,range_rate_km_s,elongation_deg,phase_angle_deg,illumination,lit_fraction,magnitude,magnitude_sigma,mag_source,element_epoch_utc,element_age_days,along_track_sigma_s,cross_track_sigma_deg,position_source";
@@ -100,4 +104,68 @@ fn errors_name_what_is_allowed() {
     // If no position is above the altitude limit, the result is empty and not an error.
     let (code, stdout, _) = run(&[PLACES, SKY, &at, &["--min-altitude", "89.9"]]);
     assert_eq!((code, records(&stdout).len()), (1, 1));
+}
+
+/// Directions of the default settings, which include polar motion, compared with rows of JPL Horizons for the Dominion
+/// Astrophysical Observatory. Without polar motion they differ by 3.6".
+#[test]
+fn valid_directions_of_the_command_line_against_horizons() {
+    /// From the printed digits: right ascension 0.01 s (0.15"), declination 0.1".
+    const MEDIAN_ARCSEC: f64 = 0.3;
+    const WORST_ARCSEC: f64 = 1.0;
+    let Some(folder) = crate::common::data_dir() else { return };
+    let folder = folder.join("photometry/boley2021_plaskett");
+    let elements = folder.join("starlink.15JUL2021");
+    let catalogue = Satellites::from_files([&elements]).unwrap().element_sets;
+    let rows = std::fs::read_to_string(folder.join("dat")).unwrap();
+    let mut separations_arcsec = Vec::new();
+    for line in rows.lines().step_by(20) {
+        // NAME.txt: 2021-Jul-16 09:12:42.000 [flags] RA(3) Dec(3) ...
+        let (name, rest) = line.split_once(".txt:").unwrap();
+        let Some(set) = catalogue.iter().find(|set| *set.name == *name) else { continue };
+        let mut words = rest.split_whitespace();
+        let time = format!("{}T{}Z", words.next().unwrap().replace("Jul", "07"), words.next().unwrap());
+        let words: Vec<&str> = words.skip_while(|word| word.parse::<f64>().is_err()).collect();
+        let expected = Direction::<Gcrs>::from_lon_lat_rad(
+            parse_right_ascension_deg(&words[0..3].join(":")).unwrap().to_radians(),
+            parse_declination_deg(&words[3..6].join(":")).unwrap().to_radians(),
+        );
+        let (norad, file) = (set.norad_id.to_string(), elements.display().to_string());
+        let flags = ["--norad", &norad, "--times", &time, "--elements", &file, "--mpc", "658", "--drag", "published"];
+        let answer = json(&[&["ephemeris", "--quiet"], &flags]);
+        let number = |name: &str| answer["ephemeris"][0][name].as_f64().unwrap().to_radians();
+        let found = Direction::from_lon_lat_rad(number("ra_deg"), number("dec_deg"));
+        separations_arcsec.push(found.separation_rad(&expected).to_degrees() * 3600.0);
+    }
+    separations_arcsec.sort_by(f64::total_cmp);
+    let (median, worst) = (separations_arcsec[separations_arcsec.len() / 2], separations_arcsec.last().unwrap());
+    println!("{} rows: median {median:.3}\", worst {worst:.3}\"", separations_arcsec.len());
+    assert!(separations_arcsec.len() >= 15 && median <= MEDIAN_ARCSEC && *worst <= WORST_ARCSEC, "{median} {worst}");
+}
+
+/// A second file, of a week before, improves the mean motions; the provenance has the numbers of satellites. The order
+/// of the files does not matter, and a folder with both gives the same result.
+#[test]
+fn verif_older_element_sets_on_the_command_line() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let files = ["08", "15"].map(|day| {
+        let name = format!("starlink_2026-06-{day}.tle.gz");
+        let file = path(&folder, &name);
+        fs::copy(data.join("tle/daily_2026-06").join(name), &file).unwrap();
+        file
+    });
+    let words = ["ephemeris", "--norad", "59934", "--times", "2026-06-20T00:00:00Z", "--mpc", "X05", "--quiet"];
+    let answer = |elements: &[&str]| json(&[&words, &["--elements"], elements]);
+    let both = answer(&[&files[0], &files[1]]);
+    for elements in [&[files[1].as_str(), &files[0]][..], &[folder.path().to_str().unwrap()]] {
+        assert_eq!(answer(elements)["ephemeris"], both["ephemeris"]);
+    }
+    let count = |name: &str| both["provenance"]["mean_motion"][name].as_u64().unwrap();
+    assert!(count("two_or_three_epochs") > 8000 && count("changed_between_epochs") < 1000, "{}", both["provenance"]);
+    assert_eq!(count("four_epochs"), 0);
+    let one = answer(&[&files[1]]);
+    assert!(one["provenance"]["mean_motion"].is_null());
+    let sigma_s = |answer: &Value| answer["ephemeris"][0]["along_track_sigma_s"].as_f64().unwrap();
+    assert!(sigma_s(&both) < 0.6 * sigma_s(&one), "{} {}", sigma_s(&both), sigma_s(&one));
 }

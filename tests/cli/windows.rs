@@ -98,7 +98,7 @@ fn verif_windows_agree_with_passes() {
 
     let observer = prepared.sky.viewpoint().site().unwrap().clone();
     let sun_deg = |epoch: Epoch| {
-        let state = observer.state(&Orientation::at(epoch, &EopTable::embedded().without_polar_motion()));
+        let state = observer.state(&Orientation::at(epoch, &EopTable::embedded()));
         state.sine_of_altitude(&(SunState::at(epoch).sun - state.position)).asin().to_degrees()
     };
     let mut random = Random(20240814);

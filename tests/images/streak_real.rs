@@ -24,8 +24,7 @@ const SEEN: [PixelPosition; 2] = [PixelPosition { x: 0.0, y: 67.5 }, PixelPositi
 fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<SkyTrack> {
     let site = Site::from_mpc("W84").unwrap();
     let choice = ModelChoice::new(&ModelLibrary::embedded()).unwrap();
-    // As on the command line without an EOP table. With polar motion, 12 m at this site, the streak is 3" closer.
-    let eop = EopTable::embedded().without_polar_motion();
+    let eop = EopTable::embedded();
     let sky = Sky::with_models(vec![elements.clone()], Observer::new(site), eop.clone(), &choice);
     let light = SatelliteLight {
         photometry: &PhotometryOptions::default(),

@@ -202,7 +202,7 @@ fn verif_a_whole_file_fails_with_one_clear_error() {
 
     let folder = tempfile::tempdir().unwrap();
     let error = Satellites::read(&[folder.path()], &ReadOptions::default()).unwrap_err();
-    assert!(matches!(error, ElementsError::Directory { .. }), "{error}");
+    assert!(matches!(error, ElementsError::EmptyFolder { .. }), "{error}");
     let missing = folder.path().join("missing.tle");
     let error = Satellites::read(&[&missing], &ReadOptions::default()).unwrap_err();
     assert!(error.to_string().starts_with(&format!("cannot read {}: ", missing.display())), "{error}");

@@ -114,7 +114,7 @@ fn verif_probabilities_of_station_keeping_satellites() {
     let exposures = exposures(start, 360, &mut draws);
     let elements = published(AGE_DAYS, exposures[180].start, 1584);
     let class = OrbitClass::of(&elements[0], DragModel::StationKeeping);
-    assert!(matches!(class.kind, OrbitKind::StationKeeping(_)), "{class:?}");
+    assert!(matches!(class.kind, OrbitKind::Starlink(..)), "{class:?}");
     let keeping = |elements| sky(elements).with_drag(DragModel::StationKeeping);
     let found = keeping(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
     let skies: Vec<Sky> = (0..if is_all() { 60 } else { 20 })

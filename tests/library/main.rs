@@ -35,6 +35,7 @@ mod passes_reference;
 mod photometry_model;
 mod photometry_panels;
 mod radiation_pressure;
+mod several_element_sets;
 mod sgp4_verification;
 mod shadow;
 mod shells;

@@ -9,10 +9,10 @@ use super::super::prepared::without_elements;
 use super::super::warnings::of_ephemerides_without_elements;
 use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, STARLINK_TABLE_DATE, Satellites};
+use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, STARLINK_TABLE_DATE, Satellites, others_of};
 use crate::frames::seconds_between;
 use crate::math::quantile::median;
-use crate::orbit::{DragModel, OrbitClass, uncertainty};
+use crate::orbit::{DragModel, OrbitClass, OrbitModel, uncertainty};
 use crate::output::{counted, format_utc};
 use crate::passes::ModelChoice;
 
@@ -128,6 +128,8 @@ pub struct ElementState {
     pub unknown: usize,
     /// Median along-track error (one sigma) of all others, seconds; 0 if there are none.
     pub median_along_track_sigma_s: f64,
+    /// The same error if only the element set closest to the time were used; `None` without those of other epochs.
+    pub median_of_one_set_s: Option<f64>,
     /// State of the operator ephemerides.
     pub ephemerides: EphemerisState,
     /// Number of satellites of each generation that has a brightness model.
@@ -144,13 +146,17 @@ impl ElementState {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let sigmas: Vec<f64> = sets
-            .iter()
-            .zip(&ages)
-            .map(|(set, age)| (OrbitClass::of(set, drag), *age))
-            .filter(|(class, age)| class.is_known(*age))
-            .map(|(class, age)| uncertainty(class, age).along_track_s)
-            .collect();
+        let of_one_set = |set: &ElementSet| OrbitClass::of(set, drag);
+        let others = &catalogue.other_epochs;
+        let of_all = |set: &ElementSet| OrbitModel::of(set, others_of(others, set.norad_id), now, drag).class;
+        // Errors along the track of the satellites whose position is known.
+        let sigmas = |class: &dyn Fn(&ElementSet) -> OrbitClass| -> Vec<f64> {
+            let classes = sets.iter().zip(&ages).map(|(set, age)| (class(set), *age));
+            let known = classes.filter(|(class, age)| class.is_known(*age));
+            known.map(|(class, age)| uncertainty(class, age).along_track_s).collect()
+        };
+        let median_of_one_set_s = (!others.is_empty()).then(|| median_or_0(sigmas(&of_one_set)));
+        let sigmas = if others.is_empty() { sigmas(&of_one_set) } else { sigmas(&of_all) };
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();
@@ -173,6 +179,7 @@ impl ElementState {
             median_age_days: median_or_0(ages),
             unknown: sets.len() - sigmas.len(),
             median_along_track_sigma_s: median_or_0(sigmas),
+            median_of_one_set_s,
             ephemerides: EphemerisState::of(catalogue, now),
             kinds: kinds.into_iter().collect(),
             assumed: sets.iter().filter(|set| table.is_assumed(set)).count(),
@@ -204,18 +211,26 @@ impl ElementState {
             days => format!("median age {:.1} days", days.max(0.0)),
         };
         let satellites = counted(self.satellites, "satellite", "satellites");
+        let without = match self.median_of_one_set_s {
+            Some(one_set_s) => format!(", without the sets of other epochs by {one_set_s:.1} s"),
+            None => String::new(),
+        };
         let lateness = match self.unknown {
-            0 => format!("early or late by {sigma_s:.1} s (68 %, median)"),
+            0 => format!("early or late by {sigma_s:.1} s{without} (68 %, median)"),
             all if all == self.satellites => "positions unknown".to_owned(),
-            unknown => {
-                format!("positions of {unknown} unknown, the others early or late by {sigma_s:.1} s (68 %, median)")
-            }
+            unknown => format!(
+                "positions of {unknown} unknown, the others early or late by {sigma_s:.1} s{without} (68 %, median)"
+            ),
         };
         let age = format!("{satellites}; {median}; {lateness}");
         found.push(if 2 * self.unknown > self.satellites {
             Finding::new(Severity::Error, SUBJECT, age, nearer)
         } else if sigma_s > LARGE_ERROR_S {
-            let remedy = format!("{nearer}; or use flag with --min-probability or a margin_s of that size");
+            let older = match self.median_of_one_set_s {
+                Some(_) => "",
+                None => ", or add element sets of a week before to --elements",
+            };
+            let remedy = format!("{nearer}{older}; or use flag with --min-probability or a margin_s of that size");
             Finding::new(Severity::Warning, SUBJECT, age, remedy)
         } else {
             Finding::fine(SUBJECT, age)
@@ -279,7 +294,7 @@ impl ElementState {
                 Severity::Note,
                 SUBJECT,
                 finding,
-                "nothing: the element set closest to the time of the request is used",
+                "nothing: the set closest to the time of the request gives the position, the others the mean motion of Starlinks",
             ));
         }
         found.extend(self.ephemerides.findings(now));

@@ -192,7 +192,9 @@ function describe() {
   $("sigma").checked = state.sigma === "1";
   const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
   const shells = (rests.shells ?? []).map((shell) => `${shell.name} (simulated)`);
-  $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")} · ${rests.frame}`;
+  const several = rests.mean_motion;
+  const late = several ? ` · early or late by ${fixed(several.median_late_s, 1)} s (68 %, median), without the sets of other epochs by ${fixed(several.median_late_with_one_epoch_s, 1)} s` : "";
+  $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")}${late} · ${rests.frame}`;
   warn();
   legend($("scale"), $("bands"));
 }

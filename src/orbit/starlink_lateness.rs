@@ -1,0 +1,167 @@
+//! Distribution of the lateness of Starlink satellites by class, age, and source of the mean motion.
+//!
+//! ```text
+//! (1 - m) [0.7 N(s) + 0.3 N(r s)] + m N(w)                                   s, each sigma at most 0.3413 P
+//! ```
+//!
+//! The core of two Gaussians has the widths s and r s. The third Gaussian, of the share m and the width w, is for
+//! satellites that manoeuvred since the epoch (w = 90 t, with the age t in days) or, in classes whose satellites change
+//! their orbits, an ordinary part of the distribution. It is searched for in the latter case only.
+//!
+//! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026.
+//! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md).
+
+use super::lateness::Lateness;
+use super::station_keeping::{MeanMotion, StarlinkClass};
+
+/// Weight of the inner Gaussian of the core.
+const CORE_WEIGHT: f64 = 0.7;
+/// Error along the track at epoch, s: 1 km at 7.6 km/s. It is added to widths that vanish at epoch.
+const FLOOR_S: f64 = 0.13;
+/// Width of the lateness of satellites that manoeuvred, s per day of age.
+const MANOEUVRE_S_DAY: f64 = 90.0;
+/// Largest share of satellites that manoeuvred; the ages in the calibration end at 21 days.
+const LARGEST_MANOEUVRING: f64 = 0.5;
+/// Largest share of the wide Gaussian of classes whose satellites change their orbits.
+const LARGEST_WIDE: f64 = 0.9;
+
+/// The distribution before its widths are limited by the period.
+struct Shape {
+    /// s, seconds.
+    core_s: f64,
+    /// r.
+    ratio: f64,
+    /// m.
+    share: f64,
+    wide: Wide,
+}
+
+/// Third Gaussian.
+enum Wide {
+    /// Satellites that manoeuvred, w in seconds; not searched.
+    Manoeuvred(f64),
+    /// An ordinary part of the distribution, w in seconds.
+    Ordinary(f64),
+}
+
+impl Shape {
+    /// Class without an ordinary wide part; the share of manoeuvres is m₀ + m₁ t.
+    fn steady(core_s: f64, ratio: f64, (m0, m1): (f64, f64), age: f64) -> Self {
+        let share = (m0 + m1 * age).min(LARGEST_MANOEUVRING);
+        Self { core_s, ratio, share, wide: Wide::Manoeuvred(MANOEUVRE_S_DAY * age) }
+    }
+
+    /// Class whose satellites change their orbits.
+    fn changing(core_s: f64, ratio: f64, share: f64, wide_s: f64) -> Self {
+        Self { core_s, ratio, share: share.min(LARGEST_WIDE), wide: Wide::Ordinary(wide_s) }
+    }
+
+    fn lateness(self, cap_s: f64) -> Lateness {
+        let core_s = self.core_s.min(cap_s / self.ratio);
+        let outer_s = self.ratio * core_s;
+        let core = [(CORE_WEIGHT, core_s), (1.0 - CORE_WEIGHT, outer_s)];
+        // The third Gaussian is at least as wide as the second.
+        match self.wide {
+            Wide::Manoeuvred(wide_s) => {
+                Lateness::core_and_manoeuvres(core, (self.share, wide_s.max(outer_s).min(cap_s)))
+            }
+            Wide::Ordinary(wide_s) => Lateness::core_and_wings(core, (self.share, wide_s.max(outer_s).min(cap_s))),
+        }
+    }
+}
+
+/// Distribution of the delay at an age in days of either sign. `drag_s_day2` is D = |ṅ/2| P, `baseline_days` the time
+/// from the epoch to that of the other element set (negative if that is older), and `cap_s` the sigma at which every
+/// position along the orbit is equally likely.
+pub(super) fn lateness(
+    class: StarlinkClass,
+    motion: MeanMotion,
+    age_days: f64,
+    drag_s_day2: f64,
+    baseline_days: f64,
+    cap_s: f64,
+) -> Lateness {
+    let age = age_days.abs();
+    let shape = match motion {
+        MeanMotion::OneSet => of_one_set(class, age, drag_s_day2),
+        MeanMotion::TwoSets => of_two_sets(class, 1.0, age, age / baseline_days.abs()),
+        MeanMotion::FourSets => of_four_sets(class, age),
+        MeanMotion::Enclosed => of_enclosing_sets(class, age_days, baseline_days),
+        MeanMotion::Changed => of_changed_orbit(class, age, drag_s_day2),
+        MeanMotion::Rate => Shape::changing(0.29_f64.hypot(0.94 * age.powi(2)), 4.4, 0.90, 6.5 * age.powf(2.28)),
+        MeanMotion::NoRate => Shape::changing(FLOOR_S.hypot(age.powi(2)), 6.0, 0.42, 33.0 * age.powf(1.94)),
+    };
+    shape.lateness(cap_s)
+}
+
+/// √(a² + b² + c²).
+fn norm3(a: f64, b: f64, c: f64) -> f64 {
+    a.hypot(b).hypot(c)
+}
+
+#[rustfmt::skip]
+fn of_one_set(class: StarlinkClass, t: f64, d: f64) -> Shape {
+    match class {
+        // s = √(s₀² + (k t)² + (c D t)²)
+        StarlinkClass::V15          => Shape::steady(norm3(0.295, 0.146 * t, 6.2 * d * t),   1.63, (0.072, 0.003), t),
+        StarlinkClass::Station      => Shape::steady(norm3(0.525, 0.388 * t, 0.487 * d * t), 3.1,  (0.018, 0.0),   t),
+        StarlinkClass::DirectToCell => Shape::steady(norm3(0.715, 0.348 * t, 0.283 * d * t), 2.8,  (0.037, 0.0),   t),
+        StarlinkClass::StrongDrag   => Shape { wide: Wide::Manoeuvred(198.0 * t), ..Shape::steady(FLOOR_S.hypot(0.835 * d * t), 1.0, (0.098, 0.001), t) },
+        StarlinkClass::Parked       => Shape::changing(norm3(0.07, 0.755 * d * t, FLOOR_S),  1.56, 0.128 + 0.057 * t, 55.0 * t.powi(2)),
+        StarlinkClass::Descending   => Shape::steady(0.37_f64.hypot(0.097 * d * t.powf(2.25)), 5.8, (0.0, 0.0),    t),
+        StarlinkClass::Raising      => Shape::changing(1_f64.hypot(t.powi(2)),               5.3,  0.9,  17.2 * t.powf(2.66)),
+        StarlinkClass::MovingV15    => Shape::changing(0.83_f64.hypot(0.285 * d * t.powi(2)), 1.0, 0.70, 19.2 * t.powf(2.3)),
+    }
+}
+
+/// `ratio` is t/Δ, `noise` a factor of s₀.
+#[rustfmt::skip]
+fn of_two_sets(class: StarlinkClass, noise: f64, t: f64, ratio: f64) -> Shape {
+    // s = √(s₀² + b² t + (e t/Δ)²)
+    let core_s = |s0: f64, b: f64, e: f64| norm3(noise * s0, b * t.sqrt(), e * ratio);
+    match class {
+        StarlinkClass::V15          => Shape::steady(core_s(0.164, 0.234, 0.445), 4.0, (0.013, 0.010), t),
+        StarlinkClass::StrongDrag   => Shape::steady(core_s(0.57,  0.255, 0.767), 3.1, (0.014, 0.0),   t),
+        StarlinkClass::DirectToCell => Shape::steady(core_s(0.515, 0.191, 0.645), 2.6, (0.0,   0.0),   t),
+        StarlinkClass::Parked       => {
+            // s = √(0.155² (1 + (1 + t/Δ)² + (t/Δ)²) + (0.125 t)²)
+            let noise_s = 0.155 * norm3(1.0, 1.0 + ratio, ratio);
+            Shape::changing(noise_s.hypot(0.125 * t), 5.1, 0.142 + 0.055 * t, 62.0 * t.powi(2))
+        }
+        _                           => Shape::steady(core_s(0.364, 0.259, 0.66),  3.4, (0.0,   0.0),   t),
+    }
+}
+
+#[rustfmt::skip]
+fn of_four_sets(class: StarlinkClass, t: f64) -> Shape {
+    // s = √(s₀² + b² t + (k t)²)
+    let core_s = |s0: f64, b: f64, k: f64| norm3(s0, b * t.sqrt(), k * t);
+    match class {
+        StarlinkClass::V15          => Shape::steady(core_s(0.188, 0.228, 0.037), 3.1,  (0.017, 0.009), t),
+        StarlinkClass::StrongDrag   => Shape::steady(core_s(0.418, 0.307, 0.025), 2.35, (0.0,   0.0),   t),
+        StarlinkClass::DirectToCell => Shape::steady(core_s(0.405, 0.234, 0.039), 2.3,  (0.0,   0.0),   t),
+        _                           => Shape::steady(core_s(0.363, 0.227, 0.060), 2.9,  (0.0,   0.0),   t),
+    }
+}
+
+/// Satellites that changed their orbits a short time ago, and may do so again.
+fn of_changed_orbit(class: StarlinkClass, t: f64, d: f64) -> Shape {
+    match class {
+        StarlinkClass::Parked => of_one_set(StarlinkClass::Parked, t, d),
+        StarlinkClass::DirectToCell => of_one_set(StarlinkClass::Raising, t, d),
+        StarlinkClass::StrongDrag => Shape::changing(FLOOR_S.hypot(1.47 * t), 3.4, 0.41, 6.9 * t.powf(2.23)),
+        _ => Shape::changing(FLOOR_S.hypot(0.62 * t), 3.0, 0.27, 7.0 * t.powf(1.75)),
+    }
+}
+
+/// Between the two epochs the error of the mean motion cancels: the prediction agrees with both element sets.
+fn of_enclosing_sets(class: StarlinkClass, age_days: f64, baseline_days: f64) -> Shape {
+    let ratio = age_days / baseline_days;
+    if !(0.0..=1.0).contains(&ratio) {
+        return of_two_sets(class, 1.0, age_days.abs(), ratio.abs());
+    }
+    // The errors of both sets, with the weights 1 - t/Δ and t/Δ. b² t becomes b² t (1 - t/Δ), as for a random walk with
+    // both ends fixed, and e is 0.
+    let noise = (1.0 - ratio).hypot(ratio);
+    of_two_sets(class, noise, age_days.abs() * (1.0 - ratio), 0.0)
+}
