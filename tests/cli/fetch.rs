@@ -206,6 +206,39 @@ fn a_newer_file_replaces_the_old_one() {
     assert_eq!(cache.record()["fetched_utc"], NOON);
 }
 
+/// Files of earlier days are kept in a folder, the newest one and the first one of each block of four days.
+#[test]
+fn older_files_are_kept_by_date() {
+    let cache = Cache::new();
+    let folder = cache.folder().join(format!("{NAME}.days"));
+    let names = || -> Vec<String> {
+        let mut names: Vec<String> = std::fs::read_dir(&folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    for day in ["2024-08-02", "2024-08-03", "2024-08-06", "2024-08-14"] {
+        let server = Server::one(ok(elements("sample.csv"), ""));
+        let (code, stdout, stderr) = cache.run(&server.url, &format!("{day}T12:00:00Z"), &["--with-older"]);
+        assert_eq!((code, stdout.trim_end()), (0, folder.display().to_string().as_str()), "{stderr}");
+        assert!(names().contains(&format!("{day}.csv")), "{day}: {:?}", names());
+    }
+    // 3 August is in the same block of four days as 2 August.
+    assert_eq!(names(), ["2024-08-02.csv", "2024-08-06.csv", "2024-08-14.csv"]);
+    // Without the flag, the path of the file is printed, and the folder is kept as well.
+    let server = Server::one(ok(elements("sample.csv"), ""));
+    let (_, stdout, _) = cache.run(&server.url, "2024-08-20T12:00:00Z", &[]);
+    assert_eq!(stdout.trim_end(), cache.file().display().to_string());
+    assert_eq!(names(), ["2024-08-06.csv", "2024-08-14.csv", "2024-08-20.csv"]);
+    // A file from a cache of an earlier version is added without a request.
+    std::fs::remove_dir_all(&folder).unwrap();
+    let server = Server::new(Vec::new());
+    let (code, _, stderr) = cache.run(&server.url, "2024-08-20T12:30:00Z", &["--with-older"]);
+    assert_eq!((code, names()), (0, vec!["2024-08-20.csv".to_owned()]), "{stderr}");
+}
+
 /// After each kind of failure, the valid file is kept, the sidecar contains the reason, and the next request must wait.
 #[test]
 fn no_failure_replaces_a_valid_file() {

@@ -33,6 +33,8 @@ pub struct CelestrakArguments {
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
     pub elements_format: ElementsFormat,
     #[command(flatten)]
+    pub days: DaysArguments,
+    #[command(flatten)]
     pub checks: RecordCheckArguments,
     #[command(flatten)]
     pub common: CommonFetchArguments,
@@ -46,6 +48,8 @@ pub struct SupgpArguments {
     /// Format of the elements
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
     pub elements_format: ElementsFormat,
+    #[command(flatten)]
+    pub days: DaysArguments,
     #[command(flatten)]
     pub checks: RecordCheckArguments,
     #[command(flatten)]
@@ -63,6 +67,8 @@ pub struct SpaceTrackArguments {
     /// Environment variable with the password, instead of --credentials
     #[arg(long, value_name = "NAME", requires = "identity_env")]
     pub password_env: Option<String>,
+    #[command(flatten)]
+    pub days: DaysArguments,
     #[command(flatten)]
     pub checks: RecordCheckArguments,
     #[command(flatten)]
@@ -93,6 +99,15 @@ pub struct StarlinkEphemeridesArguments {
     pub max_satellites: usize,
     #[command(flatten)]
     pub common: CommonFetchArguments,
+}
+
+/// Files of earlier days.
+#[derive(Args)]
+pub struct DaysArguments {
+    /// Print the folder with the element sets of earlier days too (newest, and about 3, 7, 11 and 15 days old), which
+    /// make the positions of Starlinks more accurate
+    #[arg(long)]
+    pub with_older: bool,
 }
 
 /// Checks against the previous file of the same source.

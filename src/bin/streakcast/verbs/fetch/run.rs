@@ -6,10 +6,13 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::anyhow;
+use hifitime::Epoch;
+use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
 
 use super::arguments::{FetchArguments, FetchSource};
 use super::common::{folder_of, lock, now_of, options};
+use super::days::{folder_of_days, keep};
 use super::ephemerides;
 use super::request::{Credentials, Response, Validators, send};
 use super::sources::Source;
@@ -38,7 +41,8 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let mut record = before.clone().unwrap_or_default();
     let is_cached = is_intact(&file, &record);
     if let Some(left_s) = record.wait_left_s(now, source.wait_s) {
-        return use_cached(&file, &record, &source, is_cached, left_s, &notices);
+        check_cached(&file, &record, &source, is_cached, left_s, &notices)?;
+        return print_path(&file, &record, typed.source.with_older(), now);
     }
     let credentials = match &typed.source {
         FetchSource::SpaceTrack(typed) => Some(Credentials::of(typed, &notices)?),
@@ -66,7 +70,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
             record.stamp(now, source.wait_s, "304 Not Modified");
             record.write(&file)?;
             notices.info(&format!("{} has no newer data", source.name));
-            return print_path(&file);
+            return print_path(&file, &record, typed.source.with_older(), now);
         }
         Response::Data { bytes, validators } => {
             match verify(&source.file, &bytes, record.records, typed.source.accepts_fewer()) {
@@ -94,7 +98,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
                         format_utc(read.first_epoch, 0),
                         format_utc(read.last_epoch, 0)
                     ));
-                    return print_path(&file);
+                    return print_path(&file, &record, typed.source.with_older(), now);
                 }
                 Err(error) => (error.to_string(), None),
             }
@@ -124,15 +128,15 @@ fn is_intact(file: &Path, record: &FetchRecord) -> bool {
     verify("", &bytes, None, true).is_ok_and(|source| Some(source.sha256) == record.sha256)
 }
 
-/// Prints the path of the cached file if no new request is allowed yet.
-fn use_cached(
+/// Checks that the cached file can be used if no new request is allowed yet.
+fn check_cached(
     file: &Path,
     record: &FetchRecord,
     source: &Source,
     is_cached: bool,
     left_s: f64,
     notices: &Notices,
-) -> anyhow::Result<Outcome> {
+) -> anyhow::Result<()> {
     let time = record.asked_utc.as_deref().unwrap_or_default();
     let answer = record.answer.as_deref().unwrap_or_default();
     let rest = format!(
@@ -153,12 +157,20 @@ fn use_cached(
     } else {
         notices.warn(&[format!("{rest}; using the cached file of {fetched}")]);
     }
-    print_path(file)
+    Ok(())
 }
 
-/// Prints only the path on standard output, for use as `--elements "$(streakcast fetch ...)"`.
-fn print_path(file: &Path) -> anyhow::Result<Outcome> {
+/// Prints only the path on standard output, for use as `--elements "$(streakcast fetch ...)"`: that of the cached file,
+/// or of the folder with those of earlier days. The cached file is added to the folder if it is not in it yet.
+fn print_path(file: &Path, record: &FetchRecord, with_older: Option<bool>, now: Epoch) -> anyhow::Result<Outcome> {
+    if with_older.is_some() {
+        let fetched = record.fetched_utc.as_deref().and_then(|text| parse_moment(text, None).ok()).unwrap_or(now);
+        let bytes =
+            streakcast::input::read(file).map_err(|error| anyhow!("cannot read {}: {error}", file.display()))?;
+        keep(file, &bytes, fetched)?;
+    }
+    let path = if with_older == Some(true) { folder_of_days(file) } else { file.to_owned() };
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}", file.display()).map_err(|error| cannot_print("the path of the file", error))?;
+    writeln!(out, "{}", path.display()).map_err(|error| cannot_print("the path of the file", error))?;
     Ok(Outcome::Done)
 }

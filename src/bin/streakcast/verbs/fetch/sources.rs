@@ -56,6 +56,16 @@ impl FetchSource {
         }
     }
 
+    /// Returns whether the folder with the element sets of several days is printed; `None` if the source has none.
+    pub fn with_older(&self) -> Option<bool> {
+        match self {
+            FetchSource::Celestrak(typed) => Some(typed.days.with_older),
+            FetchSource::Supgp(typed) => Some(typed.days.with_older),
+            FetchSource::SpaceTrack(typed) => Some(typed.days.with_older),
+            FetchSource::Satchecker(_) | FetchSource::StarlinkEphemerides(_) => None,
+        }
+    }
+
     pub fn source(&self) -> anyhow::Result<Source> {
         let base = |default: &str| {
             let base = self.common().base_url.as_deref().unwrap_or(default);
