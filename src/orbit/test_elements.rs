@@ -21,6 +21,7 @@ pub(super) fn starlink(name: &str, mean_motion_rev_day: f64, half_derivative_rev
         mean_motion_dot_rev_day2: half_derivative_rev_day2,
         mean_motion_ddot_rev_day3: 0.0,
         revolution_at_epoch: 0,
+        decayed: None,
         origin: Origin::Published,
     }
 }

@@ -444,7 +444,7 @@ mod tests {
             assert!(known.windows(2).all(|pair| pair[0] || !pair[1]), "{class:?}");
             assert_eq!(class.is_known(-30.0), class.is_known(30.0));
         }
-        let starlink = OrbitClass::new(OrbitKind::StationKeeping(StationKeeping::Starlink), 15.3, 2e-5);
+        let starlink = OrbitClass::new(OrbitKind::Starlink(StarlinkClass::Station, MeanMotion::OneSet), 15.3, 2e-5);
         assert!(starlink.is_known(21.0) && !starlink.is_known(21.1));
         // 0.0019 t² s: hundreds of seconds after a year without drag.
         let high = OrbitClass::new(OrbitKind::LowEarth, 12.6, 0.0);

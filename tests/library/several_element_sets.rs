@@ -33,6 +33,7 @@ fn set(name: &str, days: f64, noise: f64) -> ElementSet {
         mean_motion_dot_rev_day2: 1e-5,
         mean_motion_ddot_rev_day3: 0.0,
         revolution_at_epoch: 0,
+        decayed: None,
         origin: Origin::Published,
     };
     let mut moved =
