@@ -184,7 +184,11 @@ fn invalid_element_files() {
     let folder = tempfile::tempdir().unwrap();
     let elements = |path: &str, parts: &[&str]| fails(&[POINTING, SITE, &["--elements", path]], parts);
     elements(&file(&folder, "empty.tle", b""), &["empty.tle", "is empty"]);
-    elements(&folder.path().display().to_string(), &["is a directory"]);
+    // Folders are read: all files in them, but not subfolders.
+    elements(&folder.path().display().to_string(), &["empty.tle is empty"]);
+    let inner = folder.path().join("inner");
+    std::fs::create_dir_all(inner.join("of_other_days")).unwrap();
+    elements(&inner.display().to_string(), &["inner contains no files; allowed: files of element sets"]);
     elements("/nowhere/at/all.tle", &["/nowhere/at/all.tle"]);
     elements(&file(&folder, "noise.tle", b"this is not\nan element set\n"), &["noise.tle", "TLE"]);
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());

@@ -31,7 +31,7 @@ fn measured(data: &Path, frame: &str, elements: &str, more: &[&str]) -> Vec<Valu
 fn valid_starlink_1102_is_measured_where_it_was_seen() {
     const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";
     /// Distance of the streak from the track, by hand (tests/images/streak_real.rs), and its error, arcsec.
-    const BESIDE_ARCSEC: f64 = 30.0;
+    const BESIDE_ARCSEC: f64 = 27.4;
     const BESIDE_ERROR_ARCSEC: f64 = 0.6;
     const SUM_MAG: f64 = 5.48;
     /// The bound was set before the first measurement.
@@ -73,7 +73,10 @@ fn valid_a_wide_streak_of_hyper_suprime_cam_is_found() {
     const SUM_COUNTS_S: f64 = 2.47e8;
     const SUM_ERROR: f64 = 0.2;
     let Some(data) = crate::common::data_dir() else { return };
-    let options = ["--accept-bad-checksums", "--gain", "3.2"];
+    // The streak is wider than the template, and with some predicted tracks its middle is masked as a star
+    // (docs/explanation/measuring.md). This position of the observatory gives one of the others.
+    let site = ["--lat", "19.8255", "--lon", "-155.4765", "--height", "4163"];
+    let options = [&["--accept-bad-checksums", "--gain", "3.2"][..], &site].concat();
     let frame = "frames/trailblazer/cutout_HSCA21787010.fits";
     let rows = measured(&data, frame, "tle/fullcat/tle_2020-05-17.txt", &options);
     println!("{rows:?}");
