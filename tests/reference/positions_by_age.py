@@ -97,7 +97,11 @@ def predicted(numbers, days, drag, times):
     # Angles and distances with all digits are in the table as CSV.
     command = [BINARY, "ephemeris", "--quiet", "--format", "csv", "--mpc", "X05", "--drag", drag, "--times", *times]
     command += ["--elements", *(path(day) for day in days), "--norad", *map(str, sorted(numbers))]
-    text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    run = subprocess.run(command, capture_output=True, text=True)
+    # 1: none of the satellites can be propagated.
+    if run.returncode not in (0, 1):
+        raise SystemExit(run.stderr)
+    text = run.stdout
     found = defaultdict(list)
     for row in csv.DictReader(line for line in text.splitlines() if not line.startswith("#")):
         ra, dec, distance = np.radians(float(row["ra_deg"])), np.radians(float(row["dec_deg"])), float(row["range_km"])
