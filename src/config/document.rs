@@ -95,6 +95,10 @@ pub struct Config {
     /// Telescope: atlas, decam, pan-starrs, rubin, small, vst, ztf, or a TOML file
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", help_heading = "Camera"))]
     pub telescope: Option<TelescopeChoice>,
+    /// Share of an exposure that is lost to a bright streak across the whole field, 0 to 100; that of the telescope, 0.08
+    /// by default, if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", help_heading = "Camera"))]
+    pub bright_share: Option<f64>,
     /// Band, magnitude system and light sources.
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Camera"))]
@@ -270,9 +274,9 @@ const MAX_THREADS: usize = 1024;
 impl Config {
     /// Accepted keys of a configuration file, except for the tables of verbs.
     #[rustfmt::skip]
-    pub const KEYS: [&'static str; 45] = [
+    pub const KEYS: [&'static str; 46] = [
         "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "measured", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
-        "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
+        "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "bright_share", "band",
         "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
         "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
         "include_dark", "samples", "format",
@@ -451,6 +455,7 @@ impl Config {
             [site, observer_elements, observer_norad, limb_height_km];
             [fov, field] unless telescope;
             [telescope];
+            [bright_share] unless telescope;
             [rotation];
             [light.band];
             [light.mag_system];

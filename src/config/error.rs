@@ -126,17 +126,6 @@ pub enum ConfigError {
         /// Height of the limb, km.
         height_km: f64,
     },
-    /// The policy refers to limits that are missing in the telescope file.
-    #[error(
-        "the policy has {key} = \"telescope\", but the file of {telescope} has no such limit in any band; \
-         allowed: numbers in the policy, or a telescope with [limits.g] and so on in its file"
-    )]
-    NoCameraLimit {
-        /// Key of the policy.
-        key: &'static str,
-        /// Name of the telescope.
-        telescope: String,
-    },
     /// The orbit of the telescope is invalid.
     #[error("observer: {0}")]
     Observer(OrbitError),

@@ -101,11 +101,20 @@ impl Config {
         }
     }
 
-    /// Returns the telescope; `None` if none is given.
+    /// Returns the telescope, with the given `bright_share`; `None` if none is given.
     ///
     /// # Errors
-    /// The name is unknown, or the file is invalid.
+    /// The name is unknown, the file is invalid, or `bright_share` is out of range or given without a telescope.
     pub fn telescope(&self) -> Result<Option<Telescope>, ConfigError> {
+        let telescope = self.own_telescope()?;
+        let Some(bright_share) = self.bright_share else { return Ok(telescope) };
+        in_range("bright-share", bright_share, "", "0 to 100", |share| (0.0..=100.0).contains(&share))?;
+        let what = "telescope for bright-share";
+        let telescope = telescope.ok_or(ConfigError::Missing { what, allowed: "--telescope NAME" })?;
+        Ok(Some(Telescope { bright_share, ..telescope }))
+    }
+
+    fn own_telescope(&self) -> Result<Option<Telescope>, ConfigError> {
         Ok(match &self.telescope {
             None => None,
             Some(NameOrTable::Name(name)) if is_file_name(name) => {
@@ -137,17 +146,9 @@ impl Config {
             policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
         }
         policy.validate().map_err(ConfigError::Policy)?;
-        if policy.max_lost_fraction.is_some() && self.telescope()?.is_none() {
-            let what = "telescope for max_lost_fraction of the policy";
+        if policy.max_cost_s.is_some() && self.telescope()?.is_none() {
+            let what = "telescope for max_cost_s of the policy";
             return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
-        }
-        if policy.limit_of_telescope().is_some() {
-            let what = "telescope for the limits of the policy (saturation_mag or crosstalk_mag = \"telescope\")";
-            let telescope = self.telescope()?.ok_or(ConfigError::Missing { what, allowed: "--telescope NAME" })?;
-            let mut limits = policy.limits_of_telescope(&telescope).into_iter();
-            if let Some((key, _)) = limits.find(|(_, limit)| limit.numbers().is_empty()) {
-                return Err(ConfigError::NoCameraLimit { key, telescope: telescope.name });
-            }
         }
         Ok(policy)
     }
@@ -394,9 +395,20 @@ mod tests {
             (Some(6.0), Some(3.0), Some(120.0))
         );
         assert!(message(config("min_probability = 2").policy()).contains("min-probability is 2; allowed: "));
-        let camera = "[policy]\ncrosstalk_mag = 'telescope'";
-        assert!(message(config(camera).policy()).contains("missing telescope for the limits"));
-        assert!(config(&format!("telescope = 'rubin'\n{camera}")).policy().is_ok());
+        let cost = "[policy]\nmax_cost_s = 1";
+        assert!(message(config(cost).policy()).contains("missing telescope for max_cost_s"));
+        assert!(config(&format!("telescope = 'rubin'\n{cost}")).policy().is_ok());
+    }
+
+    #[test]
+    fn a_bright_share_replaces_that_of_the_telescope() {
+        let share = |text: &str| config(text).telescope().map(|telescope| telescope.unwrap().bright_share);
+        assert_eq!(share("telescope = 'rubin'").unwrap(), 0.08);
+        assert_eq!(share("telescope = 'rubin'\nbright_share = 0.3").unwrap(), 0.3);
+        assert!(
+            message(share("telescope = 'rubin'\nbright_share = -1")).contains("bright-share is -1; allowed: 0 to 100")
+        );
+        assert!(message(config("bright_share = 0.3").telescope()).contains("missing telescope for bright-share"));
     }
 
     #[test]

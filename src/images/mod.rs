@@ -8,10 +8,12 @@ mod exposure;
 mod fits;
 mod header;
 mod light_area;
+mod magnitude_limit;
 mod patch;
 mod pixels;
 #[cfg(feature = "plot")]
 mod preview;
+mod streak_cost;
 mod telescope;
 mod telescope_streak;
 mod wcs;
@@ -32,12 +34,14 @@ pub use fits::{
 };
 pub use header::Header;
 pub use light_area::LightArea;
+pub use magnitude_limit::MagnitudeLimit;
 pub use patch::{Patch, PatchRows, PatchSpan};
 pub use pixels::{PixelPosition, Plane};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, preview_png};
+pub use streak_cost::{PossibleStreak, StreakCost};
 pub use telescope::{
-    ARCSEC_PER_RAD, BandLimits, FieldOfView, Telescope, effective_magnitude, expected_lost_pixel_fraction,
-    satcon1_limit_mag, surface_brightness_mag_arcsec2, time_on_pixel_s,
+    ARCSEC_PER_RAD, FieldOfView, Telescope, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
+    surface_brightness_mag_arcsec2, time_on_pixel_s,
 };
 pub use wcs::Wcs;

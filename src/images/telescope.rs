@@ -1,14 +1,14 @@
-//! Telescopes by name and from TOML files: aperture, seeing, pixels, field of view, and limits of the detector.
+//! Telescopes by name and from TOML files: aperture, seeing, pixels, field of view, and losses to bright
+//! streaks.
 //!
 //! A satellite is so near that it is out of focus: the image of a point is a ring with the shape of the mirror. Widths
 //! of streaks follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles are in arcseconds
 //! and degrees, as in the TOML files.
 
-use std::collections::BTreeMap;
-
 use serde::{Deserialize, Serialize};
 
 use super::error::ImagesError;
+use super::magnitude_limit::MagnitudeLimit;
 pub use super::telescope_streak::{
     ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
     surface_brightness_mag_arcsec2, time_on_pixel_s,
@@ -35,14 +35,24 @@ pub struct Telescope {
     pub pixel_scale_arcsec: f64,
     /// Default field of view.
     pub field: FieldOfView,
-    /// Width of a mask as a multiple of the width of the streak. A factor of two contains 98 % of the light of a streak
-    /// with a Gaussian profile.
+    /// Width of a mask as a multiple of the width of the streak; not used if `mask_arcsec` is given. A factor of two
+    /// contains 98 % of the light of a streak with a Gaussian profile.
     #[serde(default = "default_mask_widths")]
     pub mask_widths: f64,
-    /// Magnitude limits of the detector, by band name. They affect verdicts only if a policy has the limit
-    /// `"telescope"`.
-    #[serde(default)]
-    pub limits: BTreeMap<String, BandLimits>,
+    /// Width of a mask that is the same for all streaks, arcsec.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mask_arcsec: Option<f64>,
+    /// Share of an exposure that is lost to a bright streak across the whole field; 0.08 if omitted. Values above 1 are
+    /// for observers who avoid bright streaks at a higher price than the exposure.
+    ///
+    /// The default is that of 15 lost CCDs of 189 (Hu et al. 2022, ApJL 941, L15, section 2).
+    #[serde(default = "default_bright_share")]
+    pub bright_share: f64,
+    /// Magnitude of a satellite 550 km overhead, without motion, above which its streak is bright: signals on the rest
+    /// of the detector cannot be corrected. The default, also for bands that are not in a table, is 7 (Tyson et al.
+    /// 2020).
+    #[serde(default = "default_bright_mag")]
+    pub bright_mag: MagnitudeLimit,
     /// Source of these numbers.
     pub source: String,
 }
@@ -52,16 +62,16 @@ fn default_mask_widths() -> f64 {
     2.0
 }
 
-/// Magnitude limits for streaks, stated as the magnitude that a satellite 550 km overhead would have without motion.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct BandLimits {
-    /// A moving satellite brighter than this magnitude saturates the pixels of its streak.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub trail_saturation_mag: Option<f64>,
-    /// A moving satellite brighter than this magnitude causes crosstalk that cannot be corrected.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub crosstalk_mag: Option<f64>,
+/// Returns the default share of an exposure that is lost to a bright streak.
+fn default_bright_share() -> f64 {
+    0.08
+}
+
+/// Magnitude of bright streaks in bands without a value.
+const DEFAULT_BRIGHT_MAG: f64 = 7.0;
+
+fn default_bright_mag() -> MagnitudeLimit {
+    MagnitudeLimit::All(DEFAULT_BRIGHT_MAG)
 }
 
 /// Part of the sky covered by an exposure, on the tangent plane. The x axis points east, the y axis north; degrees.
@@ -125,7 +135,17 @@ impl Telescope {
     /// Returns the fraction of a field's pixels that are lost by masking one streak; see
     /// [`expected_lost_pixel_fraction`].
     pub fn lost_pixel_fraction(&self, streak_length_deg: f64, width_arcsec: f64, field_area_deg2: f64) -> f64 {
-        expected_lost_pixel_fraction(streak_length_deg, self.mask_widths * width_arcsec, field_area_deg2)
+        expected_lost_pixel_fraction(streak_length_deg, self.mask_width_arcsec(width_arcsec), field_area_deg2)
+    }
+
+    /// Returns the width of the mask of a streak of the width `width_arcsec`, arcsec.
+    pub fn mask_width_arcsec(&self, width_arcsec: f64) -> f64 {
+        self.mask_arcsec.unwrap_or(self.mask_widths * width_arcsec)
+    }
+
+    /// Returns the magnitude of bright streaks in a band, for a satellite 550 km overhead without motion.
+    pub fn bright_mag_in(&self, band: Option<&str>) -> f64 {
+        self.bright_mag.of(band).unwrap_or(DEFAULT_BRIGHT_MAG)
     }
 }
 
@@ -137,7 +157,7 @@ macro_rules! presets {
 }
 presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
 
-/// Names of the bands for which limits can be given. They are listed here so that this module does not depend on
+/// Names of the bands for which magnitudes of bright streaks can be given. They are listed here so that this module does not depend on
 /// photometry.
 const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
 
@@ -198,16 +218,14 @@ impl Telescope {
                 corners.iter().flatten().try_for_each(|&value| range("field.polygon_deg", value, -85.0, 85.0))?
             }
         }
-        for (band, limits) in &self.limits {
-            if !BANDS.contains(&band.as_str()) {
-                let what = format!("telescope file {origin}: band of a limit");
-                return Err(ImagesError::invalid(what, format!("{band:?}"), BANDS.join(", ")));
-            }
-            for (key, limit) in
-                [("trail_saturation_mag", limits.trail_saturation_mag), ("crosstalk_mag", limits.crosstalk_mag)]
-            {
-                limit.map_or(Ok(()), |mag| range(&format!("limits.{band}.{key}"), mag, -10.0, 30.0))?;
-            }
+        self.mask_arcsec.map_or(Ok(()), |width| range("mask_arcsec", width, 0.001, 3600.0))?;
+        range("bright_share", self.bright_share, 0.0, 100.0)?;
+        self.bright_mag.numbers().into_iter().try_for_each(|mag| range("bright_mag", mag, -10.0, 30.0))?;
+        if let MagnitudeLimit::PerBand(magnitudes) = &self.bright_mag
+            && let Some(band) = magnitudes.keys().find(|band| *band != "default" && !BANDS.contains(&band.as_str()))
+        {
+            let what = format!("telescope file {origin}: band of bright_mag");
+            return Err(ImagesError::invalid(what, format!("{band:?}"), format!("{}, default", BANDS.join(", "))));
         }
         Ok(())
     }
@@ -227,8 +245,8 @@ pixel_scale_arcsec = 0.5
 field = { polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }
 source = "measured"
 
-[limits.V]
-trail_saturation_mag = 4.0
+[bright_mag]
+V = 6.0
 "#;
 
     #[test]
@@ -254,7 +272,18 @@ trail_saturation_mag = 4.0
     fn verif_a_telescope_file_is_read_and_its_ranges_are_checked() {
         let own = Telescope::from_toml(OWN, "mine.toml").unwrap();
         assert!((own.field.area_deg2() - 4.0).abs() < 1e-12);
-        assert_eq!(own.limits["V"].trail_saturation_mag, Some(4.0));
+        assert_eq!([Some("V"), Some("g"), None].map(|band| own.bright_mag_in(band)), [6.0, 7.0, 7.0]);
+        assert_eq!((own.bright_share, own.mask_width_arcsec(3.0)), (0.08, 6.0));
+        let with = |key: &str| Telescope::from_toml(&format!("{key}\n{OWN}"), "mine.toml");
+        assert_eq!(with("mask_arcsec = 60").unwrap().mask_width_arcsec(3.0), 60.0);
+        for (key, words) in [
+            ("mask_arcsec = 0", "mask_arcsec is 0"),
+            ("bright_share = -0.1", "bright_share is -0.1; allowed: 0 to 100"),
+            ("bright_share = nan", "bright_share is NaN"),
+        ] {
+            let error = with(key).unwrap_err().to_string();
+            assert!(error.contains(words), "{error}");
+        }
         for (from, to, words) in [
             ("outer_radius_m = 0.5", "outer_radius_m = -0.5", &["outer_radius_m is -0.5", "0.001 to 100"][..]),
             ("inner_radius_m = 0.2", "inner_radius_m = 0.6", &["inner_radius_m is 0.6", "0 to 0.5"]),
@@ -263,8 +292,10 @@ trail_saturation_mag = 4.0
             ("seeing_arcsec = 1.5", "", &["missing field `seeing_arcsec`"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "circle_deg = 0", &["field.circle_deg is 0"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "polygon_deg = [[0, 0]]", &["corners", "3 to"]),
-            ("[limits.V]", "[limits.W]", &["band of a limit is \"W\"", "B, V, R, I, u, g, r, i, z, y, G"]),
-            ("trail_saturation_mag = 4.0", "trail_saturation_mag = 99.0", &["limits.V.trail_saturation_mag is 99"]),
+            ("V = 6.0", "W = 6.0", &["band of bright_mag is \"W\"", "B, V, R, I, u, g, r, i, z, y, G, default"]),
+            ("V = 6.0", "V = 99.0", &["bright_mag is 99"]),
+            ("[bright_mag]\nV = 6.0", "bright_mag = 'bright'", &["invalid magnitude limit"]),
+            ("[bright_mag]", "[limits.V]", &["unknown field `limits`"]),
         ] {
             let text = OWN.replace(from, to);
             assert_ne!(text, OWN);

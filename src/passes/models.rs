@@ -150,6 +150,11 @@ impl ModelChoice {
         self.by_generation.get(&generation).map(|model| &**model)
     }
 
+    /// Returns the prior for any object.
+    pub(super) fn prior(&self) -> Arc<BrightnessModel> {
+        self.unknown.clone()
+    }
+
     /// Returns true if the brightness of a satellite is unknown: it has no generation and no standard magnitude and is
     /// not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {

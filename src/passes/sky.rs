@@ -37,6 +37,8 @@ pub struct Sky {
     ephemerides: Arc<Vec<Arc<Ephemeris>>>,
     classes: Arc<Vec<OrbitClass>>,
     models: Arc<Vec<Arc<BrightnessModel>>>,
+    /// Prior for any satellite.
+    pub(super) prior: Arc<BrightnessModel>,
     /// Measured magnitudes, which correct those of their passes.
     pub(super) measured: Arc<MeasuredPasses>,
     viewpoint: Viewpoint,
@@ -94,6 +96,7 @@ impl Sky {
             ephemerides: Arc::default(),
             classes: Arc::new(classes),
             models: Arc::new(models),
+            prior: choice.prior(),
             measured: Arc::default(),
             viewpoint: viewpoint.into(),
             drag,

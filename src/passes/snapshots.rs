@@ -174,12 +174,22 @@ impl Sky {
         lit_fraction: f64,
         photometry: &PhotometryOptions,
     ) -> Option<Brightness> {
-        // No extinction for a telescope in orbit.
-        let extinction_mag_per_airmass =
-            photometry.extinction_mag_per_airmass.filter(|_| self.viewpoint().site().is_some());
-        let photometry = PhotometryOptions { extinction_mag_per_airmass, ..*photometry };
+        let photometry = self.photometry_here(photometry);
         let light = self.model(element_index).brightness(geometry, lit_fraction, &photometry)?;
         Some(if self.measured.is_empty() { light } else { self.measured.apply(element_index, epoch, geometry, light) })
+    }
+
+    /// Returns the apparent magnitude of a sunlit satellite of which only the geometry is known: that of the prior for
+    /// any satellite. `None` if extinction is applied and the satellite is on or below the observer's horizon.
+    pub fn prior_brightness(&self, geometry: &ViewingGeometry, photometry: &PhotometryOptions) -> Option<Brightness> {
+        self.prior.brightness(geometry, 1.0, &self.photometry_here(photometry))
+    }
+
+    /// Returns the options without extinction if the observer is a telescope in orbit.
+    fn photometry_here(&self, photometry: &PhotometryOptions) -> PhotometryOptions {
+        let extinction_mag_per_airmass =
+            photometry.extinction_mag_per_airmass.filter(|_| self.viewpoint().site().is_some());
+        PhotometryOptions { extinction_mag_per_airmass, ..*photometry }
     }
 
     fn snapshots_of(

@@ -1,4 +1,4 @@
-//! Policy for verdicts: magnitude limits, largest pixel loss, least probability, margin and longest delay.
+//! Policy for verdicts: magnitude limit, largest cost of streaks, least probability, margin and longest delay.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
@@ -6,32 +6,8 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::error::ScheduleError;
-use crate::images::Telescope;
+use crate::images::MagnitudeLimit;
 use crate::message::listed;
-
-/// Magnitude limit: one number for all bands, one number for each band, or the limits of the telescope file.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "invalid magnitude limit; allowed: a number, a table of numbers by band, or (saturation_mag, crosstalk_mag) \"telescope\""
-)]
-pub enum MagnitudeLimit {
-    /// One limit for all exposures.
-    All(f64),
-    /// Limits by the band of the exposure. The key `default` applies to all other bands.
-    PerBand(BTreeMap<String, f64>),
-    /// The limits of the telescope file, by the band of the exposure, written as the word `telescope`. Allowed only
-    /// for saturation and crosstalk.
-    OfTelescope(OfTelescope),
-}
-
-/// The word `telescope` as a value in TOML.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum OfTelescope {
-    /// The limits of the telescope file apply.
-    Telescope,
-}
 
 impl FromStr for MagnitudeLimit {
     type Err = ScheduleError;
@@ -54,29 +30,6 @@ impl FromStr for MagnitudeLimit {
             }
         }
         Ok(MagnitudeLimit::PerBand(limits))
-    }
-}
-
-impl MagnitudeLimit {
-    /// Returns the limit for an exposure in this band. Returns `None` if the table has neither the band nor `default`,
-    /// and for the limits of the telescope file.
-    pub fn of(&self, band: Option<&str>) -> Option<f64> {
-        match self {
-            MagnitudeLimit::All(limit) => Some(*limit),
-            MagnitudeLimit::PerBand(limits) => {
-                band.and_then(|band| limits.get(band)).or_else(|| limits.get("default")).copied()
-            }
-            MagnitudeLimit::OfTelescope(_) => None,
-        }
-    }
-
-    /// Returns all numbers of the limit; empty for the limits of the telescope file.
-    pub(crate) fn numbers(&self) -> Vec<f64> {
-        match self {
-            MagnitudeLimit::All(limit) => vec![*limit],
-            MagnitudeLimit::PerBand(limits) => limits.values().copied().collect(),
-            MagnitudeLimit::OfTelescope(_) => Vec::new(),
-        }
     }
 }
 
@@ -114,44 +67,20 @@ impl FromStr for Blocking {
     }
 }
 
-/// Effect on the camera if a magnitude limit is exceeded.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(super) enum LimitKind {
-    /// Pixels of the streak saturate.
-    Saturation,
-    /// Crosstalk is too strong to be corrected.
-    Crosstalk,
-}
-
-impl LimitKind {
-    /// Returns this limit from a telescope file; `None` if it has none for the band.
-    pub(super) fn limit_mag(self, telescope: &Telescope, band: &str) -> Option<f64> {
-        let limits = telescope.limits.get(band)?;
-        match self {
-            LimitKind::Saturation => limits.trail_saturation_mag,
-            LimitKind::Crosstalk => limits.crosstalk_mag,
-        }
-    }
-}
-
 /// Rules for verdicts. An omitted rule is not applied; the default policy has no rules.
 ///
 /// Magnitude limits are compared with the brightest apparent magnitude in the field, in the band of the prediction.
 /// Positions and magnitudes have errors, so the verdict is `avoid` if the probability that a satellite crosses and is
 /// brighter than a limit is at least `min_probability`. In a table of limits by band, the band of the *exposure*
-/// selects the limit. The word `telescope` as saturation or crosstalk limit stands for the limits of the telescope
-/// file.
+/// selects the limit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
     /// Magnitude limit; the verdict is `avoid` if a lit crossing is brighter.
     pub limit_mag: Option<MagnitudeLimit>,
-    /// Largest expected fraction of pixels lost, (0, 1]; the verdict is `avoid` above it.
-    pub max_lost_fraction: Option<f64>,
-    /// Saturation limit, magnitudes; the verdict is `avoid` if a lit crossing is brighter.
-    pub saturation_mag: Option<MagnitudeLimit>,
-    /// Limit of correctable crosstalk, magnitudes; the verdict is `avoid` if a lit crossing is brighter.
-    pub crosstalk_mag: Option<MagnitudeLimit>,
+    /// Largest cost of streaks (`streak_cost_s`), seconds of open shutter; the verdict is `avoid` above it. It requires
+    /// a telescope.
+    pub max_cost_s: Option<f64>,
     /// Least probability of a crossing brighter than a limit for the verdict `avoid`, and least crossing probability of
     /// a near miss that counts. If omitted, the first is 0.5 and near misses do not count.
     pub min_probability: Option<f64>,
@@ -192,21 +121,18 @@ impl Policy {
     /// # Errors
     /// A number is out of range.
     pub fn validate(&self) -> Result<(), ScheduleError> {
-        if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
-            let what = "limit_mag is \"telescope\"; allowed: a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
-            return Err(ScheduleError::PolicySyntax(what.to_owned()));
-        }
-        for (field, limit) in self.magnitude_limits() {
-            for value in limit.numbers() {
-                if !(-30.0..=40.0).contains(&value) {
-                    return Err(ScheduleError::PolicyOutOfRange { field, value, allowed: "-30 to 40 mag" });
-                }
+        for value in self.limit_mag.iter().flat_map(MagnitudeLimit::numbers) {
+            if !(-30.0..=40.0).contains(&value) {
+                return Err(ScheduleError::PolicyOutOfRange { field: "limit_mag", value, allowed: "-30 to 40 mag" });
             }
         }
-        let fractions = [("max_lost_fraction", self.max_lost_fraction), ("min_probability", self.min_probability)];
-        for (field, value) in fractions {
-            if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= 1.0)) {
-                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed: "above 0, at most 1" });
+        let positive = [
+            ("max_cost_s", self.max_cost_s, 86_400.0, "above 0, at most 86400 s"),
+            ("min_probability", self.min_probability, 1.0, "above 0, at most 1"),
+        ];
+        for (field, value, most, allowed) in positive {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= most)) {
+                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed });
             }
         }
         let times = [("margin_s", self.margin_s, 3600.0), ("max_delay_s", self.max_delay_s, Self::LONGEST_DELAY_S)];
@@ -219,75 +145,19 @@ impl Policy {
         Ok(())
     }
 
-    /// Returns the key of the first limit that is taken from the telescope file; `None` if there is none.
-    pub fn limit_of_telescope(&self) -> Option<&'static str> {
-        self.kinds_of_telescope().next().map(|(name, _)| name)
+    /// Returns the magnitude limit for exposures in this band; `None` if none applies.
+    pub fn limit_mag_in(&self, band: Option<&str>) -> Option<f64> {
+        self.limit_mag.as_ref().and_then(|limit| limit.of(band))
     }
 
-    /// Returns the keys of the limits that are taken from the telescope file, each with the limits by band. A table is
-    /// empty if the file has no limits of that kind.
-    pub fn limits_of_telescope(&self, telescope: &Telescope) -> Vec<(&'static str, MagnitudeLimit)> {
-        let limits = telescope.limits.keys();
-        self.kinds_of_telescope()
-            .map(|(name, kind)| {
-                let numbers = limits.clone().filter_map(|band| Some((band.clone(), kind.limit_mag(telescope, band)?)));
-                (name, MagnitudeLimit::PerBand(numbers.collect()))
-            })
-            .collect()
-    }
-
-    fn kinds_of_telescope(&self) -> impl Iterator<Item = (&'static str, LimitKind)> {
-        let limits = [
-            ("saturation_mag", LimitKind::Saturation, &self.saturation_mag),
-            ("crosstalk_mag", LimitKind::Crosstalk, &self.crosstalk_mag),
-        ];
-        limits
-            .into_iter()
-            .filter(|(.., limit)| matches!(limit, Some(MagnitudeLimit::OfTelescope(_))))
-            .map(|(name, kind, _)| (name, kind))
-    }
-
-    /// Returns true if the policy has any magnitude limit.
-    pub fn has_magnitude_limit(&self) -> bool {
-        self.magnitude_limits().next().is_some()
-    }
-
-    /// Magnitude limits by key.
-    fn magnitude_limits(&self) -> impl Iterator<Item = (&'static str, &MagnitudeLimit)> {
-        [
-            ("limit_mag", &self.limit_mag),
-            ("saturation_mag", &self.saturation_mag),
-            ("crosstalk_mag", &self.crosstalk_mag),
-        ]
-        .into_iter()
-        .filter_map(|(name, limit)| Some((name, limit.as_ref()?)))
-    }
-
-    /// Returns true if a magnitude limit applies to exposures in this band.
-    pub fn limits_band(&self, band: Option<&str>, telescope: Option<&Telescope>) -> bool {
-        let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
-        let mut limits =
-            self.magnitude_limits().map(|(_, limit)| limit).chain(of_telescope.iter().map(|(_, limit)| limit));
-        limits.any(|limit| limit.of(band).is_some())
-    }
-
-    /// Returns a warning for each limit that has no value for some of the bands of the exposures. `None`
-    /// is the band of exposures without a band.
-    pub fn band_warnings(&self, bands: &BTreeSet<Option<&str>>, telescope: Option<&Telescope>) -> Vec<String> {
-        let warning = |name: &str, limit: &MagnitudeLimit, end: &str| {
-            let without: Vec<&str> =
-                bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
-            (!without.is_empty())
-                .then(|| format!("{name} of the policy has no value for band {}{end}", listed(without)))
-        };
-        let of_telescope = telescope.map(|telescope| self.limits_of_telescope(telescope)).unwrap_or_default();
-        self.magnitude_limits()
-            .filter(|(_, limit)| !matches!(limit, MagnitudeLimit::OfTelescope(_)))
-            .filter_map(|(name, limit)| warning(name, limit, " and no default"))
-            .chain(
-                of_telescope.iter().filter_map(|(name, limit)| warning(name, limit, " in the file of the telescope")),
-            )
-            .collect()
+    /// Returns a warning if the magnitude limit has no value for some of the bands of the exposures. `None` is the band
+    /// of exposures without a band.
+    pub fn band_warning(&self, bands: &BTreeSet<Option<&str>>) -> Option<String> {
+        let limit = self.limit_mag.as_ref()?;
+        let without: Vec<&str> =
+            bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
+        (!without.is_empty())
+            .then(|| format!("limit_mag of the policy has no value for band {} and no default", listed(without)))
     }
 
     /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.
@@ -314,14 +184,14 @@ mod tests {
     fn numbers_or_tables_by_band() {
         let policy = Policy::from_toml("limit_mag = 7\nmax_delay_s = 90.0\n").unwrap();
         assert_eq!(policy.limit_mag.unwrap().of(None), Some(7.0));
-        let policy =
-            Policy::from_toml("[limit_mag]\ng = 7.5\ny = 4\ndefault = 6\n[saturation_mag]\ng = 3.2\n").unwrap();
+        let policy = Policy::from_toml("[limit_mag]\ng = 7.5\ny = 4\ndefault = 6\n").unwrap();
         let limit = policy.limit_mag.unwrap();
         assert_eq!(
             (limit.of(Some("g")), limit.of(Some("y")), limit.of(Some("u")), limit.of(None)),
             (Some(7.5), Some(4.0), Some(6.0), Some(6.0))
         );
-        assert_eq!(policy.saturation_mag.unwrap().of(Some("u")), None);
+        let policy = Policy::from_toml("[limit_mag]\ng = 7.5\n").unwrap();
+        assert_eq!((policy.limit_mag_in(Some("u")), policy.limit_mag_in(Some("g"))), (None, Some(7.5)));
     }
 
     #[test]
@@ -341,16 +211,18 @@ mod tests {
         for (text, part) in [
             ("limit = 7", "line 1: unknown field `limit`"),
             ("limit_mag = 'bright'", "line 1"),
-            ("max_lost_fraction = 1.5", "max_lost_fraction is 1.5; allowed: above 0, at most 1"),
+            ("max_cost_s = 0", "max_cost_s is 0; allowed: above 0, at most 86400 s"),
+            ("max_cost_s = nan", "max_cost_s is NaN"),
+            ("max_lost_fraction = 0.1", "unknown field `max_lost_fraction`"),
+            ("saturation_mag = 4", "unknown field `saturation_mag`"),
             ("\nmin_probability = 0", "min_probability is 0; allowed"),
             ("margin_s = -1", "margin_s is -1"),
             ("max_delay_s = nan", "max_delay_s is NaN"),
             ("limit_mag = {g = inf}", "limit_mag is inf"),
             ("limit_mag = ", "line 1"),
-            ("limit_mag = 'telescope'", "only saturation_mag and crosstalk_mag"),
             (
-                "saturation_mag = 'camera'",
-                "line 1: invalid magnitude limit; allowed: a number, a table of numbers by band, or",
+                "limit_mag = 'telescope'",
+                "line 1: invalid magnitude limit; allowed: a number, or a table of numbers by band",
             ),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();

@@ -2,25 +2,22 @@
 
 use std::collections::HashMap;
 
-use hifitime::Epoch;
-
 use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
-use crate::images::{ARCSEC_PER_RAD, Telescope};
+use crate::images::Telescope;
 use crate::math::quantile::median;
 use crate::orbit::LeftOut;
-use crate::passes::{
-    CrossingProbability, Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint,
-};
-use crate::photometry::{Band, PhotometryOptions};
+use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint};
+use crate::photometry::PhotometryOptions;
 
 use super::horizon::{last_starts_s, lowest_altitudes_over};
-use super::policy::{Blocking, LimitKind, Policy};
+use super::policy::{Blocking, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
 use super::starts::{LATE_SIGMAS, reason_for_unknown_starts};
+use super::streak_costs::expected_of;
 use super::verdict::{Verdict, VerdictKind};
-use super::verdict_rules::{CameraLimits, ExpectedLoss, Light, Rules, blocks, is_counted, judge_exposure};
+use super::verdict_rules::{blocks, is_counted, judge_exposure};
 
 /// Smallest time between a clear exposure with its margins and the entry or exit of a satellite, seconds. Entries and
 /// exits are accurate to 1 ms.
@@ -38,7 +35,7 @@ pub struct FlagRequest<'a> {
     pub field: &'a Field,
     /// The policy.
     pub policy: &'a Policy,
-    /// The telescope; needed for pixel losses and limits of the camera.
+    /// The telescope; needed for pixel losses and the cost of streaks.
     pub telescope: Option<&'a Telescope>,
     /// Band, magnitude system and extinction of predicted magnitudes.
     pub photometry: &'a PhotometryOptions,
@@ -49,9 +46,7 @@ impl FlagRequest<'_> {
     /// brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if omitted). `None` if no
     /// limit applies to the band.
     pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>) -> Option<bool> {
-        let camera = Camera::of(self);
-        let rules = Rules { policy: self.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-        rules.has_limit(band).then(|| blocks(pass, band, Blocking::Avoid, &rules))
+        self.policy.limit_mag_in(band).map(|_| blocks(pass, band, Blocking::Avoid, self.policy))
     }
 }
 
@@ -166,18 +161,10 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
     let probabilities = request.sky.crossing_probabilities(&exposures, request.field)?;
 
-    let camera = Camera::of(request);
-    let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
         request.sky.watch().check()?;
         let band = rows[*row].band.as_deref();
-        let expected = if rules.has_limit(band) {
-            let brighter =
-                |one: &CrossingProbability| probability_brighter(one, exposure.start, &passes, band, &rules, request);
-            expected_of(&satellites, request, &brighter)
-        } else {
-            expected_of(&satellites, request, &|_| 1.0)
-        };
+        let expected = expected_of(&satellites, exposure, band, &passes, request);
         let may_cross: Vec<SatelliteAge> = satellites
             .iter()
             .map(|one| SatelliteAge {
@@ -186,7 +173,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
                 along_track_sigma_s: one.along_track_sigma_s,
             })
             .collect();
-        let flag = judge_exposure(exposure, band, &passes, &expected, &rules);
+        let flag = judge_exposure(exposure, band, &passes, &expected, request.policy);
         counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
         flags[*row] = Some(with_age(flag, &counted[*row], &may_cross, &request.sky.predictability(exposure.start)));
         report.may_cross.extend(may_cross);
@@ -280,81 +267,6 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-/// Returns the largest probability, over all limits, that a satellite is brighter than the limit. The brightness is
-/// that at the peak of its pass, or, for a near miss without a pass, that at the point of its track nearest to the
-/// field centre.
-fn probability_brighter(
-    one: &CrossingProbability,
-    epoch: Epoch,
-    passes: &[Pass],
-    band: Option<&str>,
-    rules: &Rules<'_>,
-    request: &FlagRequest<'_>,
-) -> f64 {
-    let of_pass = passes.iter().find(|pass| pass.element_index == one.element_index).and_then(Light::of);
-    if of_pass.is_some() {
-        return rules.probability_brighter(of_pass, band).unwrap_or(1.0);
-    }
-    let CrossingProbability { element_index, geometry, lit_fraction, angular_rate_rad_s, .. } = *one;
-    let brightness = request.sky.brightness_in(element_index, epoch, &geometry, lit_fraction, request.photometry);
-    let light = brightness.as_ref().map(|brightness| Light {
-        element_index,
-        range_km: geometry.range_km,
-        angular_rate_rad_s,
-        brightness,
-    });
-    rules.probability_brighter(light, band).unwrap_or(1.0)
-}
-
-/// Returns probabilities and expected loss of one exposure. `brighter` returns the probability that a satellite is
-/// brighter than a limit.
-fn expected_of(
-    satellites: &[CrossingProbability],
-    request: &FlagRequest<'_>,
-    brighter: &dyn Fn(&CrossingProbability) -> f64,
-) -> ExpectedLoss {
-    let Some(telescope) = request.telescope else { return ExpectedLoss::of(satellites, brighter, None) };
-    let lost_fraction = |one: &CrossingProbability| {
-        let width_arcsec = telescope.width_arcsec(one.geometry.range_km, request.sky.model(one.element_index).size_m());
-        telescope.lost_pixel_fraction(one.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
-    };
-    ExpectedLoss::of(satellites, brighter, Some(&lost_fraction))
-}
-
-/// Magnitude limits of a telescope, with the sky and the photometry options that determine the predicted magnitudes.
-pub(super) struct Camera<'a> {
-    pub telescope: &'a Telescope,
-    pub sky: &'a Sky,
-    pub photometry: &'a PhotometryOptions,
-}
-
-impl<'a> Camera<'a> {
-    /// Returns the camera of a request; `None` without a telescope.
-    pub fn of(request: &FlagRequest<'a>) -> Option<Self> {
-        let FlagRequest { sky, telescope, photometry, .. } = *request;
-        telescope.map(|telescope| Self { telescope, sky, photometry })
-    }
-}
-
-impl CameraLimits for Camera<'_> {
-    fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64> {
-        kind.limit_mag(self.telescope, band?)
-    }
-
-    fn equivalent_mag_at_550_km(&self, light: &Light<'_>, band: Option<&str>) -> f64 {
-        // Satellites are taken as grey, with the colour of the Sun.
-        let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
-            band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
-        });
-        self.telescope.equivalent_mag_at_550_km(
-            light.brightness.magnitude.0 + colour,
-            light.range_km,
-            light.angular_rate_rad_s * ARCSEC_PER_RAD,
-            self.sky.model(light.element_index).size_m(),
-        )
-    }
-}
-
 /// Finds the earliest start that no satellite selected by `blocking` blocks, for all exposures that cannot start as
 /// scheduled. With [`Blocking::Any`], an exposure with a crossing only in its margins becomes `streaked`.
 fn find_starts(
@@ -364,15 +276,13 @@ fn find_starts(
     request: &FlagRequest<'_>,
 ) -> Result<(), SkyError> {
     let policy = request.policy;
-    let camera = Camera::of(request);
-    let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let band = |row: usize| rows[row].band.as_deref();
     let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
     let Judged { report, flags, above, counted } = judged;
     if blocking == Blocking::Avoid {
         for (row, exposure) in above.iter() {
             let Some(flag) = flags[*row].as_mut() else { continue };
-            let start = match rules.has_limit(band(*row)) {
+            let start = match policy.limit_mag_in(band(*row)).is_some() {
                 true if flag.kind == VerdictKind::Avoid => continue,
                 true => Some((exposure.start, 0.0)),
                 false => flag.next_start(Blocking::Any),
@@ -383,7 +293,7 @@ fn find_starts(
     let is_searched = |row: usize, kind: VerdictKind| match blocking {
         Blocking::Any => margin_s > 0.0 || kind != VerdictKind::Clear,
         Blocking::Avoid => {
-            rules.has_limit(band(row))
+            policy.limit_mag_in(band(row)).is_some()
                 && (kind == VerdictKind::Avoid || kind == VerdictKind::Streaked && margin_s > 0.0)
         }
     };
@@ -411,7 +321,7 @@ fn find_starts(
     for (((row, exposure), passes), last_start_s) in searched.iter().zip(&crossings.by_exposure).zip(last_starts) {
         watch.check()?;
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, &rules);
+        let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, policy);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
             let ahead = passes
                 .iter()
@@ -447,14 +357,13 @@ fn find_starts(
         search.find(exposure, policy, 0.0, flag);
         let is_possible_now = blocking == Blocking::Avoid && flag.kind == VerdictKind::Streaked;
         if !is_possible_now && flag.next_start(blocking).is_some_and(|(_, delay_s)| delay_s == 0.0) {
-            // No satellite blocks this start: the exposure is excluded by the expected loss over all satellites.
+            // No satellite blocks this start: the exposure is excluded by the cost over all satellites.
             search.find(exposure, policy, least_step_s(policy), flag);
         }
         searches.push(search);
     }
-    if policy.min_probability.is_some() || policy.max_lost_fraction.is_some() {
-        let is_blocking = |row: usize, pass: &Pass| blocks(pass, band(row), blocking, &rules);
-        confirm(searches, above, &is_blocking, &options, request, flags)?;
+    if policy.min_probability.is_some() || policy.max_cost_s.is_some() {
+        confirm(searches, above, blocking, &band, &options, request, flags)?;
     }
     Ok(())
 }
@@ -509,15 +418,16 @@ fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Computes passes and losses at the starts that were found, to check these starts. The check is necessary because the
+/// Computes passes and costs at the starts that were found, to check these starts. The check is necessary because the
 /// blocked intervals do not determine the probabilities exactly.
 ///
-/// A start at which a satellite still blocks, or at which the expected loss exceeds that of the policy, is replaced by
-/// the next candidate within the longest delay. The arguments of `is_blocking` are the row of an exposure and a pass.
-fn confirm(
+/// A start at which a satellite still blocks, or at which the cost exceeds that of the policy, is replaced by the next
+/// candidate within the longest delay. `band` returns the band of the exposure of a row.
+fn confirm<'a>(
     mut searches: Vec<StartSearch>,
     judged: &[(usize, &Exposure)],
-    is_blocking: &dyn Fn(usize, &Pass) -> bool,
+    blocking: Blocking,
+    band: &dyn Fn(usize) -> Option<&'a str>,
     options: &PassOptions,
     request: &FlagRequest<'_>,
     flags: &mut [Option<Verdict>],
@@ -534,29 +444,31 @@ fn confirm(
             })
             .unzip();
         let crossings = request.sky.field_passes(&later, request.field, options)?;
-        let too_much_lost = match policy.max_lost_fraction {
-            Some(most) => request
+        let is_too_costly: Vec<bool> = match policy.max_cost_s {
+            Some(most_s) => request
                 .sky
                 .crossing_probabilities(&later, request.field)?
                 .iter()
-                .map(|satellites| {
-                    expected_of(satellites, request, &|_| 1.0).lost_pixel_fraction.is_some_and(|lost| lost > most)
+                .zip(open.iter().zip(&later).zip(&crossings.by_exposure))
+                .map(|(satellites, ((search, exposure), passes))| {
+                    let expected = expected_of(satellites, exposure, band(search.row), passes, request);
+                    expected.streak_cost_s.is_some_and(|cost_s| cost_s > most_s)
                 })
                 .collect(),
             None => vec![false; later.len()],
         };
         searches = Vec::new();
-        for ((search, passes), too_much_lost) in open.into_iter().zip(&crossings.by_exposure).zip(too_much_lost) {
+        for ((search, passes), is_too_costly) in open.into_iter().zip(&crossings.by_exposure).zip(is_too_costly) {
             request.sky.watch().check()?;
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };
             let longest_sigma_s = passes
                 .iter()
-                .filter(|pass| is_blocking(search.row, pass))
+                .filter(|pass| blocks(pass, band(search.row), blocking, policy))
                 .map(|pass| pass.along_track_sigma_s)
                 .max_by(f64::total_cmp);
-            if longest_sigma_s.is_none() && !too_much_lost {
+            if longest_sigma_s.is_none() && !is_too_costly {
                 continue;
             }
             // A start that is later by half a sigma has a probability that is smaller by at least a tenth. The search

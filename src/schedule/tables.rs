@@ -41,13 +41,15 @@ pub fn flag_table(flags: &[Verdict]) -> Table {
     Table::from_records(&flag_fields(), flags)
 }
 
-/// Returns the columns of [`flag_table`], followed by those of the scheduled exposures: `start_utc, duration_s, ra_deg,
-/// dec_deg, band`. `rows` are the rows of the verdicts, in the same order.
+/// Returns the columns of [`flag_table`] with those of the scheduled exposures before the last: `start_utc, duration_s,
+/// ra_deg, dec_deg, band`. `rows` are the rows of the verdicts, in the same order.
 pub fn flag_table_with_exposures(flags: &[Verdict], rows: &[ScheduledExposure]) -> Table {
     let mut table = flag_table(flags);
     let exposures = Table::from_records(&scheduled_fields(), rows);
-    table.columns.extend(exposures.columns);
-    table.rows.iter_mut().zip(exposures.rows).for_each(|(flag, exposure)| flag.extend(exposure));
+    // The last column of the verdicts remains the last.
+    let at = table.columns.len() - 1;
+    table.columns.splice(at..at, exposures.columns);
+    table.rows.iter_mut().zip(exposures.rows).for_each(|(flag, exposure)| drop(flag.splice(at..at, exposure)));
     table
 }
 
@@ -189,6 +191,15 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             ),
             |flag| flag.late_s.into(),
         ),
+        field(
+            Column::real(
+                "streak_cost_s",
+                "s",
+                3,
+                "Expected cost of the streaks in seconds of open shutter; empty without a telescope.",
+            ),
+            |flag| flag.streak_cost_s.into(),
+        ),
     ]
 }
 
@@ -209,6 +220,8 @@ pub struct StreakRow<'a> {
     pub photometry: &'a PhotometryOptions,
     /// Magnitude limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
+    /// Expected cost of the pass, seconds of open shutter ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
+    pub streak_cost_s: Option<f64>,
 }
 
 /// Optional columns of a table of streaks.
@@ -235,6 +248,7 @@ pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, columns: 
     if columns.samples {
         fields.push(samples_field());
     }
+    fields.push(cost_field());
     Table::from_records(&fields, rows)
 }
 
@@ -406,6 +420,18 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             |row| row.pass.peak.as_ref().map_or(Value::Null, sigma),
         ),
     ]
+}
+
+fn cost_field<'a>() -> TableField<StreakRow<'a>> {
+    TableField::new(
+        Column::real(
+            "streak_cost_s",
+            "s",
+            3,
+            "Expected cost of this streak in seconds of open shutter; empty without a telescope.",
+        ),
+        |row| row.streak_cost_s.into(),
+    )
 }
 
 fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {

@@ -18,8 +18,8 @@ pub enum VerdictKind {
     /// A lit satellite crosses or may cross the exposure or crosses its margins, and no limit of the policy is
     /// exceeded.
     Streaked,
-    /// A limit of the policy is exceeded: magnitude, with at least the probability of the policy, or expected pixel
-    /// loss.
+    /// A limit of the policy is exceeded: magnitude, with at least the probability of the policy, or cost of
+    /// streaks.
     Avoid,
     /// The positions of the satellites are unknown, because their elements are too old
     /// ([`Predictability::is_unknown`](crate::passes::Predictability::is_unknown)), and no satellite of known position
@@ -64,12 +64,15 @@ pub struct Verdict {
     /// Expected fraction of pixels lost: the sum over all streaks, each weighted with its probability. `None` without a
     /// telescope.
     pub expected_lost_pixel_fraction: Option<f64>,
+    /// Expected cost of all streaks, seconds of open shutter, [0, duration · max(1, bright share)]; see
+    /// [`StreakCost`](crate::images::StreakCost). `None` without a telescope, and if the exposure cannot be judged.
+    pub streak_cost_s: Option<f64>,
     /// Probability that at least one lit satellite crosses and is brighter than a limit of the policy: 1 - Π(1 - p),
     /// with independent errors. Equal to `p_crossing` if no limit applies.
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses, of any brightness.
     pub p_crossing: f64,
-    /// True if `p_any`, `p_crossing` and the expected loss are lower limits: for at least one satellite, more than 10 %
+    /// True if `p_any`, `p_crossing`, the expected loss and the cost are lower limits: for at least one satellite, more than 10 %
     /// of the possible delays are outside the range searched, or more than 10 % of the satellites are of unknown
     /// position.
     pub p_any_is_lower_limit: bool,
@@ -126,6 +129,7 @@ impl Verdict {
             n_streaks: 0,
             brightest_mag: None,
             expected_lost_pixel_fraction: None,
+            streak_cost_s: None,
             p_any: f64::NAN,
             p_crossing: f64::NAN,
             p_any_is_lower_limit: false,
@@ -153,6 +157,7 @@ impl Verdict {
             kind,
             reasons,
             expected_lost_pixel_fraction: None,
+            streak_cost_s: None,
             p_any: f64::NAN,
             p_crossing: f64::NAN,
             p_any_is_lower_limit: false,

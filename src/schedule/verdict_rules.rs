@@ -3,104 +3,11 @@
 use crate::passes::{CrossingProbability, Exposure, Pass};
 use crate::photometry::Brightness;
 
-use super::policy::{Blocking, LimitKind, MagnitudeLimit, Policy};
+use super::policy::{Blocking, Policy};
 use super::verdict::{Verdict, VerdictKind};
 
 /// Largest number of satellites listed as reasons of one verdict.
 const MAX_REASONS: usize = 5;
-
-/// Policy and camera limits that determine a verdict.
-pub(super) struct Rules<'a> {
-    /// The policy.
-    pub policy: &'a Policy,
-    /// Magnitude limits of the camera; used if the policy has the word `telescope` as a limit.
-    pub camera: Option<&'a dyn CameraLimits>,
-}
-
-/// Brightness and motion of one satellite in the field of an exposure.
-#[derive(Copy, Clone)]
-pub(super) struct Light<'a> {
-    /// Index of the element set in the catalogue of the sky.
-    pub element_index: usize,
-    /// Distance from the observer, km.
-    pub range_km: f64,
-    /// Angular speed, rad/s.
-    pub angular_rate_rad_s: f64,
-    /// Predicted magnitude with its distribution.
-    pub brightness: &'a Brightness,
-}
-
-impl<'a> Light<'a> {
-    /// Returns the values of a pass at its peak brightness; `None` if the satellite is not visible.
-    pub fn of(pass: &'a Pass) -> Option<Self> {
-        Some(Self {
-            element_index: pass.element_index,
-            range_km: pass.mid.range_km,
-            angular_rate_rad_s: pass.angular_rate_rad_s,
-            brightness: pass.peak.as_ref()?.brightness.as_ref()?,
-        })
-    }
-}
-
-/// Magnitude limits of a camera, read from its telescope file. They hold for a satellite at a range of 550 km.
-pub(super) trait CameraLimits {
-    /// Returns the limit of a kind in a band, magnitudes; `None` if the file has none.
-    fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
-    /// Returns the magnitude, in this band, of a satellite at a range of 550 km whose streak has the same signal per
-    /// pixel.
-    fn equivalent_mag_at_550_km(&self, light: &Light<'_>, band: Option<&str>) -> f64;
-}
-
-/// Limit of a policy that applies to the band of an exposure.
-struct AppliedLimit {
-    /// Name of the limit in reasons; empty for `limit_mag`.
-    name: &'static str,
-    limit_mag: f64,
-    /// True for a limit of the camera, which holds at a range of 550 km.
-    is_of_camera: bool,
-}
-
-impl Rules<'_> {
-    /// Returns the limits of the policy that apply to a band.
-    fn limits(&self, band: Option<&str>) -> impl Iterator<Item = AppliedLimit> {
-        let limits = [
-            ("", None, self.policy.limit_mag.as_ref()),
-            ("saturation limit ", Some(LimitKind::Saturation), self.policy.saturation_mag.as_ref()),
-            ("crosstalk limit ", Some(LimitKind::Crosstalk), self.policy.crosstalk_mag.as_ref()),
-        ];
-        limits.into_iter().filter_map(move |(name, kind, limit)| {
-            let of_camera = matches!(limit, Some(MagnitudeLimit::OfTelescope(_))).then_some(self.camera).flatten();
-            let limit_mag = match (kind, of_camera) {
-                (Some(kind), Some(camera)) => camera.limit_mag(kind, band)?,
-                _ => limit?.of(band)?,
-            };
-            Some(AppliedLimit { name, limit_mag, is_of_camera: of_camera.is_some() })
-        })
-    }
-
-    /// Returns the probability that a satellite is brighter than a limit. For a limit of the camera it also returns the
-    /// equivalent magnitude at 550 km.
-    fn probability_above(&self, limit: &AppliedLimit, light: &Light<'_>, band: Option<&str>) -> (f64, Option<f64>) {
-        let seen_mag =
-            self.camera.filter(|_| limit.is_of_camera).map(|camera| camera.equivalent_mag_at_550_km(light, band));
-        // Converts a camera limit to the band and range of the predicted magnitude.
-        let limit_mag = seen_mag.map_or(limit.limit_mag, |seen| limit.limit_mag + light.brightness.magnitude.0 - seen);
-        (light.brightness.probability_brighter_than(limit_mag), seen_mag)
-    }
-
-    /// Returns true if a magnitude limit applies to the band.
-    pub fn has_limit(&self, band: Option<&str>) -> bool {
-        self.limits(band).next().is_some()
-    }
-
-    /// Returns the largest probability, over all limits that apply to the band, that a satellite is brighter than the
-    /// limit. It is 0 for a satellite that is not visible, and `None` if no limit applies.
-    pub fn probability_brighter(&self, light: Option<Light<'_>>, band: Option<&str>) -> Option<f64> {
-        self.limits(band)
-            .map(|limit| light.map_or(0.0, |light| self.probability_above(&limit, &light, band).0))
-            .reduce(f64::max)
-    }
-}
 
 /// Crossing probabilities and expected loss of an exposure for all satellites together, including near misses.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
@@ -115,27 +22,23 @@ pub(super) struct ExpectedLoss {
     pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
+    /// Expected cost of the streaks, seconds of open shutter; `None` without a telescope.
+    pub streak_cost_s: Option<f64>,
 }
 
 impl ExpectedLoss {
-    /// Combines satellites whose errors are independent. `brighter` returns the probability that a satellite is
-    /// brighter than a limit (1 without limits). `lost_fraction` returns the expected fraction of pixels lost to a
-    /// satellite; it requires a telescope.
-    pub fn of(
-        satellites: &[CrossingProbability],
-        brighter: &dyn Fn(&CrossingProbability) -> f64,
-        lost_fraction: Option<&dyn Fn(&CrossingProbability) -> f64>,
-    ) -> Self {
+    /// Combines satellites whose errors are independent, without the losses that require a telescope. `brighter` is the
+    /// probability of each satellite to be brighter than the limit of the policy; without a limit it is empty.
+    pub fn of(satellites: &[CrossingProbability], brighter: &[f64]) -> Self {
+        let crossing = || satellites.iter().map(|one| one.probability.clamp(0.0, 1.0));
+        let all = std::iter::repeat(&1.0);
         // 1 - Π(1 - p)
-        let any = |of: &dyn Fn(&CrossingProbability) -> f64| {
-            1.0 - satellites.iter().map(|one| 1.0 - one.probability.clamp(0.0, 1.0) * of(one)).product::<f64>()
-        };
         Self {
-            p_any: any(brighter),
-            p_crossing: any(&|_| 1.0),
+            p_any: 1.0 - crossing().zip(brighter.iter().chain(all)).map(|(p, above)| 1.0 - p * above).product::<f64>(),
+            p_crossing: 1.0 - crossing().map(|p| 1.0 - p).product::<f64>(),
             is_lower_limit: satellites.iter().any(|one| one.is_lower_limit),
-            lost_pixel_fraction: lost_fraction
-                .map(|lost_fraction| satellites.iter().map(lost_fraction).fold(0.0, |sum, lost| sum + lost).min(1.0)),
+            lost_pixel_fraction: None,
+            streak_cost_s: None,
         }
     }
 }
@@ -144,48 +47,39 @@ impl ExpectedLoss {
 ///
 /// Passes in the Earth's shadow are ignored. A near miss counts only if the policy has a `min_probability` and the
 /// crossing probability is at least that. The verdict is `avoid` if, for one pass that counts, the probability that it
-/// crosses and is brighter at its peak than a limit is at least `min_probability` (0.5 if omitted), or if the expected
-/// loss exceeds `max_lost_fraction`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
+/// crosses and is brighter at its peak than the limit is at least `min_probability` (0.5 if omitted), or if the cost of
+/// the streaks exceeds `max_cost_s`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
 pub(super) fn judge_exposure(
     exposure: &Exposure,
     band: Option<&str>,
     passes: &[Pass],
     expected: &ExpectedLoss,
-    rules: &Rules<'_>,
+    policy: &Policy,
 ) -> Verdict {
-    let policy = rules.policy;
     let lit = || passes.iter().filter(|pass| pass.lit);
     let counted: Vec<&Pass> = lit().filter(|pass| is_counted(pass, policy)).collect();
     let nominal = || counted.iter().filter(|pass| pass.is_crossing());
 
-    let mut reasons = Vec::new();
-    let mut more_reasons = 0;
-    let mut avoid = false;
-    for pass in &counted {
-        let Some(light) = Light::of(pass) else { continue };
-        for limit in rules.limits(band) {
-            let (brighter, seen_mag) = rules.probability_above(&limit, &light, band);
-            if pass.probability * brighter < policy.avoid_probability() {
-                continue;
-            }
-            avoid = true;
-            if reasons.len() == MAX_REASONS {
-                more_reasons += 1;
-                continue;
-            }
-            reasons.push(reason(pass, &light, brighter, &limit, seen_mag, band));
-        }
+    let limit_mag = policy.limit_mag_in(band);
+    let above = counted.iter().filter_map(|pass| Some((*pass, limit_mag?, peak_brightness(pass)?))).filter(
+        |(pass, limit_mag, brightness)| {
+            pass.probability * brightness.probability_brighter_than(*limit_mag) >= policy.avoid_probability()
+        },
+    );
+    let mut reasons: Vec<String> =
+        above.map(|(pass, limit_mag, brightness)| reason(pass, brightness, limit_mag)).collect();
+    if reasons.len() > MAX_REASONS {
+        let more = reasons.len() - MAX_REASONS;
+        reasons.truncate(MAX_REASONS);
+        reasons.push(format!("and {more} more"));
     }
-    if more_reasons > 0 {
-        reasons.push(format!("and {more_reasons} more"));
-    }
-    let lost = expected.lost_pixel_fraction;
-    if let (Some(lost), Some(most)) = (lost, policy.max_lost_fraction)
-        && lost > most
+    let ExpectedLoss { streak_cost_s, .. } = *expected;
+    if let (Some(cost_s), Some(most_s)) = (streak_cost_s, policy.max_cost_s)
+        && cost_s > most_s
     {
-        avoid = true;
-        reasons.push(format!("expected loss of {} of the pixels, more than {most}", fraction_above(lost, most)));
+        reasons.push(format!("expected cost of streaks {} s, more than {most_s} s", text_above(cost_s, most_s)));
     }
+    let avoid = !reasons.is_empty();
     let verdict = match (avoid, counted.is_empty()) {
         (true, _) => VerdictKind::Avoid,
         (false, false) => VerdictKind::Streaked,
@@ -199,8 +93,13 @@ pub(super) fn judge_exposure(
         exposure_id: exposure.id.clone(),
         kind: verdict,
         n_streaks: nominal().count(),
-        brightest_mag: counted.iter().filter_map(|pass| peak_magnitude(pass)).min_by(f64::total_cmp),
-        expected_lost_pixel_fraction: lost,
+        brightest_mag: counted
+            .iter()
+            .filter_map(|pass| peak_brightness(pass))
+            .map(|brightness| brightness.magnitude.0)
+            .min_by(f64::total_cmp),
+        expected_lost_pixel_fraction: expected.lost_pixel_fraction,
+        streak_cost_s,
         p_any: expected.p_any,
         p_crossing: expected.p_crossing,
         p_any_is_lower_limit: expected.is_lower_limit,
@@ -218,44 +117,28 @@ pub(super) fn judge_exposure(
     }
 }
 
-/// Formats a fraction with two significant digits and at least four decimals. More decimals are added until the rounded
-/// text is above `most`.
-fn fraction_above(fraction: f64, most: f64) -> String {
-    let decimals = (1.0 - fraction.log10().floor()).clamp(4.0, 17.0) as usize;
-    let shown = |decimals: usize| format!("{fraction:.decimals$}");
+/// Formats a number above `most` with two significant digits and at least two decimals. More decimals are added until
+/// the rounded text is above `most`.
+fn text_above(number: f64, most: f64) -> String {
+    let decimals = (1.0 - number.log10().floor()).clamp(2.0, 17.0) as usize;
+    let shown = |decimals: usize| format!("{number:.decimals$}");
     (decimals..17)
         .map(shown)
         .find(|text| text.parse().is_ok_and(|shown: f64| shown > most))
-        .unwrap_or(fraction.to_string())
+        .unwrap_or(number.to_string())
 }
 
-/// Returns the text that explains why a pass exceeds a limit.
-fn reason(
-    pass: &Pass,
-    light: &Light<'_>,
-    brighter: f64,
-    limit: &AppliedLimit,
-    seen_mag: Option<f64>,
-    band: Option<&str>,
-) -> String {
-    let Brightness { magnitude, sigma_mag, source, .. } = light.brightness;
-    let AppliedLimit { name, limit_mag, .. } = limit;
-    let than = match (seen_mag, *name) {
-        (Some(_), name) => format!("the camera's {name}"),
-        (None, "") => String::new(),
-        (None, name) => format!("the {name}"),
-    };
-    let equivalent = seen_mag
-        .map(|seen| format!("; equivalent to {} {seen:.2} at 550 km", band.unwrap_or_default()))
-        .unwrap_or_default();
+/// Returns the text that explains why a pass exceeds the limit.
+fn reason(pass: &Pass, brightness: &Brightness, limit_mag: f64) -> String {
+    let Brightness { magnitude, sigma_mag, source, .. } = brightness;
+    let brighter = percent(brightness.probability_brighter_than(limit_mag));
     let crossing = match percent(pass.probability).as_str() {
         "100" | ">99" => String::new(),
         percent => format!(", {percent} % of crossing"),
     };
+    let norad_id = pass.norad_id;
     format!(
-        "{}: {} % chance of being brighter than {than}{limit_mag} ({magnitude:.2} +- {sigma_mag:.2}, {source}{equivalent}){crossing}",
-        pass.norad_id,
-        percent(brighter),
+        "{norad_id}: {brighter} % chance of being brighter than {limit_mag} ({magnitude:.2} +- {sigma_mag:.2}, {source}){crossing}"
     )
 }
 
@@ -276,19 +159,20 @@ pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
 }
 
 /// Returns true if a pass blocks the start of an exposure. The pass must count. With [`Blocking::Avoid`], if a limit
-/// applies to the band, the probability that it crosses and is brighter than a limit must also be at least
+/// applies to the band, the probability that it crosses and is brighter than the limit must also be at least
 /// `min_probability` (0.5 if omitted).
-pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, rules: &Rules<'_>) -> bool {
+pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, policy: &Policy) -> bool {
     let exceeds_limit = || {
-        rules
-            .probability_brighter(Light::of(pass), band)
-            .is_none_or(|brighter| pass.probability * brighter >= rules.policy.avoid_probability())
+        policy.limit_mag_in(band).is_none_or(|limit_mag| {
+            pass.probability * pass.probability_brighter_than(limit_mag) >= policy.avoid_probability()
+        })
     };
-    is_counted(pass, rules.policy) && (blocking == Blocking::Any || exceeds_limit())
+    is_counted(pass, policy) && (blocking == Blocking::Any || exceeds_limit())
 }
 
-fn peak_magnitude(pass: &Pass) -> Option<f64> {
-    pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0)
+/// Returns the brightness of a pass at its peak; `None` if the satellite is not visible.
+pub(super) fn peak_brightness(pass: &Pass) -> Option<&Brightness> {
+    pass.peak.as_ref()?.brightness.as_ref()
 }
 
 fn streaked_reason(nominal: usize, counted: usize) -> String {
@@ -396,15 +280,19 @@ mod tests {
 
     fn judge(passes: &[Pass], policy: &str) -> Verdict {
         let policy = Policy::from_toml(policy).unwrap();
+        let satellites = probabilities(passes);
+        let brighter: Vec<f64> = policy.limit_mag_in(Some("r")).map_or(Vec::new(), |limit_mag| {
+            let lit = passes.iter().filter(|pass| pass.lit);
+            lit.map(|pass| pass.probability_brighter_than(limit_mag)).collect()
+        });
         // The losses of near misses and crossings are added.
-        let lost = |one: &CrossingProbability| 0.01 * one.probability;
-        let rules = Rules { policy: &policy, camera: None };
-        let brighter = |one: &CrossingProbability| {
-            let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
-            rules.probability_brighter(pass.and_then(Light::of), Some("r")).unwrap_or(1.0)
+        let sum: f64 = satellites.iter().map(|one| one.probability).sum();
+        let expected = ExpectedLoss {
+            lost_pixel_fraction: Some(0.01 * sum),
+            streak_cost_s: Some(0.3 * sum),
+            ..ExpectedLoss::of(&satellites, &brighter)
         };
-        let expected = ExpectedLoss::of(&probabilities(passes), &brighter, Some(&lost));
-        judge_exposure(&exposure(), Some("r"), passes, &expected, &rules)
+        judge_exposure(&exposure(), Some("r"), passes, &expected, &policy)
     }
 
     fn verdict(passes: &[Pass], policy: &str) -> VerdictKind {
@@ -461,15 +349,14 @@ mod tests {
     }
 
     #[test]
-    fn fractions_are_shown_with_enough_digits_to_differ_from_their_limit() {
-        for (fraction, most, expected) in [
-            (0.0100, 0.009, "0.0100"),
-            (0.000_672, 0.0006, "0.00067"),
-            (0.000_023_4, 0.000_01, "0.000023"),
+    fn numbers_are_shown_with_enough_digits_to_differ_from_their_limit() {
+        for (number, most, expected) in [
+            (2.4194, 0.5, "2.42"),
+            (0.0672, 0.06, "0.067"),
             (0.000_010_02, 0.000_01, "0.00001002"),
-            (1.0, 0.5, "1.0000"),
+            (30.0, 5.0, "30.00"),
         ] {
-            assert_eq!(fraction_above(fraction, most), expected);
+            assert_eq!(text_above(number, most), expected);
         }
     }
 
@@ -477,18 +364,13 @@ mod tests {
     fn every_rule_of_a_policy_can_forbid() {
         let passes = [pass(1, Some(5.0), 1.0)];
         for (policy, expected, word) in [
-            (
-                "saturation_mag = 5.1",
-                VerdictKind::Avoid,
-                "brighter than the saturation limit 5.1 (5.00 +- 0.50, prior)",
-            ),
-            ("crosstalk_mag = 5.1", VerdictKind::Avoid, "crosstalk limit 5.1"),
-            ("saturation_mag = 4.9", VerdictKind::Streaked, "crosses"),
+            ("limit_mag = 5.1", VerdictKind::Avoid, "brighter than 5.1 (5.00 +- 0.50, prior)"),
+            ("limit_mag = 4.9", VerdictKind::Streaked, "crosses"),
             ("limit_mag = {r = 5.1, g = 0}", VerdictKind::Avoid, "brighter than 5.1 ("),
             ("limit_mag = {g = 9}", VerdictKind::Streaked, "crosses"),
             ("limit_mag = {g = 0, default = 9}", VerdictKind::Avoid, "brighter than 9 ("),
-            ("max_lost_fraction = 0.009", VerdictKind::Avoid, "expected loss of 0.0100 of the pixels"),
-            ("max_lost_fraction = 0.011", VerdictKind::Streaked, "crosses"),
+            ("max_cost_s = 0.29", VerdictKind::Avoid, "expected cost of streaks 0.30 s, more than 0.29 s"),
+            ("max_cost_s = 0.31", VerdictKind::Streaked, "crosses"),
         ] {
             let flag = judge(&passes, policy);
             assert_eq!(flag.kind, expected, "{policy}");
@@ -500,12 +382,11 @@ mod tests {
     fn satellites_that_exceed_a_limit_block_or_all_without_a_limit() {
         let blocked = |pass: &Pass, policy: &str| {
             let policy = Policy::from_toml(policy).unwrap();
-            blocks(pass, Some("r"), policy.blocking, &Rules { policy: &policy, camera: None })
+            blocks(pass, Some("r"), policy.blocking, &policy)
         };
         let bright = pass(1, Some(5.0), 1.0);
         assert!(blocked(&bright, "limit_mag = 7") && blocked(&bright, "") && blocked(&bright, "limit_mag = {g = 0}"));
         assert!(!blocked(&bright, "limit_mag = 4.9") && blocked(&bright, "limit_mag = 4.9\nblocking = 'any'"));
-        assert!(blocked(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
         let dark = Pass { lit: false, ..bright.clone() };
         assert!(!blocked(&dark, "limit_mag = 7") && !blocked(&dark, "blocking = 'any'"));
         // Lit, with unknown brightness: blocks only if the policy has no limits.
@@ -519,44 +400,6 @@ mod tests {
         // Probability 0.3 of crossing, and Φ(0.2) = 0.58 of being brighter.
         let near = |policy: &str| blocked(&near, &format!("limit_mag = 5.1\nmin_probability = {policy}"));
         assert!(near("0.17") && !near("0.18"));
-    }
-
-    /// Camera that saturates at g = 3.2; satellites are 0.5 mag brighter at 550 km.
-    struct Camera;
-
-    impl CameraLimits for Camera {
-        fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64> {
-            (kind == LimitKind::Saturation && band == Some("g")).then_some(3.2)
-        }
-
-        fn equivalent_mag_at_550_km(&self, light: &Light<'_>, _: Option<&str>) -> f64 {
-            light.brightness.magnitude.0 - 0.5
-        }
-    }
-
-    #[test]
-    fn limits_of_the_camera_apply_if_the_policy_refers_to_them() {
-        let verdict = |band: &str, magnitude: f64, policy: &str| {
-            let policy = Policy::from_toml(policy).unwrap();
-            let rules = Rules { policy: &policy, camera: Some(&Camera) };
-            let passes = [pass(1, Some(magnitude), 1.0)];
-            judge_exposure(&exposure(), Some(band), &passes, &ExpectedLoss::default(), &rules)
-        };
-        let both = "saturation_mag = 'telescope'\ncrosstalk_mag = 'telescope'";
-        let avoided = verdict("g", 3.6, both);
-        assert_eq!(avoided.kind, VerdictKind::Avoid);
-        assert_eq!(
-            avoided.reasons,
-            [
-                "1: 58 % chance of being brighter than the camera's saturation limit 3.2 (3.60 +- 0.50, prior; equivalent to g 3.10 at 550 km)"
-            ]
-        );
-        assert_eq!(verdict("g", 3.8, both).kind, VerdictKind::Streaked);
-        // The band has no limit, or the policy has none.
-        assert_eq!(verdict("r", 0.0, both).kind, VerdictKind::Streaked);
-        assert_eq!(verdict("g", 0.0, "limit_mag = -1").kind, VerdictKind::Streaked);
-        // A number in the policy is compared with the magnitude without conversion to 550 km.
-        assert_eq!(verdict("g", 3.6, "saturation_mag = 3.2").kind, VerdictKind::Streaked);
     }
 
     #[test]

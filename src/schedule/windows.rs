@@ -9,15 +9,15 @@ use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::horizon::{altitude_rad, sampling_interval_s};
 use super::policy::Blocking;
-use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
+use super::report::{FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
 use super::starts::reason_for_unknown_starts;
-use super::verdict_rules::{CameraLimits, Rules, blocks};
+use super::verdict_rules::blocks;
 
 /// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {
     /// Sky, field, telescope, photometry and policy: blocking satellites, magnitude limits, margin and probability are
-    /// applied; `max_lost_fraction` and `max_delay_s` are not.
+    /// applied; `max_cost_s` and `max_delay_s` are not.
     pub conditions: FlagRequest<'a>,
     /// Lowest altitude of the target while the shutter is open, radians, without refraction; for a telescope in orbit,
     /// the angle above the Earth's limb.
@@ -131,7 +131,7 @@ fn windows_of(
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
     let every_crossing_blocks =
-        (policy.blocking == Blocking::Any || !policy.has_magnitude_limit()) && policy.min_probability.is_none();
+        (policy.blocking == Blocking::Any || policy.limit_mag.is_none()) && policy.min_probability.is_none();
     let (blocked, left_out) = if every_crossing_blocks && !with_passes {
         crossings(&exposures, request)?
     } else {
@@ -196,12 +196,10 @@ fn passes(
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
     let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
-    let camera = Camera::of(&request.conditions);
-    let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
         sky.watch().check()?;
         let blocking_passes: Vec<Pass> =
-            passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref(), policy.blocking, &rules)).collect();
+            passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref(), policy.blocking, policy)).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
         let intervals = blocking_passes
             .iter()

@@ -576,29 +576,18 @@ fn invalid_rows_need_no_epoch() {
 }
 
 #[test]
-fn a_policy_with_limits_of_the_telescope_needs_a_telescope() {
+fn limits_of_the_cost_need_a_telescope() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
-    let policy = file(&folder, "p.toml", b"saturation_mag = 'telescope'\n");
+    let policy = file(&folder, "p.toml", b"max_cost_s = 1\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["missing telescope for max_cost_s", "--telescope"]);
+    fails(&[&flag(&schedule), &["--bright-share", "0.3"]], &["missing telescope for bright-share", "--telescope"]);
     fails(
-        &[&flag(&schedule), &["--policy", &policy]],
-        &["missing telescope for the limits of the policy", "--telescope"],
+        &[&flag(&schedule), &["--telescope", "rubin", "--bright-share=-1"]],
+        &["bright-share is -1; allowed: 0 to 100"],
     );
-    let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy, "--telescope", "rubin"]]);
-    assert_eq!(code, 0, "{stderr}");
-    assert!(
-        stderr.contains("saturation_mag of the policy has no value for band none in the file of the telescope"),
-        "{stderr}"
-    );
-    // A telescope without such limits is rejected.
-    fails(
-        &[&flag(&schedule), &["--policy", &policy, "--telescope", "decam"]],
-        &["the policy has saturation_mag = \"telescope\", but the file of decam has no such limit in any band"],
-    );
-    let policy = file(&folder, "r.toml", b"max_lost_fraction = 0.001\n");
-    fails(&[&flag(&schedule), &["--policy", &policy]], &["missing telescope", "max_lost_fraction", "--telescope"]);
-    let policy = file(&folder, "q.toml", b"saturation_mag = 'Telescope'\n");
-    fails(&[&flag(&schedule), &["--policy", &policy]], &["allowed: a number, a table of numbers by band, or"]);
+    let policy = file(&folder, "q.toml", b"saturation_mag = 4\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["unknown field `saturation_mag`", "max_cost_s"]);
     fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
 }
 

@@ -313,9 +313,9 @@ fn missing_and_invalid_files_open_the_gate() {
             assert_eq!(run(&[base, POINTING, &more.concat(), &["--strict"]]).0, 2, "{more:?}");
         }
     }
-    // Limits of a camera, and numbers in a policy, depend on the file too.
+    // Keys and numbers of a policy depend on the file too.
     let policy = path(&folder, "policy.toml");
-    for text in ["saturation_mag = 'telescope'", "margin_s = -5", "max_lost_fraction = 0.1", "limit_mag = 'bright'"] {
+    for text in ["saturation_mag = 4", "margin_s = -5", "max_cost_s = 1", "limit_mag = 'bright'"] {
         fs::write(&policy, text).unwrap();
         let (code, _, stderr) = run(&[base, POINTING, fov, &["--policy", &policy]]);
         assert_eq!(code, 0, "{text}: {stderr}");

@@ -48,7 +48,8 @@ fn passes_agree_in_every_format() {
                mid_dec_deg, exit_ra_deg, exit_dec_deg, min_separation_deg, streak_length_deg, position_angle_deg, angular_rate_deg_s, \
                altitude_deg, azimuth_deg, range_km, height_km, phase_angle_deg, illumination, lit_fraction, magnitude, magnitude_sigma, \
                magnitude_peak, band, mag_system, mag_source, effective_magnitude, surface_brightness_mag_arcsec2, width_arcsec, \
-               element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source, magnitude_peak_sigma";
+               element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source, magnitude_peak_sigma, \
+               streak_cost_s";
     assert_eq!(names.join(", "), law);
     assert!(csv.lines().next().unwrap().starts_with("# software: \"streakcast\""));
     assert_eq!(records(&done(&[PASSES, SKY, &["--format", "ecsv"]])), rows);
@@ -243,6 +244,8 @@ fn flags_agree_with_the_passes_of_their_exposures() {
             &row[4],
             "--fov",
             "3.5deg",
+            "--telescope",
+            "rubin",
             "--limit-mag",
             "6.5",
             "--format",
@@ -271,6 +274,12 @@ fn flags_agree_with_the_passes_of_their_exposures() {
         let length: f64 = passes.iter().map(|pass| pass["streak_length_deg"].as_f64().unwrap()).sum();
         assert!((flag["streak_length_deg"].as_f64().unwrap() - length).abs() < 1e-3);
         assert_eq!(flag["expected_lost_pixel_fraction"].as_f64().unwrap() > 0.0, !passes.is_empty(), "{flag}");
+        // Simulated satellites have no errors of position: the cost is the sum over the passes.
+        let cost_s: f64 = passes.iter().map(|pass| number(pass, "streak_cost_s")).sum();
+        assert!(
+            (flag["streak_cost_s"].as_f64().unwrap() - cost_s.min(30.0)).abs() < 0.002 + 0.01 * cost_s,
+            "{flag} {cost_s}"
+        );
     }
 }
 
@@ -300,7 +309,7 @@ fn policies_and_exit_codes() {
     fs::write(&policy, "margin_s = 20\n").unwrap();
     let (_, wide, _) = flag(&["--policy", &policy]);
     assert!(count(&wide, "clear") < count(&free, "clear") && wide.contains("within 20 s of the exposure"));
-    fs::write(&policy, "max_lost_fraction = 1e-9\n").unwrap();
+    fs::write(&policy, "max_cost_s = 1e-6\n").unwrap();
     let (_, lost, _) = flag(&["--policy", &policy, "--telescope", "rubin"]);
     assert_eq!(count(&lost, "avoid"), count(&free, "streaked"));
     // Without a delay, exposures that are not clear have no next clear start.
@@ -378,8 +387,10 @@ fn csv_schedules_are_annotated_and_keep_all_bytes() {
     }
     let flags = records(&done(&[&["flag", "--schedule", &input], FLAG, SKY]));
     for (row, flag) in records(&annotated).iter().zip(&flags) {
-        // The rows of `flag` end with start, length, pointing and band; the annotated schedule has them already.
-        assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag.iter().take(16).skip(1).collect::<Vec<_>>());
+        // The rows of `flag` have start, length, pointing and band before the cost; the annotated schedule has them
+        // already.
+        let flag: Vec<&str> = flag.iter().take(16).chain(flag.iter().skip(21)).skip(1).collect();
+        assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag);
     }
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
@@ -498,9 +509,12 @@ fn flags_end_with_the_exposures_of_the_schedule() {
     let rows = "a,2024-08-14T23:30:00Z,30,217.5,-30,r\nb,2024-08-14T23:31:00Z,30,217.5,80,r\nc,2024-08-14T23:32:00Z,30,,-30,\n";
     fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n{rows}")).unwrap();
     let flag = ["flag", "--schedule", &schedule];
-    let written = records(&done(&[&flag, FLAG, SKY, &["--format", "csv"]]));
-    let last = |row: &csv::StringRecord| row.iter().skip(16).collect::<Vec<_>>().join(",");
-    assert_eq!((&written[0][13], &written[0][15]), ("acceptable_delay_s", "late_s"));
+    let written = records(&done(&[&flag, FLAG, SKY, &["--telescope", "rubin", "--format", "csv"]]));
+    let last = |row: &csv::StringRecord| row.iter().skip(16).take(5).collect::<Vec<_>>().join(",");
+    assert_eq!((&written[0][13], &written[0][15], &written[0][21]), ("acceptable_delay_s", "late_s", "streak_cost_s"));
+    // The cost of an exposure that cannot be judged is unknown, not 0.
+    let cost_s: Vec<&str> = written.iter().skip(1).map(|row| &row[21]).collect();
+    assert!(cost_s[0].parse::<f64>().is_ok_and(|cost_s| cost_s >= 0.0) && cost_s[1..] == ["", ""], "{cost_s:?}");
     let expected = [
         "start_utc,duration_s,ra_deg,dec_deg,band",
         "2024-08-14T23:30:00.000000Z,30.000,217.5000000,-30.0000000,r",

@@ -255,7 +255,7 @@ fn invalid_arguments_are_reported() {
     let targets = path(&folder, "t.csv");
     fs::write(&targets, CSV).unwrap();
     let policy = path(&folder, "p.toml");
-    fs::write(&policy, "max_lost_fraction = 0.1").unwrap();
+    fs::write(&policy, "max_cost_s = 1").unwrap();
     let base: &[&str] = &["windows", "--targets", &targets, "--fov", "6deg"];
     for (arguments, part) in [
         (&[base, SKY][..], "missing time range; specify --night"),
@@ -268,7 +268,7 @@ fn invalid_arguments_are_reported() {
         (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude is 95 deg; allowed: -90 to 90"),
         (
             &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
-            "the policy has max_lost_fraction, which windows does not support",
+            "the policy has max_cost_s, which windows does not support",
         ),
         (&[&["windows", "--targets", "/nowhere.csv", "--fov", "6deg"], SKY, RANGE], "/nowhere.csv"),
     ] {

@@ -43,3 +43,4 @@ mod space_observers;
 mod standard_magnitudes;
 mod station_keeping;
 mod statistics;
+mod streak_cost;

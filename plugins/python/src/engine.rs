@@ -12,12 +12,12 @@ use streakcast::config::{ConfigError, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Column, Table};
-use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, SnapshotOptions};
-use streakcast::photometry::PhotometryOptions;
+use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
+use streakcast::photometry::{Brightness, PhotometryOptions};
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, ScheduledExposure, StreakColumns, StreakRow,
-    Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table,
-    judge_exposures, streak_table,
+    Blocking, BrightStreaks, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, ScheduledExposure,
+    StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes,
+    flag_exposures, flag_table, judge_exposures, streak_table,
 };
 
 use crate::columns::{columns, times};
@@ -104,7 +104,7 @@ impl Engine {
         }
         warnings.extend(totals.warnings());
         let bands = rows.iter().map(|row| row.band.as_deref()).collect();
-        warnings.extend(self.policy.band_warnings(&bands, self.telescope.as_ref()));
+        warnings.extend(self.policy.band_warning(&bands));
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
 }
@@ -174,7 +174,7 @@ impl Engine {
 
     /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`,
     /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`,
-    /// `elements_age_days`, `late_s`.
+    /// `elements_age_days`, `late_s`, `streak_cost_s`.
     #[pyo3(signature = (exposures, bands))]
     fn judge<'py>(
         &self,
@@ -199,6 +199,7 @@ impl Engine {
         result.set_item("p_crossing", reals(|flag| flag.p_crossing))?;
         result.set_item("elements_age_days", reals(|flag| flag.elements_age_days.unwrap_or(f64::NAN)))?;
         result.set_item("late_s", reals(|flag| flag.late_s.unwrap_or(f64::NAN)))?;
+        result.set_item("streak_cost_s", reals(|flag| flag.streak_cost_s.unwrap_or(f64::NAN)))?;
         Ok((result, warnings))
     }
 
@@ -215,28 +216,31 @@ impl Engine {
     }
 
     /// Returns one row per crossing, with the columns of `streakcast passes`. `limits_mag` has one magnitude limit for
-    /// each exposure (NaN for none), used for the column `p_brighter`. Without it the limit of the policy is used; if
-    /// that has limits by band, the one for other bands.
-    #[pyo3(signature = (exposures, include_dark, samples, limits_mag=None))]
+    /// each exposure (NaN for none), used for the columns `p_brighter` and `streak_cost_s`. Without it the limit of the
+    /// policy for the band of the exposure is used.
+    #[pyo3(signature = (exposures, include_dark, samples, bands, limits_mag=None))]
     fn passes<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         include_dark: bool,
         samples: usize,
+        bands: Vec<String>,
         limits_mag: Option<Vec<f64>>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
         let exposures = exposures.to_exposures(py)?;
+        let bands: Vec<Option<String>> = rows(exposures.clone(), &bands)?.into_iter().map(|row| row.band).collect();
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
             return Err(failure::request(format!("samples is {samples}; allowed: 0 to {most}")));
         }
         let limits_mag = limits_mag.or_else(|| {
-            let limit_mag = self.policy.limit_mag.as_ref()?.of(None)?;
-            Some(vec![limit_mag; exposures.len()])
+            let of_band = |band: &Option<String>| self.policy.limit_mag_in(band.as_deref()).unwrap_or(f64::NAN);
+            let limits_mag: Vec<f64> = bands.iter().map(of_band).collect();
+            limits_mag.iter().any(|limit_mag| !limit_mag.is_nan()).then_some(limits_mag)
         });
         let (table, warnings) = failure::without_lock(py, |watch| {
-            self.pass_table(&exposures, include_dark, samples, limits_mag.as_deref(), watch)
+            self.pass_table(&exposures, include_dark, samples, &bands, limits_mag.as_deref(), watch)
         })?;
         Ok((columns(py, &table)?, warnings))
     }
@@ -278,8 +282,10 @@ impl Engine {
     }
 
     /// Returns the satellites above the site at times `seconds` after a start: one row per satellite and time, with the
-    /// probability of being brighter than each value of `limits_mag`, `(n_rows, n_limits)`.
-    #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, limits_mag=Vec::new()))]
+    /// probability of being brighter than each value of `limits_mag`, `(n_rows, n_limits)`, and of leaving a bright
+    /// streak in exposures in `band`.
+    #[allow(clippy::too_many_arguments)]
+    #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, limits_mag=Vec::new(), band=None))]
     fn overhead<'py>(
         &self,
         py: Python<'py>,
@@ -290,6 +296,7 @@ impl Engine {
         include_dark: bool,
         light: bool,
         limits_mag: Vec<f64>,
+        band: Option<&str>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         let start = start_of(0, jd1, jd2)?;
         for (index, limit_mag) in limits_mag.iter().enumerate() {
@@ -303,8 +310,9 @@ impl Engine {
             whole_tracks: false,
             photometry: None,
         };
+        let of_light = LightRequest { is_computed: light, limits_mag: &limits_mag, band };
         let (rows, warnings) =
-            failure::without_lock(py, |watch| self.sky_rows(start, &seconds, &options, light, &limits_mag, watch))?;
+            failure::without_lock(py, |watch| self.sky_rows(start, &seconds, &options, &of_light, watch))?;
         let result = PyDict::new(py);
         let reals = |column: Vec<f64>| -> Bound<'py, PyArray1<f64>> { column.into_pyarray(py) };
         result.set_item("moment", rows.moment.into_pyarray(py))?;
@@ -316,6 +324,7 @@ impl Engine {
         let n_rows = rows.magnitude.len();
         result.set_item("magnitude", reals(rows.magnitude))?;
         result.set_item("p_brighter", reals(rows.p_brighter).reshape([n_rows, limits_mag.len()])?)?;
+        result.set_item("q_bright", reals(rows.q_bright))?;
         Ok((result, warnings))
     }
 }
@@ -333,6 +342,16 @@ struct SkyRows {
     magnitude: Vec<f64>,
     /// Probability of being brighter than each limit, one value per limit and row.
     p_brighter: Vec<f64>,
+    /// Probability of a bright streak; NaN without a telescope or without brightness.
+    q_bright: Vec<f64>,
+}
+
+/// Brightness of satellites over a site.
+struct LightRequest<'a> {
+    is_computed: bool,
+    limits_mag: &'a [f64],
+    /// Band of the exposures.
+    band: Option<&'a str>,
 }
 
 impl Engine {
@@ -341,8 +360,7 @@ impl Engine {
         start: Epoch,
         seconds: &[f64],
         options: &SnapshotOptions,
-        light: bool,
-        limits_mag: &[f64],
+        light: &LightRequest<'_>,
         watch: &Watch,
     ) -> PyResult<WithWarnings<SkyRows>> {
         let prepared = self.sky_cache.get().of(start, watch)?;
@@ -352,9 +370,22 @@ impl Engine {
         let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
         let lost_width = |track: &SatelliteTrack, range_km: f64| {
             let width = |telescope: &Telescope| {
-                telescope.mask_widths * telescope.width_arcsec(range_km, sky.model(track.element_index).size_m())
+                telescope.mask_width_arcsec(telescope.width_arcsec(range_km, sky.model(track.element_index).size_m()))
             };
             self.telescope.as_ref().map_or(f64::NAN, width)
+        };
+        let telescope = self.telescope.as_ref().filter(|_| light.is_computed);
+        let bright_streaks = telescope.map(|telescope| BrightStreaks::new(telescope, sky, light.band));
+        let q_bright = |track: &SatelliteTrack, middle: &SatelliteSnapshot, brightness: Option<&Brightness>| {
+            let Some(bright_streaks) = &bright_streaks else { return f64::NAN };
+            if !middle.point.illumination.is_lit() {
+                return 0.0;
+            }
+            let prior = || sky.prior_brightness(&middle.point.geometry, &self.photometry);
+            brightness.cloned().or_else(prior).map_or(1.0, |light| {
+                let range_km = middle.point.range_km;
+                bright_streaks.probability(&light, track.element_index, range_km, middle.angular_rate_rad_s)
+            })
         };
         let mut rows = SkyRows::default();
         for track in &tracks {
@@ -362,12 +393,16 @@ impl Engine {
             let Some(middle) = track.middle() else { continue };
             let range_km = middle.point.range_km;
             let lost_width_arcsec = lost_width(track, range_km);
-            let brightness =
-                if light { sky.brightness(track.element_index, &middle.point, &self.photometry) } else { None };
+            let brightness = if light.is_computed {
+                sky.brightness(track.element_index, &middle.point, &self.photometry)
+            } else {
+                None
+            };
             let magnitude = brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
             let brighter =
                 |&limit: &f64| brightness.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit));
-            let p_brighter: Vec<f64> = limits_mag.iter().map(brighter).collect();
+            let p_brighter: Vec<f64> = light.limits_mag.iter().map(brighter).collect();
+            let q_bright = q_bright(track, middle, brightness.as_ref());
             for snapshot in &track.snapshots {
                 rows.moment.push(snapshot.time_index as i64);
                 rows.norad_id.push(i64::from(track.norad_id.0));
@@ -377,6 +412,7 @@ impl Engine {
                 rows.lost_width_arcsec.push(lost_width_arcsec);
                 rows.magnitude.push(magnitude);
                 rows.p_brighter.extend(&p_brighter);
+                rows.q_bright.push(q_bright);
             }
         }
         Ok((rows, warnings))
@@ -387,6 +423,7 @@ impl Engine {
         exposures: &[Exposure],
         include_dark: bool,
         samples: usize,
+        bands: &[Option<String>],
         limits_mag: Option<&[f64]>,
         watch: &Watch,
     ) -> PyResult<WithWarnings<Table>> {
@@ -414,16 +451,19 @@ impl Engine {
         let rows: Vec<StreakRow<'_>> = found
             .iter()
             .flat_map(|(index, prepared, passes)| {
-                passes.iter().map(|pass| StreakRow {
-                    exposure: &exposures[*index],
+                let exposure = &exposures[*index];
+                let (request, band) = (self.request(field, prepared), bands[*index].as_deref());
+                let limit_mag =
+                    limits_mag.and_then(|limits| limits.get(*index).copied()).filter(|limit| !limit.is_nan());
+                passes.iter().map(move |pass| StreakRow {
+                    exposure,
                     pass,
                     elements: &prepared.sky.elements()[pass.element_index],
                     satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
                     telescope: self.telescope.as_ref(),
                     photometry: &self.photometry,
-                    limit_mag: limits_mag
-                        .and_then(|limits| limits.get(*index).copied())
-                        .filter(|limit| !limit.is_nan()),
+                    limit_mag,
+                    streak_cost_s: request.pass_cost_s(exposure, pass, band, limit_mag),
                 })
             })
             .collect();
@@ -455,7 +495,7 @@ impl Engine {
         let times: Vec<(Exposure, Option<String>)> =
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
         let bands = times.iter().map(|(_, band)| band.as_deref()).collect();
-        let (mut found, mut warnings) = (Vec::new(), policy.band_warnings(&bands, self.telescope.as_ref()));
+        let (mut found, mut warnings) = (Vec::new(), policy.band_warning(&bands).into_iter().collect::<Vec<_>>());
         for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start), watch)? {
             let conditions = FlagRequest { policy: &policy, ..self.request(field, &prepared) };
             let Limits { min_altitude_rad, max_sun_altitude_rad, .. } = *limits;

@@ -144,8 +144,10 @@ def test_masked_times(model):
         ({"sun_distance": 1}, "sun_distance is 1; allowed: True, False"),
         ({"observer_norad": 1.5}, "observer_norad is 1.5; allowed: a whole number"),
         ({"mjd_scale": 1}, "mjd_scale is 1; allowed: a string"),
-        ({"policy": {"max_lost_fraction": 2.0}}, "above 0, at most 1"),
-        ({"policy": {"max_lost_fraction": 0.1}}, "missing telescope"),
+        ({"policy": {"max_cost_s": -2.0}}, "above 0, at most 86400 s"),
+        ({"policy": {"max_cost_s": 0.1}}, "missing telescope"),
+        ({"bright_share": 0.3}, "missing telescope"),
+        ({"telescope": "rubin", "bright_share": -0.3}, "0 to 100"),
         ({"policy": "/nowhere/policy.toml"}, "/nowhere/policy.toml"),
         ({"models": {"files": ["/nowhere/model.json"]}}, "/nowhere/model.json"),
         ({"models": {"generations": {"oneweb": "nothing"}}}, "nothing"),
@@ -174,7 +176,7 @@ def test_numpy_numbers_are_accepted():
 
 
 def test_the_limits_of_a_telescope_are_accepted_in_a_policy():
-    streakcast.StreakModel(**GOOD, telescope="rubin", policy={"saturation_mag": "telescope", "crosstalk_mag": "telescope"})
+    streakcast.StreakModel(**GOOD, telescope="rubin", policy={"max_cost_s": 2.0}, bright_share=0.3)
 
 
 def test_unknown_arguments():

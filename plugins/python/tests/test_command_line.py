@@ -74,6 +74,7 @@ def test_verif_flags(model, command_line):
         for ours_name, name in [
             ("brightest_mag", "brightest_mag"),
             ("lost_fraction", "expected_lost_pixel_fraction"),
+            ("streak_cost_s", "streak_cost_s"),
             ("p_any", "p_any"),
             ("streak_length_deg", "streak_length_deg"),
         ]:

@@ -27,6 +27,7 @@ FLAG_COLUMNS = {
     "p_any": "REAL",
     "p_crossing": "REAL",
     "norad_ids": "TEXT",
+    "streak_cost_s": "REAL",
 }
 #: Columns of the table with one row per visit and satellite.
 PASS_COLUMNS = {
@@ -41,6 +42,7 @@ PASS_COLUMNS = {
     "width_arcsec": "REAL",
     "min_separation_deg": "REAL",
     "probability": "REAL",
+    "streak_cost_s": "REAL",
 }
 TABLES = ("streak_flags", "streaks", "streak_provenance", "observations_streaks")
 

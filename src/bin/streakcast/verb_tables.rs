@@ -17,10 +17,11 @@ use toml::{Table, Value};
 
 /// Questions that several keys answer: a key of the first list is omitted if a flag of the second is given. A flag also
 /// replaces the keys with which it conflicts.
-const QUESTIONS: [(&[&str], &[&str]); 6] = [
+const QUESTIONS: [(&[&str], &[&str]); 7] = [
     (&["elements", "shells"], &["elements", "shells"]),
     (SITE, SITE),
     (&["fov", "field"], &["fov", "field", "telescope"]),
+    (&["bright_share"], &["telescope"]),
     (&["limit_mag", "min_probability", "blocking", "max_delay"], &["policy"]),
     (&["target", "ra", "dec"], &["target", "ra", "dec"]),
     (&["quiet", "verbose"], &["quiet", "verbose"]),

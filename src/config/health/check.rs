@@ -152,7 +152,7 @@ mod tests {
         }
         let policy = all.findings.iter().find(|one| one.subject == "policy").unwrap();
         assert_eq!((policy.severity, policy.finding.as_str()), (Severity::Fine, "blocking avoid, limit_mag 7.0"));
-        let all = health("policy = { saturation_mag = 'telescope' }", "2026-11-25T00:00:00Z");
+        let all = health("policy = { max_cost_s = 1 }", "2026-11-25T00:00:00Z");
         assert_eq!(severity(&all, "policy"), Severity::Error, "{:?}", all.findings);
     }
 

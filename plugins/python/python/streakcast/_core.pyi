@@ -57,6 +57,7 @@ class Judged(TypedDict):
     p_crossing: FloatArray
     elements_age_days: FloatArray
     late_s: FloatArray
+    streak_cost_s: FloatArray
 
 class Windows(TypedDict):
     target: _Integers
@@ -72,6 +73,7 @@ class OverheadRows(TypedDict):
     lost_width_arcsec: FloatArray
     magnitude: FloatArray
     p_brighter: FloatArray
+    q_bright: FloatArray
 
 class Forecasted(TypedDict):
     passes: list[Column]

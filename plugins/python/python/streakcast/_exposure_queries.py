@@ -112,7 +112,7 @@ class ExposureQueries(SiteQueries):
             ``exposure_id`` (flat index of the exposure), ``verdict``, ``n_streaks``, ``brightest_mag``,
             ``expected_lost_pixel_fraction``, ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``,
             ``delay_s``, ``norad_ids``, ``p_crossing``, ``next_acceptable_start_utc``, ``acceptable_delay_s``,
-            ``elements_age_days``, ``late_s``.
+            ``elements_age_days``, ``late_s``, ``streak_cost_s``.
         """
         exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
@@ -162,6 +162,7 @@ class ExposureQueries(SiteQueries):
         include_dark: bool = False,
         samples: int = 0,
         limit_mag: FloatArrayLike | None = None,
+        band: TextLike | None = None,
         scale: str | None = None,
         output: Output = "auto",
     ) -> Table:
@@ -169,7 +170,7 @@ class ExposureQueries(SiteQueries):
 
         Parameters
         ----------
-        target, start, exposure, rotation, scale
+        target, start, exposure, rotation, band, scale
             As for `assess`.
         include_dark : bool
             Whether crossings entirely in the Earth's shadow are included.
@@ -177,8 +178,7 @@ class ExposureQueries(SiteQueries):
             Number of points along each track, in a column ``samples`` of dictionaries.
         limit_mag : float, array or `~astropy.units.Quantity`, optional
             Magnitude limit, one for all exposures or one for each (NaN for none). It adds the column ``p_brighter``,
-            the probability that the satellite is brighter at its peak. Default: the model's ``limit_mag``, without
-            limits by band.
+            the probability that the satellite is brighter at its peak. Default: the model's ``limit_mag`` for the band.
         output : {"auto", "qtable", "dict"}
             As for `flags`.
 
@@ -186,12 +186,13 @@ class ExposureQueries(SiteQueries):
         -------
         QTable or dict of arrays, ``(n_passes,)`` each
             ``exposure_id`` is the flat index of the exposure; magnitudes with sigma and source, entry and exit, length,
-            width, surface brightness, probability, age of the element set, chords, and the lit parts of the chords.
+            width, surface brightness, probability, age of the element set, chords, the lit parts of the chords, and the
+            cost of each streak in seconds of open shutter.
         """
-        exposures, _, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         limits = None if limit_mag is None else _limits(limit_mag, shape)
         sky_cache, engine = self._open()
-        columns, warnings = engine.passes(exposures, bool(include_dark), count(samples, "samples", 0), limits)
+        columns, warnings = engine.passes(exposures, bool(include_dark), count(samples, "samples", 0), bands, limits)
         self._warn_once(sky_cache, warnings)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 

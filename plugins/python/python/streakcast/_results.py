@@ -44,8 +44,8 @@ class Assessment(NamedTuple):
     p_any: FloatOrArray
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
     streak_length_deg: FloatOrArray
-    #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
-    #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s), or more than 10 % of
+    #: Whether ``p_any``, ``p_crossing``, ``lost_fraction`` and ``streak_cost_s`` are lower limits: for a satellite, more than
+    #: 10 % of the possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s), or more than 10 % of
     #: the satellites are of unknown position.
     p_any_is_lower_limit: BoolOrArray = False
     #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid or unknown.
@@ -55,6 +55,9 @@ class Assessment(NamedTuple):
     #: Lateness of these satellites, seconds: the median of the half widths that contain 68 % of the delays; NaN where
     #: it is unknown.
     late_s: FloatOrArray = float("nan")
+    #: Expected cost of the streaks, seconds of open shutter, including near misses with their probability; NaN without a
+    #: telescope, and where invalid or unknown.
+    streak_cost_s: FloatOrArray = float("nan")
 
     @property
     def avoid(self) -> BoolOrArray:
@@ -103,6 +106,9 @@ class Overhead(NamedTuple):
     magnitude: FloatArray
     #: Probability of being brighter than each value of ``limit_mag``, ``(n_rows, n_limits)``; 0 without a magnitude.
     p_brighter: FloatArray
+    #: Probability that the streak is brighter per pixel than that of a satellite of the telescope's ``bright_mag`` at 550
+    #: km, for the cost of streaks; 0 in the umbra, NaN without a telescope and with ``light=False``.
+    q_bright: FloatArray
 
 
 class Forecast(NamedTuple):

@@ -29,7 +29,7 @@ _KINDS: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("mpc", "band", "mag_system", "blocking", "drag", "shadow", "mjd_scale"), ((str,), "a string")),
     **dict.fromkeys(("accept_bad_checksums", "earthshine", "sun_distance"), ((bool,), "True, False")),
     **dict.fromkeys(("lat", "lon", "height", "limb_height_km"), ((int, float), "a number")),
-    **dict.fromkeys(("extinction", "min_probability"), ((int, float), "a number")),
+    **dict.fromkeys(("extinction", "min_probability", "bright_share"), ((int, float), "a number")),
     "observer_norad": ((int,), "a whole number"),
     "limit_mag": ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),
     "site": ((str, dict), "a name, an EarthLocation, or {'latitude_deg': ..., 'longitude_deg': ..., 'height_m': ...}"),

@@ -163,6 +163,7 @@ class SiteQueries(ModelState):
         include_dark: bool = False,
         light: bool = True,
         limit_mag: FloatArrayLike = (),
+        band: str | None = None,
         scale: str | None = None,
     ) -> Overhead:
         """Returns all satellites above the site at one or several times, for example for sky maps.
@@ -181,6 +182,8 @@ class SiteQueries(ModelState):
             Whether magnitudes are computed; for models made of panels this takes some microseconds per satellite.
         limit_mag : float, array or `~astropy.units.Quantity`, ``(n_limits,)``
             Magnitude limits for the probabilities ``p_brighter``; they require ``light``.
+        band : str, optional
+            Band of the exposures, which selects the ``bright_mag`` of the telescope for ``q_bright``.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number (MJD) in ``start``.
 
@@ -210,7 +213,7 @@ class SiteQueries(ModelState):
             raise ValueError("limit_mag is given with light=False; allowed: with light=True")
         sky_cache, engine = self._open()
         result, warnings = engine.overhead(
-            jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light), limits
+            jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light), limits, band
         )
         self._warn_once(sky_cache, warnings)
         return Overhead(**result)

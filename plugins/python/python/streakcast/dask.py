@@ -74,7 +74,7 @@ def annotate(
     list of Path
         Files of the nights in time order. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
         ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``,
-        ``p_crossing``, ``elements_age_days`` and ``late_s``; `read` returns all nights in one table.
+        ``p_crossing``, ``elements_age_days``, ``late_s`` and ``streak_cost_s``; `read` returns all nights in one table.
 
     Raises
     ------

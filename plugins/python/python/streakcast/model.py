@@ -70,9 +70,7 @@ class StreakModel(MeasureQueries):
         Satellites that block a start: ``avoid`` (default), those that exceed a magnitude limit (all lit satellites if no
         limit applies); ``any``, all lit satellites.
     policy : path or dict, optional
-        All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, blocking,
-        margin_s, max_delay_s``. ``saturation_mag`` and ``crosstalk_mag`` can be ``"telescope"``: the limits of the
-        telescope.
+        All limits: ``limit_mag, max_cost_s, min_probability, blocking, margin_s, max_delay_s``.
     mjd_scale : {"utc", "tai", "tt"}, optional
         Time scale of numbers given as times. Without it they raise `TypeError`.
     epoch : time, optional
@@ -91,6 +89,8 @@ class StreakModel(MeasureQueries):
         - ``mpc``: observatory code, ``"X05"``; or ``lat``, ``lon`` (degrees, east positive) and ``height`` (metres
           above the ellipsoid, default 0), instead of ``site``.
         - ``band``: band of the magnitudes, one of ``B V R I u g r i z y G`` (default ``"V"``).
+        - ``bright_share``: share of an exposure that is lost to a bright streak across the whole field, 0 to 100 (default:
+          that of the telescope, 0.08 if its file has none), for ``streak_cost_s``.
         - ``mag_system``: ``"Vega"`` or ``"AB"`` (default: the usual one of the band).
         - ``earthshine``: whether models made of panels include earthshine (default `True`).
         - ``extinction``: magnitudes per airmass, 0 to 5 (default: magnitudes outside the atmosphere).

@@ -238,6 +238,7 @@ class _ExposureOptions(_MagnitudeOptions, total=False):
     extinction: FloatLike | None
     sun_distance: bool | None
     min_probability: float | None
+    bright_share: float | None
     max_delay: str | Quantity | None
 
 

@@ -56,6 +56,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("delay_s", "wait for clear s", 1),
     rounded("elements_age_days", "age d", 1),
     rounded("late_s", "late s", 1),
+    rounded("streak_cost_s", "cost s", 2),
     shown("reasons", "reasons"),
     rounded("start_utc", "start (UTC)", 0),
     rounded("duration_s", "exposure s", 1),

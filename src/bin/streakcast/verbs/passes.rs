@@ -3,10 +3,9 @@
 use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, ExposureConfig, PreparedSky, RulesConfig, state_scales};
+use streakcast::config::{Config, ExposureConfig, ObservationPlan, PreparedSky, RulesConfig, state_scales};
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
-use streakcast::images::Telescope;
 use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
 use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
@@ -58,6 +57,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
     rounded("probability", "P", 2),
     rounded("p_brighter", "P brighter", 2),
+    rounded("streak_cost_s", "cost s", 2),
 ];
 
 pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
@@ -101,7 +101,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
 /// Passes of one exposure.
 pub struct Prediction {
     pub exposure: Exposure,
-    pub telescope: Option<Telescope>,
+    pub plan: ObservationPlan,
     pub options: PassOptions,
     /// Magnitude limit in the band of the prediction.
     pub limit_mag: Option<f64>,
@@ -134,7 +134,7 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
     let band = options.photometry.band.name();
     let limit_mag = plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(Some(band)));
-    Ok(Prediction { exposure, telescope: plan.telescope, options, limit_mag, prepared, crossings, notices })
+    Ok(Prediction { exposure, plan, options, limit_mag, prepared, crossings, notices })
 }
 
 impl Prediction {
@@ -145,14 +145,17 @@ impl Prediction {
 
     /// Returns the passes as a table; with nested tables if `is_nested`.
     pub fn table(&self, is_nested: bool) -> Table {
+        let request = self.plan.request(&self.prepared.sky);
+        let band = self.options.photometry.band.name();
         let rows = self.found().iter().map(|pass| StreakRow {
             exposure: &self.exposure,
             pass,
             elements: &self.prepared.sky.elements()[pass.element_index],
             satellite_size_m: self.prepared.sky.model(pass.element_index).size_m(),
-            telescope: self.telescope.as_ref(),
+            telescope: self.plan.telescope.as_ref(),
             photometry: &self.options.photometry,
             limit_mag: self.limit_mag,
+            streak_cost_s: request.pass_cost_s(&self.exposure, pass, Some(band), self.limit_mag),
         });
         let columns = StreakColumns {
             p_brighter: self.limit_mag.is_some(),

@@ -6,7 +6,6 @@ use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
-use streakcast::images::Telescope;
 use streakcast::message::Quoted;
 use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::schedule::{
@@ -95,7 +94,7 @@ impl PreparedSchedule {
             }
             None => invalid_rows(schedule, take)?,
         };
-        notices.warn(&schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref()));
+        notices.warn(&schedule_warnings(schedule, &plan.policy));
         summary(notices, &totals, schedule, &self.path);
         Ok(totals)
     }
@@ -116,11 +115,12 @@ impl PreparedSchedule {
         let columns = StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() };
         let Some((prepared, _)) = &self.sky else { return streak_table(std::iter::empty(), columns) };
         let sky = &prepared.sky;
+        let request = self.plan.request(sky);
         let judged = self.schedule.exposures.iter().zip(flags).filter_map(|(row, flag)| {
             let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
-            row.exposure.as_ref().ok().map(|exposure| (exposure, limit_mag, &flag.passes))
+            row.exposure.as_ref().ok().map(|exposure| (exposure, row.band.as_deref(), limit_mag, &flag.passes))
         });
-        let rows = judged.flat_map(|(exposure, limit_mag, passes)| {
+        let rows = judged.flat_map(|(exposure, band, limit_mag, passes)| {
             passes.iter().map(move |pass| StreakRow {
                 exposure,
                 pass,
@@ -129,6 +129,7 @@ impl PreparedSchedule {
                 telescope: telescope.as_ref(),
                 photometry,
                 limit_mag,
+                streak_cost_s: request.pass_cost_s(exposure, pass, band, limit_mag),
             })
         });
         streak_table(rows, columns)
@@ -177,7 +178,7 @@ pub fn flag_rows(
 }
 
 /// Returns warnings about the schedule.
-pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Telescope>) -> Vec<String> {
+pub fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
     let mut warnings = Vec::new();
     if schedule.format == ScheduleFormat::Opsim && schedule.time_scale != TimeScale::UTC {
         warnings.push(format!(
@@ -198,7 +199,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
             "{exposures} the exposure_id of an earlier one, so that it does not identify the exposure of a streak"
         ));
     }
-    warnings.extend(policy.band_warnings(&schedule.bands(), telescope));
+    warnings.extend(policy.band_warning(&schedule.bands()));
     warnings
 }
 

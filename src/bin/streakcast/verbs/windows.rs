@@ -123,8 +123,8 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     }
     let (from, to) = time_range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &config)?;
     let plan = config.observation()?;
-    if plan.policy.max_lost_fraction.is_some() {
-        return Err(anyhow!("the policy has max_lost_fraction, which windows does not support; remove this key"));
+    if plan.policy.max_cost_s.is_some() {
+        return Err(anyhow!("the policy has max_cost_s, which windows does not support; remove this key"));
     }
     let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;
     let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
@@ -150,7 +150,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };
     let bands = targets.iter().map(|target| target.band.as_deref()).collect();
-    notices.warn(&plan.policy.band_warnings(&bands, plan.telescope.as_ref()));
+    notices.warn(plan.policy.band_warning(&bands).as_slice());
     let report = clear_windows(&targets, from, to, &request)?;
     notices.warn_left_out(&prepared, &report.left_out, from)?;
     if let Some(site) = prepared.sky.viewpoint().site() {

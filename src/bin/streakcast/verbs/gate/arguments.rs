@@ -259,8 +259,8 @@ impl Request {
             return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
         }
         let mut policy = config.policy()?;
-        if policy.max_lost_fraction.is_some() {
-            return Err(anyhow!("the policy has max_lost_fraction, which gate does not support; remove this key"));
+        if policy.max_cost_s.is_some() {
+            return Err(anyhow!("the policy has max_cost_s, which gate does not support; remove this key"));
         }
         policy.margin_s = flags.margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
         policy.validate()?;

@@ -288,9 +288,9 @@ fn verdict(
     let prepared = prepare(flags, request, &site, step, status, notices)?;
     let now = flags.clock.now();
     step.begin("computing the crossings");
-    let (policy, telescope) = (&request.plan.policy, request.plan.telescope.as_ref());
-    notices.warn(&policy.band_warnings(&BTreeSet::from([band.as_deref()]), telescope));
-    let is_limited = policy.blocking == Blocking::Avoid && policy.limits_band(band.as_deref(), telescope);
+    let policy = &request.plan.policy;
+    notices.warn(policy.band_warning(&BTreeSet::from([band.as_deref()])).as_slice());
+    let is_limited = policy.blocking == Blocking::Avoid && policy.limit_mag_in(band.as_deref()).is_some();
     let window_request = WindowRequest {
         conditions: request.plan.request(&prepared.sky),
         min_altitude_rad: 0.0,

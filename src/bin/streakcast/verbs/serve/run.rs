@@ -12,7 +12,7 @@ use streakcast::config::{Config, ObservationPlan, state_scales};
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::photometry::Band;
-use streakcast::schedule::{FlagTotals, MagnitudeLimit, Policy, Schedule, ScheduledExposure};
+use streakcast::schedule::{FlagTotals, MagnitudeLimit, Schedule, ScheduledExposure};
 
 use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
@@ -112,7 +112,7 @@ fn load(
     let scale = schedule.map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
     state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
     if let Some((path, schedule)) = schedule {
-        let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy, plan.telescope.as_ref());
+        let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy);
         notices.warn(&of_schedule);
         warnings.extend(of_schedule);
         schedule_verdicts::summary(notices, &totals, schedule, path);
@@ -151,15 +151,14 @@ fn load(
 
 /// Returns the bands that an exposure may have: those of magnitudes, of the limits and of the schedule.
 fn bands_of(exposures: &[ScheduledExposure], plan: &ObservationPlan) -> BTreeSet<String> {
-    let Policy { limit_mag, saturation_mag, crosstalk_mag, .. } = &plan.policy;
-    let of_limits = [limit_mag, saturation_mag, crosstalk_mag].into_iter().flatten().flat_map(|limit| match limit {
+    let of_limits = [plan.policy.limit_mag.as_ref(), plan.telescope.as_ref().map(|telescope| &telescope.bright_mag)];
+    let of_limits = of_limits.into_iter().flatten().flat_map(|limit| match limit {
         MagnitudeLimit::PerBand(limits) => limits.keys().filter(|band| *band != "default").cloned().collect(),
-        MagnitudeLimit::All(_) | MagnitudeLimit::OfTelescope(_) => Vec::new(),
+        MagnitudeLimit::All(_) => Vec::new(),
     });
-    let of_telescope = plan.telescope.iter().flat_map(|telescope| telescope.limits.keys().cloned());
     let of_schedule = exposures.iter().filter_map(|row| row.band.clone());
     let all = Band::ALL.into_iter().map(|band| band.name().to_owned());
-    all.chain(of_limits).chain(of_telescope).chain(of_schedule).collect()
+    all.chain(of_limits).chain(of_schedule).collect()
 }
 
 /// Returns the schedule of a file, with its path.

@@ -119,6 +119,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
             telescope: state.plan.telescope.as_ref(),
             photometry: &state.plan.photometry,
             limit_mag,
+            streak_cost_s: request.pass_cost_s(&exposure, pass, row.band.as_deref(), limit_mag),
         }),
         StreakColumns { p_brighter: limit_mag.is_some(), chords: true, samples: samples > 0 },
     );

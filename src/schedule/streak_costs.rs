@@ -1,0 +1,184 @@
+//! Expected losses of exposures to the satellites that may cross them.
+
+use hifitime::Epoch;
+
+use crate::images::{ARCSEC_PER_RAD, PossibleStreak, StreakCost, Telescope};
+use crate::passes::{CrossingProbability, Exposure, Pass, Sky};
+use crate::photometry::Brightness;
+
+use super::report::FlagRequest;
+use super::verdict_rules::{ExpectedLoss, peak_brightness};
+
+/// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.
+pub(super) fn expected_of(
+    satellites: &[CrossingProbability],
+    exposure: &Exposure,
+    band: Option<&str>,
+    passes: &[Pass],
+    request: &FlagRequest<'_>,
+) -> ExpectedLoss {
+    let limit_mag = request.policy.limit_mag_in(band);
+    if limit_mag.is_none() && request.telescope.is_none() {
+        return ExpectedLoss::of(satellites, &[]);
+    }
+    let lights: Vec<Light<'_>> = satellites.iter().map(|one| Light::of(one, exposure.start, passes, request)).collect();
+    let brighter: Vec<f64> = limit_mag
+        .map(|limit_mag| lights.iter().map(|light| light.probability_brighter_than(limit_mag)).collect())
+        .unwrap_or_default();
+    let expected = ExpectedLoss::of(satellites, &brighter);
+    let Some(telescope) = request.telescope else { return expected };
+    let area_deg2 = request.field.area_deg2();
+    let cost = StreakCost::new(telescope, area_deg2);
+    let bright = BrightStreaks::new(telescope, request.sky, band);
+    let (mut lost, mut shares) = (0.0, 0.0);
+    for (one, light) in satellites.iter().zip(&lights) {
+        let width_arcsec = telescope.width_arcsec(one.geometry.range_km, request.sky.model(one.element_index).size_m());
+        let expected_length_deg = one.streak_length_rad.to_degrees();
+        lost += telescope.lost_pixel_fraction(expected_length_deg, width_arcsec, area_deg2);
+        let brightness = light.or_prior(one, exposure.start, request);
+        let CrossingProbability { element_index, geometry, angular_rate_rad_s, .. } = *one;
+        shares += cost.expected_share(&PossibleStreak {
+            probability: one.probability,
+            expected_length_deg,
+            width_arcsec,
+            p_bright: of_known(brightness.as_ref(), |light| {
+                bright.probability(light, element_index, geometry.range_km, angular_rate_rad_s)
+            }),
+            p_above_limit: p_above(brightness.as_ref(), limit_mag),
+        });
+    }
+    ExpectedLoss {
+        lost_pixel_fraction: Some(lost.min(1.0)),
+        streak_cost_s: Some(cost.seconds(exposure.duration_s, shares)),
+        ..expected
+    }
+}
+
+impl FlagRequest<'_> {
+    /// Returns the expected cost of one pass, seconds of open shutter; `None` without a telescope.
+    ///
+    /// The streak of a crossing has the length of the nominal streak, that of a near miss the mean length of chords
+    /// through the field. `limit_mag` is the hard limit of the exposure, instead of that of the policy.
+    pub fn pass_cost_s(
+        &self,
+        exposure: &Exposure,
+        pass: &Pass,
+        band: Option<&str>,
+        limit_mag: Option<f64>,
+    ) -> Option<f64> {
+        let telescope = self.telescope?;
+        if !pass.lit {
+            return Some(0.0);
+        }
+        let cost = StreakCost::new(telescope, self.field.area_deg2());
+        let length_deg = if pass.is_crossing() {
+            pass.streak_length_rad.to_degrees()
+        } else {
+            // The mean length of the chords of a circle is π/4 times its diameter.
+            let mean_chord_deg = std::f64::consts::FRAC_PI_4 * cost.field_diameter_deg();
+            mean_chord_deg.min(pass.angular_rate_rad_s.to_degrees() * exposure.duration_s)
+        };
+        let prior = || self.sky.prior_brightness(&pass.mid.geometry, self.photometry);
+        let brightness = peak_brightness(pass).cloned().or_else(prior);
+        let bright = BrightStreaks::new(telescope, self.sky, band);
+        let range_km = pass.mid.range_km;
+        let share = cost.expected_share(&PossibleStreak {
+            probability: pass.probability,
+            expected_length_deg: pass.probability * length_deg,
+            width_arcsec: telescope.width_arcsec(range_km, self.sky.model(pass.element_index).size_m()),
+            p_bright: of_known(brightness.as_ref(), |light| {
+                bright.probability(light, pass.element_index, range_km, pass.angular_rate_rad_s)
+            }),
+            p_above_limit: p_above(brightness.as_ref(), limit_mag),
+        });
+        Some(cost.seconds(exposure.duration_s, share))
+    }
+}
+
+/// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure selects
+/// the value, which is compared with magnitudes in the band of the prediction.
+#[derive(Copy, Clone, Debug)]
+pub struct BrightStreaks<'a> {
+    telescope: &'a Telescope,
+    sky: &'a Sky,
+    bright_mag: f64,
+}
+
+impl<'a> BrightStreaks<'a> {
+    /// Creates the comparison for exposures in a band.
+    pub fn new(telescope: &'a Telescope, sky: &'a Sky, band: Option<&str>) -> Self {
+        Self { telescope, sky, bright_mag: telescope.bright_mag_in(band) }
+    }
+
+    /// Returns the probability that the streak of a satellite is brighter per pixel than that of a satellite of
+    /// `bright_mag` at 550 km.
+    pub fn probability(
+        &self,
+        brightness: &Brightness,
+        element_index: usize,
+        range_km: f64,
+        angular_rate_rad_s: f64,
+    ) -> f64 {
+        let magnitude = brightness.magnitude.0;
+        let rate_arcsec_s = angular_rate_rad_s * ARCSEC_PER_RAD;
+        let size_m = self.sky.model(element_index).size_m();
+        let equivalent_mag = self.telescope.equivalent_mag_at_550_km(magnitude, range_km, rate_arcsec_s, size_m);
+        // The apparent magnitude at which the equivalent magnitude is `bright_mag`.
+        brightness.probability_brighter_than(self.bright_mag + magnitude - equivalent_mag)
+    }
+}
+
+/// Returns the probability that a satellite is brighter than a hard limit; 0 without one.
+fn p_above(brightness: Option<&Brightness>, limit_mag: Option<f64>) -> f64 {
+    limit_mag.map_or(0.0, |limit_mag| of_known(brightness, |light| light.probability_brighter_than(limit_mag)))
+}
+
+/// Returns a probability that depends on the brightness, and 1 if that is unknown.
+fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -> f64) -> f64 {
+    brightness.map_or(1.0, probability)
+}
+
+/// Brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss without a pass,
+/// at the point of its track nearest to the field centre.
+enum Light<'a> {
+    OfPass(&'a Brightness),
+    Nearest(Brightness),
+    /// The model gives no light, or the satellite is in the Earth's shadow at the nearest point.
+    Unknown,
+}
+
+impl<'a> Light<'a> {
+    fn of(one: &CrossingProbability, epoch: Epoch, passes: &'a [Pass], request: &FlagRequest<'_>) -> Self {
+        let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
+        if let Some(brightness) = pass.and_then(peak_brightness) {
+            return Self::OfPass(brightness);
+        }
+        let CrossingProbability { element_index, geometry, lit_fraction, .. } = *one;
+        request
+            .sky
+            .brightness_in(element_index, epoch, &geometry, lit_fraction, request.photometry)
+            .map_or(Self::Unknown, Self::Nearest)
+    }
+
+    fn get(&self) -> Option<&Brightness> {
+        match self {
+            Self::OfPass(brightness) => Some(brightness),
+            Self::Nearest(brightness) => Some(brightness),
+            Self::Unknown => None,
+        }
+    }
+
+    /// Returns the probability of being brighter than an apparent magnitude; 0 for unknown brightness.
+    fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
+        self.get().map_or(0.0, |brightness| brightness.probability_brighter_than(limit_mag))
+    }
+
+    /// Returns the brightness. If it is unknown, that of the sunlit part of the track, or else the prior for any
+    /// satellite.
+    fn or_prior(&self, one: &CrossingProbability, epoch: Epoch, request: &FlagRequest<'_>) -> Option<Brightness> {
+        let FlagRequest { sky, photometry, .. } = request;
+        let geometry = &one.geometry;
+        let sunlit = || sky.brightness_in(one.element_index, epoch, geometry, 1.0, photometry);
+        self.get().cloned().or_else(sunlit).or_else(|| sky.prior_brightness(geometry, photometry))
+    }
+}
