@@ -30,7 +30,7 @@ const SIMILAR: f64 = 0.85;
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Config {
     /// Element sets (TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN) and ephemerides of operators (OEM, Modified ITC),
-    /// plain or gzipped
+    /// plain or gzipped, or folders of such files; sets of earlier days improve the positions of Starlinks
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub elements: Vec<PathBuf>,

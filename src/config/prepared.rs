@@ -378,6 +378,7 @@ fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Valu
     json!({
         "two_or_three_epochs": of(&[MeanMotion::TwoSets, MeanMotion::Enclosed]),
         "four_epochs": of(&[MeanMotion::FourSets]),
+        "published_drag_confirmed": of(&[MeanMotion::Coasting]),
         "rate_of_change": of(&[MeanMotion::Rate]),
         "changed_between_epochs": of(&[MeanMotion::Changed, MeanMotion::NoRate]),
         "one_epoch": of(&[MeanMotion::OneSet]),

@@ -12,6 +12,9 @@
 //! the epochs, P the period and D = |ṅ/2| P. Otherwise the satellite changed its orbit between the epochs: the prediction
 //! is that of one set, and its error distribution is wider.
 //!
+//! A satellite that does not cancel its drag had the mean motion n₀ - ṅ/2 Δ between the epochs. If n_obs agrees with it,
+//! the satellite is coasting, and the published drag is applied.
+//!
 //! With three or more sets, those about 3, 7 and 14 days from the epoch, the position along the track is fitted by a
 //! straight line: the mean motion between the epoch and each set gives the phase of the satellite at that set relative to
 //! the prediction.
@@ -47,6 +50,10 @@ const LINE_APART_DAYS: f64 = 2.0;
 const LARGEST_PHASE_S: f64 = 3.0;
 /// Largest difference between the mean motion of two epochs and that of one set, besides the published drag, s/day.
 const GATE_S_DAY: f64 = 4.0;
+/// Largest difference between the change of the mean motion and that by the published drag for a satellite that coasts,
+/// as a fraction of the latter and in s/day; both are added.
+const COASTING_FRACTION: f64 = 0.3;
+const COASTING_S_DAY: f64 = 1.0;
 /// Limits of the rate of a V1.5 that is being lowered, rev/day².
 const RATES_REV_DAY2: [f64; 2] = [1.5e-3, 1.5e-2];
 /// Smallest published ṅ/2, rev/day², and height, km, of a V1.5 that is propagated with a rate.
@@ -102,6 +109,9 @@ impl OrbitModel {
                 let four = phases == LINE_DAYS.len() && class != StarlinkClass::Parked;
                 return with(elements, if four { MeanMotion::FourSets } else { MeanMotion::TwoSets }, link.days);
             }
+        }
+        if kept.is_some() && class != StarlinkClass::DirectToCell && is_coasting(set, nearest) {
+            return with(set.clone(), MeanMotion::Coasting, nearest.days);
         }
         let is_v15 = matches!(class, StarlinkClass::V15 | StarlinkClass::MovingV15);
         if let Some(elements) = links.rate_link().filter(|_| is_v15).and_then(|link| with_rate(set, link)) {
@@ -204,6 +214,16 @@ impl Links {
         };
         (elements, phases.len())
     }
+}
+
+/// Returns true if the mean motion changed between two epochs as by the published drag.
+fn is_coasting(set: &ElementSet, link: Link) -> bool {
+    let rate = set.mean_motion_dot_rev_day2;
+    // n(t) = n₀ + 2 (ṅ/2) t, so that n_obs is n at the middle of the interval.
+    let by_drag = rate * link.days;
+    let period_s = DAY_S / set.mean_motion_rev_day;
+    let difference_s_day = (link.mean_motion_rev_day - set.mean_motion_rev_day - by_drag).abs() * period_s;
+    rate > 0.0 && difference_s_day <= COASTING_FRACTION * by_drag.abs() * period_s + COASTING_S_DAY
 }
 
 /// Returns the elements of a satellite whose mean motion changes at the rate since the epoch of an older set; `None` if

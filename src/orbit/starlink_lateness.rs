@@ -88,6 +88,7 @@ pub(super) fn lateness(
         MeanMotion::FourSets => of_four_sets(class, age),
         MeanMotion::Enclosed => of_enclosing_sets(class, age_days, baseline_days),
         MeanMotion::Changed => of_changed_orbit(class, age, drag_s_day2),
+        MeanMotion::Coasting => of_coasting(class, age, drag_s_day2),
         MeanMotion::Rate => Shape::changing(0.29_f64.hypot(0.94 * age.powi(2)), 4.4, 0.90, 6.5 * age.powf(2.28)),
         MeanMotion::NoRate => Shape::changing(FLOOR_S.hypot(age.powi(2)), 6.0, 0.42, 33.0 * age.powf(1.94)),
     };
@@ -152,6 +153,12 @@ fn of_changed_orbit(class: StarlinkClass, t: f64, d: f64) -> Shape {
         StarlinkClass::StrongDrag => Shape::changing(FLOOR_S.hypot(1.47 * t), 3.4, 0.41, 6.9 * t.powf(2.23)),
         _ => Shape::changing(FLOOR_S.hypot(0.62 * t), 3.0, 0.27, 7.0 * t.powf(1.75)),
     }
+}
+
+/// Satellites that do not cancel their drag, and may begin to.
+fn of_coasting(class: StarlinkClass, t: f64, d: f64) -> Shape {
+    let (growth, ratio, share) = if class == StarlinkClass::Parked { (0.2, 2.0, 0.08) } else { (0.3, 4.0, 0.11) };
+    Shape::changing(0.2_f64.hypot(growth * d * t.powi(2)), ratio, share, 10.0 * d * t.powi(2))
 }
 
 /// Between the two epochs the error of the mean motion cancels: the prediction agrees with both element sets.

@@ -91,6 +91,8 @@ pub enum MeanMotion {
     Enclosed,
     /// One element set: according to another one, the satellite changed its orbit between the epochs.
     Changed,
+    /// One element set with its published drag: according to another one, the satellite does not cancel its drag.
+    Coasting,
     /// A constant rate of change between the epochs of two element sets.
     Rate,
     /// One element set of a V1.5 that changes its orbit at no constant rate.
@@ -100,7 +102,7 @@ pub enum MeanMotion {
 impl MeanMotion {
     /// Returns true if the prediction differs from that of one element set.
     pub fn is_improved(self) -> bool {
-        matches!(self, Self::TwoSets | Self::FourSets | Self::Enclosed | Self::Rate)
+        matches!(self, Self::TwoSets | Self::FourSets | Self::Enclosed | Self::Coasting | Self::Rate)
     }
 }
 

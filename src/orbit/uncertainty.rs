@@ -368,8 +368,15 @@ mod tests {
 
     fn classes() -> impl Iterator<Item = OrbitClass> {
         let starlinks = StarlinkClass::ALL.into_iter().flat_map(|class| {
-            [MeanMotion::OneSet, MeanMotion::TwoSets, MeanMotion::FourSets, MeanMotion::Changed, MeanMotion::Rate]
-                .map(|motion| OrbitKind::Starlink(class, motion))
+            [
+                MeanMotion::OneSet,
+                MeanMotion::TwoSets,
+                MeanMotion::FourSets,
+                MeanMotion::Changed,
+                MeanMotion::Coasting,
+                MeanMotion::Rate,
+            ]
+            .map(|motion| OrbitKind::Starlink(class, motion))
         });
         KINDS.into_iter().chain(starlinks).flat_map(|kind| {
             [(16.4, 0.13), (15.06, -2e-5), (14.2, 0.0), (2.0, 1e-7), (1.0027, -3e-6)]

@@ -199,6 +199,25 @@ fn verif_rate_of_a_lowered_satellite() {
     assert!((gained - RATE * (9.0 - 0.72 * 3.0)).abs() < 0.03 * RATE * 9.0, "{gained}");
 }
 
+/// The mean motion increases as by the published drag: the satellite does not cancel it. Direct-to-Cell satellites do at
+/// any drag.
+#[test]
+fn verif_a_coasting_satellite_has_its_published_drag() {
+    for (name, rate, expected) in [
+        (V2_MINI, 6e-4, MeanMotion::Coasting),
+        (V2_MINI, 2.5e-4, MeanMotion::Coasting),
+        ("STARLINK-11100 [DTC]", 6e-4, MeanMotion::Changed),
+    ] {
+        let of = |set: ElementSet| ElementSet { mean_motion_dot_rev_day2: rate, bstar_per_earth_radius: 1e-3, ..set };
+        let newest = of(set(name, 0.0, 0.0));
+        let mut older = of(set(name, -7.0, -14.0 * rate));
+        older.mean_anomaly_deg = (older.mean_anomaly_deg + 360.0 * 49.0 * rate).rem_euclid(360.0);
+        let with = model(&newest, &[older], 3.0);
+        assert_eq!(motion(&with), expected, "{name} {rate}");
+        assert_eq!(with.elements == newest, expected == MeanMotion::Coasting);
+    }
+}
+
 fn text(sets: &[ElementSet]) -> String {
     let lines = sets.iter().map(|set| {
         let [line1, line2] = format_tle(set).unwrap();

@@ -4,7 +4,7 @@
 
 The data are the daily Starlink catalogues of June 2026, odd catalogue numbers only; the coefficients of
 src/orbit/station_keeping.rs and src/orbit/starlink_lateness.rs were fitted to even ones. `streakcast ephemeris` predicts
-each satellite at the epoch of a later element set, to half an hour, with four selections of older elements:
+each satellite at the epoch of a later element set, to 1.5 hours, with four selections of older elements:
 
     published    the newest set with its published drag
     one          the newest set
@@ -40,7 +40,7 @@ CLASSES = ("V1.5", "VisorSat, V2 Mini", "V2 Mini, strong drag", "Direct-to-Cell"
 # Acceptance: largest half width with 68 % at 1 and 7 days with one older set, s, and the range of the share inside, %.
 LIMITS_S = {"V1.5": (0.55, 1.7), "VisorSat, V2 Mini": (0.70, 1.6), "V2 Mini, strong drag": (1.6, 4.0), "Direct-to-Cell": (0.75, 1.4)}
 MU_KM3_S2, EARTH_RADIUS_KM = 398600.8, 6378.135
-STEP_S, BIN_HOURS = 10.0, 1
+STEP_S, BIN_HOURS = 10.0, 3
 SITE_LATITUDE_DEG, SITE_LONGITUDE_DEG = -30.2446, -70.7494
 UTC = datetime.timezone.utc
 
@@ -128,7 +128,7 @@ def lateness(start, age, catalogues):
         others = all(number in catalogues[start - days] for days in (3, 7, 14) if start - days > 0)
         if truth and others and (truth[1] - record[1]).total_seconds() > 0.2 * 86400:
             middle = truth[1] + datetime.timedelta(hours=BIN_HOURS / 2)
-            bins[middle.replace(minute=0, second=0, microsecond=0)].append(number)
+            bins[middle.replace(hour=middle.hour // BIN_HOURS * BIN_HOURS, minute=0, second=0, microsecond=0)].append(number)
     for time, numbers in bins.items():
         times = [(time + datetime.timedelta(seconds=s)).strftime("%Y-%m-%dT%H:%M:%SZ") for s in (0, STEP_S)]
         truths = predicted(numbers, [start + age], "published", times)

@@ -8,8 +8,8 @@ keeps its altitude and azimuth, and its time after sunset (before local midnight
 (after midnight, 85 min later); its right ascension increases by the difference of the sidereal times. The current
 elements of a satellite are the set closest to the middle of the night among the files of that day and the next two,
 with the published drag for all rows of the table. Elements N days older are those in the file of N days before the
-night; their epochs are up to two days older than the file. Verdicts are computed by `flag` with a field of 3.5 deg and
-a limit of V = 7 mag.
+night; their epochs are up to two days older than the file. A second file, of 7 days before these, is used in a third
+row. Verdicts are computed by `flag` with a field of 3.5 deg and a limit of V = 7 mag.
 
 "changed" is the fraction of visits with another verdict (clear, streaked, avoid). "expected" is the fraction that
 `flag` computes only from the elements of that age: the mean of p_crossing over clear visits and of 1 - p_crossing over
@@ -29,9 +29,10 @@ ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STREAKCAST_DATA") or ROOT.parent / "shared/data")
 BINARY = os.environ.get("STREAKCAST_BIN") or ROOT / "target/release/streakcast"
 AGES_DAY = (1, 3, 7)
-MODELS = ("published", "station-keeping")
+# Drag, and days from the elements of each age back to those of a second file.
+MODELS = {"published": ("published", ()), "station-keeping": ("station-keeping", ()), "station-keeping, and elements of 7 days before": ("station-keeping", (7,))}
 # The nights of the survey are moved to successive nights, of which the first ends on this day of June.
-FIRST_NIGHT = 9
+FIRST_NIGHT = 15
 MJD_2026_05_31 = 61191
 # Local midnight in days after 0 h UTC of the date of the evening, and the time shifts of the two halves of the night,
 # min.
@@ -77,7 +78,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("output")
     output = parser.parse_args().output
-    cells = {(age, drag): [0, 0, 0.0] for age in AGES_DAY for drag in MODELS}
+    cells = {(age, model): [0, 0, 0.0] for age in AGES_DAY for model in MODELS}
     total, kinds = 0, {}
     with tempfile.TemporaryDirectory() as folder:
         for night, (evening, visits) in enumerate(nights().items(), FIRST_NIGHT):
@@ -86,9 +87,10 @@ def main():
             total += len(truth)
             for verdict, _ in truth:
                 kinds[verdict] = kinds.get(verdict, 0) + 1
-            for age, drag in cells:
-                old = verdicts(visits, [elements(night - age)], drag)
-                cell = cells[age, drag]
+            for age, model in cells:
+                drag, before = MODELS[model]
+                old = verdicts(visits, [elements(night - age - days) for days in (0, *before)], drag)
+                cell = cells[age, model]
                 cell[0] += sum(a != b for (a, _), (b, _) in zip(truth, old))
                 cell[1] += sum((a == "clear") != (b == "clear") for (a, _), (b, _) in zip(truth, old))
                 cell[2] += sum(p if kind == "clear" else 1 - p for kind, p in old)
@@ -96,9 +98,9 @@ def main():
         numbers = ", ".join(f"{number:,} {verdict}" for verdict, number in kinds.items())
         file.write(f"Verdicts of the {total:,} visits with the elements of the night: {numbers}.\n\n")
         file.write("| elements older by | drag | verdict changed | changed between clear and not clear | expected |\n|---|---|---|---|---|\n")
-        for (age, drag), (changed, clear, expected) in cells.items():
+        for (age, model), (changed, clear, expected) in cells.items():
             share = lambda count: f"{100 * count / total:.1f} %"
-            file.write(f"| {age} d | {drag} | {share(changed)} ({changed}) | {share(clear)} ({clear}) | {share(expected)} |\n")
+            file.write(f"| {age} d | {model} | {share(changed)} ({changed}) | {share(clear)} ({clear}) | {share(expected)} |\n")
 
 
 if __name__ == "__main__":

@@ -48,7 +48,8 @@ class StreakModel(MeasureQueries):
         site can also be given by ``mpc="X05"`` or ``lat=, lon=, height=`` (degrees, degrees east, metres).
     elements : path or list of paths, optional
         Element sets (TLE, 3LE, or OMM in CSV, JSON, XML or KVN), and operator ephemerides (OEM, Modified ITC) of the
-        same satellites, plain or gzipped.
+        same satellites, plain or gzipped; or folders of such files. Element sets of about 3, 7 and 14 days before
+        improve the positions of Starlinks.
     shells : str or list of str, optional
         Simulated constellations by name (``"starlink-gen1"``), or paths of TOML files.
     telescope : str, path or dict, optional
