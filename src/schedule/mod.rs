@@ -6,6 +6,7 @@
 //! Rows that cannot be judged are kept, with the reason.
 
 mod annotate;
+mod best_start;
 mod error;
 mod formats;
 mod horizon;
@@ -26,6 +27,7 @@ mod windows;
 
 pub use crate::images::MagnitudeLimit;
 pub use annotate::{Annotation, annotate, check_extension};
+pub use best_start::{BestStart, best_start};
 pub use error::ScheduleError;
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitude_rad;

@@ -60,6 +60,52 @@ fn utc_seconds(text: &str) -> f64 {
     epoch.to_unix_seconds()
 }
 
+/// With a telescope and no limit the start has the least sum of wait and cost, and `flag` computes the same cost.
+#[test]
+fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
+    let folder = tempfile::tempdir().unwrap();
+    let cost_at = |start: &str, share: &str| {
+        let schedule = path(&folder, "s.csv");
+        let row = format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,{start},10,217.5,-30\n");
+        fs::write(&schedule, row).unwrap();
+        let flag = ["flag", "--schedule", &schedule, "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg"];
+        let flags = json(&[&flag, &["--telescope", "rubin", "--bright-share", share]]);
+        flags["flags"][0]["streak_cost_s"].as_f64().unwrap()
+    };
+    let mut waited = 0;
+    for share in ["0.08", "3"] {
+        for minute in [30, 45] {
+            let now = format!("2024-08-14T23:{minute}:00.000Z");
+            let by_cost: &[&str] =
+                &["--telescope", "rubin", "--bright-share", share, "--max-wait", "1min", "--now", &now];
+            let (code, stderr, status) = gate(&folder, &[POINTING, by_cost].concat());
+            assert_eq!((code, status["verdict"].as_str()), (0, Some("start")), "{stderr}");
+            assert_eq!(status["blocking"], "cost");
+            let number = |key: &str| status[key].as_f64().unwrap();
+            let (cost_s, wait_s, now_s) = (number("streak_cost_s"), number("waited_s"), number("scheduled_cost_s"));
+            let start = status["start_utc"].as_str().unwrap();
+            assert!((cost_at(&now, share) - now_s).abs() < 2e-3 && (cost_at(start, share) - cost_s).abs() < 0.05);
+            assert!(cost_s + wait_s <= now_s + 1e-3, "{stderr}");
+            // No other start is better by more than the interval between the starts that are compared.
+            for tenth in 1..=9 {
+                let later_s = 0.1 * f64::from(tenth) * now_s.min(60.0);
+                let epoch = streakcast::frames::parse_instant(&now, None).unwrap();
+                let later = streakcast::output::format_utc(streakcast::frames::seconds_after(epoch, later_s), 3);
+                assert!(cost_at(&later, share) + later_s > cost_s + wait_s - now_s / 60.0 - 0.01, "{later}");
+            }
+            waited += usize::from(wait_s > 0.0);
+        }
+    }
+    assert!(waited > 0, "no wait is worth its time");
+    // A limit or `any` selects the satellites that block, as without a telescope.
+    for more in [&["--limit-mag", "7"][..], &["--blocking", "any"]] {
+        let (_, stderr, status) = gate(&folder, &[POINTING, &["--telescope", "rubin", "--now", NOW], more].concat());
+        assert!(["clear", "not_clear"].contains(&status["verdict"].as_str().unwrap()), "{stderr}");
+    }
+    let below = ["--ra", "217.5", "--dec=80", "--telescope", "rubin", "--now", NOW];
+    assert_eq!(gate(&folder, &below).2["fault"], "target");
+}
+
 #[test]
 fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-"""Clear starts and lost pixels of exposures with one duration, for many targets and starts.
+"""Clear starts and costs of exposures with one duration, for many targets and starts.
 
 Times are UTC seconds since 1970.
 """
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from astropy.coordinates import SkyCoord, UnitSphericalRepresentation
 from astropy.time import Time
-from streakcast import StreakModel
+from streakcast import StreakModel, UnknownPositionsError
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -26,9 +26,7 @@ CHUNK_S = 43_200.0
 #: Tolerance at the ends of windows, seconds. Windows are rounded to milliseconds and end 1 to 2 ms before a satellite
 #: enters the field.
 TICK_S = 2e-3
-#: Brightest magnitude limit accepted in a policy. No satellite exceeds it.
-BRIGHTEST_LIMIT_MAG = -30.0
-NO_TELESCOPE = "score 'pixels' requires the width of streaks, but the model has no telescope; specify StreakModel(telescope=...), or score 'clear'"
+NO_TELESCOPE = "the model has no telescope, which score 'cost' requires; specify StreakModel(telescope=...), or score 'clear'"
 
 
 def unix_s(times: Time) -> FloatArray:
@@ -104,56 +102,47 @@ def clear_one_by_one(
     return clear
 
 
-def lost_on_grid(
+def cost_on_grid(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float
 ) -> FloatArray:
-    """Returns the fraction of pixels lost to lit satellites, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
+    """Returns the cost of streaks as a fraction of the exposure, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
 
-    If only a part of a crossing is inside an exposure, that part of the streak is counted. Below the horizon the
-    fraction is 1.
-
-    Raises
-    ------
-    ValueError
-        If the model has no telescope, from which the width of streaks is computed.
-    """
-    lost = np.zeros((len(ra_deg), len(starts_s)))
-    for begin, end in _chunks(starts_s):
-        some = starts_s[begin:end]
-        span_s = some[-1] + length_s - some[0]
-        passes = model.passes((ra_deg, dec_deg), _mjd(some[0]), span_s, scale="utc", output="dict")
-        enter_s, exit_s = _seconds(passes["enter_utc"]), _seconds(passes["exit_utc"])
-        pixels = passes["lost_pixel_fraction"] * passes["probability"]
-        if np.any(np.isnan(pixels)):
-            raise ValueError(NO_TELESCOPE)
-        first = np.searchsorted(some, enter_s - length_s, side="right")
-        last = np.searchsorted(some, exit_s)
-        for row in range(len(pixels)):
-            starts = some[first[row] : last[row]]
-            # Part of the crossing within the exposure: (min(exit, s + D) - max(enter, s)) / (exit - enter)
-            seen_s = np.minimum(exit_s[row], starts + length_s) - np.maximum(enter_s[row], starts)
-            part = seen_s / max(exit_s[row] - enter_s[row], TICK_S)
-            lost[passes["exposure_id"][row], begin + first[row] : begin + last[row]] += pixels[row] * np.clip(part, 0.0, 1.0)
-    return np.where(_above_horizon(model, ra_deg, dec_deg, starts_s, length_s), np.minimum(lost, 1.0), 1.0)
-
-
-def _above_horizon(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> BoolArray:
-    """Returns True for exposures above the horizon: clear starts of a model in which no satellite blocks."""
-    unlimited = model.with_options(fov="1arcsec", field=None, policy={"limit_mag": BRIGHTEST_LIMIT_MAG}, limit_mag=None)
-    return clear_on_grid(unlimited, ra_deg, dec_deg, starts_s, length_s, "avoid")
-
-
-def require_telescope(model: StreakModel) -> None:
-    """Raises an error if the model cannot compute lost pixels.
+    Below the horizon the fraction is 1.
 
     Raises
     ------
     ValueError
-        If neither the arguments nor a configuration file can specify a telescope.
+        If the model has no telescope, from which the cost is computed.
+    UnknownPositionsError
+        If the positions of the satellites are unknown at a start.
     """
-    setup, config = json.loads(model.key())[:2]
-    if config is None and "telescope" not in setup:
+    return _cost(model, ra_deg[:, np.newaxis], dec_deg[:, np.newaxis], starts_s, length_s)
+
+
+def cost_one_by_one(
+    model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float
+) -> FloatArray:
+    """Same as `cost_on_grid` for single exposures of one duration, with one target per start; returns ``(n,)``."""
+    return _cost(model, ra_deg, dec_deg, starts_s, length_s)
+
+
+def _cost(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
+    found = model.assess((ra_deg, dec_deg), _mjd(starts_s), length_s, scale="utc")
+    verdict, cost_s = np.asarray(found.verdict), np.asarray(found.streak_cost_s)
+    if np.any(verdict == "unknown"):
+        raise UnknownPositionsError("positions of satellites are unknown: the elements are too old")
+    judged = verdict != "invalid"
+    if np.any(np.isnan(cost_s[judged])):
         raise ValueError(NO_TELESCOPE)
+    if length_s == 0.0:
+        return np.where(judged, 0.0, 1.0)
+    return np.where(judged, np.minimum(cost_s / length_s, 1.0), 1.0)
+
+
+def has_telescope(model: StreakModel) -> bool:
+    """Returns True if the arguments of the model or its configuration file may specify a telescope."""
+    setup, config = json.loads(model.key())[:2]
+    return config is not None or "telescope" in setup
 
 
 def windows_of(

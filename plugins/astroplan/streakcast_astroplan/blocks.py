@@ -8,12 +8,12 @@ from typing import Union
 import numpy as np
 from streakcast import StreakModel
 
-from ._clear import FloatArray, clear_on_grid, clear_one_by_one, icrs_deg, lost_on_grid, require_telescope, times_of, unix_s
+from ._clear import NO_TELESCOPE, FloatArray, clear_on_grid, clear_one_by_one, cost_on_grid, cost_one_by_one, has_telescope, icrs_deg, times_of, unix_s
 from ._exposures import Exposures, seconds
 
-__all__ = ["Exposures", "Rules", "icrs_deg", "seconds", "times_of", "unix_s"]
+__all__ = ["Exposures", "Rules", "default_score", "icrs_deg", "seconds", "times_of", "unix_s"]
 
-SCORES = ("clear", "pixels")
+SCORES = ("clear", "cost")
 BLOCKING = ("any", "avoid")
 #: Longest accepted margin, seconds.
 LONGEST_MARGIN_S = 3600.0
@@ -29,14 +29,15 @@ class Rules:
     ----------
     exposures : Exposures
         Exposures of a block.
-    score : {"clear", "pixels"}
-        Rating of an exposure: 1 if it is clear and 0 otherwise, or the fraction of pixels that are not lost. 0 below
-        the horizon.
+    score : {"clear", "cost"}
+        Rating of an exposure: 1 if it is clear and 0 otherwise, or 1 less the cost of streaks as a fraction of the
+        exposure. 0 below the horizon.
     blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy.
         Default: that of the policy.
     margin_s : float
-        Time that must be clear before the shutter opens and after it closes, seconds.
+        Time that must be clear before the shutter opens and after it closes, seconds. The cost is that of the exposure
+        alone.
     """
 
     exposures: Exposures = field(default_factory=Exposures)
@@ -57,12 +58,12 @@ class Rules:
         Raises
         ------
         ValueError
-            If the model has no field of view, or if the score is ``pixels`` and the model has no telescope.
+            If the model has no field of view, or if the score is ``cost`` and the model has no telescope.
         """
         if model.field_radius_deg is None:
             raise ValueError("the model has no field of view; specify StreakModel(fov=...) or telescope=...")
-        if self.score == "pixels":
-            require_telescope(model)
+        if self.score == "cost" and not has_telescope(model):
+            raise ValueError(NO_TELESCOPE)
 
     def with_margins(self, starts_s: FloatArray, length_s: float) -> tuple[FloatArray, float]:
         """Returns starts and duration of exposures extended by the margins, seconds."""
@@ -82,18 +83,17 @@ class Rules:
         length_s : float
             Duration of the exposures, seconds.
         """
+        if self.score == "cost":
+            return np.asarray(1.0 - cost_on_grid(model, ra_deg, dec_deg, starts_s, length_s))
         early_s, long_s = self.with_margins(starts_s, length_s)
-        if self.score == "clear":
-            return clear_on_grid(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
-        return 1.0 - lost_on_grid(model, ra_deg, dec_deg, early_s, long_s)
+        return clear_on_grid(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
 
     def worth_of_each(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
         """Same as `worth` for single exposures, with one target per start; returns ``(n,)``."""
+        if self.score == "cost":
+            return np.asarray(1.0 - cost_one_by_one(model, ra_deg, dec_deg, starts_s, length_s))
         early_s, long_s = self.with_margins(starts_s, length_s)
-        if self.score == "clear":
-            return clear_one_by_one(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
-        ones = [lost_on_grid(model, ra_deg[i : i + 1], dec_deg[i : i + 1], early_s[i : i + 1], long_s) for i in range(len(ra_deg))]
-        return 1.0 - np.array([one[0, 0] for one in ones])
+        return clear_one_by_one(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
 
     def worth_of_block(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: float, block_s: float) -> FloatArray:
         """Returns the mean rating of the exposures of a block, [0, 1]: ``(n_targets,)``; 1 only if all are clear."""
@@ -105,6 +105,11 @@ class Rules:
         offsets_s, length_s = self.exposures.in_block(block_s)
         needed_s = float(offsets_s[-1]) + length_s
         return needed_s if needed_s > block_s + OVERLONG_TOLERANCE_S else 0.0
+
+
+def default_score(model: StreakModel) -> str:
+    """Returns ``cost`` if the model has a telescope, otherwise ``clear``."""
+    return "cost" if has_telescope(model) else "clear"
 
 
 def one_of(what: str, value: str, allowed: tuple[str, ...]) -> None:

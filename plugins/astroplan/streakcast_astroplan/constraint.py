@@ -14,7 +14,7 @@ from streakcast import StreakModel
 from streakcast.hosts import Hook
 
 from ._samples import MEANINGS, Meaning, cells_s, meaning_of
-from .blocks import Exposures, Rules, icrs_deg, one_of, seconds, unix_s
+from .blocks import Exposures, Rules, default_score, icrs_deg, one_of, seconds, unix_s
 from .memory import ClearStarts
 
 FloatArray = npt.NDArray[np.float64]
@@ -52,12 +52,12 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         Number of exposures in a block; default: as many as fit.
     boolean_constraint : bool
         True: the result is whether all exposures are clear. False: the result is a score from ``worst_score`` to 1.
-    score : {"clear", "pixels"}, optional
-        Meaning of the score: fraction of clear exposures (default), or fraction of unaffected pixels (the model needs a
-        ``telescope``). Only with ``boolean_constraint=False``.
+    score : {"clear", "cost"}, optional
+        Meaning of the score: fraction of clear exposures, or 1 less the cost of streaks (``streak_cost_s``) as a fraction
+        of the exposures. Default: ``cost`` if the model has a ``telescope``. Only with ``boolean_constraint=False``.
     blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy
-        (``limit_mag``). Default: that of the policy. The score ``pixels`` includes all lit satellites.
+        (``limit_mag``). Default: that of the policy. The score ``cost`` includes all lit satellites.
     margin : `~astropy.units.Quantity` or float
         Time that must be clear before the shutter opens and after it closes. astroplan moves blocks by up to a second
         to close gaps.
@@ -70,7 +70,7 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
     Raises
     ------
     ValueError
-        A length is invalid, the model has no field of view, or the score is ``pixels`` and the model has no telescope.
+        A length is invalid, the model has no field of view, or the score is ``cost`` and the model has no telescope.
 
     Notes
     -----
@@ -108,7 +108,9 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         exposures = Exposures(
             None if exposure is None else seconds(exposure, "exposure"), seconds(readout, "readout"), n_exposures
         )
-        self.rules = Rules(exposures, "clear" if score is None else score, blocking, seconds(margin, "margin"))
+        if score is None:
+            score = "clear" if self.boolean_constraint or blocking is not None else default_score(self.hook.model)
+        self.rules = Rules(exposures, score, blocking, seconds(margin, "margin"))
         if not 0.0 < worst_score < 1.0:
             raise ValueError(f"worst_score is {worst_score}; allowed: above 0, below 1")
         self.worst_score = float(worst_score)

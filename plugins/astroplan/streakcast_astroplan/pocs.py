@@ -10,7 +10,7 @@ from astropy.time import Time
 from streakcast import StreakModel
 from streakcast.hosts import Hook
 
-from .blocks import Exposures, Rules, icrs_deg, unix_s
+from .blocks import Exposures, Rules, default_score, icrs_deg, unix_s
 
 try:
     from panoptes.pocs.scheduler.constraint import BaseConstraint
@@ -29,7 +29,7 @@ DECISION_S = 20.0
 
 
 class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
-    """Constraint that scores a field by the fraction of clear exposures in its next set.
+    """Constraint that scores a field by the cost of streaks in its next set of exposures, or by the fraction of clear ones.
 
     In the configuration::
 
@@ -39,21 +39,21 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
               options:
                 weight: 1.0
                 readout: 5
-                model: {mpc: X05, elements: /var/elements/gp.csv, fov: 10deg, limit_mag: 6}
-                blocking: avoid
+                model: {mpc: X05, elements: /var/elements/gp.csv, telescope: small, fov: 10deg}
 
     Parameters
     ----------
     model : dict or StreakModel
-        Arguments of `~streakcast.StreakModel`.
+        Arguments of `~streakcast.StreakModel`. With a ``telescope`` the score is 1 less the cost of streaks as a fraction
+        of the exposures, otherwise the fraction of clear exposures.
     readout : float
         Time from the closing of the shutter to its next opening, seconds; POCS does not include it.
     min_clear_share : float
-        Fields with a smaller fraction of clear exposures are vetoed. The default 0 vetoes no field, because POCS stops
+        Fields with a smaller score are vetoed. The default 0 vetoes no field, because POCS stops
         observing if all fields are vetoed.
     blocking : {"any", "avoid"}, optional
         Satellites that block an exposure: all lit ones, or those that are brighter than the model's ``limit_mag``.
-        Default: that of the model's policy.
+        The score is then the fraction of clear exposures, also with a telescope.
     **kwargs
         ``weight`` and other arguments of POCS constraints.
     """
@@ -72,7 +72,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         self.readout_s, self.min_clear_share, self.blocking = float(readout), float(min_clear_share), blocking
         self.hook = Hook(model if isinstance(model, StreakModel) else StreakModel(**model), "pocs")
         # Invalid settings raise an error at construction.
-        self._rules(1.0, 1).check(self.hook.model)
+        self._rules(self.hook.model, 1.0, 1).check(self.hook.model)
 
     def get_score(self, time: Time, observer: Any, observation: Any, **kwargs: Any) -> tuple[bool, float]:
         """Returns veto and weighted score of the next set of exposures of a field.
@@ -107,11 +107,12 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         if exposure_s == 0.0:
             return 1.0
         ra_deg, dec_deg = (np.atleast_1d(angle) for angle in icrs_deg(observation.field.coord))
-        rules = self._rules(exposure_s, count)
+        rules = self._rules(model, exposure_s, count)
         return float(rules.worth_of_block(model, ra_deg, dec_deg, float(unix_s(time)), 0.0)[0])
 
-    def _rules(self, exposure_s: float, count: int) -> Rules:
-        return Rules(Exposures(exposure_s, self.readout_s, count), blocking=self.blocking)
+    def _rules(self, model: StreakModel, exposure_s: float, count: int) -> Rules:
+        score = "clear" if self.blocking is not None else default_score(model)
+        return Rules(Exposures(exposure_s, self.readout_s, count), score, self.blocking)
 
     def __str__(self) -> str:
         return "Satellite streaks"

@@ -233,6 +233,14 @@ def test_invalid_settings_are_reported_at_construction(settings, message):
         Constraint.model_validate({"class": "streakcast_pyobs.SatelliteConstraint", **options}, context=context)
 
 
-def test_a_score_of_pixels_needs_a_telescope(settings):
+def test_a_score_of_cost_needs_a_telescope(settings):
     with pytest.raises(ValueError, match="no telescope"):
-        SatelliteMerit(model={**settings, "mpc": "X05"}, score="pixels")
+        SatelliteMerit(model={**settings, "mpc": "X05"}, score="cost")
+
+
+def test_with_a_telescope_the_merit_is_that_of_the_cost(settings):
+    def score(**options):
+        return SatelliteMerit(**{"model": {**settings, "mpc": "X05", "telescope": "rubin"}, **options}).rules().score
+
+    assert (score(), score(blocking="any"), score(score="clear")) == ("cost", "clear", "clear")
+    assert score(model={**settings, "mpc": "X05"}) == "clear"

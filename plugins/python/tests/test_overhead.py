@@ -49,6 +49,28 @@ def test_satellites_in_a_field_are_those_that_cross_it(wide):
     assert min(widths) >= 1.0 and np.allclose(widths, widths[0], rtol=1e-4)
 
 
+def test_bright_streaks_are_those_of_the_cost(wide):
+    """The probability of a bright streak of a satellite in the field gives the cost of its pass."""
+    up = wide.overhead(START, 0.0, min_altitude=0.0)
+    assert up.q_bright.min() >= 0.0 and up.q_bright.max() <= 1.0 and 0.05 < up.q_bright.mean() < 0.95
+    share, exposure_s = 1.0, 10.0
+    model = wide.with_options(bright_share=share)
+    alpha, delta = (float(one[0]) for one in angles(up.direction.mean(axis=0)[None, :]))
+    passes = model.passes((alpha, delta), np.datetime64("2026-08-14T23:29:00"), exposure_s, scale="utc", output="dict")
+    diameter_deg, compared = np.sqrt(4.0 / np.pi * wide.field_area_deg2), 0
+    for norad, length_deg, cost_s, pixels in zip(*(passes[one] for one in ("norad_id", "streak_length_deg", "streak_cost_s", "lost_pixel_fraction"))):
+        for q_bright in up.q_bright[up.norad_id == norad]:
+            expected = exposure_s * (pixels + share * q_bright * length_deg / diameter_deg)
+            assert cost_s == pytest.approx(expected, rel=0.3, abs=0.05)
+            compared += 1
+    assert compared > 3
+    # The band of the exposures selects bright_mag.
+    unlit = wide.overhead(START, 0.0, min_altitude=0.0, light=False)
+    assert np.isnan(unlit.q_bright).all()
+    dark = wide.overhead("2026-08-15T04:00:00Z", 0.0, include_dark=True, min_altitude=0.0)
+    assert (dark.q_bright[np.isnan(dark.magnitude)] == 0.0).all() and np.isnan(dark.magnitude).any()
+
+
 def test_units_and_filters(wide):
     plain = wide.overhead(START, 10.0, min_altitude=30.0)
     assert set(plain.moment) <= {0} and plain.moment.size > 3
@@ -62,7 +84,7 @@ def test_units_and_filters(wide):
     unlit = wide.overhead(START, 10.0, min_altitude=30.0, light=False)
     assert np.array_equal(plain.norad_id, unlit.norad_id) and np.isnan(unlit.magnitude).all() and np.isfinite(plain.magnitude).all()
     without = streakcast.StreakModel(site="Rubin Observatory", shells="starlink-gen1").overhead(START)
-    assert without.moment.size and np.isnan(without.lost_width_arcsec).all()
+    assert without.moment.size and np.isnan(without.lost_width_arcsec).all() and np.isnan(without.q_bright).all()
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def test_two_threads_overlap(model, method):
     work = {
         "judge": lambda: engine.judge(exposures, bands),
         "flags": lambda: engine.flags({name: column[:500] for name, column in exposures.items()}, bands),
-        "passes": lambda: engine.passes(exposures, False, 0),
+        "passes": lambda: engine.passes(exposures, False, 0, bands),
         "clear_windows": lambda: engine.clear_windows(few, bands, 30.0, 0.0, "any"),
     }[method]
     work()

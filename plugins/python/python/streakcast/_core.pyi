@@ -220,6 +220,7 @@ class Engine:
         exposures: Mapping[str, FloatArray],
         include_dark: bool,
         samples: int,
+        bands: Sequence[str],
         limits_mag: Optional[list[float]] = None,
     ) -> tuple[list[Column], list[str]]: ...
     def clear_windows(
@@ -240,4 +241,5 @@ class Engine:
         include_dark: bool,
         light: bool,
         limits_mag: list[float] = ...,
+        band: Optional[str] = None,
     ) -> tuple[OverheadRows, list[str]]: ...

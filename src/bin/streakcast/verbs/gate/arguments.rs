@@ -13,7 +13,7 @@ use streakcast::config::{
 use streakcast::frames::{Direction, Gcrs, parse_moment};
 use streakcast::geometry::Site;
 use streakcast::input::is_stream;
-use streakcast::schedule::MagnitudeLimit;
+use streakcast::schedule::{Blocking, MagnitudeLimit};
 
 use super::clock::Clock;
 use super::deadline::within;
@@ -242,6 +242,13 @@ pub struct Request {
 }
 
 impl Request {
+    /// Returns true if the start is chosen by cost plus wait: a telescope is given, no magnitude limit applies to the
+    /// band, and not all lit satellites block.
+    pub fn decides_by_cost(&self, band: Option<&str>) -> bool {
+        let ObservationPlan { telescope, policy, .. } = &self.plan;
+        telescope.is_some() && policy.limit_mag_in(band).is_none() && policy.blocking == Blocking::Avoid
+    }
+
     /// Reads the configuration, policy, field and telescope.
     ///
     /// # Errors

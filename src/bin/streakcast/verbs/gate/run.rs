@@ -15,8 +15,8 @@ use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, next_window,
-    reason_for_unknown_starts,
+    BestStart, Blocking, ClearWindow, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget, best_start,
+    clear_windows, next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
@@ -50,10 +50,24 @@ enum GateVerdict {
     /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
     /// limit may cross.
     Clear { waited_s: f64, first: Epoch, until: Epoch, is_limited: bool },
+    /// The cost of streaks plus the wait is smallest if the exposure starts at `first`.
+    Best { waited_s: f64, first: Epoch, best: BestStart },
     /// There is no clear start within the longest wait.
     NotClear,
     /// The frame is not a light frame.
     Skipped(String),
+}
+
+impl GateVerdict {
+    /// Returns the wait, seconds, with the first and the last start; `None` if the exposure starts without being
+    /// checked.
+    fn start(&self) -> Option<(f64, Epoch, Epoch)> {
+        match self {
+            GateVerdict::Clear { waited_s, first, until, .. } => Some((*waited_s, *first, *until)),
+            GateVerdict::Best { waited_s, first, .. } => Some((*waited_s, *first, *first)),
+            GateVerdict::NotClear | GateVerdict::Skipped(_) => None,
+        }
+    }
 }
 
 /// Result of a run, and what is stated about it in the status file.
@@ -94,16 +108,16 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     let notices = decision.notices.unwrap_or_else(|| Notices::of(&flags.config));
     let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
     let rest = left(flags.deadline, flags.timeout).max(STATUS);
-    if let Ok(GateVerdict::Clear { waited_s, first, until, .. }) = &result
-        && *waited_s > 0.0
+    if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
+        && waited_s > 0.0
     {
         let (path, of_wait) = (flags.status_file.clone(), status.clone());
         // If writing fails, the error is reported when the final status is written.
         let _ = within(Instant::now() + rest, move || write_waiting(path.as_deref(), of_wait));
-        flags.clock.sleep_until(*first);
+        flags.clock.sleep_until(first);
         let now = flags.clock.now();
-        let late_s = seconds_between(*first, now);
-        if late_s < -CLOCK_STEP_S || now > *until && late_s > CLOCK_STEP_S {
+        let late_s = seconds_between(first, now);
+        if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
             let message = format!(
                 "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the clear start"
             );
@@ -113,6 +127,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     let line = line(&result, &flags);
     let verdict = match &result {
         Ok(GateVerdict::Clear { .. }) => "clear",
+        Ok(GateVerdict::Best { .. }) => "start",
         Ok(GateVerdict::NotClear) => "not_clear",
         Ok(GateVerdict::Skipped(_)) => "skipped",
         Err(_) => "fault",
@@ -167,8 +182,10 @@ struct Counted {
 impl Counted {
     fn of(result: &Result<GateVerdict, Fault>) -> Self {
         let (verdict, waited_s) = match result {
-            Ok(GateVerdict::Clear { waited_s, .. }) if *waited_s > 0.0 => ("waited", *waited_s),
-            Ok(GateVerdict::Clear { .. }) => ("clear", 0.0),
+            Ok(GateVerdict::Clear { waited_s, .. } | GateVerdict::Best { waited_s, .. }) if *waited_s > 0.0 => {
+                ("waited", *waited_s)
+            }
+            Ok(GateVerdict::Clear { .. } | GateVerdict::Best { .. }) => ("clear", 0.0),
             Ok(GateVerdict::NotClear) => ("not_clear", 0.0),
             Ok(GateVerdict::Skipped(_)) => ("skipped", 0.0),
             Err(_) => ("fault", 0.0),
@@ -214,6 +231,13 @@ fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
             let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
             let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
             format!("gate: clear {after}, starts until at least {}{others}", format_utc(*until, 0))
+        }
+        Ok(GateVerdict::Best { waited_s, best, .. }) if *waited_s > 0.0 => format!(
+            "gate: start after {waited_s:.1} s, streaks cost {:.2} s instead of {:.2} s",
+            best.streak_cost_s, best.scheduled_cost_s
+        ),
+        Ok(GateVerdict::Best { best, .. }) => {
+            format!("gate: start now, streaks cost {:.2} s", best.streak_cost_s)
         }
         Ok(GateVerdict::NotClear) => {
             let starts = starts("; the exposure starts and will be streaked");
@@ -282,7 +306,8 @@ fn verdict(
     state(status, "dec_deg", round(pointing.latitude_rad()));
     state(status, "exposure_s", duration_s);
     state(status, "band", band.clone());
-    state(status, "blocking", request.plan.policy.blocking.name());
+    let by_cost = request.decides_by_cost(band.as_deref());
+    state(status, "blocking", if by_cost { "cost" } else { request.plan.policy.blocking.name() });
     state(status, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
 
     let prepared = prepare(flags, request, &site, step, status, notices)?;
@@ -306,6 +331,32 @@ fn verdict(
         return Err(Fault::new(FaultKind::StaleElements, reason));
     }
     let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
+    let below = || {
+        let message = format!(
+            "target {} is below the horizon of {}; allowed: a target above the horizon",
+            target.exposure.id, site.name
+        );
+        Fault::new(FaultKind::Target, message)
+    };
+    if by_cost {
+        let WindowTarget { exposure, band } = &target;
+        let row = ScheduledExposure {
+            id: exposure.id.clone(),
+            row: 0,
+            band: band.clone(),
+            exposure: Ok(Exposure { start: now, ..exposure.clone() }),
+        };
+        let (best, _) =
+            best_start(&row, flags.max_wait_s, &window_request.conditions).map_err(|error| setup_fault(&error))?;
+        let Some(best) = best else { return Err(below()) };
+        let first = seconds_after(now, best.delay_s);
+        let waited_s = seconds_between(flags.clock.now(), first).max(0.0);
+        state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
+        state(status, "start_utc", format_utc(first, 3));
+        state(status, "streak_cost_s", rounded(best.streak_cost_s, 3));
+        state(status, "scheduled_cost_s", rounded(best.scheduled_cost_s, 3));
+        return Ok(GateVerdict::Best { waited_s, first, best });
+    }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
     let horizon = seconds_after(now, flags.max_wait_s + duration_s.max(60.0));
     let report = clear_windows(std::slice::from_ref(&target), now, horizon, &window_request)
@@ -313,11 +364,7 @@ fn verdict(
     prepared.left_out_warning(&report.left_out, now).map_err(|error| Fault::new(FaultKind::Elements, error))?;
     let found = report.by_target.into_iter().next().unwrap_or_default();
     if found.observable.first().is_none_or(|window| seconds_between(now, window.first) > flags.max_wait_s) {
-        let message = format!(
-            "target {} is below the horizon of {}; allowed: a target above the horizon",
-            target.exposure.id, site.name
-        );
-        return Err(Fault::new(FaultKind::Target, message));
+        return Err(below());
     }
     // The clock is read again, because reading the elements took some time.
     let now = flags.clock.now();
