@@ -3,7 +3,8 @@
 use crate::frames::seconds_after;
 use crate::passes::{Exposure, SkyError};
 
-use super::report::{FlagRequest, TICK_S, judge_exposures};
+use super::flag_request::FlagRequest;
+use super::report::{TICK_S, judge_exposures};
 use super::scheduled::ScheduledExposure;
 use super::verdict::Verdict;
 

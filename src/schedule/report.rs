@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
-use crate::images::Telescope;
 use crate::math::quantile::median;
 use crate::orbit::LeftOut;
 use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
 
+use super::flag_request::FlagRequest;
 use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::policy::{Blocking, Policy};
 use super::scheduled::ScheduledExposure;
@@ -26,29 +26,6 @@ pub(super) const GUARD_S: f64 = 0.002;
 pub(super) const TICK_S: f64 = 0.001;
 /// Largest number of steps by which a start that fails its check is moved to later times.
 const MOST_STEPS: f64 = 60.0;
-/// Sky, field, policy, telescope and photometry for judging exposures.
-#[derive(Copy, Clone)]
-pub struct FlagRequest<'a> {
-    /// Satellites and observer.
-    pub sky: &'a Sky,
-    /// Field of view.
-    pub field: &'a Field,
-    /// The policy.
-    pub policy: &'a Policy,
-    /// The telescope; needed for pixel losses and the cost of streaks.
-    pub telescope: Option<&'a Telescope>,
-    /// Band, magnitude system and extinction of predicted magnitudes.
-    pub photometry: &'a PhotometryOptions,
-}
-
-impl FlagRequest<'_> {
-    /// Returns true if a pass alone is sufficient for the verdict `avoid`: the probability that it crosses and is
-    /// brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if omitted). `None` if no
-    /// limit applies to the band.
-    pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>) -> Option<bool> {
-        self.policy.limit_mag_in(band).map(|_| blocks(pass, band, Blocking::Avoid, self.policy))
-    }
-}
 
 /// Age and along-track error of the element set of a satellite at an exposure.
 #[derive(Copy, Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use crate::images::{ARCSEC_PER_RAD, PossibleStreak, StreakCost, Telescope};
 use crate::passes::{CrossingProbability, Exposure, Pass, Sky};
 use crate::photometry::Brightness;
 
-use super::report::FlagRequest;
+use super::flag_request::FlagRequest;
 use super::verdict_rules::{ExpectedLoss, peak_brightness};
 
 /// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.

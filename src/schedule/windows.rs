@@ -7,9 +7,10 @@ use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
 use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
+use super::flag_request::FlagRequest;
 use super::horizon::{altitude_rad, sampling_interval_s};
 use super::policy::Blocking;
-use super::report::{FlagRequest, GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
+use super::report::{GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
 use super::starts::reason_for_unknown_starts;
 use super::verdict_rules::blocks;
