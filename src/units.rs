@@ -61,6 +61,7 @@ pub static DAYS: Unit =
     Unit { accepted: &[("d", 1.0), ("day", 1.0), ("days", 1.0), ("mjd", 1.0), ("jd", 1.0)], allowed: "d" };
 
 /// Magnitudes.
+#[cfg(all(feature = "fits", unix))]
 pub static MAGNITUDES: Unit = Unit {
     accepted: &[("mag", 1.0), ("mag(AB)", 1.0), ("mag(ST)", 1.0), ("mmag", 1e-3)],
     allowed: "mag, mag(AB), mag(ST) or mmag",

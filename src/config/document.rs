@@ -188,7 +188,7 @@ pub struct LightConfig {
     /// Zero point of the magnitudes: Vega or AB; the usual one of the band if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "SYSTEM"))]
     pub mag_system: Option<String>,
-    /// Ignore earthshine in models made of panels
+    /// Only sunlight on the panels of models: ignore earthshine and the diffuse body
     #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0, default_missing_value = "false"))]
     pub earthshine: Option<bool>,
 }

@@ -7,9 +7,12 @@ use super::learned::{LEARNED_ERRORS, LearnedError, LearnedFile};
 use crate::elements::{ElementSet, Generation, GenerationTable, Origin};
 use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
+/// Mean motion below which an orbit is high: periods above 128 min, as usual in statistics of catalogues.
+const HIGH_ORBIT_REV_DAY: f64 = 11.25;
+
 /// Rule by which each element set gets a brightness model. The first of these that exists is used: the learned model of
 /// the satellite, the model of its generation, the model of the built-in bright object, its standard magnitude in the
-/// given table, the model of the built-in class of rocket bodies, the prior for rocket bodies, the prior for any object.
+/// given table, the model of the built-in class of rocket bodies, the prior for rocket bodies, the prior for any object in a high or low orbit.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -20,6 +23,7 @@ pub struct ModelChoice {
     bright: BTreeMap<&'static str, Arc<BrightnessModel>>,
     rocket_body: Arc<BrightnessModel>,
     unknown: Arc<BrightnessModel>,
+    unknown_in_high_orbit: Arc<BrightnessModel>,
     learned: Learned,
 }
 
@@ -78,6 +82,7 @@ impl ModelChoice {
             bright: BrightObjects::embedded().iter().map(|one| (one.name, Arc::new(one.model()))).collect(),
             rocket_body: library.find("rocket-body")?,
             unknown: library.find("unknown")?,
+            unknown_in_high_orbit: library.find("high-orbit")?,
             learned: Learned::default(),
         })
     }
@@ -158,7 +163,8 @@ impl ModelChoice {
     /// Returns true if the brightness of a satellite is unknown: it has no generation and no standard magnitude and is
     /// not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
-        Arc::ptr_eq(&self.model_of(elements), &self.unknown)
+        let model = self.model_of(elements);
+        [&self.unknown, &self.unknown_in_high_orbit].into_iter().any(|unknown| Arc::ptr_eq(&model, unknown))
     }
 
     /// Returns the brightness model of one satellite.
@@ -185,7 +191,9 @@ impl ModelChoice {
         if let Some(model) = built_in.and_then(|object| self.bright.get(object.name)) {
             return model.clone();
         }
-        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.unknown.clone() }
+        let by_orbit =
+            if elements.mean_motion_rev_day < HIGH_ORBIT_REV_DAY { &self.unknown_in_high_orbit } else { &self.unknown };
+        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { by_orbit.clone() }
     }
 }
 

@@ -37,6 +37,11 @@ impl MagnitudeSource {
         self.with_note("learned")
     }
 
+    /// Returns the source of magnitudes of a diffuse body; a source without a name is unchanged.
+    pub(super) fn of_diffuse_body(&self) -> Self {
+        self.with_note("diffuse body")
+    }
+
     fn with_note(&self, note: &str) -> Self {
         let noted = |name: &Arc<str>| Arc::from(format!("{name} ({note})"));
         match self {
@@ -102,7 +107,7 @@ impl Brightness {
 /// files.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Earthshine {
-    /// Sunlight only.
+    /// Sunlight on the panels only: a satellite of which no lit panel is visible has no magnitude.
     Off,
     /// A spherical Lambertian Earth of albedo 0.3, integrated for each geometry to 0.001 mag.
     #[default]

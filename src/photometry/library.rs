@@ -16,6 +16,7 @@ shipped!(
     "bluebird.json",
     "direct-to-cell.json",
     "guowang.json",
+    "high-orbit.json",
     "iridium-next.json",
     "kuiper.json",
     "oneweb-panels.json",

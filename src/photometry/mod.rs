@@ -4,6 +4,7 @@ mod band;
 pub mod brdf;
 mod bright_objects;
 mod brightness;
+mod diffuse;
 pub mod earthshine;
 mod error;
 mod error_distribution;

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
+use super::diffuse::{DIFFUSE_SIGMA_MAG, DiffuseBody, Ranges};
 use super::error::PhotometryError;
 use super::error_distribution::ErrorDistribution;
 use super::magnitude::{StandardMagnitude, airmass};
@@ -61,42 +62,42 @@ fn is_near_shadow(geometry: &ViewingGeometry, lit_fraction: f64) -> bool {
 /// Tolerance of the cosine of a phase angle at the end of a range.
 const ROUNDING: f64 = 1e-9;
 
-/// Ranges of the geometry of the points to which a model was fitted, each as [least, greatest], radians.
+/// Ranges of the geometry of the points to which a model was fitted.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct FittedRange {
-    /// Latitude of the Sun above the chassis plane.
-    sun_latitude_rad: [f64; 2],
-    /// Latitude of the observer above the chassis plane.
-    observer_latitude_rad: [f64; 2],
-    /// Phase angle.
-    phase_rad: [f64; 2],
+    /// Latitudes above the chassis plane, and phase angle.
+    ranges: Ranges,
     /// Cosines of the largest and the smallest phase angle, which avoid an arc cosine for points inside.
     cos_phase: [f64; 2],
 }
 
 impl FittedRange {
-    fn from_file(range: &GeometryRange) -> Self {
-        let radians = |range: Option<[f64; 2]>, all: [f64; 2]| range.unwrap_or(all).map(f64::to_radians);
-        let phase_rad = radians(range.phase_angle_deg, [0.0, 180.0]);
-        Self {
-            sun_latitude_rad: radians(range.sun_latitude_deg, [-90.0, 90.0]),
-            observer_latitude_rad: radians(range.observer_latitude_deg, [-90.0, 90.0]),
-            phase_rad,
-            cos_phase: [phase_rad[1].cos(), phase_rad[0].cos()],
-        }
+    /// Ranges that the file omits are those of observers on the ground.
+    fn from_file(range: Option<&GeometryRange>) -> Self {
+        let radians = |range: Option<[f64; 2]>, all: [f64; 2]| range.map_or(all, |range| range.map(f64::to_radians));
+        let all = Ranges::FROM_THE_GROUND;
+        let ranges = Ranges {
+            sun_latitude_rad: radians(range.and_then(|range| range.sun_latitude_deg), all.sun_latitude_rad),
+            observer_latitude_rad: radians(
+                range.and_then(|range| range.observer_latitude_deg),
+                all.observer_latitude_rad,
+            ),
+            phase_rad: radians(range.and_then(|range| range.phase_angle_deg), all.phase_rad),
+        };
+        Self { ranges, cos_phase: [ranges.phase_rad[1].cos(), ranges.phase_rad[0].cos()] }
     }
 
     /// Returns the distance of a geometry from the ranges: the root of the sum of the squares of the angles by which
     /// Sun, observer and phase angle exceed them, radians.
     fn distance_rad(&self, geometry: &ViewingGeometry, cos_phase: f64) -> f64 {
         let beyond = |value: f64, [from, to]: [f64; 2]| (from - value).max(value - to).max(0.0);
-        let sun = beyond(geometry.sun_latitude_rad, self.sun_latitude_rad);
-        let observer = beyond(geometry.observer_latitude_rad, self.observer_latitude_rad);
+        let sun = beyond(geometry.sun_latitude_rad, self.ranges.sun_latitude_rad);
+        let observer = beyond(geometry.observer_latitude_rad, self.ranges.observer_latitude_rad);
         let [least, greatest] = self.cos_phase;
         let phase = if (least..=greatest).contains(&cos_phase) {
             0.0
         } else {
-            beyond(cos_phase.clamp(-1.0, 1.0).acos(), self.phase_rad)
+            beyond(cos_phase.clamp(-1.0, 1.0).acos(), self.ranges.phase_rad)
         };
         (sun * sun + observer * observer + phase * phase).sqrt()
     }
@@ -109,6 +110,21 @@ enum Law {
     Phase(PhaseFunction),
     Object(StandardObject),
     Mean(StandardMagnitude),
+}
+
+impl Law {
+    fn is_of_panels(&self) -> bool {
+        matches!(self, Law::TwoPanel(_) | Law::Panels(_))
+    }
+
+    /// Returns the sunlight that panels reflect, m² sr⁻¹; 0 without panels.
+    fn reflection_m2_sr(&self, to_sun: &Direction<Body>, to_observer: &Direction<Body>) -> f64 {
+        match self {
+            Law::TwoPanel(model) => model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr(),
+            Law::Panels(assembly) => assembly.b_total_m2_sr(to_sun.vector(), to_observer.vector()),
+            Law::Phase(_) | Law::Object(_) | Law::Mean(_) => 0.0,
+        }
+    }
 }
 
 /// A brightness model: two panels, a list of panels, a phase function, a standard magnitude or a mean.
@@ -128,6 +144,8 @@ pub struct BrightnessModel {
     /// True for a model with a lobe of transmitted light in the direction of the sunlight.
     has_forward_lobe: bool,
     size_m: f64,
+    /// Light of a model of panels that is seen or lit from above.
+    diffuse: Option<DiffuseBody>,
     file: Option<Arc<ModelFile>>,
 }
 
@@ -173,11 +191,21 @@ impl BrightnessModel {
             }
             ModelKind::Mean | ModelKind::Prior => {
                 let mean = StandardMagnitude(file.mean_mag.ok_or_else(|| needs("mean_mag"))?);
-                let source =
-                    if file.kind == ModelKind::Mean { MagnitudeSource::Mean(name) } else { MagnitudeSource::Prior };
-                (Law::Mean(mean), source)
+                match file.kind {
+                    ModelKind::Mean => (Law::Mean(mean), MagnitudeSource::Mean(name)),
+                    _ => (Law::Object(StandardObject { half_lit: mean }), MagnitudeSource::Prior),
+                }
             }
         };
+        let fitted_range = match law {
+            Law::TwoPanel(_) | Law::Panels(_) | Law::Phase(_) => {
+                Some(FittedRange::from_file(file.geometry_range.as_ref()))
+            }
+            Law::Object(_) | Law::Mean(_) => None,
+        };
+        let diffuse = fitted_range
+            .filter(|_| law.is_of_panels())
+            .and_then(|range| DiffuseBody::new(|sun, observer| law.reflection_m2_sr(sun, observer), &range.ranges));
         // A prior describes differences between objects, which have no wing of flares.
         let is_prior = file.kind == ModelKind::Prior;
         Ok(Self {
@@ -188,7 +216,8 @@ impl BrightnessModel {
             sigma_mag: file.sigma_mag,
             offset_mag: 0.0,
             error_distribution: if is_prior { ErrorDistribution::NORMAL } else { ErrorDistribution::SATELLITES },
-            fitted_range: file.geometry_range.as_ref().map(FittedRange::from_file),
+            fitted_range,
+            diffuse,
             has_forward_lobe: file.panels.as_ref().is_some_and(PanelsSpec::has_forward_lobe),
             size_m: file.size_m,
             file: Some(Arc::new(file)),
@@ -215,6 +244,7 @@ impl BrightnessModel {
             fitted_range: None,
             has_forward_lobe: false,
             size_m,
+            diffuse: None,
             file: None,
         }
     }
@@ -309,12 +339,8 @@ impl BrightnessModel {
         earth_m2_sr: f64,
     ) -> Option<StandardMagnitude> {
         match &self.law {
-            Law::TwoPanel(model) => {
-                let sunlight = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
-                StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
-            }
-            Law::Panels(assembly) => {
-                let sunlight = assembly.b_total_m2_sr(to_sun.vector(), to_observer.vector());
+            Law::TwoPanel(_) | Law::Panels(_) => {
+                let sunlight = self.law.reflection_m2_sr(to_sun, to_observer);
                 StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
             }
             Law::Phase(function) => Some(function.standard_magnitude(to_sun.separation_rad(to_observer))),
@@ -326,8 +352,12 @@ impl BrightnessModel {
     /// Returns the apparent magnitude (the median of single measurements) with its uncertainty, its source, and whether
     /// the geometry is within 10° of the fitted one.
     ///
-    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` if it is 0 or NaN, if no
-    /// lit surface is visible, or if extinction is applied and the satellite is on or below the observer's horizon.
+    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` if it is 0 or NaN, or if
+    /// extinction is applied and the satellite is on or below the observer's horizon. With the Sun above its largest
+    /// fitted latitude or the observer above the plane of the satellite's horizon, and where the panels of a model
+    /// reflect nothing, the satellite is at least as bright as a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag; its
+    /// source then ends with `(diffuse body)`. Without
+    /// earthshine, magnitudes are those of sunlight on the panels alone.
     pub fn brightness(
         &self,
         geometry: &ViewingGeometry,
@@ -341,7 +371,14 @@ impl BrightnessModel {
         // The Earth's shadow dims sunlight but not earthshine, so earthshine is divided by the factor that is applied
         // below.
         let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
-        let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
+        let modelled = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr);
+        // A satellite that is seen or lit from above is at least as bright as a diffuse body.
+        let diffuse = self.diffuse.filter(|_| options.earthshine == Earthshine::Computed).and_then(|body| {
+            let reflection_m2_sr = body.reflection_m2_sr(geometry, modelled.is_some());
+            StandardMagnitude::from_reflection(reflection_m2_sr, self.band.sun_magnitude(self.system))
+        });
+        let brighter = diffuse.filter(|diffuse| modelled.is_none_or(|modelled| diffuse.0 < modelled.0));
+        let standard = brighter.or(modelled)?;
         let grey_reflectance = options.band != self.band;
         let colour = self.colour_to_mag(options.band, options.system);
         let dimming = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
@@ -351,14 +388,17 @@ impl BrightnessModel {
             None => 0.0,
         };
         let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air + self.offset_mag);
-        let (scatter_mag, in_fitted_range) = self.scatter_mag(geometry, to_sun.cosine(&to_observer), lit_fraction);
+        let (mut scatter_mag, in_fitted_range) = self.scatter_mag(geometry, to_sun.cosine(&to_observer), lit_fraction);
+        if brighter.is_some() {
+            scatter_mag = scatter_mag.max(DIFFUSE_SIGMA_MAG);
+        }
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
             sigma_mag: if grey_reflectance { scatter_mag.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { scatter_mag },
             scatter_mag,
             error_distribution: self.error_distribution,
-            source: self.source.clone(),
-            in_fitted_range,
+            source: if brighter.is_some() { self.source.of_diffuse_body() } else { self.source.clone() },
+            in_fitted_range: in_fitted_range && brighter.is_none(),
             grey_reflectance,
         })
     }
@@ -366,10 +406,12 @@ impl BrightnessModel {
     /// Returns the uncertainty (one sigma) of a single magnitude about the model in a geometry, mag, and whether the
     /// geometry is within 10° of the fitted one.
     fn scatter_mag(&self, geometry: &ViewingGeometry, cos_phase: f64, lit_fraction: f64) -> (f64, bool) {
-        // s² = s0² (1 + (d / 10°)²), with the distance d from the fitted geometry
+        // s² = s0² (1 + (d / 10°)²), with the distance d from the fitted geometry, at most that of a diffuse body
         let distance =
             self.fitted_range.map_or(0.0, |range| range.distance_rad(geometry, cos_phase) / OUTSIDE_SCALE_RAD);
-        let mut variance = self.sigma_mag * self.sigma_mag * (1.0 + distance * distance);
+        let inside = self.sigma_mag * self.sigma_mag;
+        let mut variance =
+            (inside * (1.0 + distance * distance)).min(inside.max(DIFFUSE_SIGMA_MAG * DIFFUSE_SIGMA_MAG));
         let is_forward =
             self.has_forward_lobe && self.fitted_range.is_some_and(|range| cos_phase < range.cos_phase[0] - ROUNDING);
         if is_forward {
@@ -415,7 +457,7 @@ impl BrightnessModel {
 
     /// Returns true for models with panels, which are the only ones with earthshine.
     pub fn is_of_panels(&self) -> bool {
-        matches!(self.law, Law::TwoPanel(_) | Law::Panels(_))
+        self.law.is_of_panels()
     }
 
     /// Returns the source of the magnitudes.

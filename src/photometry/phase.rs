@@ -52,9 +52,14 @@ impl StandardObject {
     /// Returns the magnitude at 1000 km for a phase angle in [0, π]; `None` at π, where no lit surface is visible.
     pub fn standard_magnitude(&self, phase_angle_rad: f64) -> Option<StandardMagnitude> {
         // m = m(90°) - 2.5 log10(2 (1 - φ/180°))
-        let light = 2.0 * (1.0 - phase_angle_rad / PI);
+        let light = linear_phase_law(phase_angle_rad);
         (light > 0.0).then(|| StandardMagnitude(self.half_lit.0 - 2.5 * light.log10()))
     }
+}
+
+/// Returns the light of a [`StandardObject`] at a phase angle in [0, π], relative to that at 90°.
+pub(super) fn linear_phase_law(phase_angle_rad: f64) -> f64 {
+    2.0 * (1.0 - phase_angle_rad / PI)
 }
 
 /// A diffuse sphere scaled to a standard magnitude: the simplest form to compare fits with.

@@ -29,6 +29,10 @@ fn is_known_difference(row: &Comparison) -> bool {
     (row.model == "v2mini-panels" && is_mean) || (row.model == "v2mini" && is_function)
 }
 
+/// Name of the prior of high orbits. Its reference needs the orbits of the objects
+/// (`tests/library/standard_magnitudes.rs`).
+const WITHOUT_REFERENCE: &str = "high-orbit";
+
 fn expected_verdict(row: &Comparison) -> Verdict {
     if is_known_difference(row) { Verdict::Off } else { Verdict::Ok }
 }
@@ -37,7 +41,7 @@ fn expected_verdict(row: &Comparison) -> Verdict {
 fn valid_bundled_models_agree_with_published_means() {
     let library = ModelLibrary::embedded();
     let mut compared = 0;
-    for name in library.names() {
+    for name in library.names().filter(|name| *name != WITHOUT_REFERENCE) {
         for row in rows_of(name, None) {
             if row.kind == ReferenceKind::Photometry {
                 assert_eq!((row.verdict, row.n, row.rms_mag), (Verdict::NoData, 0, None), "{name}");
@@ -263,7 +267,7 @@ fn valid_bundled_models_against_photometry() {
     let photometry = Photometry::read(&data).unwrap();
     let library = ModelLibrary::embedded();
     let mut found = BTreeMap::new();
-    for name in library.names() {
+    for name in library.names().filter(|name| *name != WITHOUT_REFERENCE) {
         for row in compare(&library.get(name).unwrap(), Some(&photometry)) {
             if row.kind == ReferenceKind::GrazingPhotometry {
                 // Printed and not checked: the sigma of a model does not include the scatter caused by the atmosphere.

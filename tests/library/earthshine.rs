@@ -235,7 +235,7 @@ fn verif_the_switch() {
     let off = PhotometryOptions { earthshine: Earthshine::Off, ..on };
     let satellite = model.satellite().unwrap();
     for (sun_deg, longitude_deg, observer_deg) in
-        [(-1.0_f64, 160.0_f64, -40.0_f64), (-8.0, 30.0, -60.0), (4.0, 170.0, -70.0)]
+        [(-2.5_f64, 160.0_f64, -40.0_f64), (-8.0, 30.0, -60.0), (-4.0, 170.0, -70.0)]
     {
         let geometry = ViewingGeometry::from_angles(
             sun_deg.to_radians(),

@@ -301,14 +301,20 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
         assert!((ratio - (1.0 + (beyond_deg / 10.0_f64).powi(2)).sqrt()).abs() < 1e-9, "{beyond_deg}: {ratio}");
         assert_eq!(at("starlink-v1.5", last_deg + beyond_deg, 30.0, -50.0).unwrap().in_fitted_range, flagged);
     }
-    // Sun above, observer above and behind: no lit panel is visible.
-    assert_eq!(at("starlink-v1.5", 120.0 - 90.0, 60.0, 90.0), None);
+    // Sun above, observer above and behind: no lit panel is visible, and the satellite is a diffuse body.
+    let from_above = at("starlink-v1.5", 120.0 - 90.0, 60.0, 90.0).unwrap();
+    assert!(!from_above.in_fitted_range && from_above.sigma_mag >= 1.5);
+    assert_eq!(from_above.source.to_string(), "brdf:starlink-v1.5 (diffuse body)");
     // At a phase angle of 4 degrees the phase function is clamped and has a large sigma.
     let clamped = at("v2mini", -30.0, 4.0, -30.0).unwrap();
     assert!(!clamped.in_fitted_range && clamped.sigma_mag > at("v2mini", -14.0, 90.0, -50.0).unwrap().sigma_mag);
     assert_eq!(clamped.source.to_string(), "phase:v2mini");
-    // A prior does not depend on the direction.
-    assert_eq!(at("unknown", -14.0, 90.0, -50.0), at("unknown", -10.0, 9.0, -10.0));
+    // A prior holds at a phase angle of 90 degrees. At full phase there is twice this light.
+    for (name, half_lit_mag) in [("unknown", 5.75), ("high-orbit", 4.75)] {
+        let prior = |observer_deg: f64| at(name, 0.0, 0.0, observer_deg).unwrap().magnitude.0;
+        assert!((prior(-90.0) - half_lit_mag).abs() < 1e-9);
+        assert!((prior(0.0) - (half_lit_mag - 2.5 * 2_f64.log10())).abs() < 1e-9);
+    }
     // Magnitude of a sphere at a phase angle of 90 degrees: its standard magnitude.
     let sphere = BrightnessModel::from_standard_magnitude(StandardMagnitude(5.5));
     let geometry = ViewingGeometry::from_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2, 1000.0, 1000.0).unwrap();

@@ -11,7 +11,9 @@ use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::brdf::{Brdf, Facets, Incidence, Law, Retro};
 use streakcast::photometry::earthshine::LitEarth;
 use streakcast::photometry::panels::{Face, PanelAssembly, PanelsSpec, PlacedRectangle};
-use streakcast::photometry::{BrightnessModel, Coefficients, SatelliteModel, SatelliteShape};
+use streakcast::photometry::{
+    BrightnessModel, Coefficients, ModelLibrary, PhotometryOptions, SatelliteModel, SatelliteShape,
+};
 
 /// Returns a model file of kind `panels` with this content.
 pub fn file(panels: Value, covariance: Value) -> String {
@@ -472,5 +474,51 @@ fn verif_spheres_add_to_the_panels() {
     for (change, words) in cases {
         let error = error_of(*change);
         assert!(words.iter().all(|word| error.contains(word)), "{error} lacks one of {words:?}");
+    }
+}
+
+/// Sunlit satellites that are seen or lit from above, as by a telescope in orbit, have a magnitude of at most 10.5 at
+/// 1000 km, with a sigma of at least 1.5 mag where it is that of a diffuse body. Geometries of the ground are those of
+/// the panels alone.
+#[test]
+fn verif_no_lit_satellite_is_dark_from_above() {
+    let library = ModelLibrary::embedded();
+    let options = PhotometryOptions::default();
+    for name in ["starlink-v1.5-facets", "visorsat-panels", "v2mini-panels", "oneweb-panels", "iridium-next"] {
+        let model = library.find(name).unwrap();
+        let (mut diffuse, mut panels) = (0, 0);
+        for sun_deg in (-30..=60).step_by(5) {
+            for observer_deg in (-85..=85).step_by(10) {
+                for longitude_deg in (0..=180).step_by(20) {
+                    let geometry = ViewingGeometry {
+                        sun_latitude_rad: f64::from(sun_deg).to_radians(),
+                        observer_latitude_rad: f64::from(observer_deg).to_radians(),
+                        observer_longitude_rad: f64::from(longitude_deg).to_radians(),
+                        range_km: 1000.0,
+                        height_km: 550.0,
+                        sun_distance_au: 1.0,
+                    };
+                    // Opposite to the Sun there is no light.
+                    if geometry.phase_angle_rad() > 179_f64.to_radians() {
+                        continue;
+                    }
+                    let place = format!("{name} {sun_deg} {observer_deg} {longitude_deg}");
+                    let light = model.brightness(&geometry, 1.0, &options).expect(&place);
+                    let is_above = sun_deg >= 5 || observer_deg >= 5;
+                    if is_above && geometry.phase_angle_rad() < 150_f64.to_radians() {
+                        assert!(light.magnitude.0 < 10.5, "{place}: {}", light.magnitude.0);
+                    }
+                    if light.source.to_string().ends_with("(diffuse body)") {
+                        diffuse += 1;
+                        assert!(light.sigma_mag >= 1.5 && !light.in_fitted_range, "{place}");
+                    } else {
+                        panels += 1;
+                        let pure = model.standard_magnitude_with(&geometry, options.earthshine).expect(&place);
+                        assert!((light.magnitude.0 - pure.0).abs() < 1e-9, "{place}");
+                    }
+                }
+            }
+        }
+        assert!(diffuse > 100 && panels > 100, "{name}: {diffuse} {panels}");
     }
 }

@@ -156,6 +156,43 @@ fn valid_class_means_of_rocket_bodies() {
     }
 }
 
+/// Priors of unknown satellites in high orbits, which have the median of the listed objects of their class of orbit.
+#[test]
+fn valid_prior_of_high_orbits_against_the_list() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let bytes = std::fs::read(data.join("metadata/qs.mag")).unwrap();
+    let listed = StandardMagnitudes::from_qs_mag(&String::from_utf8_lossy(&bytes)).unwrap();
+    let path = data.join("tle/fullcat/TLE3_2023-04-07.txt");
+    let catalogue = Satellites::read(&[path], &ReadOptions::default()).unwrap();
+    let choice = ModelChoice::default();
+    let half_lit = ViewingGeometry {
+        sun_latitude_rad: 0.0,
+        observer_latitude_rad: -std::f64::consts::FRAC_PI_2,
+        observer_longitude_rad: 0.0,
+        range_km: 1000.0,
+        height_km: 36_000.0,
+        sun_distance_au: 1.0,
+    };
+    let is_high = |set: &ElementSet| set.mean_motion_rev_day < 11.25;
+    let is_synchronous = |set: &ElementSet| (0.9..1.1).contains(&set.mean_motion_rev_day) && set.eccentricity < 0.3;
+    let is_eccentric = |set: &ElementSet| is_high(set) && set.eccentricity > 0.3;
+    for name in ["geosynchronous", "eccentric"] {
+        let is_of_class = |set: &ElementSet| if name == "eccentric" { is_eccentric(set) } else { is_synchronous(set) };
+        let of_class = catalogue.element_sets.iter().filter(|set| is_of_class(set) && choice.is_unknown(set));
+        let residuals: Vec<f64> = of_class
+            .filter_map(|set| {
+                let prior = choice.model_of(set).standard_magnitude(&half_lit)?;
+                Some(listed.get(set.norad_id.0)?.0 - prior.0)
+            })
+            .collect();
+        let count = residuals.len() as f64;
+        let mean = residuals.iter().sum::<f64>() / count;
+        let sigma = (residuals.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count).sqrt();
+        println!("{name}: {count} objects, mean {mean:.2}, standard deviation {sigma:.2} mag");
+        assert!(count > 100.0 && mean.abs() < 0.2 && (sigma - 1.2).abs() < 0.2, "{name}: {count} {mean} {sigma}");
+    }
+}
+
 #[test]
 fn verif_built_in_objects_have_their_models() {
     let named = |id: u32, name: &str| {

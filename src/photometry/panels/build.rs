@@ -114,6 +114,7 @@ impl PanelsSpec {
     }
 
     /// Multiplies the light of all laws and spheres by a factor, except for that of binomial laws.
+    #[cfg(feature = "fit")]
     pub(crate) fn scale_light(&mut self, factor: f64) {
         let is_linear: Vec<bool> = (0..self.parameters.len()).map(|index| self.is_linear(index)).collect();
         for (parameter, _) in self.parameters.iter_mut().zip(is_linear).filter(|(_, is_linear)| *is_linear) {
@@ -351,6 +352,7 @@ impl<'a> Term<'a> {
 
 impl LawSpec {
     /// Returns the coefficient to which the light is proportional; `None` for the binomial law.
+    #[cfg(feature = "fit")]
     fn strength_mut(&mut self) -> Option<&mut Coefficient> {
         match self {
             Self::Lambert { albedo } => Some(albedo),

@@ -276,6 +276,7 @@ fn lobe<const F: bool>(exponent: Option<f64>, ln_cosine: f64) -> f64 {
 
 /// Returns the derivative of a lobe with respect to its exponent, from the value of the lobe and the exponent.
 #[inline(always)]
+#[cfg(feature = "fit")]
 pub(crate) fn slope_of_lobe(lobe: f64, exponent: f64, ln_cosine: f64) -> f64 {
     // ∂/∂n of (n + 2)/2π cosⁿθ: itself times 1/(n + 2) + ln cos θ
     lobe * (1.0 / (exponent + 2.0) + ln_cosine)
@@ -290,6 +291,7 @@ fn weighted<const F: bool>(c: &[f64; 5], basis: [f64; 5]) -> f64 {
 
 /// Returns Σ c_k b_k for each of N elements.
 #[inline(always)]
+#[cfg(feature = "fit")]
 pub(crate) fn weighted_sum<const F: bool, const N: usize>(c: &[f64; 5], basis: &[[f64; N]; 5]) -> [f64; N] {
     let mut sum = [0.0; N];
     for lane in 0..N {

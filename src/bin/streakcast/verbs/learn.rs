@@ -32,7 +32,7 @@ pub struct ResidualArguments {
     /// Brightness model for one kind of satellite as KIND=MODEL, as for other verbs; the default models if omitted
     #[arg(long, value_name = "[KIND=]MODEL", help_heading = "Model")]
     pub model: Vec<ModelAssignment>,
-    /// Ignore earthshine in models made of panels
+    /// Only sunlight on the panels of models: ignore earthshine and the diffuse body
     #[arg(long, help_heading = "Model")]
     pub no_earthshine: bool,
 }
