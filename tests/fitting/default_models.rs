@@ -98,7 +98,7 @@ fn valid_default_models_have_the_best_score_on_unseen_points() {
             assert!(gain >= LEAST_GAIN_MAG.1, "{table}");
         }
         // Every bundled model of these satellites is a candidate.
-        let satellites = |name: &str| compare(&library.get(name).unwrap(), None)[0].satellites.unwrap();
+        let satellites = |name: &str| compare(&library.get(name).unwrap(), None)[0].satellites;
         let mut candidates: Vec<&str> = survey.models.iter().map(|one| one.name).collect();
         candidates.sort_unstable();
         let of_kind: Vec<&str> = library.names().filter(|name| satellites(name) == satellites(&default)).collect();
