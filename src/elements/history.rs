@@ -72,13 +72,13 @@ impl History {
     }
 
     /// Returns the element set of every object nearest to a time, as [`at`](Self::at), and those of the same object
-    /// within [`OTHERS_WITHIN_DAYS`] of it.
+    /// within 18 days of it.
     pub fn into_nearest(self, epoch: Epoch) -> Chosen {
         self.into_chosen(|sets| nearest_index(sets, epoch).unwrap_or(0))
     }
 
     /// Returns the latest element set of every object, as [`newest`](Self::newest), and those of the same object within
-    /// [`OTHERS_WITHIN_DAYS`] of it.
+    /// 18 days of it.
     pub fn into_newest(self) -> Chosen {
         self.into_chosen(|sets| sets.len() - 1)
     }
@@ -120,14 +120,14 @@ pub(crate) fn others_of(sets: &[ElementSet], norad_id: NoradId) -> &[ElementSet]
 pub struct Chosen {
     /// One element set of each object, sorted by catalogue number.
     pub sets: Vec<ElementSet>,
-    /// Element sets of the same objects within [`OTHERS_WITHIN_DAYS`] of the chosen ones, sorted by catalogue number,
+    /// Element sets of the same objects within 18 days of the chosen ones, sorted by catalogue number,
     /// then by epoch.
     pub others: Vec<ElementSet>,
 }
 
 /// Largest difference between the epochs of an element set and of others that are kept with it, days. The mean motion
 /// between two epochs is used up to 16 days.
-pub const OTHERS_WITHIN_DAYS: f64 = 18.0;
+const OTHERS_WITHIN_DAYS: f64 = 18.0;
 
 /// Use of one record of a history.
 enum Role {
