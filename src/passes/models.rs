@@ -12,7 +12,8 @@ const HIGH_ORBIT_REV_DAY: f64 = 11.25;
 
 /// Rule by which each element set gets a brightness model. The first of these that exists is used: the learned model of
 /// the satellite, the model of its generation, the model of the built-in bright object, its standard magnitude in the
-/// given table, the model of the built-in class of rocket bodies, the prior for rocket bodies, the prior for any object in a high or low orbit.
+/// given table, the model of the built-in class of rocket bodies, the prior for rocket bodies, the prior for objects in
+/// high orbits (periods above 128 min), the prior for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,

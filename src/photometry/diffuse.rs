@@ -1,6 +1,6 @@
-//! Light of a satellite in directions for which its panels are no model: with the Sun or the observer above the plane of
-//! its horizon. Models of panels are fitted to photometry from the ground, which sees the lower side in twilight, and
-//! have few or no panels on the upper side. Such a satellite is not dark: it is taken as a diffuse body.
+//! Light of a satellite in directions that its fitted panels do not describe: with the Sun or the observer above the
+//! plane of its horizon. Models of panels are fitted to photometry from the ground, which sees the lower side in
+//! twilight, and have few or no panels on the upper side. Such a satellite is not dark: it is taken as a diffuse body.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -13,9 +13,13 @@ use crate::math::quantile::median;
 /// standard magnitude of the list qs.mag (68 % are within 1.5 mag).
 pub(super) const DIFFUSE_SIGMA_MAG: f64 = 1.5;
 
-/// Angle from which the diffuse body has its full light, radians: that of the Sun above its largest fitted latitude, or
-/// of the observer above the plane of the satellite's horizon. For smaller angles the light is proportional to them.
+/// Angle above which the diffuse body counts fully, radians: that of the Sun above its largest fitted latitude, or of the
+/// observer above the plane of the satellite's horizon. For smaller angles its light is proportional to them.
 const FULL_RAD: f64 = 5.0 * PI / 180.0;
+
+/// Least share of the light of the diffuse body, 5 mag fainter. Assumed: panels alone may reflect nothing, as no
+/// satellite does.
+const LEAST_SHARE: f64 = 0.01;
 
 /// Numbers of latitudes of Sun and observer, and of longitudes of the observer, for the median over the fitted range.
 const LATITUDES: usize = 4;
@@ -72,15 +76,11 @@ impl DiffuseBody {
             .then(|| Self { half_lit_m2_sr: median(ratios), sun_latitude_rad: ranges.sun_latitude_rad[1] })
     }
 
-    /// Returns the reflection that is at least to be expected in a geometry, m² sr⁻¹: 0 with the Sun below its largest
-    /// fitted latitude and the observer below the plane of the satellite's horizon, unless the panels reflect nothing
-    /// (`panels_reflect` is false).
-    pub fn reflection_m2_sr(&self, geometry: &ViewingGeometry, panels_reflect: bool) -> f64 {
+    /// Returns the reflection that is at least to be expected in a geometry, m² sr⁻¹: 1 % of that of the diffuse body with
+    /// the Sun below its largest fitted latitude and the observer below the plane of the satellite's horizon.
+    pub fn reflection_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
         let above_rad = (geometry.sun_latitude_rad - self.sun_latitude_rad).max(geometry.observer_latitude_rad);
-        let share = if panels_reflect { (above_rad / FULL_RAD).clamp(0.0, 1.0) } else { 1.0 };
-        if share == 0.0 {
-            return 0.0;
-        }
+        let share = (above_rad / FULL_RAD).clamp(LEAST_SHARE, 1.0);
         // B = s B(90°) 2 (1 - φ/180°)
         share * self.half_lit_m2_sr * linear_phase_law(geometry.phase_angle_rad())
     }
@@ -110,20 +110,19 @@ mod tests {
             |sun: &Direction<Body>, observer: &Direction<Body>| 0.3 * linear_phase_law(sun.separation_rad(observer));
         let body = DiffuseBody::new(panels, &ranges).unwrap();
         assert!((body.half_lit_m2_sr - 0.3).abs() < 1e-12);
-        let share = |sun_deg: f64, observer_deg: f64, reflect: bool| {
+        let share = |sun_deg: f64, observer_deg: f64| {
             let geometry = geometry(sun_deg, observer_deg);
-            body.reflection_m2_sr(&geometry, reflect) / (0.3 * linear_phase_law(geometry.phase_angle_rad()))
+            body.reflection_m2_sr(&geometry) / (0.3 * linear_phase_law(geometry.phase_angle_rad()))
         };
-        for (sun_deg, observer_deg, reflect, expected) in [
-            (-6.0, -40.0, true, 0.0),
-            (-6.0, -40.0, false, 1.0),
-            (-2.5, -40.0, true, 0.5),
-            (0.0, -40.0, true, 1.0),
-            (20.0, -40.0, true, 1.0),
-            (-20.0, 1.0, true, 0.2),
-            (-20.0, 30.0, true, 1.0),
+        for (sun_deg, observer_deg, expected) in [
+            (-6.0, -40.0, 0.01),
+            (-2.5, -40.0, 0.5),
+            (0.0, -40.0, 1.0),
+            (20.0, -40.0, 1.0),
+            (-20.0, 1.0, 0.2),
+            (-20.0, 30.0, 1.0),
         ] {
-            let found = share(sun_deg, observer_deg, reflect);
+            let found = share(sun_deg, observer_deg);
             assert!((found - expected).abs() < 1e-12, "{sun_deg} {observer_deg}: {found}");
         }
         assert_eq!(DiffuseBody::new(|_, _| 0.0, &ranges), None);

@@ -354,9 +354,9 @@ impl BrightnessModel {
     ///
     /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` if it is 0 or NaN, or if
     /// extinction is applied and the satellite is on or below the observer's horizon. With the Sun above its largest
-    /// fitted latitude or the observer above the plane of the satellite's horizon, and where the panels of a model
-    /// reflect nothing, the satellite is at least as bright as a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag; its
-    /// source then ends with `(diffuse body)`. Without
+    /// fitted latitude or the observer above the plane of the satellite's horizon, the satellite is at least as bright as
+    /// a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag or more;
+    /// elsewhere it is at most 5 mag fainter than this body. The source then ends with `(diffuse body)`. Without
     /// earthshine, magnitudes are those of sunlight on the panels alone.
     pub fn brightness(
         &self,
@@ -374,7 +374,7 @@ impl BrightnessModel {
         let modelled = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr);
         // A satellite that is seen or lit from above is at least as bright as a diffuse body.
         let diffuse = self.diffuse.filter(|_| options.earthshine == Earthshine::Computed).and_then(|body| {
-            let reflection_m2_sr = body.reflection_m2_sr(geometry, modelled.is_some());
+            let reflection_m2_sr = body.reflection_m2_sr(geometry);
             StandardMagnitude::from_reflection(reflection_m2_sr, self.band.sun_magnitude(self.system))
         });
         let brighter = diffuse.filter(|diffuse| modelled.is_none_or(|modelled| diffuse.0 < modelled.0));

@@ -434,7 +434,9 @@ fn other_files_are_not_replaced_by_a_status() {
     let other = path(&folder, "other");
     let base: &[&str] = &["gate", "--shells", "oneweb", "--mpc", "X05", "--exposure", "10s", "--fov", "1deg"];
     let base = [base, POINTING, &["--now", NOW, "--limit-mag=-20", "--status-file", &other]].concat();
-    for text in ["limit_mag = 7\n", "{\"type\": \"FeatureCollection\"}", "[1, 2]", "\u{0}"] {
+    for text in
+        ["limit_mag = 7\n", "{\"type\": \"FeatureCollection\"}", "[1, 2]", "\u{0}", "{\"counters\": {\"a\": 1}}"]
+    {
         fs::write(&other, text).unwrap();
         for (strict, expected) in [(&[][..], 0), (&["--strict"][..], 2)] {
             let (code, _, stderr) = run(&[&base, strict]);

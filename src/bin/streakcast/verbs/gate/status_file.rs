@@ -58,15 +58,23 @@ pub fn write(path: &Path, statements: &Map<String, Value>) -> io::Result<()> {
     if path.exists() {
         input::check_regular(path)?;
         let before = input::read(path)?;
-        let before = String::from_utf8_lossy(before.trim_ascii());
-        // Every status file has counters. A damaged one is replaced.
-        if !(before.is_empty() || before.starts_with('{') && before.contains("\"counters\"")) {
+        if !is_status(&String::from_utf8_lossy(before.trim_ascii())) {
             let what = "the file exists and is not a status file; allowed: a new file, or one that gate wrote";
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, what));
         }
     }
     let text = serde_json::to_string_pretty(statements)? + "\n";
     write_atomically(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// Returns true for the content of a status file, which counts runs, also if it is damaged; and for an empty file.
+fn is_status(text: &str) -> bool {
+    match serde_json::from_str::<Value>(text) {
+        Ok(value) => value.pointer("/counters/runs").is_some_and(Value::is_number),
+        Err(_) => {
+            text.is_empty() || text.starts_with('{') && text.contains("\"counters\"") && text.contains("\"runs\"")
+        }
+    }
 }
 
 /// Longest message of a fault, characters.
