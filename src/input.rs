@@ -5,7 +5,7 @@ use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-use crate::units::Unit;
+use crate::units::{Unit, UnitError};
 
 /// Largest number of bytes that are read from a file, or decompressed from one: 2 GB, above any catalogue or schedule.
 /// Files are read into memory as a whole.
@@ -136,10 +136,11 @@ impl CsvRows {
     /// `accepted`, or such a name with another unit at its end.
     ///
     /// # Errors
-    /// The unit is unknown or contradicts the name of the column.
+    /// The unit is unknown or contradicts the name of the column, or several columns have the quantity.
     pub fn optional_numbers(&self, accepted: &[&str], unit: &Unit) -> io::Result<Option<NumberColumn>> {
-        let Some(index) = unit.find(accepted, &self.names) else { return Ok(None) };
-        let scale = unit.scale(&self.names[index], &self.units).map_err(|error| invalid(error.to_string()))?;
+        let failed = |error: UnitError| invalid(error.to_string());
+        let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
+        let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
         Ok(Some(NumberColumn { index, scale }))
     }
 

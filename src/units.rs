@@ -67,16 +67,27 @@ pub static MAGNITUDES: Unit = Unit {
     allowed: "mag, mag(AB), mag(ST) or mmag",
 };
 
-/// Unit of a column that is unknown, or contradicts the name of the column.
+/// Error of the columns of a quantity.
 #[derive(Debug, Error, PartialEq)]
-#[error("column {} is in '{}'; allowed: {allowed}", Quoted::new(.column), Quoted::new(.unit))]
-pub struct UnitError {
-    /// Name of the column.
-    pub column: String,
-    /// Unit that the file states.
-    pub unit: String,
-    /// Accepted units.
-    pub allowed: &'static str,
+pub enum UnitError {
+    /// The unit of a column is unknown, or contradicts the name of the column.
+    #[error("column {} is in '{}'; allowed: {allowed}", Quoted::new(.column), Quoted::new(.unit))]
+    Unit {
+        /// Name of the column.
+        column: String,
+        /// Unit that the file states.
+        unit: String,
+        /// Accepted units.
+        allowed: &'static str,
+    },
+    /// Two columns have the same quantity.
+    #[error("columns {} and {} have the same quantity; allowed: one of them", Quoted::new(.first), Quoted::new(.second))]
+    TwoColumns {
+        /// Name of one column.
+        first: String,
+        /// Name of another one.
+        second: String,
+    },
 }
 
 impl Unit {
@@ -94,7 +105,7 @@ impl Unit {
         let Some(unit) = units.get(column).map(|unit| unit.trim()).filter(|unit| !unit.is_empty()) else {
             return Ok(named.map_or(1.0, |(_, scale)| scale));
         };
-        let error = |allowed| UnitError { column: column.to_owned(), unit: unit.to_owned(), allowed };
+        let error = |allowed| UnitError::Unit { column: column.to_owned(), unit: unit.to_owned(), allowed };
         match (self.value(unit), named) {
             (Some((_, scale)), Some((allowed, named))) if scale != named => Err(error(allowed)),
             (Some((_, scale)), _) => Ok(scale),
@@ -104,13 +115,22 @@ impl Unit {
 
     /// Returns the index of the column of a quantity: one of the names in `accepted`, in order of preference, or one of
     /// these that ends with another unit, as `ra_rad` for `ra_deg`.
-    pub fn find(&self, accepted: &[&str], names: &[String]) -> Option<usize> {
-        let own = accepted.iter().find_map(|name| names.iter().position(|found| found == name));
+    ///
+    /// # Errors
+    /// Several columns have this name, or the quantity in different units.
+    pub fn find(&self, accepted: &[&str], names: &[String]) -> Result<Option<usize>, UnitError> {
+        let positions = |is_meant: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            (0..names.len()).filter(|&index| is_meant(&names[index])).collect()
+        };
         let stem = |name: &str| Some(name.rsplit_once('_').filter(|(_, end)| self.value(end).is_some())?.0.to_owned());
-        own.or_else(|| {
-            let stems: Vec<String> = accepted.iter().filter_map(|name| stem(name)).collect();
-            names.iter().position(|found| stem(found).is_some_and(|found| stems.contains(&found)))
-        })
+        let stems: Vec<String> = accepted.iter().filter_map(|name| stem(name)).collect();
+        let own = accepted.iter().map(|name| positions(&|found| found == *name)).find(|found| !found.is_empty());
+        let found = own.unwrap_or_else(|| positions(&|found| stem(found).is_some_and(|found| stems.contains(&found))));
+        match found[..] {
+            [] => Ok(None),
+            [index] => Ok(Some(index)),
+            [one, other, ..] => Err(UnitError::TwoColumns { first: names[one].clone(), second: names[other].clone() }),
+        }
     }
 }
 
@@ -136,8 +156,23 @@ mod tests {
     #[test]
     fn names_may_end_with_another_unit() {
         let names = ["name", "ra_hourangle", "dec_m", "exposure_min"].map(str::to_owned);
-        assert_eq!(DEGREES.find(&["ra_deg", "ra"], &names), Some(1));
-        assert_eq!(DEGREES.find(&["dec_deg"], &names), None);
-        assert_eq!(SECONDS.find(&["exposure_s"], &names), Some(3));
+        assert_eq!(DEGREES.find(&["ra_deg", "ra"], &names), Ok(Some(1)));
+        assert_eq!(DEGREES.find(&["dec_deg"], &names), Ok(None));
+        assert_eq!(SECONDS.find(&["exposure_s"], &names), Ok(Some(3)));
+    }
+
+    #[test]
+    fn a_quantity_has_one_column() {
+        let find = |names: &[&str]| {
+            DEGREES.find(&["ra_deg", "ra"], &names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>())
+        };
+        assert_eq!(find(&["ra_rad", "ra_deg", "ra"]), Ok(Some(1)));
+        for names in [["ra_rad", "ra_arcmin"], ["ra_deg", "ra_deg"]] {
+            let message = find(&names).unwrap_err().to_string();
+            assert_eq!(
+                message,
+                format!("columns {} and {} have the same quantity; allowed: one of them", names[0], names[1])
+            );
+        }
     }
 }

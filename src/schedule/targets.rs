@@ -46,8 +46,15 @@ pub fn read_targets(
 ) -> Result<Vec<ListedTarget>, ScheduleError> {
     let table = read_raw(path)?;
     let find = |accepted: &[&str]| accepted.iter().find_map(|name| table.names.iter().position(|found| found == name));
-    let angle = |accepted: &[&str]| DEGREES.find(accepted, &table.names);
-    let columns = [find(NAME), angle(RIGHT_ASCENSION), angle(DECLINATION), SECONDS.find(EXPOSURE, &table.names)];
+    let with_unit = |unit: &Unit, accepted: &[&str]| {
+        unit.find(accepted, &table.names).map_err(|source| ScheduleError::Unit { path: display(path), source })
+    };
+    let columns = [
+        find(NAME),
+        with_unit(&DEGREES, RIGHT_ASCENSION)?,
+        with_unit(&DEGREES, DECLINATION)?,
+        with_unit(&SECONDS, EXPOSURE)?,
+    ];
     let needed = [("name", true), ("ra_deg", true), ("dec_deg", true), ("exposure_s", duration_s.is_none())];
     let missing: Vec<&str> = columns
         .iter()
@@ -64,7 +71,7 @@ pub fn read_targets(
     if table.rows.is_empty() {
         return Err(ScheduleError::NoRows { path: display(path) });
     }
-    let (unique_id, rotation, band) = (find(UNIQUE_ID), angle(ROTATION), find(BAND));
+    let (unique_id, rotation, band) = (find(UNIQUE_ID), with_unit(&DEGREES, ROTATION)?, find(BAND));
     let [name, right_ascension, declination, exposure] = columns;
     let scale = |column: Option<usize>, unit: &Unit| column.map_or(Ok(1.0), |index| table.scale(path, index, unit));
     let scales = [

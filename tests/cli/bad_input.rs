@@ -269,6 +269,8 @@ fn invalid_schedules() {
     schedule("none.json", b"[]", &["none.json is empty"]);
     let twice = b"exposure_id,start_utc,duration_s,ra_deg,dec_deg,ra_deg\n1,2024-08-14T03:30:00Z,30,280,-30,10\n";
     schedule("twice.csv", twice, &["twice.csv: column ra_deg occurs twice; allowed: once"]);
+    let two = b"exposure_id,start_utc,duration_s,ra_rad,dec_deg,ra_arcmin\n1,2024-08-14T03:30:00Z,30,1,-30,99\n";
+    schedule("two.csv", two, &["two.csv: columns ra_rad and ra_arcmin have the same quantity; allowed: one of them"]);
     schedule("page.html", b"<html></html>", &["XML or HTML", "allowed: opsim SQLite"]);
     schedule("cut.db", b"SQLite format 3\0 and then nothing", &["cut.db"]);
     fails(&[&flag(&folder.path().display().to_string())], &["is a directory"]);

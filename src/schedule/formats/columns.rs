@@ -7,7 +7,7 @@ use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
 use crate::message::{Quoted, listed};
-use crate::units::{DEGREES, SECONDS};
+use crate::units::{DEGREES, SECONDS, Unit};
 
 /// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
@@ -99,19 +99,25 @@ impl ColumnMap {
             }
         }
         let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
-        let angle = |accepted: &[&str]| DEGREES.find(accepted, names);
+        let with_unit = |unit: &Unit, accepted: &[&str]| {
+            unit.find(accepted, names).map_err(|source| ScheduleError::Unit { path: display(path), source })
+        };
         let start = STARTS.iter().find_map(|&(name, form, scale)| {
             let index = names.iter().position(|found| found == name)?;
             Some(StartColumn { index, name: name.to_owned(), form, scale })
         });
-        let (id, duration, right_ascension, declination) =
-            (find(ID), SECONDS.find(DURATION, names), angle(RIGHT_ASCENSION), angle(DECLINATION));
+        let (id, duration, right_ascension, declination) = (
+            find(ID),
+            with_unit(&SECONDS, DURATION)?,
+            with_unit(&DEGREES, RIGHT_ASCENSION)?,
+            with_unit(&DEGREES, DECLINATION)?,
+        );
         let needs_id = start.as_ref().is_none_or(|start| start.name != PLANNED_START);
         if let (Some(start), Some(duration), Some(right_ascension), Some(declination)) =
             (start.clone(), duration, right_ascension, declination)
             && (id.is_some() || !needs_id)
         {
-            let (rotation, band) = (angle(ROTATION), find(BAND));
+            let (rotation, band) = (with_unit(&DEGREES, ROTATION)?, find(BAND));
             let is_sum = names[duration] == VISIT_EXPOSURE;
             let snaps = find(SNAPS).filter(|_| is_sum).map(|snaps| (snaps, find(VISIT)));
             return Ok(Self { id, start, duration, right_ascension, declination, rotation, band, snaps });
