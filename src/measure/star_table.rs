@@ -33,8 +33,9 @@ pub struct StarTable {
 }
 
 impl StarTable {
-    /// Reads a CSV or ECSV table with the columns `ra_deg`, `dec_deg`, `mag` (or `magnitude`) and, optionally, `mag_sigma` and
-    /// `band`. Other columns are ignored, as are lines that begin with `#`.
+    /// Reads a CSV or ECSV table with the columns `ra_deg`, `dec_deg`, `mag` (or `magnitude`) and, optionally,
+    /// `mag_sigma` and `band`; numbers in other units are converted. Other columns are ignored, as are lines that begin
+    /// with `#`.
     ///
     /// # Errors
     /// The file cannot be read, a column is missing, or a value is out of range.

@@ -27,7 +27,8 @@ pub struct BestStart {
 /// cannot be judged.
 ///
 /// A delay that is longer than the cost at the scheduled start saves nothing, so that the starts extend over this cost,
-/// and at most over `longest_s`. The `margin_s` and `blocking` of the policy are not applied.
+/// and at most over `longest_s`; a cost below 0.06 s is not reduced. The `margin_s` and `blocking` of the policy are not
+/// applied.
 ///
 /// # Errors
 /// [`SkyError`] if passes cannot be computed.
