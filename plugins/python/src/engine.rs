@@ -166,6 +166,14 @@ impl Engine {
         self.field.as_ref().ok().map(Field::area_deg2)
     }
 
+    /// Returns the values that determine the costs of streaks of exposures in a band: `bright_share`, `bright_mag` and
+    /// the magnitude limit of the policy, if there is one; `None` without a telescope.
+    #[pyo3(signature = (band=None))]
+    fn cost_parameters(&self, band: Option<&str>) -> Option<(f64, f64, Option<f64>)> {
+        let telescope = self.telescope.as_ref()?;
+        Some((telescope.bright_share, telescope.bright_mag_in(band), self.policy.limit_mag_in(band)))
+    }
+
     /// Returns the choice of satellites that block a start: `any` or `avoid`.
     #[getter]
     fn blocking(&self) -> &'static str {

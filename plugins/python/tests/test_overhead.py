@@ -16,6 +16,14 @@ def angles(direction):
     return np.degrees(np.arctan2(direction[:, 1], direction[:, 0])) % 360.0, np.degrees(np.arcsin(direction[:, 2]))
 
 
+def test_parameters_of_costs(wide):
+    assert wide.cost_parameters("g") == wide.cost_parameters() == (0.08, 7.0, None)
+    model = wide.with_options(bright_share=0.3, limit_mag={"g": 6.0})
+    assert model.cost_parameters("g") == streakcast.CostParameters(bright_share=0.3, bright_mag=7.0, limit_mag=6.0)
+    assert model.cost_parameters("r").limit_mag is None
+    assert streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="3.5deg").cost_parameters() is None
+
+
 def test_satellites_in_a_field_are_those_that_cross_it(wide):
     seconds = np.array([0.0, 2.0, 40.0])
     up = wide.overhead(START, seconds, min_altitude=0.0)

@@ -80,6 +80,15 @@ def test_a_warning_with_other_numbers_is_not_repeated():
     assert [str(one.message) for one in found] == [*calls[0], calls[2][1]]
 
 
+def test_warnings_of_many_nights_are_merged():
+    model = new_model()
+    sky_cache, _ = model._open()
+    sky_cache.news()
+    nights = [f"30{night % 10} of 15,834 old (the farthest by {night}.5 days)" for night in range(10, 23)]
+    found = caught(lambda: [model._warn_once(sky_cache, nights) for _ in range(2)])
+    assert [str(one.message) for one in found] == [f"{nights[0]} (and 12 similar warnings, with other numbers or dates)"]
+
+
 def test_names_in_warnings_differ():
     without = _state._without_numbers
     assert without("3 of 1,234 records, the farthest by 4.5 days (2026-10-01)") == "# of #### records, the farthest by # days (date)"

@@ -1,8 +1,7 @@
 """Satellite avoidance for the scheduler of the Vera C. Rubin Observatory."""
 
 from .annotate import annotate, visit_columns
-from .mask import StreakMaskBasisFunction
+from .cost_map import StreakCostBasisFunction
 from .queue_manager import StreakQueueManager
-from .reward import StreakRewardBasisFunction
 
-__all__ = ["StreakMaskBasisFunction", "StreakQueueManager", "StreakRewardBasisFunction", "annotate", "visit_columns"]
+__all__ = ["StreakCostBasisFunction", "StreakQueueManager", "annotate", "visit_columns"]

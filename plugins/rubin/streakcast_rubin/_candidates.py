@@ -2,29 +2,12 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from ._arrays import BoolArray, FloatArray, IntArray, Visits
+from ._arrays import FloatArray, IntArray, Visits
 
-#: Penalty per position in the queue, in seconds of slew: the order of the survey is a short path over the sky.
-POSITION_PENALTY_S = 0.3
-
-#: If all visits are crossed, another one is preferred to the first only if its slew is longer by at most this time,
-#: seconds, and its damage is at most this fraction, so that long slews are avoided.
-CROSSED_EXTRA_SLEW_S = 5.0
-CROSSED_DAMAGE_FRACTION = 0.5
-
-
-class Choice(NamedTuple):
-    """Chosen candidate, and reason of the choice."""
-
-    #: Index among the candidates.
-    candidate: int
-    #: ``clear`` (not crossed), ``due`` (the first visit was deferred the largest number of times) or ``least`` (all are
-    #: crossed).
-    reason: str
+#: Open shutter per second of the night. A longer slew costs this share of its time.
+OPEN_SHARE = 0.77
 
 
 def candidates(queue: Visits, valid: IntArray, look_ahead: int) -> IntArray:
@@ -45,36 +28,41 @@ def candidates(queue: Visits, valid: IntArray, look_ahead: int) -> IntArray:
     return np.array(chosen, dtype=np.int64)
 
 
-def choose(
-    blocked: BoolArray, damage: FloatArray, slew_s: FloatArray, deferred: IntArray, max_extra_slew_s: float, max_defer: int
-) -> Choice:
-    """Chooses the next visit among candidates in queue order.
+def detours_s(slew_s: FloatArray, between_s: FloatArray) -> FloatArray:
+    """Returns by how much the path through the candidates becomes longer if one of them is visited first.
+
+    The telescope goes to candidate k, returns to the first one, and later goes from k - 1 to k + 1.
 
     Parameters
     ----------
-    blocked : array of bool, ``(n,)``
-        Whether a satellite blocks the visit now.
-    damage : array, ``(n,)``
-        Damage if the visit is dispatched now.
     slew_s : array, ``(n,)``
-        Slew time, seconds; NaN if the telescope cannot reach the visit.
-    deferred : array of int, ``(n,)``
-        Number of previous deferrals.
-    max_extra_slew_s : float
-        Largest slew time in excess of that to the first candidate.
-    max_defer : int
-        Largest number of deferrals of a visit.
+        Slew times from the current position to the candidates in queue order, seconds.
+    between_s : array, ``(n, n)``
+        Slew times between candidates, seconds.
+
+    Returns
+    -------
+    array, ``(n,)``
+        Detours, seconds; 0 for the first candidate, negative if the path becomes shorter.
     """
-    if deferred[0] >= max_defer:
-        return Choice(0, "due" if blocked[0] else "clear")
-    first_s = slew_s[0] if np.isfinite(slew_s[0]) else np.inf
-    reached = np.isfinite(slew_s) & (slew_s <= first_s + max_extra_slew_s)
-    reached[0] = True
-    clear = reached & ~blocked
-    if clear[0]:
-        return Choice(0, "clear")
-    if clear.any():
-        # The nearest visit needs the shortest slew; of equally near visits the first in the queue is used.
-        return Choice(int(np.argmin(np.where(clear, slew_s + POSITION_PENALTY_S * np.arange(slew_s.size), np.inf))), "clear")
-    worth = reached & (slew_s <= first_s + CROSSED_EXTRA_SLEW_S) & (damage <= CROSSED_DAMAGE_FRACTION * damage[0])
-    return Choice(int(np.argmin(np.where(worth, damage, np.inf))) if worth.any() else 0, "least")
+    n = len(slew_s)
+    k = np.arange(1, n)
+    # s(now,k) + s(k,0) - s(now,0) - s(k-1,k) + s(k-1,k+1) - s(k,k+1), without the last two at the end of the list
+    detour_s = slew_s[k] + between_s[k, 0] - slew_s[0] - between_s[k - 1, k]
+    inner = k[:-1]
+    detour_s[:-1] += between_s[inner - 1, inner + 1] - between_s[inner, inner + 1]
+    return np.concatenate([[0.0], detour_s])
+
+
+def choose(cost_s: FloatArray, detour_s: FloatArray) -> int:
+    """Returns the candidate with the least sum of the cost of streaks and the cost of the detour.
+
+    Parameters
+    ----------
+    cost_s : array, ``(n,)``
+        Costs of streaks, seconds of open shutter; NaN for candidates that cannot be judged.
+    detour_s : array, ``(n,)``
+        Detours, seconds of the night; NaN for candidates that cannot be reached.
+    """
+    total_s = cost_s + OPEN_SHARE * np.maximum(detour_s, 0.0)
+    return int(np.argmin(np.where(np.isfinite(total_s), total_s, np.inf)))

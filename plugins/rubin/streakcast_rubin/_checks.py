@@ -11,24 +11,10 @@ import numpy as np
 BANDS = ("u", "g", "r", "i", "z", "y", "default")
 
 
-def one_of(name: str, value: str, allowed: tuple[str, ...]) -> str:
-    if value not in allowed:
-        raise ValueError(f"{name} is '{value}'; allowed: {', '.join(allowed)}")
-    return value
-
-
 def at_least(name: str, value: float, least: float, most: float = math.inf) -> float:
     number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if not number or not least <= value <= most or value == math.inf:
         raise ValueError(f"{name} is {value!r}; allowed: a number from {least:g} {'upwards' if most == math.inf else f'to {most:g}'}")
-    return value
-
-
-def above(name: str, value: float, least: float, most: float) -> float:
-    """Same as `at_least`, without the lower limit itself."""
-    at_least(name, value, least, most)
-    if value == least:
-        raise ValueError(f"{name} is {value!r}; allowed: a number above {least:g}, up to {most:g}")
     return value
 
 

@@ -106,6 +106,24 @@ class Mount:
         slew_s = self._slew_times(now, visits)
         return Openings(now + slew_s / DAY_S, slew_s, self._lengths(visits))
 
+    def between(self, now: float, visits: Any) -> FloatArray:
+        """Returns the slew times between all pairs of visits in one band without the rotator, seconds, ``(n, n)``, from
+        the visit of the row to that of the column. The readout is the shortest."""
+        model = self.kinematics
+        altitude, azimuth, _ = model.radec2altaz(np.asarray(visits["RA"], dtype=float), np.asarray(visits["dec"], dtype=float), now)
+        kept, model.overhead = model.overhead, model.readtime
+        try:
+            rows = [
+                model.slew_times(
+                    None, None, now, bandname=None, alt_rad=altitude, az_rad=azimuth,
+                    starting_alt_rad=altitude[row], starting_az_rad=azimuth[row],
+                )
+                for row in range(len(altitude))
+            ]  # fmt: skip
+        finally:
+            model.overhead = kept
+        return np.asarray(rows, dtype=float)
+
     def _place(self, conditions: Any, now: float) -> None:
         """Sets the kinematic model to the position of the telescope."""
         model, last = self.kinematics, self.last

@@ -1,28 +1,23 @@
-"""Tracks of all lit satellites above the site, computed and cached in time slots of 40 s."""
+"""Lit satellites above the site at sampled times, costs of their streaks, and pointings of visits."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Generic, NamedTuple, TypeVar, Union
+from typing import Any, Generic, Hashable, NamedTuple, TypeVar, Union
 
 import healpy as hp
 import numpy as np
-from streakcast import StreakModel
+from streakcast import CostParameters, StreakModel
 
 from ._arrays import FloatArray, IntArray, SingleArray
-from ._verdicts import LEAST_PROBABILITY, weight_of_light
+from ._costs import NO_TELESCOPE
 
-#: Length of a time slot, seconds, which is about the time between visits.
-SLOT_S = 40.0
-#: Interval between samples of a track, seconds; a satellite moves by one or two degrees in that time (see
-#: `Samples.rate_deg_s`).
-SAMPLE_S = 2.0
-#: Smallest altitude of satellites, degrees.
-LOWEST_DEG = 18.0
-#: Number of cached slots, for ten minutes.
-CACHED_SLOTS = 15
+NSIDE = 32
+CELLS = 12 * NSIDE * NSIDE
+#: Length of visits with the motion of the shutter, seconds.
+VISIT_S = 31.0
 Value = TypeVar("Value")
 
 
@@ -31,102 +26,93 @@ class Samples(NamedTuple):
 
     #: Directions, ICRS, ``(n, 3)``.
     direction: FloatArray
-    #: Time, seconds after the start of the slot, ``(n,)``.
-    second: FloatArray
-    #: Angular rate, degrees per second, ``(n,)``.
-    rate_deg_s: FloatArray
-    #: Width of the pixels lost to a streak, arcseconds, ``(n,)``.
-    lost_width_arcsec: FloatArray
-    #: Magnitude, ``(n,)``; NaN where unknown.
-    magnitude: FloatArray
-    #: Probability of being brighter than each limit of the `Sky`, ``(n, n_limits)``.
-    p_brighter: FloatArray
+    #: Index of the time, ``(n,)``.
+    moment: IntArray
+    #: Expected share of a visit that is lost per second in the field, ``(n,)``.
+    share_per_s: FloatArray
 
 
-class SlotCache(Generic[Value]):
-    """Cache of values for the most recently used time slots, all computed from one source."""
+class Cache(Generic[Value]):
+    """Cache of the most recently used values, all computed from one source."""
 
-    def __init__(self, max_slots: int = CACHED_SLOTS) -> None:
-        self._max_slots = max_slots
+    def __init__(self, most: int) -> None:
+        self._most = most
         self._source: Any = None
-        self._slots: OrderedDict[int, Value] = OrderedDict()
+        self._values: OrderedDict[Hashable, Value] = OrderedDict()
 
-    def get(self, source: Any, number: int) -> Union[Value, None]:
-        """Returns the value of a slot; `None` if it is not cached. Another source clears the cache."""
+    def get(self, source: Any, key: Hashable) -> Union[Value, None]:
+        """Returns a value; `None` if it is not cached. Another source clears the cache."""
         if source != self._source:
             self._source = source
-            self._slots.clear()
-        if number in self._slots:
-            self._slots.move_to_end(number)
-        return self._slots.get(number)
+            self._values.clear()
+        if key in self._values:
+            self._values.move_to_end(key)
+        return self._values.get(key)
 
-    def put(self, number: int, value: Value) -> Value:
+    def put(self, key: Hashable, value: Value) -> Value:
         """Stores a value and removes the least recently used one if the cache is full."""
-        self._slots[number] = value
-        while len(self._slots) > self._max_slots:
-            self._slots.popitem(last=False)
+        self._values[key] = value
+        while len(self._values) > self._most:
+            self._values.popitem(last=False)
         return value
 
 
+@dataclass(frozen=True)
 class Sky:
-    """Lit satellites of a model, in time slots."""
+    """Lit satellites of a model, and the costs of their streaks in visits in one band."""
 
-    def __init__(self, model: StreakModel, scale: str, light: bool, limits_mag: tuple[float, ...] = ()) -> None:
-        self.model = model
-        self._scale = scale
-        self._light = light
-        #: Magnitude limits of the columns of `Samples.p_brighter`.
-        self.limits_mag = limits_mag
-        self._cache: SlotCache[Samples] = SlotCache()
+    model: StreakModel
+    #: Scale of MJDs.
+    scale: str
+    band: Union[str, None]
 
-    def over(self, start_mjd: float, end_mjd: float) -> list[tuple[int, Samples]]:
-        """Returns the slots of a time span, with their numbers. A slot starts ``number * SLOT_S`` after MJD 0."""
-        found = []
-        for number in range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1):
-            samples = self._cache.get(self.model, number)
-            if samples is None:
-                samples = self._cache.put(number, self.sample(number * (SLOT_S / 86_400.0), SLOT_S))
-            found.append((number, samples))
-        return found
+    @property
+    def costs(self) -> CostParameters:
+        """Parameters of the costs."""
+        costs = self.model.cost_parameters(self.band)
+        if costs is None:
+            raise ValueError(NO_TELESCOPE)
+        return costs
 
-    def sample(self, start_mjd: float, length_s: float) -> Samples:
-        """Computes the satellites above the site in a time span."""
-        steps = np.arange(0.0, length_s, SAMPLE_S)
+    @property
+    def radius_deg(self) -> float:
+        """Radius of a circle with the area of the field."""
+        return float(np.sqrt((self.model.field_area_deg2 or np.nan) / np.pi))
+
+    def sample(self, start_mjd: float, seconds: FloatArray, min_altitude_deg: float) -> Samples:
+        """Computes the satellites above an altitude at times after a start."""
+        costs, diameter_deg = self.costs, 2.0 * self.radius_deg
         found = self.model.overhead(
-            start_mjd, steps, min_altitude=LOWEST_DEG, light=self._light, limit_mag=self.limits_mag, scale=self._scale
+            start_mjd, seconds, min_altitude=min_altitude_deg, limit_mag=() if costs.limit_mag is None else costs.limit_mag,
+            band=self.band, scale=self.scale,
+        )  # fmt: skip
+        p_above = found.p_brighter.max(axis=1, initial=0.0)
+        # A satellite above the limit costs max(1, b) visits, however long its streak is. The mean length of the chords of
+        # a circle is π/4 times its diameter.
+        mean_length_deg = np.minimum(np.pi / 4.0 * diameter_deg, found.angular_rate_deg_s * VISIT_S)
+        share_per_deg = (
+            (1.0 - p_above) * found.lost_width_arcsec / 3600.0 / (np.pi * self.radius_deg**2)
+            + np.maximum(found.q_bright - p_above, 0.0) * costs.bright_share / diameter_deg
+            + p_above * max(1.0, costs.bright_share) / mean_length_deg
         )
-        # The width is 0 without a telescope.
-        width = np.nan_to_num(found.lost_width_arcsec)
-        return Samples(
-            found.direction, steps[found.moment], found.angular_rate_deg_s, width, found.magnitude, found.p_brighter
-        )
+        return Samples(found.direction, found.moment, share_per_deg * found.angular_rate_deg_s)
 
-    def probability_brighter(self, limit_mag: float | None, samples: Samples) -> FloatArray:
-        """Returns the probability of each sample of being brighter than a limit; 1 without a limit."""
-        if limit_mag is None:
-            return np.ones(samples.magnitude.size)
-        return samples.p_brighter[:, self.limits_mag.index(limit_mag)]
-
-    def probably_brighter(self, limit_mag: float | None, samples: Samples) -> Samples:
-        """Returns the samples with a probability of at least 0.5 of being brighter than a limit, if any."""
-        keep = self.probability_brighter(limit_mag, samples) >= LEAST_PROBABILITY
-        return Samples(*(column[keep] for column in samples))
+    def cost_s(self, share: FloatArray) -> FloatArray:
+        """Returns the cost of visits, seconds of open shutter, for the sum of the shares of all satellites."""
+        return np.asarray(VISIT_S * np.minimum(share, max(1.0, self.costs.bright_share)), dtype=float)
 
 
-def _unit(ra_rad: FloatArray, dec_rad: FloatArray) -> FloatArray:
-    return np.stack([np.cos(dec_rad) * np.cos(ra_rad), np.cos(dec_rad) * np.sin(ra_rad), np.sin(dec_rad)], axis=-1)
+@lru_cache(maxsize=1)
+def centres() -> FloatArray:
+    """Returns the directions of the centres of all cells (RING), ``(CELLS, 3)``."""
+    return np.column_stack(hp.pix2vec(NSIDE, np.arange(CELLS)))
 
 
-@lru_cache(maxsize=4)
-def centres_of(nside: int) -> FloatArray:
-    """Returns the directions of the centres of all cells (RING), ``(12 nside², 3)``."""
-    return np.column_stack(hp.pix2vec(nside, np.arange(12 * nside * nside)))
-
-
-@lru_cache(maxsize=4)
-def sectors(nside: int) -> IntArray:
-    """Returns for each cell (RING) the index of its sector, one of 192 sectors with sides of 15 degrees."""
-    return np.asarray(hp.ring2nest(nside, np.arange(12 * nside * nside)) // (nside // 4) ** 2, dtype=np.int64)
+@lru_cache(maxsize=1)
+def discs(radius_deg: float) -> tuple[IntArray, IntArray]:
+    """Returns the cells of the disc around each cell, one disc after another, and the number of cells of each disc."""
+    lists = [hp.query_disc(NSIDE, centre, np.radians(radius_deg)) for centre in centres()]
+    return np.concatenate(lists), np.array([len(one) for one in lists])
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,39 +123,21 @@ class Pointings:
     centres: SingleArray
     #: For each cell (RING) the index of the pointing of a visit to it.
     of_cell: IntArray
-    #: For each cell the pointings that a satellite in it may cross, padded with -1, ``(n_cells, m)``.
+    #: For each cell the pointings that a satellite in it may cross, padded with -1, ``(CELLS, m)``.
     near: IntArray
-    #: Radius around a pointing within which a satellite crosses, degrees.
-    radius_deg: float
-
-    @classmethod
-    def of(cls, nside: int, centres: FloatArray, of_cell: IntArray, radius_deg: float, more_deg: float) -> Pointings:
-        """Creates the index. `more_deg` allows for the position of satellites in a cell and for their motion."""
-        lists = [hp.query_disc(nside, centre, np.radians(radius_deg + more_deg)) for centre in centres]
-        cell, pointing = np.concatenate(lists), np.repeat(np.arange(len(lists)), [len(one) for one in lists])
-        order = np.argsort(cell, kind="stable")
-        cell, pointing = cell[order], pointing[order]
-        counts = np.bincount(cell, minlength=12 * nside * nside)
-        near = np.full((counts.size, counts.max()), -1, dtype=np.int32)
-        near[cell, np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)] = pointing
-        return cls(centres.astype(np.float32), np.asarray(of_cell), near, radius_deg)
-
-
-@lru_cache(maxsize=4)
-def cells_as_pointings(nside: int, radius_deg: float, more_deg: float) -> Pointings:
-    """Returns the centres of all cells as pointings."""
-    centres = centres_of(nside)
-    return Pointings.of(nside, centres, np.arange(len(centres)), radius_deg, more_deg)
 
 
 @lru_cache(maxsize=16)
-def fields_as_pointings(nside: int, ra_rad: bytes, dec_rad: bytes, of_cell: bytes, radius_deg: float, more_deg: float) -> Pointings:
-    """Returns the fields of a survey as pointings, with the field of each cell; arrays as (hashable) bytes."""
-    ra, dec = np.frombuffer(ra_rad), np.frombuffer(dec_rad)
-    return Pointings.of(nside, _unit(ra, dec), np.frombuffer(of_cell, dtype=np.int64), radius_deg, more_deg)
-
-
-def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:
-    """Returns the fraction of pixels lost to a satellite, length x width / area, optionally weighted by brightness."""
-    lost = samples.rate_deg_s * seconds * samples.lost_width_arcsec / 3600.0 / area_deg2
-    return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
+def pointings_of(directions: bytes, of_cell: bytes, radius_deg: float) -> Pointings:
+    """Creates the index for fields of a radius. The arrays are given as (hashable) bytes, so that copies of a scheduler
+    use the same result."""
+    where = np.frombuffer(directions).reshape(-1, 3)
+    reach = np.radians(radius_deg) + hp.max_pixrad(NSIDE)
+    lists = [hp.query_disc(NSIDE, one, reach) for one in where]
+    cell, pointing = np.concatenate(lists), np.repeat(np.arange(len(lists)), [len(one) for one in lists])
+    order = np.argsort(cell, kind="stable")
+    cell, pointing = cell[order], pointing[order]
+    counts = np.bincount(cell, minlength=CELLS)
+    near = np.full((CELLS, counts.max()), -1, dtype=np.int32)
+    near[cell, np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)] = pointing
+    return Pointings(where.astype(np.float32), np.frombuffer(of_cell, dtype=np.int64), near)

@@ -2,48 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
+import erfa
 import numpy as np
-from streakcast import StreakModel, UnknownPositionsError
-from streakcast.hosts import Hook
+from astropy.time import Time
+from streakcast import Site, StreakModel
+from streakcast.hosts import SIMULATED_NIGHT_S, Hook
 
-from ._arrays import BoolArray, FloatArray, IntArray, Visits
-from ._mount import Openings
+from ._arrays import FloatArray, Visits
 
-#: Magnitude with weight 1; the weight increases by a factor of 2.5 per magnitude.
-REFERENCE_MAG = 7.0
-#: Range of the weight: fainter satellites still cause streaks, and brighter ones cannot affect more than the frame.
-LEAST_WEIGHT, MOST_WEIGHT = 1e-3, 1e3
-#: Smallest probability of a crossing brighter than a magnitude limit for which a visit is blocked.
-LEAST_PROBABILITY = 0.5
 SCALES = ("utc", "tai", "tt")
-DAMAGES = ("pixels", "light")
-BLOCKINGS = ("any", "avoid")
-
-
-class Rules(NamedTuple):
-    """Options of the verdicts."""
-
-    scale: str
-    jitter_s: float
-    #: One of `DAMAGES`.
-    damage: str
-    #: One of `BLOCKINGS`.
-    blocking: str
-    #: A magnitude, magnitudes by band, or `None`.
-    limit_mag: Any
-
-
-class Verdicts(NamedTuple):
-    """Effects of satellites on visits."""
-
-    #: Whether a visit should not be dispatched now.
-    blocked: BoolArray
-    #: Damage, in the unit of `Rules.damage`.
-    damage: FloatArray
-    n_streaks: IntArray
-    brightest_mag: FloatArray
+#: Difference of the Sun's altitude, degrees, above which the times are in another scale; the Sun moves by up to 0.15 deg
+#: in 37 s. The difference between UT1 and UTC, and the aberration of light, are 0.01 deg.
+SUN_TOLERANCE_DEG = 0.05
 
 
 def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
@@ -65,79 +37,62 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
     return scale
 
 
-def weight_of_light(brightest_mag: FloatArray) -> FloatArray:
-    """Returns the weight of the brightness of a satellite relative to 7 mag.
+class ConditionsCheck:
+    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun."""
 
-    w = 10^(-0.4 (m - 7)), limited to [0.001, 1000]; 1 if the magnitude is unknown.
-    """
-    weight = 10.0 ** (-0.4 * (np.asarray(brightest_mag, dtype=float) - REFERENCE_MAG))
-    return np.asarray(np.where(np.isfinite(weight), np.clip(weight, LEAST_WEIGHT, MOST_WEIGHT), 1.0), dtype=float)
+    def __init__(self, hook: Hook, scale: str) -> None:
+        self._hook, self._scale = hook, scale
+        self._sun_is_checked = False
+
+    def __call__(self, conditions: Any) -> None:
+        def location() -> tuple[float, float, float]:
+            site = conditions.site
+            return site.latitude, site.longitude, site.height
+
+        self._hook.check_site(location)
+        self._hook.check_clock(lambda: float(np.max(conditions.mjd)), self._scale)
+        if not self._sun_is_checked:
+            try:
+                self._check_sun(conditions)
+            except Exception as error:  # noqa: BLE001 - a hook never stops its host
+                self._sun_is_checked = True
+                self._hook.note("clock", f"the altitude of the Sun cannot be read: {type(error).__name__}: {error}", kind="sun")
+
+    def _check_sun(self, conditions: Any) -> None:
+        """Compares the altitude of the Sun with that at the time of the conditions, in simulations. At an observatory the
+        clock is compared, which is more reliable."""
+        site, given_rad = self._hook.model.site, getattr(conditions, "sun_alt", None)
+        mjd = float(np.max(conditions.mjd))
+        if site is None or given_rad is None or abs(mjd - Time.now().utc.mjd) < SIMULATED_NIGHT_S / 86_400.0:
+            return
+        given_deg = float(np.degrees(np.max(given_rad)))
+        off_deg = {scale: abs(sun_altitude_deg(mjd, scale, site) - given_deg) for scale in SCALES}
+        if not max(off_deg.values()) > 2.0 * SUN_TOLERANCE_DEG:
+            # Around midnight the altitude changes slowly. The next conditions are compared.
+            return
+        self._sun_is_checked = True
+        if off_deg[self._scale] > SUN_TOLERANCE_DEG:
+            best = min(off_deg, key=lambda scale: off_deg[scale])
+            hint = f"; mjd_scale='{best}' agrees" if off_deg[best] <= SUN_TOLERANCE_DEG else ""
+            message = (
+                f"the Sun of the scheduler is at {given_deg:.2f} deg, {off_deg[self._scale]:.2f} deg from its altitude at the "
+                f"given MJD in {self._scale}{hint}; in the wrong scale visits are 37 s off, and no result is valid"
+            )
+            self._hook.note("clock", message, kind="sun")
 
 
-def check_conditions(hook: Hook, conditions: Any, scale: str) -> None:
-    """Compares site and clock of the scheduler with those of the model and of this computer."""
-
-    def location() -> tuple[float, float, float]:
-        site = conditions.site
-        return site.latitude, site.longitude, site.height
-
-    hook.check_site(location)
-    hook.check_clock(lambda: float(np.max(conditions.mjd)), scale)
-
-
-def limit_of(limit_mag: Any, band: str | None) -> float | None:
-    """Returns the limit for a band; `None` if there is none, so that all lit satellites block."""
-    limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
-    return None if limit is None else float(limit)
-
-
-def limit_values(limit_mag: Any) -> tuple[float, ...]:
-    """Returns the different limits of all bands."""
-    if limit_mag is None:
-        return ()
-    values = limit_mag.values() if isinstance(limit_mag, dict) else [limit_mag]
-    return tuple(sorted({float(one) for one in values}))
+def sun_altitude_deg(mjd: float, scale: str, site: Site) -> float:
+    """Returns the geometric altitude of the Sun, degrees, with errors of 0.01 deg."""
+    time = Time(mjd, format="mjd", scale=scale)
+    utc, tt = time.utc, time.tt
+    sun = -erfa.epv00(tt.jd1, tt.jd2)[0]["p"]
+    at_site = erfa.c2t06a(tt.jd1, tt.jd2, utc.jd1, utc.jd2, 0.0, 0.0) @ sun
+    latitude, longitude = np.radians([site.latitude_deg, site.longitude_deg])
+    zenith = np.array([np.cos(latitude) * np.cos(longitude), np.cos(latitude) * np.sin(longitude), np.sin(latitude)])
+    return float(np.degrees(np.arcsin(at_site @ zenith / np.linalg.norm(sun))))
 
 
 def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray, list[str]]:
     """Returns right ascension and declination, sky rotation (degrees) and bands of visits."""
     target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
     return target, np.degrees(np.nan_to_num(visits["rotSkyPos"])), [str(one) for one in visits["band"]]
-
-
-def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) -> Verdicts:
-    """Computes the verdicts on all visits, from `jitter_s` before shutter opening until `jitter_s` after closing."""
-    target, rotation, bands = pointings(visits)
-    start = openings.start_mjd - rules.jitter_s / 86_400.0
-    length_s = openings.length_s + 2.0 * rules.jitter_s
-    if rules.blocking == "avoid" and rules.limit_mag is None:
-        # All limits of the policy are applied, including those of loss and probability, which include near misses.
-        assessment = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)
-        if (np.asarray(assessment.verdict) == "unknown").any():
-            raise UnknownPositionsError("the elements are too old to predict positions")
-        lost = np.where(np.isfinite(assessment.lost_fraction), assessment.lost_fraction, np.nan_to_num(assessment.streak_length_deg))
-        blocked = np.asarray(assessment.avoid)
-        n_streaks, brightest_mag = np.asarray(assessment.n_streaks), np.asarray(assessment.brightest_mag)
-    else:
-        limits = np.array([limit_of(rules.limit_mag, band) for band in bands], dtype=float)
-        passes = model.passes(
-            target, start, length_s, rotation=rotation, limit_mag=limits, scale=rules.scale, output="dict"
-        )
-        which = np.asarray(passes["exposure_id"], dtype=np.int64)
-        magnitude = np.asarray(passes["magnitude_peak"], dtype=float)
-        share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
-        n_streaks = np.bincount(which, minlength=visits.size)
-        # Without a telescope, the length of the streaks is used instead of the lost fraction.
-        lost = np.bincount(which, weights=np.where(np.isfinite(share), share, length_deg), minlength=visits.size)
-        brightest_mag = np.full(visits.size, np.inf)
-        np.fmin.at(brightest_mag, which, magnitude)
-        brightest_mag[np.isinf(brightest_mag)] = np.nan
-        blocked = n_streaks > 0
-        if rules.blocking == "avoid":
-            # As for the limits of the model: a crossing is brighter than the limit with a probability of at least 0.5.
-            p_brighter = np.asarray(passes["p_brighter"], dtype=float)
-            bright = np.asarray(passes["probability"], dtype=float) * p_brighter >= LEAST_PROBABILITY
-            blocked = np.bincount(which, weights=bright | np.isnan(limits[which]), minlength=visits.size) > 0
-    if rules.damage == "light":
-        lost = lost * weight_of_light(brightest_mag)
-    return Verdicts(np.asarray(blocked, dtype=bool), np.asarray(lost, dtype=float), n_streaks, brightest_mag)

@@ -44,6 +44,10 @@ PASS_COLUMNS = {
     "probability": "REAL",
     "streak_cost_s": "REAL",
 }
+#: Longest exposure, seconds.
+LONGEST_S = 86_400.0
+#: Times within the years of which streakcast knows the time scales.
+MJD_RANGE = (35_840.0, 88_068.0)
 TABLES = ("streak_flags", "streaks", "streak_provenance", "observations_streaks")
 
 
@@ -83,7 +87,7 @@ def annotate(
 
     The copy has the tables ``streak_flags`` (one row per visit), ``streaks`` (one row per visit and satellite) and
     ``streak_provenance``, and the view ``observations_streaks``, which joins the first to the observations. It is
-    written atomically.
+    written atomically. Visits with NULL or values out of range have the verdict ``invalid`` and no other values.
 
     Parameters
     ----------
@@ -106,7 +110,8 @@ def annotate(
     Raises
     ------
     ValueError
-        A file, table, column or scale is missing, or the tables of an earlier annotation exist.
+        A file, table, column or scale is missing, a number belongs to several different visits, or the tables of an
+        earlier annotation exist.
     """
     source, target = Path(opsim), Path(output)
     scale = scale_of(model, mjd_scale)
@@ -153,22 +158,34 @@ def _add_tables(base: sqlite3.Connection, source: Path, model: StreakModel, scal
     missing = [name for name in required if name not in columns]
     if missing:
         raise ValueError(f"{source}: missing column {', '.join(missing)} in observations, which has {', '.join(columns) or 'none'}")
-    rows = base.execute(f"SELECT {', '.join(required)} FROM observations ORDER BY observationId").fetchall()
-    ids, ra, dec, mjd, length, rotation = (np.array([row[one] for row in rows], dtype=float) for one in range(6))
-    options = {"rotation": np.nan_to_num(rotation), "scale": scale, "output": "dict"}
-    flags: dict[str, Any] = dict(model.flags((ra, dec), mjd, length, band=[str(row[6]) for row in rows], **options)) if rows else {}
-    passes: dict[str, Any] = dict(model.passes((ra, dec), mjd, length, **options)) if rows else {}
-    numbers = [int(one) for one in ids]
-    _write(base, "streak_flags", FLAG_COLUMNS, {**flags, "observationId": numbers}, len(rows))
-    crossing = [numbers[int(one)] for one in passes.get("exposure_id", [])]
+    # Repeated rows have one row in the added tables; those without a number cannot be joined to any.
+    query = f"SELECT DISTINCT {', '.join(required)} FROM observations WHERE observationId IS NOT NULL ORDER BY observationId"
+    rows = base.execute(query).fetchall()
+    numbers = [int(row[0]) for row in rows]
+    repeated = next((one for one, next_one in zip(numbers, numbers[1:]) if one == next_one), None)
+    if repeated is not None:
+        raise ValueError(f"{source}: observationId {repeated} has several different visits; allowed: unique numbers")
+    ra, dec, mjd, length, rotation = (np.array([_number(row[one]) for row in rows]) for one in range(1, 6))
+    valid = (mjd > MJD_RANGE[0]) & (mjd < MJD_RANGE[1]) & (ra >= -180.0) & (ra <= 360.0) & (np.abs(dec) <= 90.0) & (length >= 0.0) & (length <= LONGEST_S)
+    used = np.flatnonzero(valid)
+    exposures: tuple[Any, ...] = ((ra[used], dec[used]), mjd[used], length[used])
+    options: dict[str, Any] = {"rotation": np.nan_to_num(rotation[used]), "band": [str(rows[one][6]) for one in used]}
+    options |= {"scale": scale, "output": "dict"}
+    flags: dict[str, Any] = dict(model.flags(*exposures, **options)) if used.size else {}
+    passes: dict[str, Any] = dict(model.passes(*exposures, **options)) if used.size else {}
+    judged = [numbers[one] for one in used]
+    _write(base, "streak_flags", FLAG_COLUMNS, {**flags, "observationId": judged}, used.size)
+    invalid = [(numbers[one], "invalid") for one in np.flatnonzero(~valid)]
+    base.executemany("INSERT INTO streak_flags (observationId, verdict) VALUES (?, ?)", invalid)
+    crossing = [judged[int(one)] for one in passes.get("exposure_id", [])]
     _write(base, "streaks", {"observationId": "INTEGER", **PASS_COLUMNS}, {**passes, "observationId": crossing}, len(crossing))
     base.execute("CREATE INDEX streaks_observationId ON streaks (observationId)")
     base.execute("CREATE TABLE streak_provenance (key TEXT, value TEXT)")
-    provenance: dict[str, Any] = dict(model.provenance(float(mjd[0]), scale=scale)) if rows else {}
+    provenance: dict[str, Any] = dict(model.provenance(float(mjd[used[0]]), scale=scale)) if used.size else {}
     provenance["mjd_scale"] = scale
     base.executemany("INSERT INTO streak_provenance VALUES (?, ?)", [(key, json.dumps(value, default=str)) for key, value in provenance.items()])
     added = ", ".join(f"f.{name}" for name in FLAG_COLUMNS if name != "observationId")
-    base.execute(f"CREATE VIEW observations_streaks AS SELECT o.*, {added} FROM observations o JOIN streak_flags f USING (observationId)")
+    base.execute(f"CREATE VIEW observations_streaks AS SELECT o.*, {added} FROM observations o LEFT JOIN streak_flags f USING (observationId)")
     return sum(int(one) > 0 for one in flags.get("n_streaks", []))
 
 
@@ -176,6 +193,11 @@ def _write(base: sqlite3.Connection, name: str, kinds: dict[str, str], columns: 
     base.execute(f"CREATE TABLE {name} ({', '.join(f'{column} {kind}' for column, kind in kinds.items())})")
     cells = [[_cell(one, kind) for one in columns.get(column, [None] * rows)] for column, kind in kinds.items()]
     base.executemany(f"INSERT INTO {name} VALUES ({', '.join('?' for _ in kinds)})", list(zip(*cells)))
+
+
+def _number(value: Any) -> float:
+    """Converts a cell; NULL and text become NaN."""
+    return float(value) if isinstance(value, (int, float)) else np.nan
 
 
 def _cell(value: Any, kind: str) -> Any:

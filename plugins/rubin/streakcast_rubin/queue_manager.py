@@ -1,4 +1,4 @@
-"""`StreakQueueManager`: dispatches visits of the queue that no satellite crosses."""
+"""`StreakQueueManager`: exchanges visits of the queue if this saves more time from streaks than it costs in slewing."""
 
 from __future__ import annotations
 
@@ -13,48 +13,44 @@ from rubin_scheduler.scheduler.schedulers import BaseQueueManager
 from streakcast import StreakModel
 from streakcast.hosts import Hook
 
-from ._arrays import IntArray, Visits
-from ._candidates import Choice, candidates, choose
-from ._checks import at_least, limits, one_of
+from ._arrays import FloatArray, IntArray
+from ._candidates import candidates, choose, detours_s
+from ._checks import at_least
+from ._costs import Costs, costs_of, with_costs
 from ._dispatched import DispatchedVisits, Owner
 from ._mount import Mount, Openings
-from ._verdicts import BLOCKINGS, DAMAGES, Rules, Verdicts, judge, scale_of, check_conditions
+from ._verdicts import ConditionsCheck, scale_of
+
+#: Cost of the first visit, seconds of open shutter, up to which it is dispatched without comparing other visits.
+LEAST_COST_S = 0.05
 
 log = logging.getLogger("streakcast.rubin")
 
 
 class StreakQueueManager(BaseQueueManager):
-    """Queue manager that dispatches visits which no satellite crosses.
+    """Queue manager that exchanges two visits if this saves more observing time from streaks than it costs in slewing.
 
-    For each requested visit it computes, for the first `look_ahead` valid visits of the queue, the shutter openings
-    (slew and rotator, by the kinematic model of rubin_scheduler) and the satellites that cross each field from
-    `jitter_s` before opening until `jitter_s` after closing. It dispatches the first visit if it is clear, or else the
-    nearest clear one, or else the one with the smallest loss. Visits are never added, dropped or renumbered, and a
-    deferred visit stays first in the queue. After an error the default visit of rubin_scheduler is dispatched.
+    For each requested visit it computes the shutter opening (slew and rotator, by the kinematic model of
+    rubin_scheduler) and the cost of the streaks in seconds of open shutter (``streak_cost_s``). If the first visit of the
+    queue costs more than 0.05 s, the first `look_ahead` valid visits are compared: the one with the least sum of cost and
+    detour is dispatched. The detour is that of the whole path, which returns to the first visit; a second of it costs
+    0.77 s of open shutter. Visits are never added, dropped or renumbered, and an exchanged visit stays first in the
+    queue. After an error the default visit of rubin_scheduler is dispatched.
 
     Parameters
     ----------
     model : StreakModel
-        Site, satellites and field (``telescope="rubin"``).
+        Site, satellites, field and telescope (``telescope="rubin"``).
+    bright_share : float, optional
+        Share of a visit that is lost to a bright streak across the whole field. Default: that of the model, 0.08 if its
+        telescope has none.
+    limit_mag : float or dict, optional
+        A satellite that is brighter costs the whole visit; by band as ``{"g": 7, "default": 6}``. Default: that of the
+        model.
+    look_ahead : int
+        Number of visits of the queue that are compared.
     mjd_scale : {"utc", "tai", "tt"}, optional
         Scale of the scheduler's MJD. It must be given here or in the model.
-    limit_mag : float or dict, optional
-        Only satellites that cross and are brighter with a probability of at least 0.5 are avoided; by band as ``{"g":
-        7, "default": 6}``. Without it, and in bands without a limit, all lit satellites are avoided.
-    blocking : {"any", "avoid"}, optional
-        Satellites to avoid: all lit ones, or those that exceed a limit (`limit_mag`, or without it the limits of the
-        model's policy). Default: ``avoid`` if `limit_mag` is given, otherwise ``any``.
-    damage : {"light", "pixels"}
-        Measure of the loss of a visit: expected fraction of lost pixels, weighted by the brightness of the brightest
-        satellite or not.
-    look_ahead : int
-        Number of visits of the queue that are checked.
-    max_defer : int
-        Largest number of deferrals, after which a visit is dispatched even if it is crossed.
-    jitter_s : float
-        Tolerance of the predicted shutter opening, seconds.
-    max_extra_slew_s : float
-        Largest slew time in excess of that to the first visit, seconds.
     kinematics : KinemModel, optional
         Kinematic model with the speeds of the real mount; default: that of rubin_scheduler.
     watch_s : float
@@ -65,28 +61,25 @@ class StreakQueueManager(BaseQueueManager):
     Attributes
     ----------
     counts : collections.Counter
-        ``asked`` (once per visit), ``checked`` (visits evaluated), ``deferred`` (visits deferred), ``given_up``
-        (dispatched although crossed), ``due`` (of these, after the largest number of deferrals), ``no_coordinates``,
-        ``failed`` and the counters of `streakcast.hosts.Hook`.
+        ``asked`` (once per visit), ``compared`` (visits that were compared because the first one is crossed),
+        ``exchanged`` (visits dispatched before the first one), ``saved_s`` and ``detour_s`` (sums over the exchanged
+        visits: cost of the first less that of the dispatched visit, seconds of open shutter, and detours, seconds of the
+        night), ``no_coordinates``, ``failed`` and the counters of `streakcast.hosts.Hook`.
 
     Raises
     ------
     ValueError
-        The scale is missing, or an option is out of range.
+        The scale or the telescope is missing, or an option is out of range.
     """
 
     def __init__(
         self,
         model: StreakModel,
         *,
-        mjd_scale: Union[str, None] = None,
+        bright_share: Union[float, None] = None,
         limit_mag: Any = None,
-        blocking: Union[str, None] = None,
-        damage: str = "light",
         look_ahead: int = 12,
-        max_defer: int = 20,
-        jitter_s: float = 3.0,
-        max_extra_slew_s: float = 20.0,
+        mjd_scale: Union[str, None] = None,
         kinematics: Union[KinemModel, None] = None,
         watch_s: float = 60.0,
         detailers: Any = None,
@@ -95,21 +88,10 @@ class StreakQueueManager(BaseQueueManager):
     ) -> None:
         super().__init__(detailers=detailers, basis_functions=basis_functions, check_clouds=check_clouds)
         self.mjd_scale = scale_of(model, mjd_scale)
-        self.blocking = blocking if blocking is not None else "any" if limit_mag is None else "avoid"
-        one_of("blocking", self.blocking, BLOCKINGS)
-        self.limit_mag = limits(limit_mag)
-        if limit_mag is not None and self.blocking == "any":
-            raise ValueError("limit_mag has no effect with blocking='any'; allowed: one of them")
-        if model.field_radius_deg is None:
-            raise ValueError("the model has no field of view; specify StreakModel(telescope=...) or fov=...")
-        self.damage = one_of("damage", damage, DAMAGES)
         self.look_ahead = int(at_least("look_ahead", look_ahead, 1))
-        self.max_defer = int(at_least("max_defer", max_defer, 0))
-        self.jitter_s = at_least("jitter_s", jitter_s, 0.0, most=3600.0)
-        self.max_extra_slew_s = at_least("max_extra_slew_s", max_extra_slew_s, 0.0)
         self.mount = Mount(kinematics)
-        self._rules = Rules(self.mjd_scale, self.jitter_s, self.damage, self.blocking, self.limit_mag)
-        self.hook = Hook(model, "rubin", watch_s=watch_s)
+        self.hook = Hook(with_costs(model, bright_share, limit_mag), "rubin", watch_s=watch_s)
+        self._check = ConditionsCheck(self.hook, self.mjd_scale)
         self._dispatched, self._owner = DispatchedVisits(), Owner()
         self._choosing = False
 
@@ -154,7 +136,6 @@ class StreakQueueManager(BaseQueueManager):
         try:
             self.mount.done(observation)
             visit = np.ravel(np.asarray(observation))[0]
-            self._dispatched.clear_deferrals(visit)
             if float(visit["visittime"]) > 0.0:
                 # Visits with duration 0 are reported as completed, but were not observed.
                 self._dispatched.complete(visit)
@@ -165,7 +146,7 @@ class StreakQueueManager(BaseQueueManager):
 
     def _choice(self, model: StreakModel, conditions: Any, valid: IntArray) -> Union[int, None]:
         """Returns the queue index of the visit to dispatch; `None` for the default visit."""
-        check_conditions(self.hook, conditions, self.mjd_scale)
+        self._check(conditions)
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
         free = np.array([index for index in valid[: 4 * self.look_ahead] if not self._dispatched.is_with_another(queue[index], self._owner, now)])
         indices = candidates(queue, free if free.size else valid, self.look_ahead)
@@ -181,37 +162,37 @@ class StreakQueueManager(BaseQueueManager):
         if not reached[0]:
             # The first visit cannot be reached: the default visit of rubin_scheduler is used.
             return None
-        reachable = Openings(*(one[reached] for one in openings))
-        verdicts = judge(model, visits[reached], reachable, self._rules)
-        indices, visits = indices[reached], visits[reached]
-        self.counts["checked"] += int(indices.size)
-        deferred = np.array([self._dispatched.deferred(one, now) for one in visits])
-        choice = choose(verdicts.blocked, verdicts.damage, reachable.slew_s, deferred, self.max_extra_slew_s, self.max_defer)
-        self._account(choice, visits, verdicts, reachable, now)
-        self._dispatched.add(visits[choice.candidate], self._owner, now)
-        return int(indices[choice.candidate])
+        reachable, visits, indices = Openings(*(one[reached] for one in openings)), visits[reached], indices[reached]
+        first = costs_of(model, visits[:1], Openings(*(one[:1] for one in reachable)), self.mjd_scale)
+        chosen = 0
+        if not first.cost_s[0] <= LEAST_COST_S and indices.size > 1:
+            costs = costs_of(model, visits, reachable, self.mjd_scale)
+            detour_s = detours_s(reachable.slew_s, self.mount.between(now, visits))
+            self.counts["compared"] += int(indices.size)
+            chosen = choose(costs.cost_s, detour_s)
+            if chosen > 0:
+                self._account(visits, costs, detour_s, chosen)
+        self._dispatched.add(visits[chosen], self._owner, now)
+        return int(indices[chosen])
 
-    def _account(self, choice: Choice, visits: Visits, verdicts: Verdicts, openings: Openings, now: float) -> None:
-        """Updates the counters. Writes a log line if a visit is deferred, or dispatched although crossed."""
-        first, chosen = visits[0], visits[choice.candidate]
-        if choice.candidate > 0:
-            self.counts["deferred"] += 1
-            self._dispatched.defer(first, now)
-            longer_s = openings.slew_s[choice.candidate] - openings.slew_s[0]
-            log.info("%s deferred for visit %d (slew %+.1f s): %s", _visit_text(first), chosen["target_id"], longer_s, _crossing_text(verdicts, 0))
-        if choice.reason == "clear":
-            return
-        self.counts["given_up"] += 1
-        self.counts["due"] += int(choice.reason == "due")
-        reason = f"deferred {self.max_defer} times" if choice.reason == "due" else f"least loss of {visits.size} visits"
-        log.info("%s dispatched although crossed (%s): %s", _visit_text(chosen), reason, _crossing_text(verdicts, choice.candidate))
+    def _account(self, visits: Any, costs: Costs, detour_s: FloatArray, chosen: int) -> None:
+        """Updates the counters, and writes a log line."""
+        saved_s, longer_s = float(costs.cost_s[0] - costs.cost_s[chosen]), float(detour_s[chosen])
+        self.counts["exchanged"] += 1
+        if math.isfinite(saved_s):
+            self.counts["saved_s"] += saved_s  # type: ignore[assignment]
+        self.counts["detour_s"] += longer_s  # type: ignore[assignment]
+        log.info(
+            "%s after visit %d: streaks cost %.2f s instead of %.2f s, detour %+.1f s; %s",
+            _visit_text(visits[0]), visits[chosen]["target_id"], costs.cost_s[chosen], costs.cost_s[0], longer_s, _crossing_text(costs, 0),
+        )  # fmt: skip
 
 
 def _visit_text(visit: Any) -> str:
     return f"visit {visit['target_id']} ({visit['band']}, ra {math.degrees(visit['RA']):.2f}, dec {math.degrees(visit['dec']):+.2f})"
 
 
-def _crossing_text(verdicts: Verdicts, index: int) -> str:
-    magnitude = verdicts.brightest_mag[index]
+def _crossing_text(costs: Costs, index: int) -> str:
+    magnitude = costs.brightest_mag[index]
     light = f", brightest mag {magnitude:.1f}" if np.isfinite(magnitude) else ""
-    return f"{verdicts.n_streaks[index]} satellites cross it{light}"
+    return f"{costs.n_streaks[index]} satellites cross it{light}"

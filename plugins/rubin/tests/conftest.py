@@ -85,9 +85,12 @@ def dodged_evening(folder, models, planned):
     """Returns the same hours with 40,768 satellites and the queue manager."""
 
     class RecordingQueueManager(StreakQueueManager):
-        def _account(self, choice, visits, verdicts, openings, now):
-            planned[int(visits["target_id"][choice.candidate])] = float(openings.start_mjd[choice.candidate])
-            super()._account(choice, visits, verdicts, openings, now)
+        def _choice(self, model, conditions, valid):
+            chosen = super()._choice(model, conditions, valid)
+            if chosen is not None:
+                visit = np.asarray(self.desired_observations_array)[[chosen]]
+                planned[int(visit["target_id"][0])] = float(self.mount.openings(conditions, visit).start_mjd[0])
+            return chosen
 
     manager = RecordingQueueManager(models[40768], detailers=[RotspUpdateDetailer()])
     return night.run(EVENING, "pairs", folder, hours=HOURS, queue_manager=manager)
@@ -122,20 +125,21 @@ def take_over():
 
 
 @pytest.fixture
-def blocked(monkeypatch):
-    """Returns a function that sets which candidates are crossed, independent of the satellites."""
+def costly(monkeypatch):
+    """Returns a function that sets the costs of the candidates, seconds of open shutter, independent of the satellites."""
 
-    def block(model_class, indices, damage=None):
-        def passes(self, target, *_, **__):
+    def set_costs(cost_s):
+        def assess(self, target, start, exposure, **_):
             n = np.size(target[0])
-            crossed = np.arange(n) if indices == "all" else np.array([one for one in indices if one < n], dtype=int)
-            lost = np.ones(n) if damage is None else np.resize(damage, n)
-            ones = np.ones(crossed.size)
-            return {
-                "exposure_id": crossed, "magnitude_peak": 7.0 * ones, "lost_pixel_fraction": lost[crossed],
-                "streak_length_deg": ones, "probability": ones,
-            }  # fmt: skip
+            # The queue manager converts the cost of the longer exposure.
+            costs = np.resize(np.asarray(cost_s, dtype=float), n) * np.asarray(exposure) / (np.asarray(exposure) - 2.0)
+            streaks = (costs > 0.0).astype(int)
+            return streakcast.Assessment(
+                verdict=np.where(streaks, "streaked", "clear"), crosses=streaks > 0, n_streaks=streaks,
+                brightest_mag=np.where(streaks, 7.0, np.nan), lost_fraction=0.0 * costs, p_any=1.0 * streaks,
+                streak_length_deg=1.0 * streaks, streak_cost_s=costs,
+            )  # fmt: skip
 
-        monkeypatch.setattr(model_class, "passes", passes)
+        monkeypatch.setattr(streakcast.StreakModel, "assess", assess)
 
-    return block
+    return set_costs

@@ -1,7 +1,8 @@
 """Whole nights with and without streakcast, checked by brute force. Prints the tables of docs/tables/nights.md.
 
-`python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER, and can be resumed. All runs take about an
-hour on one core. The real catalogue requires STREAKCAST_DATA; without it, its rows are omitted with a message.
+`python tests/nights.py FOLDER` stores each run in FOLDER, and can be resumed. The surveys are pairs in
+three bands with the queue manager and the map of the next 45 minutes. The real catalogue requires STREAKCAST_DATA; without
+it, its rows are omitted with a message.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import argparse
 import json
 import os
 import sys
+import time
 import warnings
 from dataclasses import dataclass
 from functools import cache
@@ -23,36 +25,52 @@ import streakcast
 from astropy import units as u
 from astropy.time import Time
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
-from streakcast_rubin import StreakMaskBasisFunction, StreakQueueManager
+from streakcast_rubin import StreakCostBasisFunction, StreakQueueManager
+from streakcast_rubin._candidates import OPEN_SHARE
+from streakcast_rubin._mount import Mount
 
-#: One night per season. In January satellites are lit all night, in August only at twilight.
-NIGHTS = ("2026-01-15", "2026-04-25", "2026-08-14", "2026-10-20")
 SKIES = {
-    "4408": ["starlink-gen1"],
-    "40768": ["starlink-gen1", "starlink-gen2", "oneweb"],
-    # All active satellites on the evening of 2026-04-25, from LEO to GEO.
+    # All active satellites on 2026-04-25, from LEO to GEO.
     "catalogue": None,
+    "40768": ["starlink-gen1", "starlink-gen2", "oneweb"],
 }
-#: Along-track errors of the true positions, seconds, which the model does not include.
-NOISE_S = (0.0, 1.0, 3.0, 10.0)
-SEED = 1
+NIGHTS = {
+    "catalogue": tuple(f"2026-04-{day}" for day in (25, 21, 28, 23, 29, 26, 20, 19, 18)),
+    "40768": ("2026-01-15", "2026-04-25", "2026-10-20", "2025-12-12"),
+}
+#: Values of `bright_share`; the default for all nights, the others for the first nights only.
+DEFAULT, OTHERS, NIGHTS_OF_OTHERS = "0.08", ("0.3", "1"), 4
+SHARES = (0.08, 0.3, 1.0)
 LIMIT_MAG = 7.0
-#: What each hook avoids, in the words of the tables.
-NAMES = {"off": "nothing", "any": "all", "limit": f"brighter than {LIMIT_MAG:g} mag", "pixels": 'all, `damage="pixels"`'}
 
 
 @dataclass(frozen=True)
 class Run:
-    """One night with one configuration."""
+    """One night with one value of `bright_share`, or without streakcast (`off`)."""
 
     evening: str
-    kind: str
     sky: str
     hook: str
 
     @property
     def name(self) -> str:
-        return f"{self.kind}-{self.sky}-{self.hook}-{self.evening}"
+        return f"{self.sky}-{self.hook}-{self.evening}"
+
+
+class Timed:
+    """Sum of the processor time of a method, seconds."""
+
+    def __init__(self, hook: Any, method: str) -> None:
+        self.cpu_s, function = 0.0, getattr(hook, method)
+
+        def timed(*arguments: Any) -> Any:
+            start = time.process_time()
+            try:
+                return function(*arguments)
+            finally:
+                self.cpu_s += time.process_time() - start
+
+        setattr(hook, method, timed)
 
 
 def elements_of(sky: str, evening: str, folder: Path) -> Path:
@@ -72,16 +90,6 @@ def catalogue() -> Path | None:
     return path if path.is_file() else None
 
 
-def hook_of(hook: str, model: streakcast.StreakModel, kind: str) -> dict[str, Any]:
-    """Returns the arguments of a night with a hook: queue manager for pairs, mask for greedy visits."""
-    options: dict[str, dict[str, Any]] = {"any": {}, "limit": {"limit_mag": LIMIT_MAG}, "pixels": {"damage": "pixels"}}
-    if hook == "off":
-        return {}
-    if kind == "greedy":
-        return {"masks": [StreakMaskBasisFunction(model, **options[hook])]}
-    return {"queue_manager": StreakQueueManager(model, detailers=[RotspUpdateDetailer()], **options[hook])}
-
-
 def simulate(run: Run, folder: Path) -> dict[str, Any]:
     """Simulates one night, evaluates it, and stores both results."""
     stored = folder / f"{run.name}.json"
@@ -93,22 +101,35 @@ def simulate(run: Run, folder: Path) -> dict[str, Any]:
     model = streakcast.StreakModel(
         site="Rubin Observatory", elements=elements, telescope="rubin", mjd_scale="utc", drag="published"
     )
-    hooks = hook_of(run.hook, model, run.kind)
-    # Without hooks, the night does not depend on the satellites.
-    same = folder / f"{run.kind}-off-{run.evening}.npy"
-    if run.hook == "off" and same.exists():
-        visits = np.load(same)
-    else:
-        done = night.run(run.evening, run.kind, folder / f"almanac-{run.evening}", **hooks)
-        visits = np.asarray(done.visits)
-        np.save(same if run.hook == "off" else folder / f"{run.name}.npy", visits)
-    result = {"satellites": model.satellites(visits["mjd"][0]), "visits": len(visits), "slew_s": float(visits["slewtime"].sum())}
-    result |= judge(visits, truth_of(elements), model, NOISE_S if run.kind == "pairs" and run.hook in ("off", "any") else NOISE_S[:1])
-    for hook in hooks.get("masks", hooks.values()):
-        if hook.counts["failed"]:
-            raise RuntimeError(f"{run.name}: {hook.counts['failed']} calls failed")
+    visits, hooks = visits_of(run, folder, model)
+    result = {"satellites": model.satellites(visits["mjd"][0]), **hooks, **judge(visits, truth_of(elements), model)}
     stored.write_text(json.dumps(result))
     return result
+
+
+def visits_of(run: Run, folder: Path, model: streakcast.StreakModel) -> tuple[np.ndarray, dict[str, float]]:
+    """Returns the visits of a night, with counters and processor times of the hooks."""
+    # Without hooks, the night does not depend on the satellites.
+    stored = folder / f"off-{run.evening}.npy"
+    if run.hook == "off" and stored.exists():
+        return np.load(stored), {}
+    almanac = folder / f"almanac-{run.evening}"
+    if run.hook == "off":
+        visits = np.asarray(night.run(run.evening, "pairs", almanac).visits)
+        np.save(stored, visits)
+        return visits, {}
+    share = float(run.hook)
+    manager = StreakQueueManager(model, bright_share=share, detailers=[RotspUpdateDetailer()])
+    ahead = StreakCostBasisFunction(model, bright_share=share, ahead_min=45.0)
+    cpu = {"queue_cpu_s": Timed(manager, "_choice"), "map_cpu_s": Timed(ahead, "_map_of")}
+    done = night.run(run.evening, "pairs", almanac, queue_manager=manager, rewards=[(ahead, night.SLEWTIME_WEIGHT)])
+    visits = np.asarray(done.visits)
+    np.save(folder / f"{run.name}.npy", visits)
+    for hook in (manager, ahead):
+        if hook.counts["failed"] or hook.counts["unknown"]:
+            raise RuntimeError(f"{run.name}: calls failed: {hook.counts}")
+    counters = {name: float(manager.counts[name]) for name in ("asked", "compared", "exchanged", "saved_s", "detour_s")}
+    return visits, {**counters, "maps": ahead.counts["made"], **{name: one.cpu_s for name, one in cpu.items()}}
 
 
 @cache
@@ -117,78 +138,117 @@ def truth_of(elements: Path) -> brute_force.Truth:
     return brute_force.Truth(brute_force.read_elements(elements))
 
 
-def judge(visits: np.ndarray, truth: brute_force.Truth, model: streakcast.StreakModel, noise_s: tuple[float, ...]) -> dict[str, Any]:
-    """Counts streaked visits by brute force for every along-track error. Losses are computed by the model."""
-    streaked = {f"{sigma_s:g}": int(brute_force.streaked(truth.delayed(sigma_s, SEED), visits).sum()) for sigma_s in noise_s}
-    result = model.with_options(limit_mag=LIMIT_MAG).assess(
-        (np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"]
-    )
-    lost = np.nan_to_num(result.lost_fraction)
-    return {"streaked": streaked, "bright": int(result.avoid.sum()), "lost_fraction": float(lost.sum())}
+def judge(visits: np.ndarray, truth: brute_force.Truth, model: streakcast.StreakModel) -> dict[str, Any]:
+    """Counts streaked visits by brute force. Costs and magnitudes are computed by the model."""
+    starts = Time(visits["mjd"], format="mjd", scale="utc")
+    crossings = truth.crossings(visits["RA"], visits["dec"], starts, visits["exptime"], 1.75)
+    revolutions_day = np.array([one.no_kozai for one in truth.satellites]) * 1440.0 / (2.0 * np.pi)
+    target, exposures = (np.degrees(visits["RA"]), np.degrees(visits["dec"])), (visits["mjd"], visits["exptime"])
+    costs = {share: model.with_options(bright_share=share).assess(target, *exposures).streak_cost_s for share in (0.0, *SHARES)}
+    gaps_min, singles = pairs_of(visits)
+    return {
+        "visits": len(visits),
+        "open_s": float(visits["exptime"].sum()),
+        "slew_s": float(visits["slewtime"].sum()),
+        "excess_s": excess_path_s(visits),
+        "streaked": sum(bool(one) for one in crossings),
+        "geostationary": sum(any(0.9 < revolutions_day[index] < 1.1 for index in one) for one in crossings),
+        "bright": int(model.with_options(limit_mag=LIMIT_MAG).assess(target, *exposures).avoid.sum()),
+        # t P q L / D: the loss if a bright streak destroys the visit, without the mask.
+        "light_s": float((costs[1.0] - costs[0.0]).sum()),
+        "cost_s": [float(costs[share].sum()) for share in SHARES],
+        "gap_min": float(np.percentile(gaps_min, 95.0)),
+        "singles": singles,
+    }
 
 
-def summed(rows: list[dict[str, Any]]) -> dict[str, Any]:
-    total = {key: sum(row[key] for row in rows) for key in ("visits", "slew_s", "bright", "lost_fraction")}
-    total["streaked"] = {sigma: sum(row["streaked"][sigma] for row in rows) for sigma in rows[0]["streaked"]}
-    total["slew_s"] /= total["visits"]
-    return total
+def excess_path_s(visits: np.ndarray) -> float:
+    """Returns by how much the path of the executed order is longer than that of the order of the queue, seconds, with the
+    slew times of `KinemModel` without the rotator."""
+    mount, executed = Mount(), np.arange(len(visits))
+    # Numbers ascend in the order of the queue.
+    queued, excess_s = np.argsort(visits["target_id"], kind="stable"), 0.0
+    for step in executed[1:]:
+        pairs = [(order[step - 1], order[step]) for order in (executed, queued)]
+        if pairs[0] != pairs[1]:
+            lengths_s = [mount.between(float(visits["mjd"][step]), visits[list(pair)])[0, 1] for pair in pairs]
+            excess_s += lengths_s[0] - lengths_s[1]
+    return float(excess_s)
 
 
-def changed(value: str, after: float, before: float, digits: int) -> str:
-    """Appends the change relative to the nights without hooks, in percent."""
-    return f"{value} ({100.0 * (after / before - 1.0):+.{digits}f} %)" if before else value
+def pairs_of(visits: np.ndarray) -> tuple[list[float], int]:
+    """Returns the gaps of all pairs, minutes, and the number of visits without a second one."""
+    fields: dict[tuple[float, float], list[float]] = {}
+    for visit in visits:
+        fields.setdefault((round(float(visit["RA"]), 9), round(float(visit["dec"]), 9)), []).append(float(visit["mjd"]))
+    gaps_min = [(two - one) * 1440.0 for mjds in fields.values() for one, two in zip(mjds[::2], mjds[1::2])]
+    return gaps_min, sum(len(mjds) % 2 for mjds in fields.values())
 
 
-def line(first: list[str], hook: str, total: dict[str, Any], off: dict[str, Any]) -> str:
-    """Formats a row of the table of visits. `off` is the total of the nights without hooks."""
-    cells = [f"{total['visits']}", f"{total['streaked']['0']}", f"{total['bright']}", f"{total['slew_s']:.2f}"]
-    if total is not off:
-        after, before = ((one["visits"], one["streaked"]["0"], one["bright"], one["slew_s"]) for one in (total, off))
-        cells = [changed(*one) for one in zip(cells, after, before, (1, 0, 0, 1))]
-    return row([*first, NAMES[hook], *cells, f"{1e4 * total['lost_fraction'] / total['visits']:.2f}"])
+def change(runs: list[dict[str, Any]], off: list[dict[str, Any]], value: Any, digits: int = 1) -> str:
+    """Returns the mean change relative to the nights without streakcast, in percent of their mean, with its error."""
+    before = np.array([value(one) for one in off])
+    changes = 100.0 * (np.array([value(one) for one in runs]) - before) / before.mean()
+    return f"{changes.mean():+.{digits}f} ± {changes.std(ddof=1) / np.sqrt(len(changes)):.{digits}f} %"
+
+
+def mean(runs: list[dict[str, Any]], name: str, digits: int = 0) -> str:
+    return f"{np.mean([one[name] for one in runs]):.{digits}f}"
 
 
 def row(cells: list[str]) -> str:
-    return "|" + "|".join(f" {one} " if one else " " for one in cells) + "|"
+    return "|" + "|".join(f" {one} " for one in cells) + "|"
+
+
+def lines_of(satellites: str, hook: str, runs: list[dict[str, Any]], off: list[dict[str, Any]]) -> tuple[str, str]:
+    """Returns the rows of the tables of gains and of checks. `off` has the same nights."""
+    first = [satellites, str(len(runs)), "off" if hook == "off" else f"{hook}"]
+    gains = [mean(runs, "visits"), *(mean(runs, name) for name in ("streaked", "bright", "light_s", "excess_s"))]
+    checks = [mean(runs, "geostationary"), mean(runs, "gap_min", 1), mean(runs, "singles", 1)]
+    if hook == "off":
+        return row([*first, *gains, "", "", ""]), row([*first, *checks, "", "", "", ""])
+    for cell, name in ((0, "visits"), (1, "streaked"), (2, "bright"), (3, "light_s")):
+        gains[cell] += f" ({change(runs, off, lambda one: one[name], 1 if cell == 0 else 0)})"
+    net = [change(runs, off, lambda one: one["open_s"] - one["cost_s"][index]) for index in range(len(SHARES))]
+    checks += [mean(runs, name) for name in ("exchanged", "saved_s", "detour_s")]
+    cpu_ms = 1e3 * sum(one["queue_cpu_s"] + one["map_cpu_s"] for one in runs) / sum(one["visits"] for one in runs)
+    return row([*first, *gains, *net]), row([*first, *checks, f"{cpu_ms:.2f}"])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--only", nargs="*", default=[], help="words that the names of runs must contain")
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore", streakcast.StreakcastWarning)
-    table = {
-        ("pairs", "4408"): (NIGHTS, ("off", "any")),
-        ("pairs", "40768"): (NIGHTS[:3], ("off", "any", "limit", "pixels")),
-        ("pairs", "catalogue"): (NIGHTS[1:2], ("off", "any")),
-        ("greedy", "4408"): (NIGHTS, ("off", "any")),
-        ("greedy", "40768"): (NIGHTS, ("off", "any")),
-        ("greedy", "catalogue"): (NIGHTS[1:2], ("off", "any")),
-    }
-    lines, curve = [], []
-    for (kind, sky), (nights, hooks) in table.items():
-        if arguments.only and not any(word in f"{kind}-{sky}" for word in arguments.only):
-            continue
+    gains, checks = [], []
+    for sky, evenings in NIGHTS.items():
         if sky == "catalogue" and catalogue() is None:
             print("*** the real catalogue is omitted: set STREAKCAST_DATA to the data folder", file=sys.stderr)
             continue
-        runs = {hook: [simulate(Run(evening, kind, sky, hook), arguments.folder) for evening in nights] for hook in hooks}
-        totals = {hook: summed(one) for hook, one in runs.items()}
-        satellites = f"{runs['off'][0]['satellites']:,}" + (", real" if sky == "catalogue" else "")
-        for hook, total in totals.items():
-            first = [kind, satellites, str(len(nights))] if hook == "off" else ["", "", ""]
-            lines.append(line(first, hook, total, totals["off"]))
-            shares = [f"{100.0 * one / total['visits']:.1f} %" for one in total["streaked"].values()]
-            if len(shares) == len(NOISE_S):
-                curve.append(row([f"{satellites}, {NAMES[hook]}" + (" avoided" if hook == "off" else ""), *shares]))
-    print("| survey | satellites | nights | avoided | visits | streaked visits | brighter than 7 mag | mean slew (s) | pixels lost (1e-4) |")
-    print("|---|---|---|---|---|---|---|---|---|", *lines, sep="\n")
-    print("\nStreaked visits of the nights of pairs if each satellite is late or early by a Gaussian error that is unknown to the")
-    print("model, for four values of its sigma:\n")
-    print("| streaked visits | " + " | ".join(f"{one:g} s" for one in NOISE_S) + " |")
-    print("|---|---|---|---|---|", *curve, sep="\n")
+
+        def of(hook: str, few: bool = False) -> list[dict[str, Any]]:
+            return [simulate(Run(evening, sky, hook), arguments.folder) for evening in evenings[: NIGHTS_OF_OTHERS if few else None]]
+
+        off = of("off")
+        satellites = f"{off[0]['satellites']:,} " + ("real" if sky == "catalogue" else "simulated")
+        for hook in ("off", DEFAULT):
+            runs = of(hook)
+            lines = lines_of(satellites, hook, runs, off)
+            gains.append(lines[0])
+            checks.append(lines[1])
+            saved = [one["saved_s"] > OPEN_SHARE * one["detour_s"] for one in runs if hook != "off"]
+            if not all(saved):
+                print(f"*** {sky}: exchanges cost more than they save in {saved.count(False)} nights", file=sys.stderr)
+        for hook in (DEFAULT, *OTHERS):
+            lines = lines_of(satellites, hook, of(hook, few=True), off[:NIGHTS_OF_OTHERS])
+            gains.append(lines[0])
+            checks.append(lines[1])
+    first = "| satellites | nights | `bright_share` |"
+    print(first, "visits | streaked | brighter than 7 mag | bright light (s) | excess path (s) | net at 0.08 | net at 0.3 | net at 1 |")
+    print("|---" * 11 + "|", *gains, sep="\n")
+    print("\n" + first, "geostationary | pair gap p95 (min) | single visits | exchanged | saved (s) | detours (s) | CPU per visit (ms) |")
+    print("|---" * 10 + "|", *checks, sep="\n")
 
 
 if __name__ == "__main__":

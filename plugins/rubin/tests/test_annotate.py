@@ -68,6 +68,47 @@ def test_invalid_databases_are_rejected(opsim, models, tmp_path):
     assert not [one for one in tmp_path.iterdir() if one.suffix == ".part"]
 
 
+def changed(opsim, path, *statements):
+    with sqlite3.connect(path) as base, sqlite3.connect(opsim[0]) as full:
+        full.backup(base)
+        for statement in statements:
+            base.execute(statement)
+    return path
+
+
+@pytest.mark.parametrize("column", ["fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime"])
+@pytest.mark.parametrize("value", ["NULL", "'unknown'", "9e999", "-9999"])
+def test_invalid_visits(opsim, models, tmp_path, column, value):
+    """Invalid visits have a verdict; the others are those of the whole database."""
+    source = changed(opsim, tmp_path / "in.db", f"UPDATE observations SET {column} = {value} WHERE observationId = 3")
+    annotate(source, tmp_path / "out.db", models[4408])
+    annotate(opsim[0], tmp_path / "whole.db", models[4408])
+    query = "SELECT * FROM streak_flags WHERE observationId {} 3 ORDER BY observationId"
+    assert rows_of(tmp_path / "out.db", query.format("!=")) == rows_of(tmp_path / "whole.db", query.format("!="))
+    ((_, verdict, *others),) = rows_of(tmp_path / "out.db", query.format("="))
+    assert verdict == "invalid" and not any(others)
+
+
+def test_a_missing_rotation_or_band_is_no_error(opsim, models, tmp_path):
+    source = changed(opsim, tmp_path / "in.db", "UPDATE observations SET rotSkyPos = NULL, band = NULL")
+    annotate(source, tmp_path / "out.db", models[4408])
+    assert rows_of(tmp_path / "out.db", "SELECT count(*) FROM streak_flags WHERE verdict = 'invalid'") == [(0,)]
+
+
+def test_repeated_visits(opsim, models, tmp_path):
+    """Each row of the observations is one row of the view."""
+    repeat = "INSERT INTO observations SELECT * FROM observations WHERE observationId < 5"
+    no_number = "INSERT INTO observations (observationId, fieldRA) VALUES (NULL, 1.0)"
+    source = changed(opsim, tmp_path / "in.db", repeat, no_number)
+    before, after = (annotate(one, tmp_path / f"{index}.db", models[4408]) for index, one in enumerate((opsim[0], source)))
+    counts = [rows_of(path, f"SELECT count(*) FROM {table}")[0][0] for path, table in
+              ((source, "observations"), (tmp_path / "1.db", "observations_streaks"), (tmp_path / "0.db", "streak_flags"), (tmp_path / "1.db", "streak_flags"))]  # fmt: skip
+    assert before == after and counts[0] == counts[1] and counts[2] == counts[3]
+    other = changed(opsim, tmp_path / "other.db", "UPDATE observations SET observationId = 4 WHERE observationId = 3")
+    with pytest.raises(ValueError, match="observationId 4 has several different visits"):
+        annotate(other, tmp_path / "out.db", models[4408])
+
+
 def test_an_empty_database(opsim, models, tmp_path):
     with sqlite3.connect(tmp_path / "empty.db") as base, sqlite3.connect(opsim[0]) as full:
         full.backup(base)

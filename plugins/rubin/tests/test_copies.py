@@ -3,7 +3,6 @@
 import copy
 import pickle
 
-import streakcast
 from conftest import ids, manager_of
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from rubin_scheduler.scheduler.schedulers import BaseQueueManager, SummitWrapper
@@ -26,15 +25,15 @@ def test_summit_wrapper(ready, models, take_over):
     assert 4 * 31.0 < taken_s < 4 * 31.0 + 4 * 40.0
 
 
-def test_summit_wrapper_receives_no_visit_twice(ready, model, take_over, blocked):
+def test_summit_wrapper_receives_no_visit_twice(ready, model, take_over, costly):
     """The first visit of the queue is dispatched as the second, and is in progress when the other one is completed."""
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     wrapper = SummitWrapper(scheduler)
     wrapper.update_conditions(scheduler.conditions)
-    blocked(streakcast.StreakModel, [0])
+    costly([20.0, *[0.0] * 11])
     one = wrapper.request_observation()
-    blocked(streakcast.StreakModel, [])
+    costly(0.0)
     two = wrapper.request_observation()
     assert ids(two) == [queue[0]] and ids(one)[0] > queue[0]
     done = wrapper.requested_but_unadded_obs[0].copy()
@@ -47,36 +46,6 @@ def test_summit_wrapper_receives_no_visit_twice(ready, model, take_over, blocked
     manager = copy.deepcopy(scheduler.queue_manager)
     manager.mount.set_time(manager.mount.now(scheduler.conditions) + 11.0 / 1440.0)
     assert ids(manager.request_observation(scheduler.conditions)) == [queue[0]]
-
-
-def test_deferrals_by_all_copies_are_counted_together(ready, model, take_over, blocked):
-    """The wrapper uses a new copy after each completed visit."""
-    scheduler = take_over(ready, manager_of(model, max_defer=3))
-    first = ids(scheduler.return_active_queue())[0]
-    wrapper = SummitWrapper(scheduler)
-    wrapper.update_conditions(scheduler.conditions)
-    blocked(streakcast.StreakModel, [0])
-    out, copies = [], set()
-    for _ in range(4):
-        out.append(ids(wrapper.request_observation())[0])
-        copies.add(id(wrapper.ahead_scheduler.queue_manager))
-        done = wrapper.requested_but_unadded_obs[0].copy()
-        done["visittime"] = 31.0
-        wrapper.add_observation(done)
-    assert len(copies) > 1
-    assert out[:3].count(first) == 0 and out[3] == first
-    assert wrapper.ahead_scheduler.queue_manager.counts["due"] == 1
-
-
-def test_pickles_keep_deferrals(ready, model, take_over, blocked):
-    manager = manager_of(model, max_defer=2)
-    scheduler = take_over(ready, manager)
-    first = ids(scheduler.return_active_queue())[0]
-    blocked(streakcast.StreakModel, [0])
-    for _ in range(2):
-        assert ids(manager.request_observation(scheduler.conditions)) != [first]
-    again = pickle.loads(pickle.dumps(manager))
-    assert ids(again.request_observation(scheduler.conditions)) == [first]
 
 
 def test_pickles_stay_small(ready, models, take_over):

@@ -14,12 +14,15 @@ README = Path(__file__).resolve().parents[1] / "README.md"
 def test_the_example_runs(folder):
     (code,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
     observatory = night.observatory_of(EVENING, folder)
-    names = {"elements": folder / "4408.csv", "surveys": night.surveys_of("pairs", almanac.noon_of(EVENING))}
+    names = {"elements": folder / "4408.csv", "surveys": night.surveys_of("pairs", almanac.noon_of(EVENING)), "slewtime_weight": 3.0}
     exec(compile(code, "README.md", "exec"), names)
     scheduler = names["scheduler"]
     scheduler.update_conditions(observatory.return_conditions())
     assert scheduler.request_observation().size == 1
-    assert scheduler.queue_manager.counts["checked"] > 0 and scheduler.queue_manager.counts["failed"] == 0
+    for counts in (scheduler.queue_manager.counts, names["ahead"].counts):
+        assert counts["asked"] > 0 and counts["failed"] == counts["clock"] == 0
+    # One map for the surveys of all bands.
+    assert names["ahead"].counts["made"] == 1
 
 
 def test_all_exports_are_documented():

@@ -21,7 +21,7 @@ A `Quantity` of astropy is accepted for every number with a unit. `streakcast.ty
 results.
 """
 
-from ._results import Assessment, ClearWindows, Forecast, Identification, Overhead, Site
+from ._results import Assessment, ClearWindows, CostParameters, Forecast, Identification, Overhead, Site
 from ._core import SetupError, StreakcastError, UnknownPositionsError, __version__
 from ._injection import Injected, inject
 from ._learn import learn
@@ -34,6 +34,7 @@ __all__ = [
     "Assessment",
     "ChangedFileError",
     "ClearWindows",
+    "CostParameters",
     "Forecast",
     "Identification",
     "Injected",

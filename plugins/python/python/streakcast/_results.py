@@ -25,6 +25,17 @@ class Site(NamedTuple):
     height_m: float
 
 
+class CostParameters(NamedTuple):
+    """Values that determine the cost of streaks."""
+
+    #: Share of an exposure that is lost to a bright streak across the whole field.
+    bright_share: float
+    #: Magnitude at 550 km, without motion, above whose light per pixel a streak is bright.
+    bright_mag: float
+    #: Apparent magnitude limit, above which a satellite costs the exposure; `None` without a limit.
+    limit_mag: float | None
+
+
 class Assessment(NamedTuple):
     """Effects of satellites on exposures: numbers for one exposure, arrays in the broadcast shape for several."""
 

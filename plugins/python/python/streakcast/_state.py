@@ -203,12 +203,15 @@ class ModelState:
         return json.dumps([state["setup"], state["config"], state["epoch"], state["files"]], sort_keys=True)
 
     def _warn_once(self, sky_cache: _core.SkyCache, warnings_of_call: list[str]) -> None:
-        """Issues each warning once per model. Those of later calls with other numbers of the same length are omitted."""
-        messages = dict.fromkeys([*sky_cache.news(), *warnings_of_call])
-        new = {message: form for message in messages if (form := _without_numbers(message)) not in self._issued_warnings}
-        self._issued_warnings.update(new.values())
-        for message in new:
-            warn(message)
+        """Issues each warning once per model. Those with other numbers of the same length, as of other nights, are counted
+        in one call, and omitted in later calls."""
+        similar: dict[str, list[str]] = {}
+        for message in dict.fromkeys([*sky_cache.news(), *warnings_of_call]):
+            similar.setdefault(_without_numbers(message), []).append(message)
+        new = {form: messages for form, messages in similar.items() if form not in self._issued_warnings}
+        self._issued_warnings.update(new)
+        for first, *others in new.values():
+            warn(f"{first} (and {len(others)} similar warnings, with other numbers or dates)" if others else first)
 
 
 def _without_numbers(message: str) -> str:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
-from ._results import Assessment, ClearWindows, Site
+from ._results import Assessment, ClearWindows, CostParameters, Site
 from ._injection import Injected, inject
 from ._measure import MeasureQueries
 from ._setup import absolute, document
@@ -198,6 +198,21 @@ class StreakModel(MeasureQueries):
     def field_area_deg2(self) -> float | None:
         """Area of the field of view, square degrees; `None` without a field."""
         return self._open()[1].field_area_deg2
+
+    def cost_parameters(self, band: str | None = None) -> CostParameters | None:
+        """Returns the values that determine ``streak_cost_s`` of exposures in a band; `None` without a telescope.
+
+        Parameters
+        ----------
+        band : str, optional
+            Band of the exposures; default: that of exposures without a band.
+
+        Returns
+        -------
+        CostParameters or None
+        """
+        parameters = self._open()[1].cost_parameters(band)
+        return None if parameters is None else CostParameters(*parameters)
 
     def satellites(self, time: TimeLike, *, scale: str | None = None) -> int:
         """Returns the number of satellites loaded for a night.
