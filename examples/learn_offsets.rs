@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 
+use streakcast::Watch;
 use streakcast::elements::{Generation, NoradId};
 use streakcast::frames::{parse_instant, seconds_after};
 use streakcast::learn::{PassPoint, find_alarms, group_passes, learn};
@@ -28,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // 2. Offsets: that of a satellite is shrunk towards that of its kind, and that of the kind towards 0 (the model).
     let models = ModelChoice::default();
-    let learned = learn(&passes, &BTreeMap::new(), &models, serde_json::Map::new())?.file;
+    let learned = learn(&passes, &BTreeMap::new(), &models, serde_json::Map::new(), &Watch::default())?.file;
     for one in &learned.satellites {
         println!("{}: {:+.2} +- {:.2} mag, {} passes", one.norad_id, one.offset_mag, one.offset_sigma_mag, one.passes);
     }

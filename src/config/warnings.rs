@@ -38,7 +38,7 @@ pub(super) fn of_left_out(left_out: &[LeftOut], unknown: usize, satellites: usiz
         .collect();
     let (are, more) = (if unknown == 1 { "is" } else { "are" }, if unknown > NAMED { ", ..." } else { "" });
     let old = format!(
-        "{} of {all} {are} too old to predict positions (median: {}) and left out: {}{more}",
+        "{} of {all} {are} too old to predict positions (median: {}), and left out at these times: {}{more}",
         grouped(unknown),
         elements_of_age(median(ages.collect())),
         named.join(", ")

@@ -54,7 +54,8 @@ fn syntax(what: &str) -> RejectReason {
     RejectReason::Syntax { format: "JSON", what: what.into() }
 }
 
-/// Tokens of the scanner: objects, and their members with plain values. Arrays and commas are ignored.
+/// Tokens of the scanner: starts and ends of objects, and members with a plain value. The scanner skips the brackets of
+/// arrays and commas.
 enum Token<'a> {
     ObjectStart(usize),
     ObjectEnd,

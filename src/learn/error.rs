@@ -2,6 +2,8 @@
 
 use thiserror::Error;
 
+use crate::watch::Interrupted;
+
 /// Errors of learning from measurements.
 #[derive(Debug, Error)]
 pub enum LearnError {
@@ -21,4 +23,7 @@ pub enum LearnError {
         /// Cause, and position if known.
         problem: String,
     },
+    /// The computation was stopped by its caller.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
 }

@@ -12,6 +12,7 @@ use super::pass::Pass;
 use crate::elements::{Generation, NoradId};
 use crate::output::{Column, Kind, Table, format_utc};
 use crate::passes::{LearnedFile, LearnedKind, LearnedMagnitude, LearnedSatellite, ModelChoice};
+use crate::watch::Watch;
 
 /// Learned file, with the fits of its kinds.
 #[derive(Clone, Debug)]
@@ -54,12 +55,13 @@ impl Extent {
 /// `models` must not apply a learned file. `provenance` names the files and options.
 ///
 /// # Errors
-/// [`LearnError::Nothing`] without passes.
+/// [`LearnError::Nothing`] without passes; [`LearnError::Interrupted`] if `watch` stops.
 pub fn learn(
     passes: &[Pass],
     delays: &BTreeMap<Generation, Vec<MeasuredDelay>>,
     models: &ModelChoice,
     provenance: serde_json::Map<String, serde_json::Value>,
+    watch: &Watch,
 ) -> Result<Learned, LearnError> {
     let Some(all) = Extent::of(passes.iter()) else {
         return Err(LearnError::Nothing {
@@ -77,6 +79,7 @@ pub fn learn(
     for kind in Generation::ALL {
         let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
         let (Some(extent), Some(model)) = (Extent::of(of_kind.iter().copied()), models.of_kind(kind)) else { continue };
+        watch.check()?;
         let fit = fit_kind(&of_kind, model.sigma_mag());
         let mut by_satellite: BTreeMap<NoradId, Vec<&Pass>> = BTreeMap::new();
         for pass in &of_kind {
@@ -100,7 +103,7 @@ pub fn learn(
         };
         let entry = kinds.entry(kind).or_insert(LearnedKind { kind, magnitude: None, lateness: None });
         entry.magnitude = Some(magnitude);
-        if !satellites_differ(&of_kind, model.sigma_mag()) {
+        if !satellites_differ(&of_kind, model.sigma_mag(), watch)? {
             without_satellites.push(kind);
             by_satellite.clear();
         }

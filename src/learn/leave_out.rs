@@ -1,5 +1,7 @@
 //! Predictions of each pass from the other passes, which show by how much learning improves predictions.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use super::hierarchy::fit_kind;
@@ -7,6 +9,7 @@ use super::pass::Pass;
 use crate::elements::{Generation, NoradId};
 use crate::output::{Column, Kind, Table};
 use crate::passes::ModelChoice;
+use crate::watch::{Interrupted, Watch};
 
 /// Predictions of the passes of one kind, or of all kinds, from a number of other passes of each satellite.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -117,30 +120,41 @@ pub fn leave_passes_out(passes: &[Pass], models: &ModelChoice, seen: &[usize]) -
 
 /// Smallest number of passes of satellites with other passes from which the gain of offsets of satellites is judged.
 const LEAST_JUDGED: usize = 10;
+/// Largest number of passes that are predicted to judge the gain. Of more passes a part at equal steps is predicted: the
+/// time would otherwise grow with the square of their number.
+const MOST_JUDGED: usize = 500;
 
 /// Returns true if offsets of single satellites predict their other passes better than the offset of the kind: the mean
 /// absolute difference of the medians of passes is smaller. Each pass is predicted without itself.
 ///
 /// True with fewer than ten passes of satellites that have others: the offsets are then shrunk towards that of the kind.
-pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64) -> bool {
-    let has_others = |pass: &&Pass| of_kind.iter().filter(|other| other.norad_id() == pass.norad_id()).count() > 1;
+///
+/// # Errors
+/// [`Interrupted`] if `watch` stops.
+pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64, watch: &Watch) -> Result<bool, Interrupted> {
+    let mut passes_of: BTreeMap<NoradId, usize> = BTreeMap::new();
+    of_kind.iter().for_each(|pass| *passes_of.entry(pass.norad_id()).or_default() += 1);
+    let has_others = |pass: &&Pass| passes_of.get(&pass.norad_id()).is_some_and(|number| *number > 1);
     let judged: Vec<&Pass> = of_kind.iter().copied().filter(has_others).collect();
     if judged.len() < LEAST_JUDGED {
-        return true;
+        return Ok(true);
     }
+    let step = judged.len().div_ceil(MOST_JUDGED);
     let differences = |left_out: &&Pass| {
+        watch.check()?;
         let others: Vec<&Pass> = of_kind.iter().copied().filter(|pass| !std::ptr::eq(*pass, *left_out)).collect();
         let fit = fit_kind(&others, sigma_mag);
         // No satellite has the number 0: the prediction of the kind.
-        [left_out.norad_id(), NoradId(0)].map(|id| (left_out.median_mag() - fit.predict(id).offset_mag).abs())
+        Ok([left_out.norad_id(), NoradId(0)].map(|id| (left_out.median_mag() - fit.predict(id).offset_mag).abs()))
     };
     let [own, kind] = judged
         .par_iter()
+        .step_by(step)
         .map(differences)
-        .collect::<Vec<_>>()
+        .collect::<Result<Vec<_>, _>>()?
         .into_iter()
         .fold([0.0, 0.0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    own < kind
+    Ok(own < kind)
 }
 
 const COLUMNS: [Column; 9] = [

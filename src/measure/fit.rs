@@ -96,7 +96,7 @@ pub fn fit_blocks(
     fit_blocks_where(band, data, |_, at, _| !mask[at], template, shift, blocks)
 }
 
-/// Fits the same as [`fit_blocks`] to the pixels for which `is_used(column, index, value of the template)` is true.
+/// Same as [`fit_blocks`], but uses the pixels for which `is_used(column, index, value of the template)` is true.
 pub fn fit_blocks_where(
     band: &Band,
     data: &[f32],

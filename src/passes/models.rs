@@ -23,8 +23,7 @@ pub struct ModelChoice {
     /// Models of the bright objects, by name.
     bright: BTreeMap<&'static str, Arc<BrightnessModel>>,
     rocket_body: Arc<BrightnessModel>,
-    unknown: Arc<BrightnessModel>,
-    unknown_in_high_orbit: Arc<BrightnessModel>,
+    priors: Priors,
     learned: Learned,
 }
 
@@ -82,8 +81,7 @@ impl ModelChoice {
             standard_magnitudes: StandardMagnitudes::default(),
             bright: BrightObjects::embedded().iter().map(|one| (one.name, Arc::new(one.model()))).collect(),
             rocket_body: library.find("rocket-body")?,
-            unknown: library.find("unknown")?,
-            unknown_in_high_orbit: library.find("high-orbit")?,
+            priors: Priors { low_orbit: library.find("unknown")?, high_orbit: library.find("high-orbit")? },
             learned: Learned::default(),
         })
     }
@@ -156,16 +154,16 @@ impl ModelChoice {
         self.by_generation.get(&generation).map(|model| &**model)
     }
 
-    /// Returns the prior for any object.
-    pub(super) fn prior(&self) -> Arc<BrightnessModel> {
-        self.unknown.clone()
+    /// Returns the models of objects of unknown brightness.
+    pub(super) fn priors(&self) -> &Priors {
+        &self.priors
     }
 
     /// Returns true if the brightness of a satellite is unknown: it has no generation and no standard magnitude and is
     /// not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
         let model = self.model_of(elements);
-        [&self.unknown, &self.unknown_in_high_orbit].into_iter().any(|unknown| Arc::ptr_eq(&model, unknown))
+        Arc::ptr_eq(&model, self.priors.of(elements))
     }
 
     /// Returns the brightness model of one satellite.
@@ -192,9 +190,21 @@ impl ModelChoice {
         if let Some(model) = built_in.and_then(|object| self.bright.get(object.name)) {
             return model.clone();
         }
-        let by_orbit =
-            if elements.mean_motion_rev_day < HIGH_ORBIT_REV_DAY { &self.unknown_in_high_orbit } else { &self.unknown };
-        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { by_orbit.clone() }
+        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.priors.of(elements).clone() }
+    }
+}
+
+/// Models of objects of unknown brightness.
+#[derive(Clone, Debug)]
+pub(super) struct Priors {
+    low_orbit: Arc<BrightnessModel>,
+    high_orbit: Arc<BrightnessModel>,
+}
+
+impl Priors {
+    /// Returns the model for an orbit.
+    pub(super) fn of(&self, elements: &ElementSet) -> &Arc<BrightnessModel> {
+        if elements.mean_motion_rev_day < HIGH_ORBIT_REV_DAY { &self.high_orbit } else { &self.low_orbit }
     }
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::error::SkyError;
 use super::exposure::Exposure;
 use super::measured::MeasuredPasses;
-use super::models::ModelChoice;
+use super::models::{ModelChoice, Priors};
 use super::predictability::PredictabilityCache;
 use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, SearchScope, WindowCache};
@@ -38,7 +38,7 @@ pub struct Sky {
     classes: Arc<Vec<OrbitClass>>,
     models: Arc<Vec<Arc<BrightnessModel>>>,
     /// Prior for any satellite.
-    pub(super) prior: Arc<BrightnessModel>,
+    pub(super) priors: Priors,
     /// Measured magnitudes, which correct those of their passes.
     pub(super) measured: Arc<MeasuredPasses>,
     viewpoint: Viewpoint,
@@ -96,7 +96,7 @@ impl Sky {
             ephemerides: Arc::default(),
             classes: Arc::new(classes),
             models: Arc::new(models),
-            prior: choice.prior(),
+            priors: choice.priors().clone(),
             measured: Arc::default(),
             viewpoint: viewpoint.into(),
             drag,

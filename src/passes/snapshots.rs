@@ -179,10 +179,16 @@ impl Sky {
         Some(if self.measured.is_empty() { light } else { self.measured.apply(element_index, epoch, geometry, light) })
     }
 
-    /// Returns the apparent magnitude of a sunlit satellite of which only the geometry is known: that of the prior for
-    /// any satellite. `None` if extinction is applied and the satellite is on or below the observer's horizon.
-    pub fn prior_brightness(&self, geometry: &ViewingGeometry, photometry: &PhotometryOptions) -> Option<Brightness> {
-        self.prior.brightness(geometry, 1.0, &self.photometry_here(photometry))
+    /// Returns the apparent magnitude of a sunlit satellite of which only orbit and geometry are known: that of the prior
+    /// for its orbit. `None` if extinction is applied and the satellite is on or below the observer's horizon.
+    pub fn prior_brightness(
+        &self,
+        element_index: usize,
+        geometry: &ViewingGeometry,
+        photometry: &PhotometryOptions,
+    ) -> Option<Brightness> {
+        let prior = self.priors.of(&self.elements()[element_index]);
+        prior.brightness(geometry, 1.0, &self.photometry_here(photometry))
     }
 
     /// Returns the options without extinction if the observer is a telescope in orbit.

@@ -88,7 +88,8 @@ pub struct Policy {
     pub blocking: Blocking,
     /// Time without crossings required before opening and after closing, seconds; default 0.
     pub margin_s: Option<f64>,
-    /// Longest delay of an exposure, seconds; default [`Policy::DEFAULT_MAX_DELAY_S`].
+    /// Longest delay of an exposure, seconds; default [`Policy::DEFAULT_MAX_DELAY_S`]. For a telescope in orbit `flag`
+    /// searches later starts only if it is given.
     pub max_delay_s: Option<f64>,
 }
 

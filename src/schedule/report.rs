@@ -67,7 +67,8 @@ impl FlagReport {
 /// verdict `invalid`.
 ///
 /// The `margin_s` of the policy applies before and after an exposure. An exposure with a crossing only in its margins
-/// is `streaked`.
+/// is `streaked`. For a telescope in orbit, starts are only searched if the policy has a `max_delay_s`: a field of some
+/// degrees rarely has a clear start, and the search would take most of the time.
 ///
 /// # Errors
 /// [`SkyError`] if passes cannot be computed.
@@ -254,7 +255,9 @@ fn find_starts(
 ) -> Result<(), SkyError> {
     let policy = request.policy;
     let band = |row: usize| rows[row].band.as_deref();
-    let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
+    let seeks = policy.max_delay_s.is_some() || matches!(request.sky.viewpoint(), Viewpoint::Site(_));
+    let margin_s = policy.margin_or_default_s();
+    let max_delay_s = if seeks { policy.max_delay_or_default_s() } else { 0.0 };
     let Judged { report, flags, above, counted } = judged;
     if blocking == Blocking::Avoid {
         for (row, exposure) in above.iter() {
@@ -268,9 +271,11 @@ fn find_starts(
         }
     }
     let is_searched = |row: usize, kind: VerdictKind| match blocking {
-        Blocking::Any => margin_s > 0.0 || kind != VerdictKind::Clear,
+        Blocking::Any if kind == VerdictKind::Clear => margin_s > 0.0,
+        Blocking::Any => seeks,
         Blocking::Avoid => {
-            policy.limit_mag_in(band(row)).is_some()
+            seeks
+                && policy.limit_mag_in(band(row)).is_some()
                 && (kind == VerdictKind::Avoid || kind == VerdictKind::Streaked && margin_s > 0.0)
         }
     };
@@ -321,6 +326,9 @@ fn find_starts(
             }
             flag.kind = VerdictKind::Streaked;
             flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
+        }
+        if !seeks {
+            continue;
         }
         let why_unknown =
             reason_for_unknown_starts(request.sky, request.field, policy, exposure.start, exposure.duration_s);

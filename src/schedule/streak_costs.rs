@@ -21,21 +21,20 @@ pub(super) fn expected_of(
     if limit_mag.is_none() && request.telescope.is_none() {
         return ExpectedLoss::of(satellites, &[]);
     }
-    let lights: Vec<Light<'_>> = satellites.iter().map(|one| Light::of(one, exposure.start, passes, request)).collect();
-    let brighter: Vec<f64> = limit_mag
-        .map(|limit_mag| lights.iter().map(|light| light.probability_brighter_than(limit_mag)).collect())
-        .unwrap_or_default();
+    let lights: Vec<Option<Brightness>> =
+        satellites.iter().map(|one| brightness_of(one, exposure.start, passes, request)).collect();
+    let above_limit = lights.iter().map(|light| p_above(light.as_ref(), limit_mag));
+    let brighter: Vec<f64> = if limit_mag.is_some() { above_limit.collect() } else { Vec::new() };
     let expected = ExpectedLoss::of(satellites, &brighter);
     let Some(telescope) = request.telescope else { return expected };
     let area_deg2 = request.field.area_deg2();
     let cost = StreakCost::new(telescope, area_deg2);
     let bright = BrightStreaks::new(telescope, request.sky, band);
     let (mut lost, mut shares) = (0.0, 0.0);
-    for (one, light) in satellites.iter().zip(&lights) {
+    for (one, brightness) in satellites.iter().zip(&lights) {
         let width_arcsec = telescope.width_arcsec(one.geometry.range_km, request.sky.model(one.element_index).size_m());
         let expected_length_deg = one.streak_length_rad.to_degrees();
         lost += telescope.lost_pixel_fraction(expected_length_deg, width_arcsec, area_deg2);
-        let brightness = light.or_prior(one, exposure.start, request);
         let CrossingProbability { element_index, geometry, angular_rate_rad_s, .. } = *one;
         shares += cost.expected_share(&PossibleStreak {
             probability: one.probability,
@@ -78,7 +77,7 @@ impl FlagRequest<'_> {
             let mean_chord_deg = std::f64::consts::FRAC_PI_4 * cost.field_diameter_deg();
             mean_chord_deg.min(pass.angular_rate_rad_s.to_degrees() * exposure.duration_s)
         };
-        let prior = || self.sky.prior_brightness(&pass.mid.geometry, self.photometry);
+        let prior = || self.sky.prior_brightness(pass.element_index, &pass.mid.geometry, self.photometry);
         let brightness = peak_brightness(pass).cloned().or_else(prior);
         let bright = BrightStreaks::new(telescope, self.sky, band);
         let range_km = pass.mid.range_km;
@@ -138,47 +137,23 @@ fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -
     brightness.map_or(1.0, probability)
 }
 
-/// Brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss without a pass,
-/// at the point of its track nearest to the field centre.
-enum Light<'a> {
-    OfPass(&'a Brightness),
-    Nearest(Brightness),
-    /// The model gives no light, or the satellite is in the Earth's shadow at the nearest point.
-    Unknown,
-}
-
-impl<'a> Light<'a> {
-    fn of(one: &CrossingProbability, epoch: Epoch, passes: &'a [Pass], request: &FlagRequest<'_>) -> Self {
-        let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
-        if let Some(brightness) = pass.and_then(peak_brightness) {
-            return Self::OfPass(brightness);
-        }
-        let CrossingProbability { element_index, geometry, lit_fraction, .. } = *one;
-        request
-            .sky
-            .brightness_in(element_index, epoch, &geometry, lit_fraction, request.photometry)
-            .map_or(Self::Unknown, Self::Nearest)
+/// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss without a
+/// pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is in the Earth's
+/// shadow there, that of the sunlit part of the track, or else the prior of its orbit.
+fn brightness_of(
+    one: &CrossingProbability,
+    epoch: Epoch,
+    passes: &[Pass],
+    request: &FlagRequest<'_>,
+) -> Option<Brightness> {
+    let FlagRequest { sky, photometry, .. } = request;
+    let CrossingProbability { element_index, geometry, lit_fraction, .. } = one;
+    let pass = passes.iter().find(|pass| pass.element_index == *element_index);
+    if let Some(brightness) = pass.and_then(peak_brightness) {
+        return Some(brightness.clone());
     }
-
-    fn get(&self) -> Option<&Brightness> {
-        match self {
-            Self::OfPass(brightness) => Some(brightness),
-            Self::Nearest(brightness) => Some(brightness),
-            Self::Unknown => None,
-        }
-    }
-
-    /// Returns the probability of being brighter than an apparent magnitude; 0 for unknown brightness.
-    fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
-        self.get().map_or(0.0, |brightness| brightness.probability_brighter_than(limit_mag))
-    }
-
-    /// Returns the brightness. If it is unknown, that of the sunlit part of the track, or else the prior for any
-    /// satellite.
-    fn or_prior(&self, one: &CrossingProbability, epoch: Epoch, request: &FlagRequest<'_>) -> Option<Brightness> {
-        let FlagRequest { sky, photometry, .. } = request;
-        let geometry = &one.geometry;
-        let sunlit = || sky.brightness_in(one.element_index, epoch, geometry, 1.0, photometry);
-        self.get().cloned().or_else(sunlit).or_else(|| sky.prior_brightness(geometry, photometry))
-    }
+    let nearest = |lit_fraction| sky.brightness_in(*element_index, epoch, geometry, lit_fraction, photometry);
+    nearest(*lit_fraction)
+        .or_else(|| nearest(1.0))
+        .or_else(|| sky.prior_brightness(*element_index, geometry, photometry))
 }

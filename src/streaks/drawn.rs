@@ -206,7 +206,7 @@ fn point(at: PixelPosition, rate: f64, time_s: f64, chip: &Chip, shot: &Shot<'_>
     Some(StreakPoint {
         epoch: seconds_after(shot.opened, time_s),
         at,
-        direction: shot.tracking.stood(&frame, time_s, &shot.centre),
+        direction: shot.tracking.on_sky(&frame, time_s, &shot.centre),
         frame_direction: frame,
         magnitude: chip.scale.magnitude(rate),
         rate,

@@ -34,7 +34,7 @@ impl Tracking {
 
     /// Returns the direction relative to the stars of an object that appears, at a time, in the pixel to which the
     /// frame's WCS gives the direction `seen`. This is the inverse of [`seen`](Self::seen).
-    pub fn stood(&self, seen: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
+    pub fn on_sky(&self, seen: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
         self.carried(seen, 1.0, time_s, centre)
     }
 
@@ -89,7 +89,7 @@ mod tests {
             let there = centre.vector() + (east * 40.0 - north * 30.0) * moved;
             let seen = tracking.seen(&Direction::from_vector(there.normalize()), time_s, &centre);
             // The tangent is longer than the arc by a third of the angle cubed: 0.0033" at 750".
-            assert!(tracking.stood(&seen, time_s, &centre).vector().angle(&there) < 1e-12);
+            assert!(tracking.on_sky(&seen, time_s, &centre).vector().angle(&there) < 1e-12);
             assert!(seen.separation_rad(&centre) < 5e-3 * arcsec, "{time_s}");
         }
         // A star moves in the opposite direction by 50"/s.

@@ -72,7 +72,7 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
         let flags = json(&[&flag, &["--telescope", "rubin", "--bright-share", share]]);
         flags["flags"][0]["streak_cost_s"].as_f64().unwrap()
     };
-    let mut waited = 0;
+    let (mut waited, mut at_once) = (0_u64, 0_u64);
     for share in ["0.08", "3"] {
         for minute in [30, 45] {
             let now = format!("2024-08-14T23:{minute}:00.000Z");
@@ -93,7 +93,10 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
                 let later = streakcast::output::format_utc(streakcast::frames::seconds_after(epoch, later_s), 3);
                 assert!(cost_at(&later, share) + later_s > cost_s + wait_s - now_s / 60.0 - 0.01, "{later}");
             }
-            waited += usize::from(wait_s > 0.0);
+            waited += u64::from(wait_s > 0.0);
+            at_once += u64::from(wait_s == 0.0);
+            let count = |name: &str| status["counters"][name].as_u64();
+            assert_eq!([count("clear"), count("started"), count("waited")].map(Option::unwrap), [0, at_once, waited]);
         }
     }
     assert!(waited > 0, "no wait is worth its time");
@@ -451,6 +454,29 @@ fn other_files_are_not_replaced_by_a_status() {
         fs::write(&other, text).unwrap();
         assert_eq!(run(&[&base]).0, 0);
         assert!(fs::read_to_string(&other).unwrap().contains("\"verdict\": \"clear\""));
+    }
+}
+
+/// Counters that cannot be read start again, with a warning; `since_utc` is then the begin of this run.
+#[test]
+fn a_damaged_status_file_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let status = path(&folder, "status.json");
+    let base: &[&str] = &["gate", "--shells", "oneweb", "--mpc", "X05", "--exposure", "10s", "--fov", "1deg"];
+    let base = [base, POINTING, &["--now", NOW, "--limit-mag=-20", "--status-file", &status]].concat();
+    let counters = || -> Value {
+        let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        record["counters"].clone()
+    };
+    for damaged in ["{\"counters\": {\"runs\": 5, \"cl", "{\"counters\": {\"runs\": -5}}"] {
+        fs::write(&status, damaged).unwrap();
+        let (code, _, stderr) = run(&[&base]);
+        assert!(code == 0 && stderr.contains("status.json was damaged: its counters start again"), "{stderr}");
+        let first = counters();
+        let (code, _, stderr) = run(&[&base]);
+        assert!(code == 0 && !stderr.contains("damaged"), "{stderr}");
+        assert_eq!((&first["runs"], &counters()["runs"]), (&Value::from(1), &Value::from(2)));
+        assert!(first["since_utc"].is_string() && first["since_utc"] == counters()["since_utc"], "{first}");
     }
 }
 

@@ -56,10 +56,20 @@ fn passes_and_flags_from_an_orbit() {
     }
     fs::write(&path, rows).unwrap();
     let flags = ["flag", "--schedule", &path, "--fov", "10deg", "--observer-elements", OBSERVER, "--format", "json"];
-    let (code, stdout, stderr) = run(&[&flags, SHELLS]);
-    assert_eq!(code, 0, "{stderr}");
-    let answer: Value = serde_json::from_str(&stdout).unwrap();
-    let flags = answer["flags"].as_array().unwrap();
+    // A later start is searched only with --max-delay.
+    let judged = |more: &[&str]| {
+        let (code, stdout, stderr) = run(&[&flags, SHELLS, more]);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).unwrap()["flags"].as_array().unwrap().clone()
+    };
+    let is_searched =
+        |flag: &Value| flag["delay_s"].is_number() || flag["reasons"].to_string().contains("start within");
+    let streaked =
+        |flags: &[Value]| flags.iter().filter(|flag| flag["verdict"] == "streaked").cloned().collect::<Vec<_>>();
+    let delayed = streaked(&judged(&["--max-delay", "2min"]));
+    assert!(!delayed.is_empty() && delayed.iter().all(is_searched), "{delayed:?}");
+    let flags = judged(&[]);
+    assert!(streaked(&flags).len() == delayed.len() && !streaked(&flags).iter().any(is_searched), "{flags:?}");
     let lit = passes.iter().filter(|pass| pass["illumination"] != "umbra").count();
     assert!(flags[0]["n_streaks"].as_u64().unwrap() as usize >= lit.min(1), "{}", flags[0]);
     let hidden = flags.iter().filter(|flag| flag["verdict"] == "invalid").collect::<Vec<_>>();

@@ -8,6 +8,7 @@ use hifitime::{Epoch, Unit};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
+use streakcast::Watch;
 use streakcast::elements::{Generation, NoradId};
 use streakcast::learn::{Alarm, AlarmKind, Pass, PassPoint, find_alarms, learn};
 use streakcast::passes::{LearnedFile, ModelChoice};
@@ -18,7 +19,7 @@ use super::learning::{mmt, simulated_with};
 const P: f64 = 1e-4;
 
 fn learned(passes: &[Pass]) -> LearnedFile {
-    learn(passes, &BTreeMap::new(), &ModelChoice::default(), serde_json::Map::new()).unwrap().file
+    learn(passes, &BTreeMap::new(), &ModelChoice::default(), serde_json::Map::new(), &Watch::default()).unwrap().file
 }
 
 /// Simulated passes before and after the end of learning. Differences between passes are drawn from the two normal

@@ -14,6 +14,7 @@ use hifitime::{Epoch, Unit};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal, StudentT};
+use streakcast::Watch;
 use streakcast::elements::{Generation, NoradId};
 use streakcast::fit::measurements::{
     ColumnMap, Measurements, PhotometryOptions, Placement, RecordReader, Records, Selection, measure,
@@ -149,7 +150,7 @@ fn verif_an_outlying_pass_moves_a_satellite_less_than_the_mean() {
 fn verif_learned_files_are_read_as_written_and_invalid_ones_rejected() {
     let (passes, _) = simulated(3, 4, 5);
     let models = ModelChoice::default();
-    let file = learn(&passes, &BTreeMap::new(), &models, serde_json::Map::new()).unwrap().file;
+    let file = learn(&passes, &BTreeMap::new(), &models, serde_json::Map::new(), &Watch::default()).unwrap().file;
     let text = file.to_json();
     assert_eq!(LearnedFile::from_json(&text, "learned.json").unwrap(), file);
     assert_eq!((file.satellites.len(), file.satellites[0].passes, file.kinds[0].kind), (3, 4, Generation::OneWeb));

@@ -84,6 +84,7 @@ impl Engine {
     fn report(
         &self,
         rows: &[ScheduledExposure],
+        policy: &Policy,
         judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
         watch: &Watch,
     ) -> PyResult<WithWarnings<Vec<Verdict>>> {
@@ -95,7 +96,8 @@ impl Engine {
             rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
         for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
-            let report = judge(&night_rows, &self.request(field, &prepared)).map_err(failure::request)?;
+            let report = judge(&night_rows, &FlagRequest { policy, ..self.request(field, &prepared) })
+                .map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
             totals.add(&report);
             for (index, flag) in indices.into_iter().zip(report.flags) {
@@ -104,7 +106,7 @@ impl Engine {
         }
         warnings.extend(totals.warnings());
         let bands = rows.iter().map(|row| row.band.as_deref()).collect();
-        warnings.extend(self.policy.band_warning(&bands));
+        warnings.extend(policy.band_warning(&bands));
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
 }
@@ -191,7 +193,8 @@ impl Engine {
         bands: Vec<String>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         let rows = rows(exposures.to_exposures(py)?, &bands)?;
-        let (flags, warnings) = failure::without_lock(py, |watch| self.report(&rows, judge_exposures, watch))?;
+        let (flags, warnings) =
+            failure::without_lock(py, |watch| self.report(&rows, &self.policy, judge_exposures, watch))?;
         let result = PyDict::new(py);
         let reals = |value: fn(&Verdict) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
         let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.kind)).collect();
@@ -211,15 +214,22 @@ impl Engine {
         Ok((result, warnings))
     }
 
-    /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`.
+    /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`. For a telescope in
+    /// orbit without a longest delay, later starts are searched if `seeks_starts`.
+    #[pyo3(signature = (exposures, bands, seeks_starts=false))]
     fn flags<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         bands: Vec<String>,
+        seeks_starts: bool,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
         let rows = rows(exposures.to_exposures(py)?, &bands)?;
-        let (flags, warnings) = failure::without_lock(py, |watch| self.report(&rows, flag_exposures, watch))?;
+        let mut policy = self.policy.clone();
+        if seeks_starts {
+            policy.max_delay_s = Some(policy.max_delay_or_default_s());
+        }
+        let (flags, warnings) = failure::without_lock(py, |watch| self.report(&rows, &policy, flag_exposures, watch))?;
         Ok((columns(py, &flag_table(&flags))?, warnings))
     }
 
@@ -384,16 +394,10 @@ impl Engine {
         };
         let telescope = self.telescope.as_ref().filter(|_| light.is_computed);
         let bright_streaks = telescope.map(|telescope| BrightStreaks::new(telescope, sky, light.band));
-        let q_bright = |track: &SatelliteTrack, middle: &SatelliteSnapshot, brightness: Option<&Brightness>| {
-            let Some(bright_streaks) = &bright_streaks else { return f64::NAN };
-            if !middle.point.illumination.is_lit() {
-                return 0.0;
-            }
-            let prior = || sky.prior_brightness(&middle.point.geometry, &self.photometry);
-            brightness.cloned().or_else(prior).map_or(1.0, |light| {
-                let range_km = middle.point.range_km;
-                bright_streaks.probability(&light, track.element_index, range_km, middle.angular_rate_rad_s)
-            })
+        // Unknown brightness is that of the prior.
+        let or_prior = |track: &SatelliteTrack, middle: &SatelliteSnapshot, brightness: Option<&Brightness>| {
+            let prior = || sky.prior_brightness(track.element_index, &middle.point.geometry, &self.photometry);
+            brightness.cloned().or_else(prior)
         };
         let mut rows = SkyRows::default();
         for track in &tracks {
@@ -407,10 +411,20 @@ impl Engine {
                 None
             };
             let magnitude = brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
-            let brighter =
-                |&limit: &f64| brightness.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit));
+            // Probability that depends on the brightness: 0 in the Earth's shadow, 1 if nothing is known.
+            let probability = |of: &dyn Fn(&Brightness) -> f64| match middle.point.illumination.is_lit() {
+                true if light.is_computed => {
+                    or_prior(track, middle, brightness.as_ref()).map_or(1.0, |light| of(&light))
+                }
+                _ => 0.0,
+            };
+            let brighter = |&limit: &f64| probability(&|light| light.probability_brighter_than(limit));
             let p_brighter: Vec<f64> = light.limits_mag.iter().map(brighter).collect();
-            let q_bright = q_bright(track, middle, brightness.as_ref());
+            let q_bright = bright_streaks.as_ref().map_or(f64::NAN, |bright_streaks| {
+                probability(&|light| {
+                    bright_streaks.probability(light, track.element_index, range_km, middle.angular_rate_rad_s)
+                })
+            });
             for snapshot in &track.snapshots {
                 rows.moment.push(snapshot.time_index as i64);
                 rows.norad_id.push(i64::from(track.norad_id.0));

@@ -1,7 +1,8 @@
 //! Conversion of errors and panics to Python exceptions.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError};
+use std::thread;
 use std::time::Duration;
 
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
@@ -62,27 +63,54 @@ const SIGNALS_EVERY: Duration = Duration::from_millis(50);
 pub fn without_lock<T: Send>(py: Python<'_>, work: impl FnOnce(&Watch) -> PyResult<T> + Send) -> PyResult<T> {
     let pool = crate::pool::pool()?;
     let watch = Watch::default();
-    let (result, raised) = py.detach(|| {
+    py.detach(|| {
         let (sender, receiver) = mpsc::sync_channel(1);
         pool.in_place_scope(|scope| {
             scope.spawn(|_| {
                 // The receiver is alive until the work has sent its result.
                 let _ = sender.send(catch_unwind(AssertUnwindSafe(|| work(&watch))));
             });
-            let mut raised = None;
-            loop {
-                match receiver.recv_timeout(SIGNALS_EVERY) {
-                    Err(RecvTimeoutError::Timeout) => {
-                        if let Err(error) = Python::attach(|py| py.check_signals()) {
-                            watch.stop();
-                            raised = Some(error);
-                        }
+            result_of(&receiver, Some(&watch))
+        })
+    })
+}
+
+/// Runs a function that tests no watch, such as the reading of files, in the thread pool without the interpreter lock.
+/// Panics are converted to exceptions.
+///
+/// If a signal handler of Python raises an exception, it is returned at once. The work continues to its end, and its
+/// result is dropped.
+pub fn without_lock_or_watch<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
+    let pool = crate::pool::pool()?;
+    let (sender, receiver) = mpsc::sync_channel(1);
+    pool.spawn(move || {
+        // Without a receiver the result is not needed.
+        let _ = sender.send(catch_unwind(AssertUnwindSafe(work)));
+    });
+    py.detach(move || result_of(&receiver, None))
+}
+
+/// Waits for the result of work in another thread. If a signal handler raises an exception, the watch is stopped; without
+/// a watch the exception is returned at once.
+fn result_of<T>(receiver: &Receiver<thread::Result<PyResult<T>>>, watch: Option<&Watch>) -> PyResult<T> {
+    let mut raised = None;
+    let result = loop {
+        match receiver.recv_timeout(SIGNALS_EVERY) {
+            Err(RecvTimeoutError::Timeout) => {
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    match watch {
+                        Some(watch) => watch.stop(),
+                        None => return Err(error),
                     }
-                    received => break (received, raised),
+                    raised = Some(error);
                 }
             }
-        })
-    });
+            received => break received,
+        }
+    };
     if let Some(error) = raised {
         return Err(error);
     }

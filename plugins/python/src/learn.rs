@@ -42,12 +42,12 @@ pub fn learn(
         sigma_mag: Some(sigma_mag[row]).filter(|sigma| sigma.is_finite()),
     };
     let points: Vec<_> = norad_id.iter().enumerate().map(|(row, id)| (NoradId(*id), kind, point(row))).collect();
-    failure::without_lock(py, |_| {
+    failure::without_lock(py, |watch| {
         let mut provenance = Provenance::new();
         provenance.state("kind", kind.name());
         provenance.state("measurements", points.len());
         let stated = provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect();
-        let learned = streakcast::learn::learn(&group_passes(points), &BTreeMap::new(), &models, stated);
+        let learned = streakcast::learn::learn(&group_passes(points), &BTreeMap::new(), &models, stated, watch);
         Ok(learned.map_err(failure::request)?.file.to_json())
     })
 }

@@ -101,8 +101,9 @@ impl SkyCache {
     #[pyo3(signature = (setup, config=None, epoch=None))]
     fn new(py: Python<'_>, setup: &str, config: Option<&str>, epoch: Option<(f64, f64)>) -> PyResult<Self> {
         let epoch = epoch.map(|(jd1, jd2)| start_of(0, jd1, jd2)).transpose()?;
-        failure::without_lock(py, |_| {
-            let setup = setup_of(setup, config)?;
+        let (setup, config) = (setup.to_owned(), config.map(str::to_owned));
+        failure::without_lock_or_watch(py, move || {
+            let setup = setup_of(&setup, config.as_deref())?;
             let inputs = setup.load().map_err(failure::setup)?;
             // A site can be checked now. The orbit of a telescope may be invalid at certain times only.
             let orbit = setup.is_in_orbit();

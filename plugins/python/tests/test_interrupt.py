@@ -13,6 +13,7 @@ DEADLOCK_S = 120
 SETUP = """
 import signal
 import numpy, streakcast
+from astropy.time import Time
 # Background jobs of a shell inherit an ignored SIGINT.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 START = "2026-08-14T23:29:05Z"
@@ -29,6 +30,7 @@ CALLS = {
     "assess": "model.assess(target, starts, 300, scale='utc')",
     "flags": "model.flags(target, starts, 300, scale='utc')",
     "clear_windows": "model.clear_windows((target[0][:5000], target[1][:5000]), START, '2026-08-15T09:00:00Z', 30)",
+    "learn": "streakcast.learn(rows // 4, Time(starts), rows % 7 / 7, rows * 0.0, kind='oneweb')",
     "forecast": "model.forecast(start=START, end='2026-09-14T23:00:00Z', include_dark=True)",
 }
 

@@ -74,7 +74,7 @@ pub(super) fn draw_stars(
         // of the trail are off the chip.
         let half_s = if speed > 0.0 { width / speed } else { shot.exposure_s };
         Some(SkyStar {
-            direction: shot.tracking.stood(&seen, nearest_s, &shot.centre),
+            direction: shot.tracking.on_sky(&seen, nearest_s, &shot.centre),
             flux_e: star.flux_e,
             over_s: [(nearest_s - half_s).max(0.0), (nearest_s + half_s).min(shot.exposure_s)],
         })

@@ -86,7 +86,7 @@ fn random_sources(
     let source = |(number, mut track): (usize, SkyTrack)| {
         let middle_s = track.closest_s(&centre, |point| point.direction).unwrap_or(0.0);
         for point in &mut track.points {
-            point.direction = tracking.stood(&point.direction, point.time_s, &centre);
+            point.direction = tracking.on_sky(&point.direction, point.time_s, &centre);
         }
         Source {
             name: SourceName::Random(number),

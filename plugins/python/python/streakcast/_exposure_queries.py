@@ -146,7 +146,7 @@ class ExposureQueries(SiteQueries):
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
-        columns, warnings = engine.flags(exposures, bands)
+        columns, warnings = engine.flags(exposures, bands, True)
         self._warn_once(sky_cache, warnings)
         name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[engine.blocking]
         (delay,) = (column["values"] for column in columns if column["kind"] == "real" and column["name"] == name)

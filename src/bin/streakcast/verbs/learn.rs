@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use clap::Args;
+use streakcast::Watch;
 use streakcast::config::{Config, ModelAssignment};
 use streakcast::elements::{Generation, GenerationTable, History, NoradId};
 use streakcast::learn::{
@@ -177,7 +178,7 @@ pub fn run(typed: LearnArguments) -> anyhow::Result<Outcome> {
         found.provenance.state("measured", super::fit::names(&typed.measured));
     }
     let stated = found.provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect();
-    let learned = learn(&found.passes, &delays, &found.models, stated)?;
+    let learned = learn(&found.passes, &delays, &found.models, stated, &Watch::default())?;
     for kind in &learned.without_satellites {
         notices.info(&format!(
             "offsets of single satellites of {kind} are not written: they do not improve the predictions of other passes"

@@ -5,7 +5,9 @@ mod clock;
 mod deadline;
 mod ekos;
 mod indi;
+mod report;
 mod run;
+mod sky;
 mod status_file;
 mod targets;
 

@@ -2,73 +2,38 @@
 //! status file. Everything that may block runs in other threads, with a deadline.
 
 use std::collections::BTreeSet;
-use std::path::Path;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
-use streakcast::config::{Config, ConfigError, NameOrTable, PreparedSky, SiteConfig, SiteTable};
-use streakcast::elements::ElementsError;
+use streakcast::config::PreparedSky;
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    BestStart, Blocking, ClearWindow, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget, best_start,
-    clear_windows, next_window, reason_for_unknown_starts,
+    Blocking, ClearWindow, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget, best_start, clear_windows,
+    next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
 use super::deadline::{NoResult, Step, left, within};
-use super::status_file::{Before, Fault, FaultKind};
-use super::{ekos, indi, status_file, targets};
+use super::report::{Counted, GateVerdict, line, rounded, state, write_final, write_waiting};
+use super::sky::prepare;
+use super::status_file::{Fault, FaultKind};
+use super::{ekos, indi, targets};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 
 /// Largest accepted distance between the given site and that of the mount, km.
 const SAME_SITE_KM: f64 = 1.0;
-/// Age below which an element file may still be incomplete.
-const FRESH: Duration = Duration::from_secs(10);
-/// Age above which an element file is taken as complete.
-const SETTLED: Duration = Duration::from_secs(600);
-/// Largest number of attempts to read element files.
-const TRIES: usize = 4;
-/// Pause between two attempts.
-const RETRY: Duration = Duration::from_millis(300);
-/// Longest attempt after which another one is made: larger files are read once.
-const LONGEST_TRY: Duration = Duration::from_secs(1);
 /// Least time for the status file.
 const STATUS: Duration = Duration::from_secs(2);
 /// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
 /// Largest number of avoided passes listed in the status file.
 const NAMED: usize = 5;
-
-/// Result of a run.
-enum GateVerdict {
-    /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
-    /// limit may cross.
-    Clear { waited_s: f64, first: Epoch, until: Epoch, is_limited: bool },
-    /// The cost of streaks plus the wait is smallest if the exposure starts at `first`.
-    Best { waited_s: f64, first: Epoch, best: BestStart },
-    /// There is no clear start within the longest wait.
-    NotClear,
-    /// The frame is not a light frame.
-    Skipped(String),
-}
-
-impl GateVerdict {
-    /// Returns the wait, seconds, with the first and the last start; `None` if the exposure starts without being
-    /// checked.
-    fn start(&self) -> Option<(f64, Epoch, Epoch)> {
-        match self {
-            GateVerdict::Clear { waited_s, first, until, .. } => Some((*waited_s, *first, *until)),
-            GateVerdict::Best { waited_s, first, .. } => Some((*waited_s, *first, *first)),
-            GateVerdict::NotClear | GateVerdict::Skipped(_) => None,
-        }
-    }
-}
 
 /// Result of a run, and what is stated about it in the status file.
 struct Decision {
@@ -160,7 +125,10 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
         move || write_final(&path, status, &counted)
     });
     let error = match written {
-        Ok(Ok(())) => return outcome,
+        Ok(Ok(lost)) => {
+            notices.warn(lost.as_slice());
+            return outcome;
+        }
         Ok(Err(error)) => error.to_string(),
         Err(_) => format!("no result within {:.0} s", rest.as_secs_f64()),
     };
@@ -170,85 +138,6 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     }
     notices.warn(&[message]);
     outcome
-}
-
-/// Changes of the counters by one run.
-struct Counted {
-    verdict: &'static str,
-    waited_s: f64,
-    fault: Option<FaultKind>,
-}
-
-impl Counted {
-    fn of(result: &Result<GateVerdict, Fault>) -> Self {
-        let (verdict, waited_s) = match result {
-            Ok(GateVerdict::Clear { waited_s, .. } | GateVerdict::Best { waited_s, .. }) if *waited_s > 0.0 => {
-                ("waited", *waited_s)
-            }
-            Ok(GateVerdict::Clear { .. } | GateVerdict::Best { .. }) => ("clear", 0.0),
-            Ok(GateVerdict::NotClear) => ("not_clear", 0.0),
-            Ok(GateVerdict::Skipped(_)) => ("skipped", 0.0),
-            Err(_) => ("fault", 0.0),
-        };
-        Self { verdict, waited_s, fault: result.as_ref().err().map(|fault| fault.kind) }
-    }
-}
-
-/// Writes the status of a run, with the counters over all runs.
-fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counted) -> std::io::Result<()> {
-    let _lock = status_file::lock(path);
-    let Before { mut counters, satellites } = status_file::read(Some(path));
-    counters.runs = counters.runs.saturating_add(1);
-    counters.waited_s += counted.waited_s;
-    match counted.verdict {
-        "waited" => counters.waited = counters.waited.saturating_add(1),
-        "clear" => counters.clear = counters.clear.saturating_add(1),
-        "not_clear" => counters.not_clear = counters.not_clear.saturating_add(1),
-        "skipped" => counters.skipped = counters.skipped.saturating_add(1),
-        _ => {}
-    }
-    if let Some(kind) = counted.fault {
-        let count = counters.faults.entry(kind.name().to_owned()).or_default();
-        *count = count.saturating_add(1);
-    }
-    if let (None, Some(satellites)) = (status.get("satellites"), satellites) {
-        state(&mut status, "satellites", satellites);
-    }
-    state(&mut status, "counters", json!(counters));
-    status_file::write(path, &status)
-}
-
-fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
-    status.insert(name.to_owned(), value.into());
-}
-
-/// Returns the log line of a run.
-fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
-    // With --strict the host does not start the exposure.
-    let starts = |text: &'static str| if flags.strict { "" } else { text };
-    match result {
-        Ok(GateVerdict::Clear { waited_s, until, is_limited, .. }) => {
-            let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
-            let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
-            format!("gate: clear {after}, starts until at least {}{others}", format_utc(*until, 0))
-        }
-        Ok(GateVerdict::Best { waited_s, best, .. }) if *waited_s > 0.0 => format!(
-            "gate: start after {waited_s:.1} s, streaks cost {:.2} s instead of {:.2} s",
-            best.streak_cost_s, best.scheduled_cost_s
-        ),
-        Ok(GateVerdict::Best { best, .. }) => {
-            format!("gate: start now, streaks cost {:.2} s", best.streak_cost_s)
-        }
-        Ok(GateVerdict::NotClear) => {
-            let starts = starts("; the exposure starts and will be streaked");
-            format!("warning: gate: no clear start within {} s{starts}", flags.max_wait_s)
-        }
-        Ok(GateVerdict::Skipped(why)) => format!("gate: {why}: no wait"),
-        Err(fault) => {
-            let starts = starts(", the exposure starts");
-            format!("warning: gate: {fault}; satellites were not checked{starts}")
-        }
-    }
 }
 
 /// Reads all inputs and decides whether and when the exposure can start, without waiting.
@@ -445,103 +334,6 @@ fn pointing_and_site(
     Ok((pointing, site))
 }
 
-/// Prepares the sky over the site. If an element file may be incomplete, it is read again.
-fn prepare(
-    flags: &Flags,
-    request: &Request,
-    site: &Site,
-    step: &Step,
-    status: &mut Map<String, Value>,
-    notices: &Notices,
-) -> Result<PreparedSky, Fault> {
-    let named = NameOrTable::Table(SiteTable {
-        name: Some(site.name.clone()),
-        mpc: None,
-        latitude_deg: Some(site.latitude_rad.to_degrees()),
-        longitude_deg: Some(site.longitude_rad.to_degrees()),
-        height_m: Some(site.height_m),
-    });
-    let site = SiteConfig { named: Some(named), ..SiteConfig::default() };
-    let config = Config { site, ..request.config.clone() };
-    let now = flags.clock.now();
-    let files = &config.elements;
-    if let Some(path) = &flags.status_file {
-        step.begin(format!("reading {}", path.display()));
-    }
-    let satellites_before = status_file::read(flags.status_file.as_deref()).satellites;
-    let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
-    step.begin(if names.is_empty() {
-        "reading the inputs".to_owned()
-    } else {
-        format!("reading {}", names.join(", "))
-    });
-    let mut tries = 1;
-    let prepared = loop {
-        let attempt = Instant::now();
-        let prepared = config.prepare(now, seconds_after(now, flags.max_wait_s));
-        let is_done = match &prepared {
-            Err(error) => !is_of_elements(error),
-            Ok(prepared) => {
-                rejected(prepared) == 0 || files.iter().all(|path| age(path).is_none_or(|age| age >= FRESH))
-            }
-        };
-        let took = attempt.elapsed();
-        let has_time = took < LONGEST_TRY && left(flags.deadline, flags.timeout) > RETRY + 2 * took;
-        if is_done || tries == TRIES || !has_time {
-            break prepared;
-        }
-        tries += 1;
-        // The file may be being written, so the pause is real also in a rehearsal.
-        std::thread::sleep(RETRY);
-    };
-    let prepared = prepared.map_err(|error| {
-        Fault::new(if is_of_elements(&error) { FaultKind::Elements } else { FaultKind::Setup }, error)
-    })?;
-    notices.warn(&prepared.warnings);
-    let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
-    state(status, "elements_rejected", rejected);
-    // Far fewer satellites than in the last run mean that the file is incomplete, unless it is old enough.
-    let cut_short = is_cut_short(&prepared);
-    let least = |before: usize| if cut_short { before - before / 10 } else { before.div_ceil(2) };
-    let is_settled =
-        files.is_empty() || !cut_short && files.iter().all(|path| age(path).is_some_and(|age| age >= SETTLED));
-    let shrank = satellites_before.filter(|before| satellites < least(*before) && !is_settled);
-    if rejected > satellites || shrank.is_some() {
-        let before = shrank.map_or_else(String::new, |before| format!(", {before} in the last run"));
-        let message =
-            format!("elements may be incomplete: {satellites} satellites, {rejected} records rejected{before}");
-        return Err(Fault::new(FaultKind::Elements, message));
-    }
-    state(status, "satellites", satellites);
-    Ok(prepared)
-}
-
-fn is_of_elements(error: &ConfigError) -> bool {
-    use ElementsError::{ShellOutOfRange, ShellSyntax, ShellTotal, UnknownShells};
-    match error {
-        ConfigError::Elements(error) => {
-            !matches!(error, UnknownShells { .. } | ShellSyntax(_) | ShellOutOfRange { .. } | ShellTotal { .. })
-        }
-        error => matches!(error, ConfigError::NothingPropagates { .. }),
-    }
-}
-
-fn rejected(prepared: &PreparedSky) -> usize {
-    let attached = prepared.provenance.attached().find(|(name, _)| *name == "rejected_count");
-    attached.and_then(|(_, count)| count.as_u64()).map_or(0, |count| count as usize)
-}
-
-fn is_cut_short(prepared: &PreparedSky) -> bool {
-    let attached = prepared.provenance.attached().find(|(name, _)| *name == "cut_short");
-    attached.and_then(|(_, names)| names.as_array()).is_some_and(|names| !names.is_empty())
-}
-
-/// Returns the time since the last change of a file; `None` if it is in the future.
-fn age(path: &Path) -> Option<Duration> {
-    let changed = std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok()?;
-    SystemTime::now().duration_since(changed).ok()
-}
-
 /// Adds the passes that the wait avoids to the status file.
 fn add_blocking_passes(
     found: &TargetWindows,
@@ -568,20 +360,4 @@ fn add_blocking_passes(
         .collect();
     state(status, "n_dodged", ahead.len());
     state(status, "dodged", named);
-}
-
-/// Rounds a number to some decimals; `None` if it is not finite.
-fn rounded(value: f64, decimals: i32) -> Option<f64> {
-    let scale = 10_f64.powi(decimals);
-    value.is_finite().then(|| (value * scale).round() / scale)
-}
-
-/// Writes the status file during a wait, with the counters of the last run; the counters are updated at the end of this
-/// run.
-fn write_waiting(path: Option<&Path>, mut status: Map<String, Value>) {
-    let Some(path) = path else { return };
-    let _lock = status_file::lock(path);
-    state(&mut status, "verdict", "waiting");
-    state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
-    let _ = status_file::write(path, &status);
 }

@@ -16,7 +16,11 @@ use streakcast::output::{lock_folder, write_atomically};
 #[serde(default)]
 pub struct Counters {
     pub runs: u64,
+    /// Begin of the first run that is counted.
+    pub since_utc: Option<String>,
     pub clear: u64,
+    /// Started at once because this start has the least cost of streaks.
+    pub started: u64,
     pub waited: u64,
     pub not_clear: u64,
     pub skipped: u64,
@@ -31,13 +35,19 @@ pub struct Counters {
 pub struct Before {
     pub counters: Counters,
     pub satellites: Option<usize>,
+    /// True if there is a file with other content than a status: its counters are lost.
+    #[serde(skip)]
+    pub is_damaged: bool,
 }
 
 /// Reads the status of the last run; default values if there is no valid file.
 pub fn read(path: Option<&Path>) -> Before {
     let regular = path.filter(|path| input::check_regular(path).is_ok());
     let text = regular.and_then(|path| input::read_to_string(path).ok());
-    text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+    match text.filter(|text| !text.trim().is_empty()).map(|text| serde_json::from_str(&text)) {
+        Some(Ok(before)) => before,
+        found => Before { is_damaged: found.is_some(), ..Before::default() },
+    }
 }
 
 /// Longest wait for another run that counts in the same folder.

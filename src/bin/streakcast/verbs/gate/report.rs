@@ -1,0 +1,139 @@
+//! Verdict of a run of the gate, and what is stated about it: the line in the log and the status file with its counters.
+
+use std::path::Path;
+
+use hifitime::Epoch;
+use serde_json::{Map, Value, json};
+use streakcast::output::format_utc;
+use streakcast::schedule::BestStart;
+
+use super::arguments::Flags;
+use super::status_file;
+use super::status_file::{Before, Fault, FaultKind};
+
+/// Result of a run.
+pub enum GateVerdict {
+    /// The field is clear from `first` to `until`, at once or after a wait. If `is_limited`, satellites that exceed no
+    /// limit may cross.
+    Clear { waited_s: f64, first: Epoch, until: Epoch, is_limited: bool },
+    /// The cost of streaks plus the wait is smallest if the exposure starts at `first`.
+    Best { waited_s: f64, first: Epoch, best: BestStart },
+    /// There is no clear start within the longest wait.
+    NotClear,
+    /// The frame is not a light frame.
+    Skipped(String),
+}
+
+impl GateVerdict {
+    /// Returns the wait, seconds, with the first and the last start; `None` if the exposure starts without being
+    /// checked.
+    pub fn start(&self) -> Option<(f64, Epoch, Epoch)> {
+        match self {
+            GateVerdict::Clear { waited_s, first, until, .. } => Some((*waited_s, *first, *until)),
+            GateVerdict::Best { waited_s, first, .. } => Some((*waited_s, *first, *first)),
+            GateVerdict::NotClear | GateVerdict::Skipped(_) => None,
+        }
+    }
+}
+
+/// Changes of the counters by one run.
+pub struct Counted {
+    verdict: &'static str,
+    waited_s: f64,
+    fault: Option<FaultKind>,
+}
+
+impl Counted {
+    pub fn of(result: &Result<GateVerdict, Fault>) -> Self {
+        let (verdict, waited_s) = match result {
+            Ok(GateVerdict::Clear { waited_s, .. } | GateVerdict::Best { waited_s, .. }) if *waited_s > 0.0 => {
+                ("waited", *waited_s)
+            }
+            Ok(GateVerdict::Clear { .. }) => ("clear", 0.0),
+            Ok(GateVerdict::Best { .. }) => ("started", 0.0),
+            Ok(GateVerdict::NotClear) => ("not_clear", 0.0),
+            Ok(GateVerdict::Skipped(_)) => ("skipped", 0.0),
+            Err(_) => ("fault", 0.0),
+        };
+        Self { verdict, waited_s, fault: result.as_ref().err().map(|fault| fault.kind) }
+    }
+}
+
+/// Writes the status of a run, with the counters over all runs. Returns a warning if the counters before it are lost.
+pub fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counted) -> std::io::Result<Option<String>> {
+    let _lock = status_file::lock(path);
+    let Before { mut counters, satellites, is_damaged } = status_file::read(Some(path));
+    counters.runs = counters.runs.saturating_add(1);
+    if counters.since_utc.is_none() {
+        counters.since_utc = status.get("began_utc").and_then(Value::as_str).map(str::to_owned);
+    }
+    counters.waited_s += counted.waited_s;
+    match counted.verdict {
+        "waited" => counters.waited = counters.waited.saturating_add(1),
+        "started" => counters.started = counters.started.saturating_add(1),
+        "clear" => counters.clear = counters.clear.saturating_add(1),
+        "not_clear" => counters.not_clear = counters.not_clear.saturating_add(1),
+        "skipped" => counters.skipped = counters.skipped.saturating_add(1),
+        _ => {}
+    }
+    if let Some(kind) = counted.fault {
+        let count = counters.faults.entry(kind.name().to_owned()).or_default();
+        *count = count.saturating_add(1);
+    }
+    if let (None, Some(satellites)) = (status.get("satellites"), satellites) {
+        state(&mut status, "satellites", satellites);
+    }
+    state(&mut status, "counters", json!(counters));
+    status_file::write(path, &status)?;
+    Ok(is_damaged.then(|| format!("{} was damaged: its counters start again", path.display())))
+}
+
+/// Adds a statement to the status.
+pub fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
+    status.insert(name.to_owned(), value.into());
+}
+
+/// Returns the log line of a run.
+pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
+    // With --strict the host does not start the exposure.
+    let starts = |text: &'static str| if flags.strict { "" } else { text };
+    match result {
+        Ok(GateVerdict::Clear { waited_s, until, is_limited, .. }) => {
+            let after = if *waited_s > 0.0 { format!("after {waited_s:.1} s") } else { "now".to_owned() };
+            let others = if *is_limited { "; satellites that exceed no limit may cross" } else { "" };
+            format!("gate: clear {after}, starts until at least {}{others}", format_utc(*until, 0))
+        }
+        Ok(GateVerdict::Best { waited_s, best, .. }) if *waited_s > 0.0 => format!(
+            "gate: start after {waited_s:.1} s, streaks cost {:.2} s instead of {:.2} s",
+            best.streak_cost_s, best.scheduled_cost_s
+        ),
+        Ok(GateVerdict::Best { best, .. }) => {
+            format!("gate: start now, streaks cost {:.2} s", best.streak_cost_s)
+        }
+        Ok(GateVerdict::NotClear) => {
+            let starts = starts("; the exposure starts and will be streaked");
+            format!("warning: gate: no clear start within {} s{starts}", flags.max_wait_s)
+        }
+        Ok(GateVerdict::Skipped(why)) => format!("gate: {why}: no wait"),
+        Err(fault) => {
+            let starts = starts(", the exposure starts");
+            format!("warning: gate: {fault}; satellites were not checked{starts}")
+        }
+    }
+}
+
+/// Rounds a number to some decimals; `None` if it is not finite.
+pub fn rounded(value: f64, decimals: i32) -> Option<f64> {
+    let scale = 10_f64.powi(decimals);
+    value.is_finite().then(|| (value * scale).round() / scale)
+}
+
+/// Writes the status file during a wait, with the counters of the last run; the counters are updated at the end of this
+/// run.
+pub fn write_waiting(path: Option<&Path>, mut status: Map<String, Value>) {
+    let Some(path) = path else { return };
+    let _lock = status_file::lock(path);
+    state(&mut status, "verdict", "waiting");
+    state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
+    let _ = status_file::write(path, &status);
+}
