@@ -88,7 +88,7 @@ fn a_few_old_sets_do_not_make_a_night_unknown() {
         let schedule = path(&folder, "night.csv");
         let (_, _, stderr) = run(&[&["flag", "--elements", &file, "--schedule", &schedule], SITE]);
         let counted = "1,102 element sets are too old to predict positions (median: elements 25 days old)";
-        assert!(stderr.contains(counted) && stderr.contains("left out: 60000, "), "{stderr}");
+        assert!(stderr.contains(counted) && stderr.contains("left out at these times: 60000, "), "{stderr}");
     }
 }
 
