@@ -35,11 +35,11 @@ SKIES = {
     "40768": ["starlink-gen1", "starlink-gen2", "oneweb"],
 }
 NIGHTS = {
-    "catalogue": tuple(f"2026-04-{day}" for day in (25, 21, 28, 23, 29, 26, 20, 19, 18)),
-    "40768": ("2026-01-15", "2026-04-25", "2026-10-20", "2025-12-12"),
+    "catalogue": tuple(f"2026-04-{day}" for day in (25, 21, 28, 23, 29, 26)),
+    "40768": ("2026-01-15", "2026-04-25", "2026-10-20"),
 }
 #: Values of `bright_share`; the default for all nights, the others for the first nights only.
-DEFAULT, OTHERS, NIGHTS_OF_OTHERS = "0.08", ("0.3", "1"), 4
+DEFAULT, OTHERS, NIGHTS_OF_OTHERS = "0.08", ("0.3", "1"), 2
 SHARES = (0.08, 0.3, 1.0)
 LIMIT_MAG = 7.0
 
@@ -200,19 +200,27 @@ def row(cells: list[str]) -> str:
     return "|" + "|".join(f" {one} " for one in cells) + "|"
 
 
-def lines_of(satellites: str, hook: str, runs: list[dict[str, Any]], off: list[dict[str, Any]]) -> tuple[str, str]:
-    """Returns the rows of the tables of gains and of checks. `off` has the same nights."""
-    first = [satellites, str(len(runs)), "off" if hook == "off" else f"{hook}"]
-    gains = [mean(runs, "visits"), *(mean(runs, name) for name in ("streaked", "bright", "light_s", "excess_s"))]
-    checks = [mean(runs, "geostationary"), mean(runs, "gap_min", 1), mean(runs, "singles", 1)]
-    if hook == "off":
-        return row([*first, *gains, "", "", ""]), row([*first, *checks, "", "", "", ""])
-    for cell, name in ((0, "visits"), (1, "streaked"), (2, "bright"), (3, "light_s")):
-        gains[cell] += f" ({change(runs, off, lambda one: one[name], 1 if cell == 0 else 0)})"
-    net = [change(runs, off, lambda one: one["open_s"] - one["cost_s"][index]) for index in range(len(SHARES))]
-    checks += [mean(runs, name) for name in ("exchanged", "saved_s", "detour_s")]
-    cpu_ms = 1e3 * sum(one["queue_cpu_s"] + one["map_cpu_s"] for one in runs) / sum(one["visits"] for one in runs)
-    return row([*first, *gains, *net]), row([*first, *checks, f"{cpu_ms:.2f}"])
+#: Columns of the three tables after the first ones: open shutter, streaks, checks.
+TABLES = (
+    ("visits", "net at 0.08", "net at 0.3", "net at 1"),
+    ("streaked visits", "brighter than 7 mag", "bright light (s)", "cost at 0.08 (%)", "excess path (s)"),
+    ("geostationary", "pair gap p95 (min)", "single visits", "exchanged", "saved (s)"),
+)
+
+
+def lines_of(first: list[str], runs: list[dict[str, Any]], off: list[dict[str, Any]]) -> list[str]:
+    """Returns a row of each table. `off` has the same nights without streakcast."""
+    opened, streaks = [mean(runs, "visits"), "", "", ""], [mean(runs, name) for name in ("streaked", "bright", "light_s")]
+    cost_percent = 100.0 * sum(one["cost_s"][0] for one in runs) / sum(one["open_s"] for one in runs)
+    checks = [mean(runs, "geostationary", 1), mean(runs, "gap_min", 1), mean(runs, "singles", 1), "", ""]
+    if runs is not off:
+        opened[0] += f" ({change(runs, off, lambda one: one['visits'])})"
+        opened[1:] = [change(runs, off, lambda one: one["open_s"] - one["cost_s"][index]) for index in range(len(SHARES))]
+        streaks = [f"{cell} ({change(runs, off, lambda one: one[name], 0)})" for cell, name in zip(streaks, ("streaked", "bright", "light_s"))]
+        checks[3:] = [mean(runs, "exchanged"), mean(runs, "saved_s")]
+    excess_s = np.array([one["excess_s"] for one in runs])
+    excess = f"{excess_s.mean():.0f} ± {excess_s.std(ddof=1) / np.sqrt(excess_s.size):.0f}" if runs is not off else "0"
+    return [row([*first, *cells]) for cells in (opened, [*streaks, f"{cost_percent:.2f}", excess], checks)]
 
 
 def main() -> None:
@@ -221,34 +229,30 @@ def main() -> None:
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore", streakcast.StreakcastWarning)
-    gains, checks = [], []
+    tables: list[list[str]] = [[] for _ in TABLES]
     for sky, evenings in NIGHTS.items():
         if sky == "catalogue" and catalogue() is None:
             print("*** the real catalogue is omitted: set STREAKCAST_DATA to the data folder", file=sys.stderr)
             continue
 
-        def of(hook: str, few: bool = False) -> list[dict[str, Any]]:
-            return [simulate(Run(evening, sky, hook), arguments.folder) for evening in evenings[: NIGHTS_OF_OTHERS if few else None]]
+        def of(hook: str, nights: int | None = None) -> list[dict[str, Any]]:
+            return [simulate(Run(evening, sky, hook), arguments.folder) for evening in evenings[:nights]]
 
-        off = of("off")
+        off, few = of("off"), of("off", NIGHTS_OF_OTHERS)
         satellites = f"{off[0]['satellites']:,} " + ("real" if sky == "catalogue" else "simulated")
-        for hook in ("off", DEFAULT):
-            runs = of(hook)
-            lines = lines_of(satellites, hook, runs, off)
-            gains.append(lines[0])
-            checks.append(lines[1])
-            saved = [one["saved_s"] > OPEN_SHARE * one["detour_s"] for one in runs if hook != "off"]
-            if not all(saved):
-                print(f"*** {sky}: exchanges cost more than they save in {saved.count(False)} nights", file=sys.stderr)
-        for hook in (DEFAULT, *OTHERS):
-            lines = lines_of(satellites, hook, of(hook, few=True), off[:NIGHTS_OF_OTHERS])
-            gains.append(lines[0])
-            checks.append(lines[1])
-    first = "| satellites | nights | `bright_share` |"
-    print(first, "visits | streaked | brighter than 7 mag | bright light (s) | excess path (s) | net at 0.08 | net at 0.3 | net at 1 |")
-    print("|---" * 11 + "|", *gains, sep="\n")
-    print("\n" + first, "geostationary | pair gap p95 (min) | single visits | exchanged | saved (s) | detours (s) | CPU per visit (ms) |")
-    print("|---" * 10 + "|", *checks, sep="\n")
+        default, others = of(DEFAULT), {hook: of(hook, NIGHTS_OF_OTHERS) for hook in OTHERS}
+        costly = [run["saved_s"] < OPEN_SHARE * run["detour_s"] for run in default]
+        if any(costly):
+            print(f"*** {sky}: exchanges cost more than they save in {sum(costly)} nights", file=sys.stderr)
+        cpu_ms = 1e3 * sum(run["queue_cpu_s"] + run["map_cpu_s"] for run in default) / sum(run["visits"] for run in default)
+        print(f"{sky}: processor time of queue manager and map {cpu_ms:.2f} ms per visit", file=sys.stderr)
+        rows = [("off", off, off), (DEFAULT, default, off), ("off", few, few), (DEFAULT, default[:NIGHTS_OF_OTHERS], few)]
+        for hook, runs, without in [*rows, *((hook, runs, few) for hook, runs in others.items())]:
+            for table, line in zip(tables, lines_of([satellites, str(len(runs)), hook], runs, without)):
+                table.append(line)
+    for columns, lines in zip(TABLES, tables):
+        first = ["satellites", "nights", "`bright_share`", *columns]
+        print(row(first), "|---" * len(first) + "|", *lines, "", sep="\n")
 
 
 if __name__ == "__main__":

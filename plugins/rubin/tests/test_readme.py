@@ -25,6 +25,15 @@ def test_the_example_runs(folder):
     assert names["ahead"].counts["made"] == 1
 
 
+def test_the_example_night_runs(folder, monkeypatch, capsys):
+    # The example writes an almanac into a temporary folder, and sets this variable.
+    monkeypatch.setenv("RUBIN_SIM_DATA_DIR", str(folder))
+    monkeypatch.setattr("sys.argv", ["night.py", "--shells", "starlink-gen1,oneweb", "--evening", "2026-10-20", "--hours", "0.2"])
+    night.main()
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in lines[:2]] == ["without streakcast", "with streakcast"] and "visits were exchanged" in lines[2]
+
+
 def test_all_exports_are_documented():
     text = README.read_text() + (README.parents[2] / "docs" / "reference" / "rubin.md").read_text()
     assert [name for name in streakcast_rubin.__all__ if name not in text] == []
