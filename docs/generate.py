@@ -22,7 +22,7 @@ FIELD = ["--fov", "3.5deg", "--telescope", "rubin"]
 GUIDES = {
     "alarms": "learn", "annotate": "annotate", "doctor": "elements", "ephemeris": "forecast", "fetch": "elements", "fit": "fit", "flag": "policy", "forecast": "forecast", "gate": "gate",
     "identify": "identify", "inject": "inject", "learn": "learn", "map": "maps", "measure": "measure", "model": "models", "plot": "plots", "reproduce": "statistics", "serve": "serve",
-    "statistics": "statistics", "windows": "windows",
+    "setup": "setup", "statistics": "statistics", "windows": "windows",
 }  # fmt: skip
 
 #: Tables of the reference page: heading, command, and the file with the table (standard output if None).

@@ -281,9 +281,33 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
     }
 }
 
+/// Returns the line of a key in a TOML text, from 1; `path` are the names of its tables and its own name, in which
+/// hyphens and underscores are equivalent. `None` if the text lacks the key.
+pub fn toml_line(text: &str, path: &[&str]) -> Option<usize> {
+    let document = toml::de::DeTable::parse(text).ok()?;
+    let (last, tables) = path.split_last()?;
+    let find = |table: &toml::de::DeTable<'_>, name: &str| {
+        table.iter().position(|(key, _)| key.get_ref().replace('-', "_") == name.replace('-', "_"))
+    };
+    let mut table = document.get_ref();
+    for name in tables {
+        table = table.iter().nth(find(table, name)?)?.1.get_ref().as_table()?;
+    }
+    let (key, _) = table.iter().nth(find(table, last)?)?;
+    Some(text.get(..key.span().start)?.matches('\n').count() + 1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_have_their_lines() {
+        let text = "lat = 3\n\n[plot.night]\nfov = '1deg'\ntime-zone = 'UTC'\n";
+        let line = |path: &[&str]| toml_line(text, path);
+        assert_eq!([line(&["lat"]), line(&["plot", "night", "time_zone"])], [Some(1), Some(5)]);
+        assert_eq!([line(&["lon"]), line(&["lat", "x"])], [None, None]);
+    }
 
     #[test]
     fn text_in_other_encodings_has_its_line() {

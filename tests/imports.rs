@@ -65,7 +65,7 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("cdshealpix", &["math"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["bin", "elements", "schedule"]),
-    ("flate2", &["elements", "fit"]),
+    ("flate2", &["bin", "elements", "fit"]),
     ("rand", &["fit", "images", "streaks"]),
     ("rand_chacha", &["fit", "images", "streaks"]),
     ("rand_distr", &["fit", "images", "streaks"]),

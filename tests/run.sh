@@ -137,6 +137,9 @@ if is_all; then
 fi
 lint=(-- -D warnings)
 step "cargo fmt --check" cargo fmt --all --check
+# Tests of the home file set it again.
+export STREAKCAST_NO_HOME=1
+
 if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports

@@ -145,6 +145,9 @@ pub struct Config {
     /// Output format.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub format: Option<String>,
+    /// Time zone of local times in tables and charts of the command line, which checks it.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub time_zone: Option<String>,
 }
 
 /// Site on the ground.
@@ -202,6 +205,18 @@ pub struct RunConfig {
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(long = "config", value_name = "FILE", help_heading = "Run"))]
     pub file: Option<PathBuf>,
+    /// Home file: a configuration file with values for omitted flags and keys, which the command line finds by itself.
+    #[serde(skip)]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", hide = true))]
+    pub home: Option<PathBuf>,
+    /// Do not read the home file (see streakcast setup)
+    #[serde(skip)]
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Run"))]
+    pub no_home: bool,
+    /// The site is that of the home file. The site in the header of a frame has precedence.
+    #[serde(skip)]
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub is_site_of_home: bool,
     /// Number of threads, 1 to 1024; all cores if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Run"))]
     pub threads: Option<usize>,
@@ -258,6 +273,95 @@ pub struct RulesConfig {
     pub max_delay: Option<Quantity>,
 }
 
+/// Keys of a configuration that answer one question, and the keys that also answer it. They are taken together: of
+/// several layers, the topmost that has any of them answers the question alone.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Question {
+    /// Keys that only answer this question.
+    pub keys: &'static [&'static str],
+    /// Keys that answer this question in addition to their own: a telescope has a field of view, a policy has limits.
+    pub others: &'static [&'static str],
+}
+
+impl Question {
+    /// Returns true if any of these keys answers the question.
+    pub fn is_answered_by(&self, keys: &[&str]) -> bool {
+        self.keys.iter().chain(self.others).any(|key| keys.contains(key))
+    }
+}
+
+/// Returns the key of a field.
+macro_rules! key {
+    (site.named) => {
+        "site"
+    };
+    (exposure.duration) => {
+        "exposure"
+    };
+    ($key:ident) => {
+        stringify!($key)
+    };
+    ($group:ident.$key:ident) => {
+        stringify!($key)
+    };
+}
+
+/// Declares all keys by their fields, those of one question in brackets; after `or` a field that also answers it.
+macro_rules! questions {
+    ($([$($key:ident$(.$inner:ident)?),+] $(or $other:ident$(.$part:ident)?)?),+ $(,)?) => {
+        impl Config {
+            /// Questions that the keys answer.
+            pub const QUESTIONS: &'static [Question] = &[$(Question {
+                keys: &[$(key!($key$(.$inner)?)),+],
+                others: &[$(key!($other$(.$part)?))?],
+            }),+];
+
+            /// Returns the keys that are given.
+            pub fn given(&self) -> Vec<&'static str> {
+                // The time scale of a file is in another field than that of a flag.
+                let mut given: Vec<&str> = self.default_time_scale.iter().map(|_| "time_scale").collect();
+                $($(if !is_omitted(&self.$key$(.$inner)?) {
+                    given.push(key!($key$(.$inner)?));
+                })+)+
+                given
+            }
+
+            /// Returns this configuration without a key.
+            fn without(&self, omitted: &str) -> Config {
+                let mut rest = self.clone();
+                $($(if omitted == key!($key$(.$inner)?) {
+                    rest.$key$(.$inner)? = Default::default();
+                })+)+
+                rest
+            }
+
+            /// Returns this configuration, with `base` for all questions that it does not answer. For example, `mpc`
+            /// replaces the coordinates of `base`.
+            pub fn over(mut self, base: Config) -> Config {
+                let given = self.given();
+                let mut questions = Self::QUESTIONS.iter();
+                $(if questions.next().is_some_and(|question| !question.is_answered_by(&given)) {
+                    $(self.$key$(.$inner)? = base.$key$(.$inner)?;)+
+                })+
+                self.default_time_scale = self.default_time_scale.or(base.default_time_scale);
+                self
+            }
+        }
+    };
+}
+
+questions! {
+    [elements, shells], [accept_bad_checksums], [qs_mag], [model], [models], [learned], [measured], [drag], [shadow],
+    [site.named, site.mpc, site.lat, site.lon, site.height, observer_elements, observer_norad, limb_height_km],
+    [fov, field] or telescope, [telescope], [bright_share] or telescope, [rotation],
+    [light.band], [light.mag_system], [light.earthshine], [extinction], [sun_distance],
+    [rules.policy], [rules.limit_mag] or rules.policy, [min_probability] or rules.policy,
+    [rules.blocking] or rules.policy, [rules.max_delay] or rules.policy,
+    [time_scale], [time_zone], [eop], [run.threads], [run.quiet, run.verbose],
+    [exposure.start], [exposure.duration], [exposure.target, exposure.ra, exposure.dec],
+    [include_dark], [samples], [format],
+}
+
 /// Verbs of the command line that have a table in a configuration file.
 #[rustfmt::skip]
 const VERBS: [&str; 17] = [
@@ -272,15 +376,10 @@ const LARGEST_BYTES: u64 = 1_000_000;
 const MAX_THREADS: usize = 1024;
 
 impl Config {
-    /// Accepted keys of a configuration file, except for the tables of verbs.
-    #[rustfmt::skip]
-    pub const KEYS: [&'static str; 46] = [
-        "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "learned", "measured", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
-        "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "bright_share", "band",
-        "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
-        "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "blocking", "max_delay",
-        "include_dark", "samples", "format",
-    ];
+    /// Returns the accepted keys of a configuration file, except for the tables of verbs.
+    pub fn keys() -> impl Iterator<Item = &'static str> {
+        Self::QUESTIONS.iter().flat_map(|question| question.keys).copied()
+    }
 
     /// Reads a configuration file. Relative paths in it are relative to the folder of the file.
     ///
@@ -295,7 +394,15 @@ impl Config {
             source,
         })?;
         let mut config = Self::from_toml(&text, &shown)?;
-        config.check().map_err(|error| ConfigError::Toml { path: shown, message: error.to_string() })?;
+        config.check().map_err(|error| {
+            // The key without which the check succeeds, or has another error.
+            let message = error.to_string();
+            let is_invalid =
+                |key: &&str| config.without(key).check().map_or_else(|other| other.to_string() != message, |()| true);
+            let line = config.given().into_iter().find(is_invalid).and_then(|key| input::toml_line(&text, &[key]));
+            let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
+            ConfigError::Toml { path: shown, message: line + &message }
+        })?;
         config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.default_time_scale = config.time_scale.take();
         Ok(config)
@@ -320,7 +427,9 @@ impl Config {
     /// The text is not TOML, a key is unknown, or a value is invalid.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ConfigError> {
         let error = |message: String| ConfigError::Toml { path: origin.to_owned(), message };
-        let of_toml = |error: &toml::de::Error| crate::input::toml_error(error, text);
+        let of_toml = |error: &toml::de::Error| input::toml_error(error, text);
+        let line_of =
+            |key: &str| input::toml_line(text, &[key]).map(|line| format!("line {line}: ")).unwrap_or_default();
         let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
         // TOML keys may have hyphens or underscores; the fields have underscores.
         let mut renamed = toml::Table::new();
@@ -339,15 +448,15 @@ impl Config {
             return Err(error(format!("[{verb}] is in a stream; allowed: tables of verbs in a regular file")));
         }
         keys.retain(|key, value| !is_table_of_verb(key, value));
-        if let Some(unknown) = keys.keys().find(|key| !Self::KEYS.contains(&key.as_str())) {
-            let known = Self::KEYS.iter().chain(&VERBS);
-            let similarity = |known: &&&str| strsim::jaro_winkler(known, unknown);
+        if let Some(unknown) = keys.keys().find(|key| Self::keys().all(|known| known != *key)) {
+            let known = Self::keys().chain(VERBS);
+            let similarity = |known: &&str| strsim::jaro_winkler(known, unknown);
             let nearest = known.max_by(|one, other| similarity(one).total_cmp(&similarity(other)));
             let hint = match nearest.filter(|known| similarity(known) > SIMILAR) {
                 Some(known) => format!("did you mean {known}?"),
-                None => format!("allowed: {}", Self::KEYS.join(", ")),
+                None => format!("allowed: {}", Self::keys().collect::<Vec<_>>().join(", ")),
             };
-            return Err(error(format!("unknown key '{unknown}'; {hint}")));
+            return Err(error(format!("{}unknown key '{unknown}'; {hint}", line_of(unknown))));
         }
         Config::deserialize(keys.clone()).map_err(|value| {
             // The error of the TOML parser for an invalid value does not contain the key.
@@ -355,7 +464,7 @@ impl Config {
                 Config::deserialize(toml::Table::from_iter([(key.clone(), value.clone())])).is_err()
             };
             let key = keys.into_iter().find(is_invalid).map(|(key, _)| key).unwrap_or_default();
-            error(format!("{key}: {}", of_toml(&value)))
+            error(format!("{}{key}: {}", line_of(&key), of_toml(&value)))
         })
     }
 
@@ -413,74 +522,26 @@ impl Config {
         }
     }
 
-    /// Fills omitted keys from the configuration file, if one is given.
+    /// Fills omitted keys from the configuration file, and then from the home file, if they are given.
     ///
     /// # Errors
     /// Same as [`Config::read`].
-    pub fn with_file(self) -> Result<Self, ConfigError> {
-        match &self.run.file {
-            Some(path) => {
-                let base = Config::read(path)?;
-                Ok(self.over(base))
-            }
-            None => Ok(self),
+    pub fn with_file(mut self) -> Result<Self, ConfigError> {
+        if let Some(path) = &self.run.file {
+            let base = Config::read(path)?;
+            self = self.over(base);
         }
+        if let Some(path) = &self.run.home {
+            let base = Config::read(path)?;
+            self.run.is_site_of_home = !self.has_viewpoint() && base.has_viewpoint();
+            self = self.over(base);
+        }
+        Ok(self)
     }
 
-    /// Returns this configuration, with `base` for all questions that it does not answer.
-    ///
-    /// Keys that answer one question are taken together: if this configuration has any of them, none is taken from
-    /// `base`. For example, `mpc` replaces the coordinates of `base`. A telescope also answers for the field of view,
-    /// and a policy for all limits.
-    pub fn over(self, base: Config) -> Config {
-        let mut both = self.clone();
-        // One question a line. Its keys are taken from `base` if these keys, and those after `unless`, are omitted.
-        macro_rules! questions {
-            ($([$($key:ident$(.$inner:ident)?),+] $(unless $other:ident$(.$part:ident)?)?;)+) => {$(
-                if $(is_omitted(&self.$key$(.$inner)?))&&+ $(&& is_omitted(&self.$other$(.$part)?))? {
-                    $(both.$key$(.$inner)? = base.$key$(.$inner)?;)+
-                }
-            )+};
-        }
-        questions! {
-            [elements, shells];
-            [accept_bad_checksums];
-            [qs_mag];
-            [model];
-            [models];
-            [learned];
-            [measured];
-            [drag];
-            [shadow];
-            [site, observer_elements, observer_norad, limb_height_km];
-            [fov, field] unless telescope;
-            [telescope];
-            [bright_share] unless telescope;
-            [rotation];
-            [light.band];
-            [light.mag_system];
-            [light.earthshine];
-            [extinction];
-            [sun_distance];
-            [rules.policy];
-            [rules.limit_mag] unless rules.policy;
-            [min_probability] unless rules.policy;
-            [rules.blocking] unless rules.policy;
-            [rules.max_delay] unless rules.policy;
-            [time_scale];
-            [default_time_scale];
-            [eop];
-            [run.file];
-            [run.threads];
-            [run.quiet, run.verbose];
-            [exposure.start];
-            [exposure.duration];
-            [exposure.target, exposure.ra, exposure.dec];
-            [include_dark];
-            [samples];
-            [format];
-        }
-        both
+    /// Returns true if the site is not given, or only in the home file, so that the header of a frame can set it.
+    pub fn takes_site_of_frame(&self) -> bool {
+        !self.has_viewpoint() || self.run.is_site_of_home
     }
 
     /// Returns true if a site or a telescope in orbit is given.
@@ -613,7 +674,7 @@ mod tests {
     fn every_listed_key_is_a_key() {
         // No key accepts a table inside a list, so every key of `Config` gives an error about the type of its value. A
         // listed key that `Config` lacks gives the error of an unknown key.
-        for key in Config::KEYS {
+        for key in Config::keys() {
             let error = Config::from_toml(&format!("{key} = [[{{}}]]"), "t.toml").expect_err(key).to_string();
             assert!(!error.contains("unknown"), "{key}: {error}");
         }
@@ -627,7 +688,7 @@ mod tests {
         let flags = ExposureConfig::augment_args(RulesConfig::augment_args(flags));
         for flag in flags.get_arguments().filter_map(clap::Arg::get_long) {
             let key = flag.trim_start_matches("no-").replace('-', "_");
-            assert!(key == "config" || Config::KEYS.contains(&key.as_str()), "{key}");
+            assert!(["config", "home"].contains(&key.as_str()) || Config::keys().any(|known| known == key), "{key}");
         }
     }
 
@@ -647,6 +708,30 @@ mod tests {
         assert_eq!((both.site.lat, both.site.height, both.site.mpc.as_deref()), (None, None, Some("X05")));
         assert_eq!(both.rules.limit_mag, Some(MagnitudeLimit::All(6.0)));
         assert!(both.fov.is_some());
+    }
+
+    /// The home file lies below the configuration file. Its site is not that of a frame with another one.
+    #[test]
+    fn the_home_file_fills_what_is_omitted() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).unwrap();
+            Some(folder.path().join(name))
+        };
+        let home = write("home.toml", "mpc = 'X05'\nfov = '1deg'\ntime_scale = 'tai'\n");
+        let run = RunConfig { home, ..RunConfig::default() };
+        let with = |file: Option<PathBuf>, site: SiteConfig| {
+            let run = RunConfig { file, ..run.clone() };
+            Config { run, site, ..Config::default() }.with_file().unwrap()
+        };
+        let config = with(None, SiteConfig::default());
+        assert_eq!((config.site.mpc.as_deref(), config.given_time_scale()), (Some("X05"), Some("tai")));
+        assert!(config.takes_site_of_frame() && config.fov.is_some());
+        let config = with(write("obs.toml", "lat = 1.0\nlon = 2.0\ntime_scale = 'tt'\n"), SiteConfig::default());
+        assert_eq!((config.site.mpc.as_deref(), config.given_time_scale()), (None, Some("tt")));
+        assert!(!config.takes_site_of_frame() && config.fov.is_some());
+        let flag = SiteConfig { mpc: Some("W84".into()), ..SiteConfig::default() };
+        assert!(!with(None, flag).takes_site_of_frame());
     }
 
     #[test]

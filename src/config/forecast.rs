@@ -29,7 +29,8 @@ const LONGEST_DAYS: f64 = 31.0;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ForecastConfig {
-    /// Night that begins on this evening, local date of the site, for example 2024-08-14; or tonight
+    /// Night that begins on this evening, local date of the site, for example 2024-08-14; on the command line tonight if
+    /// omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"]))]
     pub night: Option<String>,
     /// Start of the time range, for example 2024-08-14T23:30:00Z

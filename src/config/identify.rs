@@ -210,11 +210,9 @@ impl IdentifyConfig {
     /// The frame cannot be read or has no site.
     pub fn with_site_of_frame(&self, config: Config) -> Result<(Config, Option<String>), ConfigError> {
         #[cfg(all(feature = "fits", unix))]
-        if let Some(path) = self.image.as_ref().filter(|_| !config.has_viewpoint()) {
+        if let Some(path) = self.image.as_ref().filter(|_| config.takes_site_of_frame()) {
             let site = super::identify_frame::site(path, self.hdu)?;
-            let site = site.ok_or_else(|| super::site::no_site_in(&path.display().to_string()))?;
-            let (config, remark) = config.at_site_of_header(&site);
-            return Ok((config, Some(remark)));
+            return config.at_site_of_header(site.as_ref(), &path.display().to_string());
         }
         Ok((config, None))
     }

@@ -10,7 +10,6 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
-use super::site::no_site_in;
 use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, ImagesError, Telescope};
@@ -99,15 +98,11 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
 /// Returns the configuration. If it has no site, sets the site of the headers, and also returns a message with that
 /// site.
 fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
-    if config.has_viewpoint() {
+    if !config.takes_site_of_frame() {
         return Ok((config.clone(), None));
     }
     match &opened.sites()?[..] {
-        [] => Err(no_site_in("the frames")),
-        [site] => {
-            let (config, remark) = config.at_site_of_header(site);
-            Ok((config, Some(remark)))
-        }
+        sites @ ([] | [_]) => config.at_site_of_header(sites.first(), "the frames"),
         [first, second, ..] => Err(ConfigError::invalid(format!(
             "the frames are from two sites ({}, {}); allowed: frames of one site",
             first.name, second.name

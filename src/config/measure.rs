@@ -9,7 +9,6 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::injection_plan::{SkyOf, seeing_form};
 use super::prepared::state_scales;
-use super::site::no_site_in;
 use super::values::{parse_angle_deg, parse_duration_s};
 use crate::frames::{parse_moment, seconds_after};
 use crate::geometry::Site;
@@ -274,12 +273,10 @@ fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
 /// Returns the configuration. If it has no site, sets the site of the first frame's header, and also returns a remark
 /// with that site.
 fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config, Option<String>), ConfigError> {
-    let Some((frame, _)) = frames.first().filter(|_| !config.has_viewpoint()) else {
-        return Ok((config.clone(), None));
-    };
-    let site = frame.site()?.ok_or_else(|| no_site_in(&frame.file.path().display().to_string()))?;
-    let (config, remark) = config.at_site_of_header(&site);
-    Ok((config, Some(remark)))
+    match frames.first().filter(|_| config.takes_site_of_frame()) {
+        Some((frame, _)) => config.at_site_of_header(frame.site()?.as_ref(), &frame.file.path().display().to_string()),
+        None => Ok((config.clone(), None)),
+    }
 }
 
 /// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.

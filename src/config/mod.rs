@@ -29,7 +29,7 @@ mod warnings;
 
 #[cfg(feature = "cli")]
 pub use document::norad_id;
-pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
+pub use document::{Config, ExposureConfig, LightConfig, Question, RulesConfig, RunConfig, SiteConfig};
 pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};

@@ -76,6 +76,9 @@ impl LoadedInputs {
         let viewpoint = self.config.viewpoint(middle)?;
         let mut of_files = Vec::new();
         let mut provenance = Provenance::new();
+        if let Some(home) = &self.config.run.home {
+            provenance.state("home_file", home.display().to_string());
+        }
         let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();
         if let Some(catalogue) = &self.catalogue {
             provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());

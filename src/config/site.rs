@@ -103,9 +103,25 @@ impl Config {
         Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
     }
 
-    /// Returns the configuration with the site of a frame's header set, and a message that states it.
+    /// Returns the configuration with the site of the header of `frames` set, and a message that states it. Without such
+    /// a site, that of the home file remains.
+    ///
+    /// # Errors
+    /// There is no site.
     #[cfg(all(feature = "fits", unix))]
-    pub(super) fn at_site_of_header(&self, site: &Site) -> (Self, String) {
+    pub(super) fn at_site_of_header(
+        &self,
+        site: Option<&Site>,
+        frames: &str,
+    ) -> Result<(Self, Option<String>), ConfigError> {
+        let Some(site) = site else {
+            let no_site = || {
+                ConfigError::invalid(format!(
+                    "missing site; specify {SITES} (the header of {frames} lacks it: {SITE_KEYWORDS})"
+                ))
+            };
+            return if self.has_viewpoint() { Ok((self.clone(), None)) } else { Err(no_site()) };
+        };
         let table = SiteTable {
             name: Some(site.name.clone()),
             latitude_deg: Some(site.latitude_rad.to_degrees()),
@@ -121,9 +137,15 @@ impl Config {
                 (NameOrTable::Table(table), what)
             }
         };
-        let site_config = SiteConfig { named: Some(named), ..self.site.clone() };
-        let config = Self { site: site_config, ..self.clone() };
-        (config, format!("site {} ({what}) from the header", site.name))
+        let site_config = SiteConfig { named: Some(named), ..SiteConfig::default() };
+        let config = Self {
+            site: site_config,
+            observer_elements: None,
+            observer_norad: None,
+            limb_height_km: None,
+            ..self.clone()
+        };
+        Ok((config, Some(format!("site {} ({what}) from the header", site.name))))
     }
 
     /// Returns the element set of the telescope in orbit that is closest to `moment`.
@@ -149,12 +171,6 @@ impl Config {
         let first = sets.swap_remove(0);
         if count > 1 { Err(ConfigError::SeveralObservers { count, first: first.norad_id.0 }) } else { Ok(first) }
     }
-}
-
-/// Returns the error for frames whose headers contain no site.
-#[cfg(all(feature = "fits", unix))]
-pub(super) fn no_site_in(frames: &str) -> ConfigError {
-    ConfigError::invalid(format!("missing site; specify {SITES} (the header of {frames} lacks it: {SITE_KEYWORDS})"))
 }
 
 /// Returns the site with this name. If no known name is similar, the error lists other ways to specify a site.

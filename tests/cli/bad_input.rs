@@ -27,7 +27,7 @@ const SHELLS: &[&str] = &["--shells", "oneweb"];
 const HEADER: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n";
 
 fn run(arguments: &[&[&str]]) -> (i32, String, String) {
-    let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
+    let output = Command::new(STREAKCAST).env("STREAKCAST_NO_HOME", "1").args(arguments.concat()).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
@@ -128,7 +128,7 @@ fn parquet_is_rejected_without_a_file() {
 fn an_argument_that_is_not_utf8_gives_one_line() {
     use std::os::unix::ffi::OsStrExt;
     let word = std::ffi::OsStr::from_bytes(b"fore\xff");
-    let output = Command::new(STREAKCAST).arg(word).output().unwrap();
+    let output = Command::new(STREAKCAST).env("STREAKCAST_NO_HOME", "1").arg(word).output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(stderr.starts_with("error: ") && stderr.contains("allowed: passes, flag"), "{stderr}");
@@ -656,7 +656,12 @@ fn pipes_and_devices_are_refused() {
 fn a_schedule_can_come_from_a_stream() {
     let row = format!("{HEADER}a,2024-08-14T03:30:00Z,30,280,-30\n");
     for path in ["/dev/stdin", "/dev/fd/0"] {
-        let output = Command::new(STREAKCAST).args(flag(path)).write_stdin(row.clone()).output().unwrap();
+        let output = Command::new(STREAKCAST)
+            .env("STREAKCAST_NO_HOME", "1")
+            .args(flag(path))
+            .write_stdin(row.clone())
+            .output()
+            .unwrap();
         assert_eq!(output.status.code(), Some(0), "{path}: {}", String::from_utf8_lossy(&output.stderr));
     }
 }

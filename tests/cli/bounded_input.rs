@@ -162,6 +162,7 @@ fn a_full_disk_is_an_error_that_says_what_is_missing() {
     {
         let full = fs::File::options().write(true).open("/dev/full").unwrap();
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .env("STREAKCAST_NO_HOME", "1")
             .args(&arguments)
             .stdout(Stdio::from(full))
             .stderr(Stdio::piped())

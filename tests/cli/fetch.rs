@@ -121,6 +121,7 @@ impl Cache {
 
     fn source(&self, source: &[&str], server: &str, now: &str, more: &[&str]) -> (i32, String, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
+        command.env("STREAKCAST_NO_HOME", "1");
         // Proxies of the machine must not be used for loopback addresses.
         for name in ["http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"] {
             command.env_remove(name);
@@ -405,6 +406,7 @@ fn a_cache_path_that_is_a_file_is_rejected() {
         (file.join("below"), "allowed: a writable folder"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .env("STREAKCAST_NO_HOME", "1")
             .args(["fetch", "celestrak", "--group", "starlink", "--cache"])
             .arg(&cache)
             .args(["--base-url", "http://127.0.0.1:9", "--now", NOON])
@@ -581,6 +583,7 @@ fn ephemerides_of_candidates_are_fetched_once_and_used() {
     std::fs::write(&elements, elements_of_the_day()).unwrap();
     let forecast = |start: &str, end: &str| {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .env("STREAKCAST_NO_HOME", "1")
             .args(["forecast", "--lat", "0", "--lon", "0", "--include-dark", "--format", "json", "--elements"])
             .args([&elements, &file])
             .args(["--start", start, "--end", end])
@@ -706,6 +709,7 @@ fn the_source_of_positions_is_stated() {
     let without = path(&EPHEMERIS.replace("90001_INVENTED-1", "90002_INVENTED-2"), &ephemeris());
     let run = |words: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .env("STREAKCAST_NO_HOME", "1")
             .args(words)
             // The site is below the satellite at 00:40.
             .args(["--lat", "22", "--lon=-171", "--format", "json", "--elements", &elements, &used, &without])
@@ -845,6 +849,7 @@ fn named_pipes_in_the_cache_are_rejected() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let (code, stderr) = {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .env("STREAKCAST_NO_HOME", "1")
             .args(["fetch", "celestrak", "--group", "starlink", "--base-url", "http://127.0.0.1:9", "--now", NOON])
             .arg("--cache")
             .arg(&pipe)

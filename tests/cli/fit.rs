@@ -45,7 +45,12 @@ fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
 }
 
 fn run_words(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
-    let output = Command::new(STREAKCAST).args(arguments).current_dir(folder).output().expect("a run");
+    let output = Command::new(STREAKCAST)
+        .env("STREAKCAST_NO_HOME", "1")
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .expect("a run");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }

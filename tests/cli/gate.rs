@@ -40,6 +40,7 @@ fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Val
     let timeout = if is_complete { LONG } else { SHORT };
     let arguments = [GATE, &["--stdin", "ekos", "--status-file", &status, "--timeout", timeout], more].concat();
     let mut child = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+        .env("STREAKCAST_NO_HOME", "1")
         .args(arguments)
         .stdin(Stdio::piped())
         .stdout(Stdio::null())

@@ -195,6 +195,7 @@ fn no_temporary_files_remain() {
     let arguments = ["inject", "--synthetic", &description, "-o", &frames, "--frames", "100000"];
     let ended_by = |signal: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
+        command.env("STREAKCAST_NO_HOME", "1");
         let mut child = command.args(arguments).args(RANDOM).stderr(Stdio::null()).spawn().unwrap();
         while temporary().is_empty() {
             assert!(child.try_wait().unwrap().is_none(), "the run ended");

@@ -27,6 +27,7 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
 fn check(name: &str, fill: impl Fn(&Path), arguments: &str) {
     let command = |folder: &TempDir| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
+        command.env("STREAKCAST_NO_HOME", "1");
         command.args(arguments.split_whitespace()).current_dir(folder.path());
         command.stdout(Stdio::null()).stderr(Stdio::null());
         command
@@ -88,6 +89,7 @@ fn frames_are_whole_or_absent() {
     let frame = TempDir::new().unwrap();
     synthetic(frame.path());
     let made = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+        .env("STREAKCAST_NO_HOME", "1")
         .args(format!("inject --synthetic synthetic.toml -o frame.fits {random} -q").split_whitespace())
         .current_dir(frame.path())
         .status()

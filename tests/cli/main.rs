@@ -19,6 +19,8 @@ mod forecast;
 mod gate;
 #[cfg(all(feature = "fit", feature = "fits", unix, feature = "plot", feature = "serve", feature = "fetch"))]
 mod help;
+#[cfg(all(feature = "fetch", unix, not(target_os = "macos")))]
+mod home;
 #[cfg(feature = "cli")]
 mod identify;
 #[cfg(all(feature = "cli", feature = "fits", unix))]

@@ -10,7 +10,7 @@ const BODY: &[&str] = &["map", "body", "--model", "starlink-v1.5", "--sun-latitu
 const SKY: &[&str] = &["map", "sky", "--model", "starlink-v1.5", "--sun-altitude-deg", "-16"];
 
 fn run(arguments: &[&[&str]]) -> (i32, String, String) {
-    let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
+    let output = Command::new(STREAKCAST).env("STREAKCAST_NO_HOME", "1").args(arguments.concat()).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
@@ -326,7 +326,12 @@ fn verif_a_model_is_a_name_or_a_path() {
     let here = |model: &str| {
         let arguments =
             ["map", "body", "--model", model, "--sun-latitude-deg", "-14", "--step-deg", "5", "--format", "csv"];
-        let output = Command::new(STREAKCAST).args(arguments).current_dir(folder.path()).output().unwrap();
+        let output = Command::new(STREAKCAST)
+            .env("STREAKCAST_NO_HOME", "1")
+            .args(arguments)
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
         [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
     };
     let whole = folder.path().join("mine.v2").display().to_string();
@@ -351,6 +356,7 @@ fn verif_an_invalid_temporary_folder_is_reported_once_with_a_remedy() {
     let output = folder.path().join("a.fits");
     let map_with = |scratch: &std::path::Path| {
         Command::new(STREAKCAST)
+            .env("STREAKCAST_NO_HOME", "1")
             .args([SKY, &["--nside", "4", "-o", &output.display().to_string()]].concat())
             .env("TMPDIR", scratch)
             .output()

@@ -22,8 +22,12 @@ STARLINK-31200,2024-011A,58760,PAY,2024-01-15
 ";
 
 fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
-    let output =
-        Command::new(STREAKCAST).args(arguments.split_whitespace()).current_dir(folder).output().expect("a run");
+    let output = Command::new(STREAKCAST)
+        .env("STREAKCAST_NO_HOME", "1")
+        .args(arguments.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .expect("a run");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }

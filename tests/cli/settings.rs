@@ -230,6 +230,7 @@ fn tables_of_verbs_in_a_stream_are_an_error() {
     let arguments = [EXPOSURE, SATELLITES, SITE, &["--fov", "1deg", "--config", "/dev/stdin"]].concat();
     let code = |text: &str| {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_streakcast"));
+        command.env("STREAKCAST_NO_HOME", "1");
         let output = command.args(&arguments).write_stdin(text.to_owned()).output().unwrap();
         (output.status.code().unwrap(), String::from_utf8(output.stderr).unwrap())
     };

@@ -46,6 +46,7 @@ fn a_schedule_from_standard_input() {
     let flags: &[&str] = &["flag", "--fov", "80deg", "--format", "csv"];
     let from_file = done(&[flags, SKY, &["--schedule", schedule.to_str().unwrap()]]);
     let answer = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+        .env("STREAKCAST_NO_HOME", "1")
         .args([flags, SKY, &["--schedule", "-"]].concat())
         .write_stdin(fs::read(&schedule).unwrap())
         .output()

@@ -13,7 +13,11 @@ const EXPOSURE: &[&str] =
     &["--start", "2026-03-21T06:00:00Z", "--exposure", "660s", "--fov", "10deg", "--include-dark"];
 
 fn run(arguments: &[&[&str]]) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_streakcast")).args(arguments.concat()).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+        .env("STREAKCAST_NO_HOME", "1")
+        .args(arguments.concat())
+        .output()
+        .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }

@@ -60,8 +60,12 @@ fn named_pipes_with_the_names_of_temporary_files_are_not_waited_for() {
         &[&["fetch", "celestrak", "--group", "starlink", "--cache", &cache, "--base-url", "http://127.0.0.1:9"]],
     ];
     for command in commands.iter().filter(|command| cfg!(feature = "fetch") || command[0][0] != "fetch") {
-        let output =
-            Command::new(env!("CARGO_BIN_EXE_streakcast")).args(command.concat()).timeout(LONG).output().unwrap();
+        let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .env("STREAKCAST_NO_HOME", "1")
+            .args(command.concat())
+            .timeout(LONG)
+            .output()
+            .unwrap();
         assert!(output.status.code().is_some(), "{}: stopped after {LONG:?}", command[0][0]);
     }
     for name in ["passes.csv", "flags.csv", "status.json", TEMPORARY[0], TEMPORARY[1], ".streakcast-x/lock"] {

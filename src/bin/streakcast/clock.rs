@@ -12,6 +12,9 @@ use streakcast::schedule::evening_mjd;
 
 use crate::local_time::LocalTime;
 
+/// Word for the present night, or the next one by day.
+pub const TONIGHT: &str = "tonight";
+
 /// Returns the present time.
 pub fn now() -> Epoch {
     let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
@@ -49,7 +52,7 @@ pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsSt
 /// The site of the configuration is missing or invalid.
 pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config: &Config) -> anyhow::Result<()> {
     for night in nights {
-        if night == "tonight" {
+        if night == TONIGHT {
             *night = tonight(&config.site()?, now());
         }
     }

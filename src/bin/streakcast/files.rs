@@ -42,8 +42,8 @@ pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
             inputs.extend(texts.flat_map(|text| [Some(PathBuf::from(text)), of_kind(text)]).flatten());
         }
     }
-    let config = matches.try_get_one::<PathBuf>("file").ok().flatten();
-    if let (Some(file), false) = (config, outputs.is_empty()) {
+    let of_keys = ["file", "home"].into_iter().filter_map(|id| matches.try_get_one::<PathBuf>(id).ok().flatten());
+    for file in of_keys.filter(|_| !outputs.is_empty()) {
         // If this file has an error, the verb reports it later.
         inputs.extend(Config::read(file).map_or_else(|_| Vec::new(), |config| config.files()));
     }

@@ -44,13 +44,6 @@ const FIELD: Group = Group {
     usage: "(--fov <ANGLE> | --field <FILE> | --telescope <NAME>)",
     rule: "",
 };
-const TIME_RANGE: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &["night", "start", "end"],
-    usage: "(--night <DATE> | --start <TIME> --end <TIME>)",
-    rule: "--night, or --start and --end",
-};
 const TIMES: Group = Group {
     heading: "",
     marked_heading: "",
@@ -151,7 +144,7 @@ const VERBS: &[VerbHelp] = &[
     VerbHelp {
         path: "windows",
         flags: &["targets"],
-        groups: &[TIME_RANGE, SATELLITES, SITE, FIELD],
+        groups: CAMERA_AND_SKY,
         examples: [
             "--targets targets.csv --night 2024-08-13 --elements active.tle --mpc X05 --fov 1deg --limit-mag 7",
             "--targets targets.csv --night 2024-08-13 --shells oneweb --mpc X05 --fov 1deg --format astroq",
@@ -160,7 +153,7 @@ const VERBS: &[VerbHelp] = &[
     VerbHelp {
         path: "forecast",
         flags: &[],
-        groups: &[TIME_RANGE, SATELLITES, SITE],
+        groups: SKY,
         examples: [
             "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
             "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics",
@@ -398,6 +391,13 @@ const VERBS: &[VerbHelp] = &[
         [
             "--shells oneweb --mpc X05 --now 2026-11-25T00:00:00Z",
             "--elements active.tle --mpc X05 --telescope rubin --strict",
+        ],
+    ),
+    verb(
+        "setup",
+        [
+            "--place Vienna --camera 1.5x1.0deg --limit-mag 7",
+            "--place=-30.24,-70.75,2663 --elements active.tle --force",
         ],
     ),
     verb("sites", ["", "rubin --format json"]),

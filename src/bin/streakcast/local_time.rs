@@ -1,8 +1,11 @@
 //! Local time of tables, plots and the page: an offset from UTC, or a time zone of the IANA database.
 
+use anyhow::anyhow;
+use clap::Args;
 use hifitime::Epoch;
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
+use streakcast::config::Config;
 
 /// Largest offset of a local clock from UTC, hours.
 const MAX_UTC_OFFSET_H: f64 = 14.0;
@@ -10,6 +13,26 @@ const MAX_UTC_OFFSET_H: f64 = 14.0;
 /// Local time with a fixed offset from UTC, or with that of a time zone, which can change in the course of a year.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LocalTime(TimeZone);
+
+/// Time zone of local times.
+#[derive(Clone, Args)]
+pub struct ZoneArguments {
+    /// Local time: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); if omitted UTC, in plots along time and in
+    /// serve mean solar time of the site
+    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time)]
+    pub time_zone: Option<LocalTime>,
+}
+
+impl ZoneArguments {
+    /// Returns the time zone of the flag, or else that of the configuration.
+    pub fn or_of(&self, config: &Config) -> anyhow::Result<Option<LocalTime>> {
+        let of_key = |text: &str| local_time(text).map_err(|error| anyhow!("time_zone is '{text}', {error}"));
+        match &self.time_zone {
+            Some(zone) => Ok(Some(zone.clone())),
+            None => config.time_zone.as_deref().map(of_key).transpose(),
+        }
+    }
+}
 
 impl LocalTime {
     /// Returns local time minus UTC at a time, hours.

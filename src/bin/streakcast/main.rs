@@ -6,6 +6,7 @@ mod clock;
 mod failure;
 mod files;
 mod help;
+mod home;
 mod local_time;
 mod notices;
 mod output;
@@ -53,6 +54,7 @@ use verbs::plot::PlotArguments;
 use verbs::reproduce::ReproduceArguments;
 #[cfg(feature = "serve")]
 use verbs::serve::ServeArguments;
+use verbs::setup::SetupArguments;
 use verbs::shell_files::{CompletionsArguments, ManArguments};
 use verbs::statistics::StatisticsArguments;
 use verbs::windows::WindowsArguments;
@@ -123,6 +125,8 @@ enum Verb {
     Reproduce(ReproduceArguments),
     /// List, show and check brightness models
     Model(ModelArguments),
+    /// Ask for site, time zone, element sets, camera and limit, and write the home file with the answers
+    Setup(SetupArguments),
     /// Check the setup: element ages, Earth orientation, clock, site, models, cache
     Doctor(Box<DoctorArguments>),
     /// List the observatories by name and MPC code
@@ -145,7 +149,7 @@ fn main() -> ExitCode {
     // Errors in a file are faults of the gate, which may not stop an exposure.
     let is_gate = typed.get(1).is_some_and(|verb| verb == "gate");
     let mut file_error = None;
-    let mut words = match verb_tables::insert(&command, typed.clone()) {
+    let mut words = match verb_tables::insert(&command, typed.clone(), home::file().as_deref()) {
         Ok(words) => words,
         Err(error) if is_gate => {
             file_error = Some(error);
@@ -175,10 +179,10 @@ fn main() -> ExitCode {
         Err(error) => return report_usage(&error, command, words.place_of(&error)),
     };
     // The same for values that the parser does not check.
-    if let (Verb::Gate(gate), Some(table)) = (&arguments.verb, words.table())
+    if let (Verb::Gate(gate), Some(tables)) = (&arguments.verb, words.tables())
         && let Err(error) = verbs::gate::check_values(gate)
     {
-        file_error = Some(anyhow!("{table}: {error}"));
+        file_error = Some(anyhow!("{tables}: {error}"));
         arguments = match parse(&Words::typed(typed)).and_then(|matches| Arguments::from_arg_matches(&matches)) {
             Ok(arguments) => arguments,
             Err(error) => return report_usage(&error, command, None),
@@ -219,6 +223,7 @@ fn main() -> ExitCode {
         #[cfg(feature = "serve")]
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
+        Verb::Setup(typed) => verbs::setup::run(typed),
         Verb::Doctor(typed) => verbs::doctor::run(*typed),
         Verb::Statistics(typed) => verbs::statistics::run(*typed),
         Verb::Reproduce(typed) => verbs::reproduce::run(typed),

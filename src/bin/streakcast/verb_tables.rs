@@ -1,8 +1,10 @@
-//! Tables of verbs in the configuration file: `[forecast]` and `[plot.night]` have the flags of these verbs as keys.
+//! Tables of verbs in the configuration file and the home file: `[forecast]` and `[plot.night]` have the flags of these
+//! verbs as keys.
 //!
-//! The keys of a verb are inserted before its flags on the command line, and both are parsed and checked in the same
-//! way. A flag replaces the keys of the table that answer the same question. Keys at the top of the file lie below
-//! both; [`Config::over`] combines them.
+//! The keys of a verb are inserted before its flags on the command line, and all are parsed and checked in the same way.
+//! The layers are, topmost first: flags, the table of the verb and the top of the configuration file, and the table of
+//! the verb and the top of the home file. A key is omitted if a layer above answers its question. Keys at the tops of the
+//! files are combined by [`Config::with_file`].
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -11,22 +13,11 @@ use anyhow::{anyhow, bail};
 use clap::error::{ContextKind, ContextValue};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Command, ValueHint};
-use streakcast::config::Config;
-use streakcast::input::{is_stream, read_to_string};
+use streakcast::config::{Config, Question};
+use streakcast::input::{is_stream, read_to_string, toml_line};
 use toml::{Table, Value};
 
-/// Questions that several keys answer: a key of the first list is omitted if a flag of the second is given. A flag also
-/// replaces the keys with which it conflicts.
-const QUESTIONS: [(&[&str], &[&str]); 7] = [
-    (&["elements", "shells"], &["elements", "shells"]),
-    (SITE, SITE),
-    (&["fov", "field"], &["fov", "field", "telescope"]),
-    (&["bright_share"], &["telescope"]),
-    (&["limit_mag", "min_probability", "blocking", "max_delay"], &["policy"]),
-    (&["target", "ra", "dec"], &["target", "ra", "dec"]),
-    (&["quiet", "verbose"], &["quiet", "verbose"]),
-];
-const SITE: &[&str] = &["site", "mpc", "lat", "lon", "height", "observer_elements", "observer_norad", "limb_height_km"];
+use crate::local_time::local_time;
 
 /// Flags whose value is a name, or a file with the extension `.toml` or `.json`.
 const NAMES_OR_FILES: [&str; 3] = ["shells", "telescope", "model"];
@@ -35,46 +26,46 @@ const FILES: [&str; 2] = ["field", "policy"];
 /// Smallest similarity of two names for a suggestion.
 const SIMILAR: f64 = 0.85;
 
-/// Command line with the keys of the configuration file for its verb.
+/// Command line with the keys of the files for its verb.
 pub struct Words {
     pub words: Vec<OsString>,
-    /// File and table of the inserted keys.
-    table: String,
-    /// Names of the inserted flags.
-    inserted: Vec<String>,
+    /// Files and tables of the inserted keys.
+    tables: Vec<String>,
+    /// Names of the inserted flags, each with its file, table and line.
+    inserted: Vec<(String, String)>,
 }
 
 impl Words {
     /// Returns a command line without keys of a file.
     pub fn typed(words: Vec<OsString>) -> Self {
-        Self { words, table: String::new(), inserted: Vec::new() }
+        Self { words, tables: Vec::new(), inserted: Vec::new() }
     }
 
-    /// Returns file and table of the inserted keys, if there are any.
-    pub fn table(&self) -> Option<&str> {
-        (!self.inserted.is_empty()).then_some(self.table.as_str())
+    /// Returns files and tables of the inserted keys, if there are any.
+    pub fn tables(&self) -> Option<String> {
+        (!self.tables.is_empty()).then(|| self.tables.join(" or "))
     }
 
-    /// Returns the file and table if the error is that of an inserted key.
+    /// Returns file, table and line if the error is that of an inserted key.
     pub fn place_of(&self, error: &clap::Error) -> Option<&str> {
         let names = [ContextKind::InvalidArg, ContextKind::PriorArg].into_iter().filter_map(|kind| error.get(kind));
-        let is_inserted =
-            |name: &str| flag_of(name).is_some_and(|flag| self.inserted.iter().any(|inserted| inserted == flag));
         let mut texts = names.flat_map(|value| match value {
             ContextValue::String(name) => vec![name.as_str()],
             ContextValue::Strings(names) => names.iter().map(String::as_str).collect(),
             _ => Vec::new(),
         });
-        texts.any(is_inserted).then_some(self.table.as_str())
+        let place_of = |flag: &str| self.inserted.iter().find(|(inserted, _)| inserted == flag);
+        texts.find_map(|name| place_of(flag_of(name)?)).map(|(_, place)| place.as_str())
     }
 }
 
-/// Adds the keys of the verb's table in the configuration file, if one is given, to the words of the command line.
+/// Adds to the words of the command line the path of the home file, if the verb reads it, and the keys of the verb's
+/// tables in this file and in the configuration file.
 ///
 /// # Errors
-/// A table or key of the file is unknown, or a value has no form on the command line. Other errors in the file are
-/// those of [`Config::read`].
-pub fn insert(command: &Command, words: Vec<OsString>) -> anyhow::Result<Words> {
+/// A table or key of a file is unknown, or a value has no form on the command line. Other errors in a file are those of
+/// [`Config::read`].
+pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> anyhow::Result<Words> {
     let mut all = Words::typed(words);
     // With this setting, a command line with errors is parsed as far as possible. Its errors are reported later.
     let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(&all.words) else { return Ok(all) };
@@ -84,16 +75,6 @@ pub fn insert(command: &Command, words: Vec<OsString>) -> anyhow::Result<Words> 
         path.push(name);
         (verb, matches) = (subcommand, inner);
     }
-    let Some(file) = config_file(verb, matches).filter(|file| !is_stream(file)) else { return Ok(all) };
-    if Config::check_size(&file).is_err() {
-        return Ok(all);
-    }
-    let text = read_to_string(&file).unwrap_or_default();
-    let Ok(keys) = text.parse::<Table>() else { return Ok(all) };
-    let shown = file.display().to_string();
-    check(&keys, command, command, "", &shown)?;
-    let table = path.iter().try_fold(&keys, |table, name| find(table, name)?.as_table());
-    all.table = format!("configuration {shown}, [{}]", path.join("."));
     // A flag with an invalid value is only among the words.
     let is_given = |arg: &&Arg| {
         let is_typed =
@@ -101,20 +82,60 @@ pub fn insert(command: &Command, words: Vec<OsString>) -> anyhow::Result<Words> 
         let names = arg.get_long_and_visible_aliases().unwrap_or_default();
         matches.value_source(arg.get_id().as_str()) == Some(ValueSource::CommandLine) || names.into_iter().any(is_typed)
     };
-    let given: Vec<&Arg> = verb.get_arguments().filter(is_given).collect();
+    let mut given: Vec<&Arg> = verb.get_arguments().filter(is_given).collect();
+    let reads_home = argument(verb, "home").is_some() && given.iter().all(|arg| arg.get_id() != "no_home");
+    let home = home.filter(|file| reads_home && file.exists());
     let mut position = 1 + path.len();
-    for (key, value) in table.into_iter().flatten() {
-        let Some(arg) = argument(verb, key).filter(|arg| !is_replaced(arg, verb, &given)) else { continue };
-        let flag = arg.get_long().unwrap_or_default();
-        let texts = texts_of(arg, value, file.parent().unwrap_or(Path::new("")));
-        for text in texts.map_err(|why| anyhow!("{}: {key} {why}", all.table))? {
-            let word = text.map_or_else(|| format!("--{flag}"), |text| format!("--{flag}={text}"));
-            all.words.insert(position, word.into());
-            position += 1;
+    if let Some(home) = home {
+        all.words.splice(position..position, ["--home".into(), home.as_os_str().to_owned()]);
+        position += 2;
+    }
+    for file in config_file(verb, matches).iter().map(PathBuf::as_path).chain(home) {
+        if is_stream(file) || Config::check_size(file).is_err() {
+            continue;
         }
-        all.inserted.push(flag.to_owned());
+        let text = read_to_string(file).unwrap_or_default();
+        let Ok(keys) = text.parse::<Table>() else { continue };
+        let source = Source { shown: file.display().to_string(), text: &text };
+        check(&keys, command, command, &mut Vec::new(), &source)?;
+        let table = path.iter().try_fold(&keys, |table, name| find(table, name)?.as_table());
+        let mut of_table = Vec::new();
+        for (key, value) in table.into_iter().flatten() {
+            let Some(arg) = argument(verb, key).filter(|arg| !is_replaced(arg, verb, &given)) else { continue };
+            let flag = arg.get_long().unwrap_or_default();
+            let place = source.place(&path, Some(key));
+            let texts = texts_of(arg, value, file.parent().unwrap_or(Path::new("")));
+            for text in texts.map_err(|why| anyhow!("{place}: {key} {why}"))? {
+                let word = text.map_or_else(|| format!("--{flag}"), |text| format!("--{flag}={text}"));
+                all.words.insert(position, word.into());
+                position += 1;
+            }
+            all.inserted.push((flag.to_owned(), place));
+            of_table.push(arg);
+        }
+        if !of_table.is_empty() {
+            all.tables.push(source.place(&path, None));
+        }
+        let of_top = keys.keys().filter_map(|key| verb.get_arguments().find(|arg| is_same(arg.get_id().as_str(), key)));
+        given.extend(of_table.into_iter().chain(of_top));
     }
     Ok(all)
+}
+
+/// File of keys, for errors.
+struct Source<'a> {
+    shown: String,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    /// Returns the file, the table, and the line of a key in it.
+    fn place(&self, table: &[&str], key: Option<&str>) -> String {
+        let line = key.and_then(|key| toml_line(self.text, &[table, &[key]].concat()));
+        let line = line.map(|line| format!(", line {line}")).unwrap_or_default();
+        let table = if table.is_empty() { String::new() } else { format!(", [{}]", table.join(".")) };
+        format!("configuration {}{table}{line}", self.shown)
+    }
 }
 
 fn config_file(verb: &Command, matches: &ArgMatches) -> Option<PathBuf> {
@@ -137,25 +158,32 @@ fn argument<'a>(verb: &'a Command, key: &str) -> Option<&'a Arg> {
     verb.get_arguments().find(|arg| has_name(arg))
 }
 
-/// Checks that the tables of verbs have only flags of their verb as keys, and that no key of a verb is at the top.
-/// Other unknown keys at the top are errors of [`Config::read`]. `path` is the table of `verb`.
-fn check(table: &Table, root: &Command, verb: &Command, path: &str, file: &str) -> anyhow::Result<()> {
+/// Checks that the tables of verbs have only flags of their verb as keys, that no key of a verb is at the top, and that
+/// the time zone exists. Other unknown keys at the top are errors of [`Config::read`]. `path` is the table of `verb`.
+fn check<'a>(
+    table: &'a Table,
+    root: &Command,
+    verb: &Command,
+    path: &mut Vec<&'a str>,
+    source: &Source<'_>,
+) -> anyhow::Result<()> {
     for (key, value) in table {
         let inner = verb.get_subcommands().find(|inner| is_same(inner.get_name(), key));
         if let (Some(inner), Value::Table(table)) = (inner, value) {
-            check(table, root, inner, &joined(path, inner), file)?;
+            path.push(key);
+            check(table, root, inner, path, source)?;
+            path.pop();
             continue;
         }
+        let place = source.place(path, Some(key));
         let mut owners = Vec::new();
         tables_with(root, key, "", &mut owners);
-        let (place, is_key) = match path {
-            "" => (String::new(), owners.is_empty() || Config::KEYS.iter().any(|known| is_same(known, key))),
-            _ => (format!(", [{path}]"), argument(verb, key).is_some()),
-        };
-        if key == "config" {
-            bail!("configuration {file}{place}: config is only a flag; allowed: the file without this key");
+        let is_shared = Config::keys().any(|known| is_same(known, key));
+        let is_key = if path.is_empty() { owners.is_empty() || is_shared } else { argument(verb, key).is_some() };
+        if is_same(key, "config") || is_same(key, "home") || is_same(key, "no_home") {
+            bail!("{place}: {key} is only a flag; allowed: the file without this key");
         }
-        if path.is_empty() && owners.is_empty() && !Config::KEYS.iter().any(|known| is_same(known, key)) {
+        if path.is_empty() && owners.is_empty() && !is_shared {
             // An unknown key is an error of the whole file; the other keys need no check.
             return Ok(());
         }
@@ -170,7 +198,11 @@ fn check(table: &Table, root: &Command, verb: &Command, path: &str, file: &str) 
                 ([one, .., _, _], _) => format!("allowed: in {one} and the tables of other verbs"),
                 (owners, _) => format!("allowed: in {}", owners.join(", ")),
             };
-            bail!("configuration {file}{place}: unknown key '{key}'; {hint}");
+            bail!("{place}: unknown key '{key}'; {hint}");
+        }
+        if path.is_empty() && is_same(key, "time_zone") {
+            let zone = value.as_str().ok_or("not a text".to_owned()).and_then(local_time);
+            zone.map_err(|error| anyhow!("{place}: {key} is {value}, {error}"))?;
         }
     }
     Ok(())
@@ -201,7 +233,8 @@ fn is_replaced(key: &Arg, verb: &Command, given: &[&Arg]) -> bool {
     let conflicts =
         |one: &Arg, other: &Arg| verb.get_arg_conflicts_with(one).iter().any(|arg| arg.get_id() == other.get_id());
     let is_same_question = |key: &str, flag: &str| {
-        key == flag || QUESTIONS.iter().any(|(keys, flags)| keys.contains(&key) && flags.contains(&flag))
+        let is_answered = |question: &Question| question.keys.contains(&key) && question.is_answered_by(&[flag]);
+        key == flag || Config::QUESTIONS.iter().any(is_answered)
     };
     given.iter().any(|flag| {
         is_same_question(key.get_id().as_str(), flag.get_id().as_str()) || conflicts(key, flag) || conflicts(flag, key)

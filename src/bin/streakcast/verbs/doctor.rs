@@ -51,7 +51,9 @@ const BAR: usize = 40;
 const STALE_DAYS: f64 = 3.0;
 
 pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
-    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let flags = Config { rules: typed.rules, ..typed.config };
+    let settings = settings_findings(&flags)?;
+    let config = flags.with_file()?;
     let format = typed.output.format.as_deref().or(config.format.as_deref());
     // The default format is text, also if standard output is not a terminal.
     let is_text = format.is_none_or(|format| format == "table" || format == "text");
@@ -65,6 +67,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     if let Some(schedule) = &typed.schedule {
         health.findings.push(schedule_finding(&config, schedule));
     }
+    health.findings.extend(settings);
     let folder = cache_folder(typed.cache.as_deref()).ok();
     let cached = folder.as_deref().map(records_in).unwrap_or_default();
     health.findings.extend(cache_findings(folder.as_deref(), typed.cache.is_some(), &cached, now));
@@ -76,6 +79,8 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
         let mut provenance = Provenance::new();
         provenance.state("now_utc", format_utc(now, 0));
         provenance.state("worst", health.worst().name());
+        provenance.state("config_file", config.run.file.as_ref().map(|file| file.display().to_string()));
+        provenance.state("home_file", config.run.home.as_ref().map(|file| file.display().to_string()));
         provenance.state(
             "elements",
             health
@@ -107,6 +112,37 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
         Severity::Warning | Severity::Unchecked if typed.strict => Ok(Outcome::No),
         _ => Ok(Outcome::Done),
     }
+}
+
+/// Returns a finding for each file of settings: the keys at its top that are used, those whose questions a layer above
+/// answers, and its tables of verbs.
+fn settings_findings(flags: &Config) -> anyhow::Result<Vec<Finding>> {
+    const SUBJECT: &str = "settings";
+    let mut above = flags.given();
+    let mut findings = Vec::new();
+    for (what, path) in [("configuration", &flags.run.file), ("home file", &flags.run.home)] {
+        let Some(path) = path else { continue };
+        let given = Config::read(path)?.given();
+        let is_hidden = |key: &&str| {
+            let question = Config::QUESTIONS.iter().find(|question| question.keys.contains(key));
+            question.is_some_and(|question| question.is_answered_by(&above))
+        };
+        let (hidden, used): (Vec<&str>, Vec<&str>) = given.iter().partition(|key| is_hidden(key));
+        let text = streakcast::input::read_to_string(path).unwrap_or_default();
+        let keys: toml::Table = text.parse().unwrap_or_default();
+        let tables = keys.keys().filter(|key| !Config::keys().any(|known| known == key.replace('-', "_")));
+        let tables: Vec<String> = tables.map(|verb| format!("[{verb}]")).collect();
+        let mut finding = format!("{what} {}", path.display());
+        for (what, names) in [("", used.join(", ")), ("tables ", tables.join(", ")), ("replaced: ", hidden.join(", "))]
+        {
+            if !names.is_empty() {
+                finding += &format!("; {what}{names}");
+            }
+        }
+        findings.push(Finding::fine(SUBJECT, finding));
+        above.extend(given);
+    }
+    Ok(findings)
 }
 
 /// Returns the finding on visits of a schedule that cannot be judged, and on how old elements affect its verdicts.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
-use crate::clock::{date_line_remark, set_civil_night, set_tonight};
+use crate::clock::{TONIGHT, date_line_remark, set_civil_night, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -18,7 +18,7 @@ use streakcast::passes::SkyError;
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::local_time::{LocalTime, local_time};
+use crate::local_time::ZoneArguments;
 use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
@@ -36,10 +36,8 @@ pub struct ForecastArguments {
     /// Additional file of light curves, one row per point; format by extension (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Local time of the table and of the calendar's descriptions: time zone (Europe/Madrid) or hours ahead of UTC
-    /// (+01:00); UTC if omitted
-    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Output")]
-    pub time_zone: Option<LocalTime>,
+    #[command(flatten, next_help_heading = "Output")]
+    pub zone: ZoneArguments,
     /// Alarm in the calendar this long before each pass, for example 5min
     #[arg(long, value_name = "TIME", help_heading = "Output")]
     pub alarm: Option<String>,
@@ -101,19 +99,21 @@ impl Document {
 
 pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
-    let has_range = typed.forecast.night.is_some() || typed.forecast.start.is_some();
-    let range = "--night DATE, or --start TIME and --end TIME";
-    Required::of(&config).input(has_range, "time range", range).satellites().site().check()?;
+    Required::of(&config).satellites().site().check()?;
+    if typed.forecast.start.is_none() {
+        typed.forecast.night.get_or_insert_with(|| TONIGHT.to_owned());
+    }
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::additional).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
     let angles = angles(typed.angle_type.as_deref())?;
     reject_unused(&typed, document)?;
+    let zone = typed.zone.or_of(&config)?;
     let notices = begin(&config)?;
     let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
     let mut of_mean_time = typed.forecast.clone();
-    match &typed.time_zone {
-        Some(zone) if of_mean_time.night.as_deref() != Some("tonight") => {
+    match &zone {
+        Some(zone) if of_mean_time.night.as_deref() != Some(TONIGHT) => {
             set_civil_night(&mut of_mean_time.night, &config, zone)?;
         }
         Some(_) => {}
@@ -171,7 +171,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             &notices,
         )?;
     }
-    let utc_offset_s = |epoch| typed.time_zone.as_ref().map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
+    let utc_offset_s = |epoch| zone.as_ref().map_or(0.0, |zone| zone.ahead_of_utc_h(epoch) * 3600.0);
     match document {
         Some(Document::Calendar) => {
             let empty = why_invisible.as_deref().map(|why| EmptyNight {
@@ -194,7 +194,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
                 samples: output.is_json() && request.samples > 0,
             };
             let passes = pass_table(rows(), columns);
-            let columns = if typed.time_zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
+            let columns = if zone.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(
                 &VerbResult {
                     sections: vec![
@@ -248,7 +248,7 @@ fn reject_unused(typed: &ForecastArguments, document: Option<Document>) -> anyho
             "--alarm is given without a calendar; allowed: with --format ics or an output file with the extension .ics"
         ));
     }
-    if typed.time_zone.is_some() && matches!(document, Some(Document::TrackingData | Document::Score)) {
+    if typed.zone.time_zone.is_some() && matches!(document, Some(Document::TrackingData | Document::Score)) {
         return Err(anyhow!(
             "--time-zone has no effect on the formats tdm and score, which are in UTC; allowed: with table or ics"
         ));

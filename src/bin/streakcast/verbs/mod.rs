@@ -32,6 +32,7 @@ pub mod reproduce;
 mod schedule_verdicts;
 #[cfg(feature = "serve")]
 pub mod serve;
+pub mod setup;
 pub mod shell_files;
 pub mod statistics;
 pub mod windows;

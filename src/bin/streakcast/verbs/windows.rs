@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
-use crate::clock::{date_line_remark, set_tonight};
+use crate::clock::{TONIGHT, date_line_remark, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use hifitime::Epoch;
@@ -23,7 +23,7 @@ use streakcast::schedule::{
 use super::passes::left_out_table;
 use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
-use crate::local_time::{LocalTime, local_time};
+use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
@@ -43,7 +43,7 @@ pub struct WindowsArguments {
     /// Declination of one target (ICRS): -30.5 or -30d30m
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, conflicts_with = "targets", requires = "ra")]
     pub dec: Option<Quantity>,
-    /// Night that begins on this evening, local date of the site, for example 2024-08-14; or tonight
+    /// Night that begins on this evening, local date of the site, for example 2024-08-14; tonight if omitted
     #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
     pub night: Option<String>,
     /// Earliest shutter opening, for example 2024-08-14T23:30:00Z
@@ -64,9 +64,8 @@ pub struct WindowsArguments {
     /// Time from the start of a request or observing block to its shutter opening, for lco and eso-p2, with its unit
     #[arg(long, value_name = "TIME")]
     pub overhead: Option<String>,
-    /// Adds local times to the table: time zone (Europe/Madrid) or hours ahead of UTC (+01:00)
-    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time)]
-    pub time_zone: Option<LocalTime>,
+    #[command(flatten)]
+    pub zone: ZoneArguments,
     #[command(flatten)]
     pub rules: RulesConfig,
     #[command(flatten)]
@@ -91,7 +90,9 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         config.exposure = ExposureConfig { target: typed.target, ra: typed.ra, dec: typed.dec, ..config.exposure };
     }
     let pointing = if typed.targets.is_none() { config.pointing()? } else { None };
-    let has_range = typed.night.is_some() || typed.start.is_some();
+    if typed.start.is_none() {
+        typed.night.get_or_insert_with(|| TONIGHT.to_owned());
+    }
     Required::of(&config)
         .input(
             typed.targets.is_some() || pointing.is_some(),
@@ -103,7 +104,6 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
             "exposure time",
             "--exposure TIME, for example 30s",
         )
-        .input(has_range, "time range", "--night DATE, or --start TIME and --end TIME")
         .satellites()
         .site()
         .field()
@@ -191,7 +191,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         }
     } else {
         let mut windows = window_table(&found);
-        if let Some(zone) = &typed.time_zone {
+        if let Some(zone) = &typed.zone.or_of(&config)? {
             add_local_times(&mut windows, zone);
         }
         output.write(

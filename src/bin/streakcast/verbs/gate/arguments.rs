@@ -114,11 +114,12 @@ pub struct Flags {
 }
 
 impl Flags {
-    /// Checks everything that does not depend on files.
+    /// Checks everything that does not depend on files. `has_invalid_file` is true if a file of settings has an error, so
+    /// that it may have what the flags lack.
     ///
     /// # Errors
     /// A flag is invalid or missing. Everything else is a fault, which does not stop a sequence.
-    pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
+    pub fn new(typed: GateArguments, has_invalid_file: bool) -> anyhow::Result<Self> {
         let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
         if !(0.1..=MOST_TIMEOUT_S).contains(&timeout_s) {
             return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to {MOST_TIMEOUT_S} s"));
@@ -170,8 +171,8 @@ impl Flags {
             status_file: typed.status_file,
             config,
         };
-        // A configuration file may have what the flags lack.
-        if flags.config.run.file.is_none() {
+        // A configuration file or the home file may have what the flags lack.
+        if !has_invalid_file && flags.config.run.file.is_none() && flags.config.run.home.is_none() {
             flags.check_required(&flags.config)?;
         }
         Ok(flags)
@@ -203,7 +204,7 @@ impl Flags {
 /// # Errors
 /// The errors of [`Flags::new`].
 pub fn check_values(typed: &GateArguments) -> anyhow::Result<()> {
-    Flags::new(typed.clone()).map(|_| ())
+    Flags::new(typed.clone(), false).map(|_| ())
 }
 
 /// Checks the flags that are not names of files.
@@ -258,7 +259,8 @@ impl Request {
             Some(path) => Err(anyhow!("{} is a stream; allowed: a file", path.display())),
             None => Ok(()),
         };
-        stream(&flags.config.run.file.iter().chain(&flags.targets).cloned().collect::<Vec<_>>())?;
+        let run = &flags.config.run;
+        stream(&run.file.iter().chain(&run.home).chain(&flags.targets).cloned().collect::<Vec<_>>())?;
         let config = flags.config.clone().with_file()?;
         stream(&config.files())?;
         flags.check_required(&config)?;

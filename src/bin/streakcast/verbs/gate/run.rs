@@ -46,7 +46,7 @@ struct Decision {
 /// Runs the verb. `file_error` is an error in the configuration file, in a key of a verb: a fault, like any error in a
 /// file.
 pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::Result<Outcome> {
-    let flags = Flags::new(typed)?;
+    let flags = Flags::new(typed, file_error.is_some())?;
     let began = flags.clock.now();
     let step = Step::default();
     let decided = match file_error {

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id};
 use streakcast::plot::{FileOptions, PictureSize};
 
-use crate::local_time::{LocalTime, local_time};
+use crate::local_time::ZoneArguments;
 use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
 
 #[derive(Args)]
@@ -87,14 +87,6 @@ pub struct TitleArguments {
     pub title: Option<String>,
 }
 
-/// Local time of the upper axis.
-#[derive(Args)]
-pub struct ClockArguments {
-    /// Local time: time zone (America/Santiago) or hours ahead of UTC (-4); mean solar time of the site if omitted
-    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Picture (required: -o)")]
-    pub time_zone: Option<LocalTime>,
-}
-
 #[derive(Args)]
 pub struct PlotNightArguments {
     /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON or VOTable
@@ -110,8 +102,8 @@ pub struct PlotNightArguments {
     pub rules: RulesConfig,
     #[command(flatten)]
     pub config: Config,
-    #[command(flatten)]
-    pub clock: ClockArguments,
+    #[command(flatten, next_help_heading = "Picture (required: -o)")]
+    pub zone: ZoneArguments,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]
@@ -155,8 +147,8 @@ pub struct PlotLightCurveArguments {
     pub limit_mag: Option<f64>,
     #[command(flatten)]
     pub config: Config,
-    #[command(flatten)]
-    pub clock: ClockArguments,
+    #[command(flatten, next_help_heading = "Picture (required: -o)")]
+    pub zone: ZoneArguments,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]
@@ -171,9 +163,8 @@ pub struct PlotSkyChartArguments {
     /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
-    /// Local time: time zone (America/Santiago) or hours ahead of UTC (-4); UTC if omitted
-    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Picture (required: -o)")]
-    pub time_zone: Option<LocalTime>,
+    #[command(flatten, next_help_heading = "Picture (required: -o)")]
+    pub zone: ZoneArguments,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]

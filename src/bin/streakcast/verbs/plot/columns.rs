@@ -4,6 +4,7 @@ use std::path::Path;
 
 use anyhow::{anyhow, bail};
 use serde_json::{Map, Value};
+use streakcast::config::Config;
 use streakcast::frames::mjd_utc;
 use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
@@ -153,6 +154,14 @@ impl Columns {
             (true, true) => " Satellites of shells are simulated.",
             (true, false) => " All satellites are simulated.",
             (false, _) => "",
+        }
+    }
+
+    /// Returns the site of the configuration, or else that of the table, which has precedence over the home file.
+    pub fn site_with(&self, config: &Config, site: Option<Site>) -> Option<Site> {
+        match self.site() {
+            Some(of_table) if config.takes_site_of_frame() => Some(of_table),
+            of_table => site.or(of_table),
         }
     }
 

@@ -48,7 +48,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
-        let clock = Clock::new(typed.clock.time_zone, site.or_else(|| columns.site()).as_ref());
+        let clock = Clock::new(typed.zone.or_of(&config)?, columns.site_with(&config, site).as_ref());
         let picture = if columns.has("in_field") {
             if let Some(id) = typed.norad {
                 bail!(
@@ -63,7 +63,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&picture, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
-    let clock = Clock::new(typed.clock.time_zone, site.as_ref());
+    let clock = Clock::new(typed.zone.or_of(&config)?, site.as_ref());
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     typed.limit_mag = typed.limit_mag.or(config.limit_mag()?);
     let target = Target::new(&typed.picture)?;

@@ -32,14 +32,14 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     let (columns, table) = match (&typed.from, &typed.schedule) {
         (Some(from), Some(schedule)) => {
             let flags = Columns::read(from, "flags")?;
-            site = site.or_else(|| flags.site());
+            site = flags.site_with(&config, site);
             let observer = site.clone().map(Observer::new);
             let table = of_flags(&flags, schedule, &config, observer.as_ref(), &eop)?;
             (Columns::of(&table, &flags.provenance()), Some((table, flags.provenance())))
         }
         (Some(from), None) => {
             let columns = Columns::read(from, "exposures")?;
-            site = site.or_else(|| columns.site());
+            site = columns.site_with(&config, site);
             (columns, None)
         }
         (None, Some(schedule)) => {
@@ -52,7 +52,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         notices.warn(&["no site is given, and the table has none: twilight and local time are not drawn; specify --site, --mpc, or --lat and --lon"
             .to_owned()]);
     }
-    let clock = Clock::new(typed.clock.time_zone.clone(), site.as_ref());
+    let clock = Clock::new(typed.zone.or_of(&config)?, site.as_ref());
     let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
     let nights = Nights::of(&columns, longitude_deg)?;
     let night = nights.choose(typed.night.as_deref())?;

@@ -17,7 +17,7 @@ pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
     let target = Target::of_table(&typed.picture)?;
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;
-    let clock = Clock::new(typed.time_zone, None);
+    let clock = Clock::new(typed.zone.time_zone, None);
     let drawn = picture(&columns, found, clock.as_ref(), typed.title.title.as_deref())?;
     target.write_picture(&drawn, &columns.provenance(), &notices)?;
     Ok(Outcome::Done)

@@ -43,15 +43,20 @@ const COLUMNS: [Column; 6] = [
 pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     let exposure =
         ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
-    let config = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let flags = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() };
+    let limit_of = |config: &Config| -> anyhow::Result<Option<f64>> {
+        Ok(config.policy()?.limit_mag.and_then(|limit| limit.of(config.light.band.as_deref())))
+    };
+    let of_flags = limit_of(&flags)?;
+    let config = flags.with_file()?;
     let title = typed.title.title.as_deref();
-    let limit = config.policy()?.limit_mag.and_then(|limit| limit.of(config.light.band.as_deref()));
+    let limit = limit_of(&config)?;
     if let Some(path) = &typed.from {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "exposures")?;
         let stored = columns.limit_mag();
-        if let Some(limit) = limit.filter(|limit| Some(*limit) != stored) {
+        if let Some(limit) = of_flags.filter(|limit| Some(*limit) != stored) {
             let allowed =
                 stored.map_or("no limit".to_owned(), |stored| format!("{stored}, that of the counts in the data"));
             bail!("limit-mag is {limit} mag; allowed with these data: {allowed}");

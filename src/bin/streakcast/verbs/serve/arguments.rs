@@ -7,7 +7,7 @@ use clap::Args;
 
 use streakcast::config::{Config, RulesConfig};
 
-use crate::local_time::{LocalTime, local_time};
+use crate::local_time::ZoneArguments;
 
 #[derive(Args)]
 pub struct ServeArguments {
@@ -27,10 +27,8 @@ pub struct ServeArguments {
     /// Rate limit, requests per second from one address, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
     pub rate: u32,
-    /// Local time of the page: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); by the longitude of the site
-    /// if omitted
-    #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time, help_heading = "Service")]
-    pub time_zone: Option<LocalTime>,
+    #[command(flatten, next_help_heading = "Service")]
+    pub zone: ZoneArguments,
     #[command(flatten)]
     pub rules: RulesConfig,
     #[command(flatten)]

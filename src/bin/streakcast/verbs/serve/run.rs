@@ -35,6 +35,7 @@ const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let time_zone = typed.zone.or_of(&config)?;
     let token = Token::of(&typed)?;
     Required::of(&config).satellites().site().field().check()?;
     let notices = begin(&config)?;
@@ -48,8 +49,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let started = clock::now();
     let schedule = typed.schedule.as_deref().map(|path| read_schedule(path, &config)).transpose()?;
     let reload = Reload::new(config.elements.clone());
-    let load =
-        move |notices: &Notices| load(&config, &plan, schedule.as_ref(), started, typed.time_zone.clone(), notices);
+    let load = move |notices: &Notices| load(&config, &plan, schedule.as_ref(), started, time_zone.clone(), notices);
     let current = Arc::new(RwLock::new(Arc::new(load(&notices)?)));
 
     let workers = rayon::current_num_threads();
