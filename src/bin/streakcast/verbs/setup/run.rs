@@ -65,6 +65,8 @@ struct Place {
     site: Site,
     /// Town by whose name the place is given.
     town: Option<Town>,
+    /// Other towns with this name.
+    others: Vec<String>,
 }
 
 pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
@@ -111,6 +113,13 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
         fs::create_dir_all(folder).map_err(|error| crate::output::cannot_write(folder, &error))?;
     }
     write_bytes(&file, text.as_bytes(), &notices)?;
+    let Site { latitude_rad, longitude_rad, height_m, name, .. } = &place.site;
+    let name = place.town.as_ref().map_or(name.clone(), Town::name);
+    let (latitude_deg, longitude_deg) = (latitude_rad.to_degrees(), longitude_rad.to_degrees());
+    notices.info(format!("place: {latitude_deg:.4}, {longitude_deg:.4} deg, {height_m:.0} m {name}").trim_end());
+    if !place.others.is_empty() {
+        notices.info(&format!("other towns with this name: {}", place.others.join("; ")));
+    }
     if place.town.is_some() {
         notices.info(
             "a town is known within some kilometres, which is enough for forecasts; for the crossings of a field \
@@ -158,11 +167,11 @@ fn place(text: &str, towns: &Towns) -> anyhow::Result<Place> {
             None => String::new(),
         };
         let keys = format!("lat = {lat:?}\nlon = {lon:?}\n{height}");
-        return Ok(Place { site: config(&keys)?.site()?, keys, town: None });
+        return Ok(Place { site: config(&keys)?.site()?, keys, town: None, others: Vec::new() });
     }
     for keys in [format!("mpc = {}\n", quoted(text)), format!("site = {}\n", quoted(text))] {
         if let Ok(site) = config(&keys)?.site() {
-            return Ok(Place { keys, site, town: None });
+            return Ok(Place { keys, site, town: None, others: Vec::new() });
         }
     }
     let found = towns.by_name(text);
@@ -175,7 +184,8 @@ fn place(text: &str, towns: &Towns) -> anyhow::Result<Place> {
         );
     };
     let keys = format!("lat = {:?}\nlon = {:?}\n", town.latitude_deg, town.longitude_deg);
-    Ok(Place { site: config(&keys)?.site()?, keys, town: Some((*town).clone()) })
+    let others = found.iter().skip(1).take(5).map(|town| town.name()).collect();
+    Ok(Place { site: config(&keys)?.site()?, keys, town: Some((*town).clone()), others })
 }
 
 /// Reads the path of element sets; that of the cache may not exist yet.
