@@ -128,6 +128,10 @@ pub struct Config {
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten))]
     pub run: RunConfig,
+    /// Home file.
+    #[serde(skip)]
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub home: HomeConfig,
     /// Exposure, for requests with a single exposure.
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", arg(skip))]
@@ -205,18 +209,6 @@ pub struct RunConfig {
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(long = "config", value_name = "FILE", help_heading = "Run"))]
     pub file: Option<PathBuf>,
-    /// Home file: a configuration file with values for omitted flags and keys, which the command line finds by itself.
-    #[serde(skip)]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", hide = true))]
-    pub home: Option<PathBuf>,
-    /// Do not read the home file (see streakcast setup)
-    #[serde(skip)]
-    #[cfg_attr(feature = "cli", arg(long, help_heading = "Run"))]
-    pub no_home: bool,
-    /// The site is that of the home file. The site in the header of a frame has precedence.
-    #[serde(skip)]
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub is_site_of_home: bool,
     /// Number of threads, 1 to 1024; all cores if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Run"))]
     pub threads: Option<usize>,
@@ -229,6 +221,21 @@ pub struct RunConfig {
         arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "quiet", help_heading = "Run")
     )]
     pub verbose: Option<bool>,
+}
+
+/// Home file: a configuration file with values for omitted flags and keys, which the command line finds by itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct HomeConfig {
+    /// Path of the home file; `None` if it is not read.
+    #[cfg_attr(feature = "cli", arg(id = "home", long = "home", value_name = "FILE", hide = true))]
+    pub file: Option<PathBuf>,
+    /// Do not read the home file (see streakcast setup)
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Run"))]
+    pub no_home: bool,
+    /// The site is that of the home file. The site in the header of a frame has precedence.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub gives_site: bool,
 }
 
 /// One exposure.
@@ -531,9 +538,9 @@ impl Config {
             let base = Config::read(path)?;
             self = self.over(base);
         }
-        if let Some(path) = &self.run.home {
+        if let Some(path) = &self.home.file {
             let base = Config::read(path)?;
-            self.run.is_site_of_home = !self.has_viewpoint() && base.has_viewpoint();
+            self.home.gives_site = !self.has_viewpoint() && base.has_viewpoint();
             self = self.over(base);
         }
         Ok(self)
@@ -541,7 +548,7 @@ impl Config {
 
     /// Returns true if the site is not given, or only in the home file, so that the header of a frame can set it.
     pub fn takes_site_of_frame(&self) -> bool {
-        !self.has_viewpoint() || self.run.is_site_of_home
+        !self.has_viewpoint() || self.home.gives_site
     }
 
     /// Returns true if a site or a telescope in orbit is given.
@@ -718,11 +725,11 @@ mod tests {
             std::fs::write(folder.path().join(name), text).unwrap();
             Some(folder.path().join(name))
         };
-        let home = write("home.toml", "mpc = 'X05'\nfov = '1deg'\ntime_scale = 'tai'\n");
-        let run = RunConfig { home, ..RunConfig::default() };
+        let file = write("home.toml", "mpc = 'X05'\nfov = '1deg'\ntime_scale = 'tai'\n");
+        let home = HomeConfig { file, ..HomeConfig::default() };
         let with = |file: Option<PathBuf>, site: SiteConfig| {
-            let run = RunConfig { file, ..run.clone() };
-            Config { run, site, ..Config::default() }.with_file().unwrap()
+            let run = RunConfig { file, ..RunConfig::default() };
+            Config { run, home: home.clone(), site, ..Config::default() }.with_file().unwrap()
         };
         let config = with(None, SiteConfig::default());
         assert_eq!((config.site.mpc.as_deref(), config.given_time_scale()), (Some("X05"), Some("tai")));

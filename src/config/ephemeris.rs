@@ -6,10 +6,8 @@ use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
-#[cfg(feature = "cli")]
-use super::document::norad_id;
 use super::error::ConfigError;
-use super::forecast::selection;
+use super::forecast::SelectionConfig;
 use super::inputs::read_text;
 use super::values::parse_duration_s;
 use crate::forecast::EphemerisRequest;
@@ -23,24 +21,10 @@ const MOST_TIMES: usize = 1_000_000;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct EphemerisConfig {
-    /// Only satellites with these NORAD catalogue numbers
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "ID",
-            num_args = 1..,
-            value_delimiter = ',',
-            value_parser = norad_id
-        )
-    )]
-    pub norad: Vec<u32>,
-    /// Only satellites with one of these names (ISS,HST) or words in their names, in upper or lower case
-    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1.., value_delimiter = ','))]
-    pub name: Vec<String>,
-    /// Only satellites of these generations, for example starlink-v2mini,oneweb
-    #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ','))]
-    pub generation: Vec<String>,
+    /// Satellites.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub selection: SelectionConfig,
     /// Times, for example 2024-08-14T23:30:00Z
     #[cfg_attr(
         feature = "cli",
@@ -75,7 +59,7 @@ impl EphemerisConfig {
     /// # Errors
     /// A generation is unknown, times are missing or invalid or more than a million, or the altitude is out of range.
     pub fn resolve(&self, config: &Config) -> Result<EphemerisRequest, ConfigError> {
-        let selection = selection(&self.generation, &self.name, &self.norad)?;
+        let selection = self.selection.resolve()?;
         if let Some(altitude) = self.min_altitude.filter(|altitude| !(-90.0..=90.0).contains(altitude)) {
             return Err(ConfigError::invalid(format!("--min-altitude is {altitude} deg; allowed: -90 to 90 deg")));
         }

@@ -17,6 +17,83 @@ use crate::schedule::night_of;
 /// Longest time range of one request, days.
 const LONGEST_DAYS: f64 = 31.0;
 
+/// Satellites of a request; all if nothing is given.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct SelectionConfig {
+    /// Only satellites with these NORAD catalogue numbers
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)
+    )]
+    pub norad: Vec<u32>,
+    /// Only satellites with one of these names (ISS,HST) or words in their names, in upper or lower case
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1.., value_delimiter = ','))]
+    pub name: Vec<String>,
+    /// Only satellites of these generations, for example starlink-v2mini,oneweb
+    #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ','))]
+    pub generation: Vec<String>,
+}
+
+impl SelectionConfig {
+    /// Returns true if any satellites are selected.
+    pub fn is_given(&self) -> bool {
+        *self != Self::default()
+    }
+
+    /// Returns the selection of satellites by generation, name, or catalogue number.
+    ///
+    /// # Errors
+    /// A generation is unknown.
+    pub fn resolve(&self) -> Result<Selection, ConfigError> {
+        let kind = |name: &String| {
+            Generation::by_name(name).ok_or_else(|| {
+                let known = Generation::ALL.map(Generation::name).join(", ");
+                ConfigError::invalid(format!("unknown generation '{name}'; allowed: {known}"))
+            })
+        };
+        Ok(Selection {
+            generations: self.generation.iter().map(kind).collect::<Result<_, _>>()?,
+            names: self.name.clone(),
+            norad_ids: self.norad.clone(),
+        })
+    }
+}
+
+/// Time range of a request: a night, or start and end. The default `tonight` is that of the command line; the library has
+/// none.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct TimeRangeConfig {
+    /// Night that begins on this evening, local date of the site, for example 2024-08-14; tonight if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"]))]
+    pub night: Option<String>,
+    /// Start of the time range (of windows: earliest shutter opening), for example 2024-08-14T23:30:00Z
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end"))]
+    pub start: Option<String>,
+    /// End of the time range, at most 31 days later
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start"))]
+    pub end: Option<String>,
+}
+
+impl TimeRangeConfig {
+    /// Sets the night if neither it nor a start is given.
+    pub fn or_night(self, night: &str) -> Self {
+        let night = self.night.or_else(|| self.start.is_none().then(|| night.to_owned()));
+        Self { night, ..self }
+    }
+
+    /// Returns start and end, by [`time_range`].
+    ///
+    /// # Errors
+    /// Same as [`time_range`].
+    pub fn resolve(&self, config: &Config) -> Result<(Epoch, Epoch), ConfigError> {
+        time_range(self.night.as_deref(), self.start.as_deref(), self.end.as_deref(), config)
+    }
+}
+
 /// Time range and filters of a forecast, in addition to [`Config`]. Omitted keys have the defaults of the command line.
 ///
 /// ```
@@ -29,16 +106,10 @@ const LONGEST_DAYS: f64 = 31.0;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ForecastConfig {
-    /// Night that begins on this evening, local date of the site, for example 2024-08-14; on the command line tonight if
-    /// omitted
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"]))]
-    pub night: Option<String>,
-    /// Start of the time range, for example 2024-08-14T23:30:00Z
-    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end"))]
-    pub start: Option<String>,
-    /// End of the time range, at most 31 days later
-    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start"))]
-    pub end: Option<String>,
+    /// Night, or start and end.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub range: TimeRangeConfig,
     /// Only passes with a peak brighter than this, in the band of --band
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Filters"))]
     pub max_mag: Option<f64>,
@@ -60,31 +131,10 @@ pub struct ForecastConfig {
         arg(long, value_name = "DEG", default_value = "-6", allow_hyphen_values = true, help_heading = "Filters")
     )]
     pub sun_altitude_deg: Option<f64>,
-    /// Only satellites of these generations, for example starlink-v2mini,oneweb
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ',', help_heading = "Filters")
-    )]
-    pub generation: Vec<String>,
-    /// Only satellites with one of these names (ISS,HST) or words in their names, in upper or lower case
-    #[cfg_attr(
-        feature = "cli",
-        arg(long, value_name = "TEXT", num_args = 1.., value_delimiter = ',', help_heading = "Filters")
-    )]
-    pub name: Vec<String>,
-    /// Only satellites with these NORAD catalogue numbers
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "ID",
-            num_args = 1..,
-            value_delimiter = ',',
-            value_parser = norad_id,
-            help_heading = "Filters"
-        )
-    )]
-    pub norad: Vec<u32>,
+    /// Satellites.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Filters"))]
+    pub selection: SelectionConfig,
     /// Include passes in the Earth's shadow and by daylight
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Filters"))]
     pub include_dark: bool,
@@ -96,16 +146,12 @@ pub struct ForecastConfig {
 impl Default for ForecastConfig {
     fn default() -> Self {
         Self {
-            night: None,
-            start: None,
-            end: None,
+            range: TimeRangeConfig::default(),
             max_mag: None,
             min_altitude: 10.0,
             min_culmination: 0.0,
             sun_altitude_deg: Some(-6.0),
-            generation: Vec::new(),
-            name: Vec::new(),
-            norad: Vec::new(),
+            selection: SelectionConfig::default(),
             include_dark: false,
             samples: None,
         }
@@ -124,8 +170,8 @@ impl ForecastConfig {
         config: &Config,
         default_samples: usize,
     ) -> Result<(ForecastRequest, Selection), ConfigError> {
-        let selection = selection(&self.generation, &self.name, &self.norad)?;
-        let (start, end) = time_range(self.night.as_deref(), self.start.as_deref(), self.end.as_deref(), config)?;
+        let selection = self.selection.resolve()?;
+        let (start, end) = self.range.resolve(config)?;
         let request = ForecastRequest {
             start,
             end,
@@ -140,24 +186,6 @@ impl ForecastConfig {
         request.check()?;
         Ok((request, selection))
     }
-}
-
-/// Returns the selection of satellites by generation, part of the name, or catalogue number.
-///
-/// # Errors
-/// A generation is unknown.
-pub(super) fn selection(generations: &[String], names: &[String], norad_ids: &[u32]) -> Result<Selection, ConfigError> {
-    let kind = |name: &String| {
-        Generation::by_name(name).ok_or_else(|| {
-            let known = Generation::ALL.map(Generation::name).join(", ");
-            ConfigError::invalid(format!("unknown generation '{name}'; allowed: {known}"))
-        })
-    };
-    Ok(Selection {
-        generations: generations.iter().map(kind).collect::<Result<_, _>>()?,
-        names: names.to_vec(),
-        norad_ids: norad_ids.to_vec(),
-    })
 }
 
 /// Returns start and end of the time range. A night lasts from local mean noon to the next noon at the site, and is

@@ -29,10 +29,10 @@ mod warnings;
 
 #[cfg(feature = "cli")]
 pub use document::norad_id;
-pub use document::{Config, ExposureConfig, LightConfig, Question, RulesConfig, RunConfig, SiteConfig};
+pub use document::{Config, ExposureConfig, HomeConfig, LightConfig, Question, RulesConfig, RunConfig, SiteConfig};
 pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
-pub use forecast::{ForecastConfig, time_range};
+pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, time_range};
 pub use health::{
     AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,
 };

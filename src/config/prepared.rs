@@ -76,7 +76,7 @@ impl LoadedInputs {
         let viewpoint = self.config.viewpoint(middle)?;
         let mut of_files = Vec::new();
         let mut provenance = Provenance::new();
-        if let Some(home) = &self.config.run.home {
+        if let Some(home) = &self.config.home.file {
             provenance.state("home_file", home.display().to_string());
         }
         let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();

@@ -80,7 +80,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
         provenance.state("now_utc", format_utc(now, 0));
         provenance.state("worst", health.worst().name());
         provenance.state("config_file", config.run.file.as_ref().map(|file| file.display().to_string()));
-        provenance.state("home_file", config.run.home.as_ref().map(|file| file.display().to_string()));
+        provenance.state("home_file", config.home.file.as_ref().map(|file| file.display().to_string()));
         provenance.state(
             "elements",
             health
@@ -120,7 +120,7 @@ fn settings_findings(flags: &Config) -> anyhow::Result<Vec<Finding>> {
     const SUBJECT: &str = "settings";
     let mut above = flags.given();
     let mut findings = Vec::new();
-    for (what, path) in [("configuration", &flags.run.file), ("home file", &flags.run.home)] {
+    for (what, path) in [("configuration", &flags.run.file), ("home file", &flags.home.file)] {
         let Some(path) = path else { continue };
         let given = Config::read(path)?.given();
         let is_hidden = |key: &&str| {

@@ -45,11 +45,10 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.with_file()?;
-    let EphemerisConfig { times, times_file, start, norad, name, generation, .. } = &typed.ephemeris;
+    let EphemerisConfig { times, times_file, start, selection, .. } = &typed.ephemeris;
     let has_times = !times.is_empty() || times_file.is_some() || start.is_some();
-    let has_names = !norad.is_empty() || !name.is_empty() || !generation.is_empty();
     Required::of(&config)
-        .input(has_names, "selection of satellites", "--norad ID, --name TEXT or --generation KIND")
+        .input(selection.is_given(), "selection of satellites", "--norad ID, --name TEXT or --generation KIND")
         .input(has_times, "times", "--times TIME..., --times-file FILE, or --start, --end and --step")
         .satellites()
         .site()
@@ -93,9 +92,9 @@ fn state(prepared: &mut PreparedSky, config: &Config, given: &EphemerisConfig, r
             "times_file": given.times_file.as_ref().map(|path| path.display().to_string()),
             "start_utc": given.start.as_ref().and(request.times.first()).map(|epoch| format_utc(*epoch, 3)),
             "step": given.step,
-            "norad": given.norad,
-            "name": given.name,
-            "generation": given.generation,
+            "norad": given.selection.norad,
+            "name": given.selection.name,
+            "generation": given.selection.generation,
             "min_altitude_deg": given.min_altitude,
         }),
     );

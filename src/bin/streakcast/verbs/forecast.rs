@@ -100,9 +100,7 @@ impl Document {
 pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     Required::of(&config).satellites().site().check()?;
-    if typed.forecast.start.is_none() {
-        typed.forecast.night.get_or_insert_with(|| TONIGHT.to_owned());
-    }
+    typed.forecast.range = typed.forecast.range.or_night(TONIGHT);
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::additional).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
@@ -113,18 +111,18 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
     let mut of_mean_time = typed.forecast.clone();
     match &zone {
-        Some(zone) if of_mean_time.night.as_deref() != Some(TONIGHT) => {
-            set_civil_night(&mut of_mean_time.night, &config, zone)?;
+        Some(zone) if of_mean_time.range.night.as_deref() != Some(TONIGHT) => {
+            set_civil_night(&mut of_mean_time.range.night, &config, zone)?;
         }
         Some(_) => {}
         None => {
-            if let Some(remark) = date_line_remark(typed.forecast.night.as_deref(), &config) {
+            if let Some(remark) = date_line_remark(typed.forecast.range.night.as_deref(), &config) {
                 notices.info(&format!("{remark}; specify --time-zone"));
             }
         }
     }
-    set_tonight(&mut of_mean_time.night, &config)?;
-    set_tonight(&mut typed.forecast.night, &config)?;
+    set_tonight(&mut of_mean_time.range.night, &config)?;
+    set_tonight(&mut typed.forecast.range.night, &config)?;
     let (request, selection) = of_mean_time.resolve(&config, default_samples)?;
     let (from, to) = (request.start, request.end);
 
@@ -273,16 +271,16 @@ fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig,
     prepared.provenance.state(
         "options",
         json!({
-            "night": forecast.night,
+            "night": forecast.range.night,
             "start_utc": format_utc(request.start, 3),
             "end_utc": format_utc(request.end, 3),
             "sun_altitude_deg": forecast.sun_altitude_deg,
             "min_altitude_deg": forecast.min_altitude,
             "min_culmination_deg": forecast.min_culmination,
             "max_mag": forecast.max_mag,
-            "generation": forecast.generation,
-            "name": forecast.name,
-            "norad": forecast.norad,
+            "generation": forecast.selection.generation,
+            "name": forecast.selection.name,
+            "norad": forecast.selection.norad,
             "include_dark": request.include_dark,
             "samples": request.samples,
         }),

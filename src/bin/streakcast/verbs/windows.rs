@@ -9,7 +9,7 @@ use clap::Args;
 use hifitime::Epoch;
 use serde_json::json;
 use streakcast::config::parse_duration_s;
-use streakcast::config::{Config, ExposureConfig, Quantity, RulesConfig, state_scales, time_range};
+use streakcast::config::{Config, ExposureConfig, Quantity, RulesConfig, TimeRangeConfig, state_scales};
 use streakcast::forecast::Night;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::message::{Quoted, listed as listed_names};
@@ -43,15 +43,8 @@ pub struct WindowsArguments {
     /// Declination of one target (ICRS): -30.5 or -30d30m
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, conflicts_with = "targets", requires = "ra")]
     pub dec: Option<Quantity>,
-    /// Night that begins on this evening, local date of the site, for example 2024-08-14; tonight if omitted
-    #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
-    pub night: Option<String>,
-    /// Earliest shutter opening, for example 2024-08-14T23:30:00Z
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end")]
-    pub start: Option<String>,
-    /// Latest shutter opening
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start")]
-    pub end: Option<String>,
+    #[command(flatten)]
+    pub range: TimeRangeConfig,
     /// Exposure time of one target, and of rows that have none, with its unit
     #[arg(long, value_name = "TIME")]
     pub exposure: Option<String>,
@@ -84,15 +77,13 @@ const ON_SCREEN: &[Shown] = &[
     rounded("exposure_s", "exposure s", 1),
 ];
 
-pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
+pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let mut config = Config { rules: typed.rules, ..typed.config }.with_file()?;
     if typed.target.is_some() || typed.ra.is_some() {
         config.exposure = ExposureConfig { target: typed.target, ra: typed.ra, dec: typed.dec, ..config.exposure };
     }
     let pointing = if typed.targets.is_none() { config.pointing()? } else { None };
-    if typed.start.is_none() {
-        typed.night.get_or_insert_with(|| TONIGHT.to_owned());
-    }
+    let mut range = typed.range.or_night(TONIGHT);
     Required::of(&config)
         .input(
             typed.targets.is_some() || pointing.is_some(),
@@ -117,11 +108,11 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         })?,
     };
     let notices = begin(&config)?;
-    set_tonight(&mut typed.night, &config)?;
-    if let Some(remark) = date_line_remark(typed.night.as_deref(), &config) {
+    set_tonight(&mut range.night, &config)?;
+    if let Some(remark) = date_line_remark(range.night.as_deref(), &config) {
         notices.info(&format!("{remark}; --start and --end specify the night in UTC"));
     }
-    let (from, to) = time_range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &config)?;
+    let (from, to) = range.resolve(&config)?;
     let plan = config.observation()?;
     if plan.policy.max_cost_s.is_some() {
         return Err(anyhow!("the policy has max_cost_s, which windows does not support; remove this key"));

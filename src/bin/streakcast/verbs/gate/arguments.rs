@@ -172,7 +172,7 @@ impl Flags {
             config,
         };
         // A configuration file or the home file may have what the flags lack.
-        if !has_invalid_file && flags.config.run.file.is_none() && flags.config.run.home.is_none() {
+        if !has_invalid_file && flags.config.run.file.is_none() && flags.config.home.file.is_none() {
             flags.check_required(&flags.config)?;
         }
         Ok(flags)
@@ -259,8 +259,8 @@ impl Request {
             Some(path) => Err(anyhow!("{} is a stream; allowed: a file", path.display())),
             None => Ok(()),
         };
-        let run = &flags.config.run;
-        stream(&run.file.iter().chain(&run.home).chain(&flags.targets).cloned().collect::<Vec<_>>())?;
+        let Config { run, home, .. } = &flags.config;
+        stream(&run.file.iter().chain(&home.file).chain(&flags.targets).cloned().collect::<Vec<_>>())?;
         let config = flags.config.clone().with_file()?;
         stream(&config.files())?;
         flags.check_required(&config)?;

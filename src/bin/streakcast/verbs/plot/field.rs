@@ -21,7 +21,12 @@ const CIRCLE_POINTS: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let include_dark = typed.include_dark.then_some(true);
-    let config = Config { exposure: typed.exposure, include_dark, ..typed.config }.with_file()?;
+    let mut flags = Config { exposure: typed.exposure, include_dark, ..typed.config };
+    if typed.from.is_some() {
+        // The field of the table has precedence over that of the home file.
+        flags.home.file = None;
+    }
+    let config = flags.with_file()?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
         let notices = begin(&config)?;
