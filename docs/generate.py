@@ -21,7 +21,7 @@ FIELD = ["--fov", "3.5deg", "--telescope", "rubin"]
 #: How-to guide of each verb that has one.
 GUIDES = {
     "alarms": "learn", "annotate": "annotate", "doctor": "elements", "ephemeris": "forecast", "fetch": "elements", "fit": "fit", "flag": "policy", "forecast": "forecast", "gate": "gate",
-    "identify": "identify", "inject": "inject", "learn": "learn", "map": "maps", "measure": "measure", "model": "models", "plot": "plots", "reproduce": "statistics", "serve": "serve",
+    "identify": "identify", "inject": "inject", "learn": "learn", "map": "maps", "mask": "mask", "measure": "measure", "model": "models", "plot": "plots", "reproduce": "statistics", "serve": "serve",
     "setup": "setup", "statistics": "statistics", "windows": "windows",
 }  # fmt: skip
 
@@ -36,6 +36,7 @@ TABLES = [
     ("identify", ["identify", *SATELLITES, "--end", "198.655,5.967", "--end", "199.194,9.426", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"], None),
     ("inject --truth", ["inject", "--synthetic", "examples/synthetic.toml", "-o", "frame.fits", "--random-streaks", "1", "--magnitude", "5", "--exposure",
                         "30s", "--seeing", "1.5arcsec", "--truth", "truth.ecsv"], "truth.ecsv"),
+    ("mask --polygons", ["mask", "frame.fits", *SATELLITES, "--width", "10arcsec", "--polygons", "mask.ecsv"], "mask.ecsv"),
     ("statistics", ["statistics", *SATELLITES, "--night", "2026-08-14", "--exposure", "30s"], None),
     ("map sky", ["map", "sky", "--model", "starlink-v1.5", "--sun-altitude-deg", "-16", "--height-km", "550"], None),
     ("map body", ["map", "body", "--model", "starlink-v1.5", "--sun-latitude-deg", "-14"], None),
@@ -89,7 +90,7 @@ def columns():
         (folder / "examples").symlink_to(ROOT / "examples")
         (folder / "targets.csv").write_text("name,ra_deg,dec_deg,exposure_s\nM 104,190.0,-11.6,60\n")
         for name, command, file in TABLES:
-            text = run(*command, *([] if command[0] == "inject" else ["--format", "ecsv"]), cwd=folder) if command else ""
+            text = run(*command, *([] if command[0] in ("inject", "mask") else ["--format", "ecsv"]), cwd=folder) if command else ""
             lines = (folder / file).read_text().splitlines() if file else text.splitlines()
             rows = [COLUMN.match(line) for line in lines if line.startswith("# - {name")]
             if not rows or None in rows:

@@ -186,7 +186,7 @@ impl MeasureConfig {
     }
 
     /// Opens a frame; returns it and whether it has a zero point.
-    fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), ConfigError> {
+    pub(super) fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), ConfigError> {
         let scale = config.time_scale()?;
         let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
         let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
@@ -213,7 +213,7 @@ impl MeasureConfig {
     }
 
     /// Returns the optics, and whether their seeing is given.
-    fn optics(&self, config: &Config, frame: &TargetFrame) -> Result<(Optics, bool), ConfigError> {
+    pub(super) fn optics(&self, config: &Config, frame: &TargetFrame) -> Result<(Optics, bool), ConfigError> {
         let telescope = config.telescope()?;
         let given = self.seeing.as_deref().map(|text| parse_angle_deg("seeing", text)).transpose()?;
         let given = given.map(|deg| deg * 3600.0).or(telescope.as_ref().map(|telescope| telescope.seeing_arcsec));
@@ -272,7 +272,10 @@ fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
 
 /// Returns the configuration. If it has no site, sets the site of the first frame's header, and also returns a remark
 /// with that site.
-fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config, Option<String>), ConfigError> {
+pub(super) fn with_site(
+    config: &Config,
+    frames: &[(TargetFrame, bool)],
+) -> Result<(Config, Option<String>), ConfigError> {
     match frames.first().filter(|_| config.takes_site_of_frame()) {
         Some((frame, _)) => config.at_site_of_header(frame.site()?.as_ref(), &frame.file.path().display().to_string()),
         None => Ok((config.clone(), None)),
@@ -280,7 +283,7 @@ fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config,
 }
 
 /// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
-fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, ConfigError> {
+pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, ConfigError> {
     let given = config.photometry()?;
     let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
     let band = word.and_then(|word| word.trim_end_matches('\'').parse::<Band>().ok());

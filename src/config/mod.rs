@@ -20,6 +20,8 @@ mod injection;
 mod injection_plan;
 mod inputs;
 #[cfg(all(feature = "fits", unix))]
+mod mask;
+#[cfg(all(feature = "fits", unix))]
 mod measure;
 mod observation;
 mod prepared;
@@ -42,6 +44,8 @@ pub use injection::InjectionConfig;
 #[cfg(all(feature = "fits", unix))]
 pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
 pub use inputs::LoadedInputs;
+#[cfg(all(feature = "fits", unix))]
+pub use mask::{MaskConfig, MaskedFrame, Masks};
 #[cfg(all(feature = "fits", unix))]
 pub use measure::{MeasureConfig, Measurements};
 pub use observation::{MOST_SAMPLES, ObservationPlan};

@@ -52,6 +52,14 @@ impl Lateness {
         Self { parts: self.parts.map(|(weight, sigma_s)| (weight, factor * sigma_s)), ..*self }
     }
 
+    /// The distribution of satellites that have not manoeuvred since the epoch, and their share, (0, 1].
+    pub fn without_manoeuvres(&self) -> (Self, f64) {
+        let kept: f64 = self.parts[..self.searched].iter().map(|(weight, _)| weight).sum();
+        let mut parts = self.parts.map(|(weight, sigma_s)| (weight / kept, sigma_s));
+        parts[self.searched..].iter_mut().for_each(|(weight, _)| *weight = 0.0);
+        (Self { parts, ..*self }, kept)
+    }
+
     fn is_gaussian(&self) -> bool {
         self.parts().count() == 1
     }
@@ -104,6 +112,17 @@ impl Lateness {
             }
         }
         half_s
+    }
+
+    /// Half width about 0 that holds a share of the delays, in (0, 1), seconds.
+    pub fn half_width_s(&self, share: f64) -> f64 {
+        // Beyond nine sigmas of the widest Gaussian, the share is 1 in double precision.
+        let (mut low_s, mut high_s) = (0.0, 9.0 * self.parts().map(|(_, sigma_s)| sigma_s).fold(0.0, f64::max));
+        for _ in 0..60 {
+            let middle_s = 0.5 * (low_s + high_s);
+            if self.share(-middle_s, middle_s) < share { low_s = middle_s } else { high_s = middle_s }
+        }
+        high_s
     }
 
     /// Largest delay, of either sign, that is searched, seconds.
@@ -226,6 +245,13 @@ mod tests {
         assert!((lateness.cumulative_integral_s(10.0) - sum).abs() < 1e-3, "{sum}");
         assert!((lateness.equivalent_sigmas(one_sigma_s) - 1.0).abs() < 1e-9);
         assert_eq!(Lateness::gaussian(2.0).equivalent_sigmas(-6.0), 3.0);
+        assert!((lateness.half_width_s(ONE_SIGMA) - one_sigma_s).abs() < 1e-6 * one_sigma_s);
+        assert!((Lateness::gaussian(2.0).half_width_s(0.95) - 2.0 * 1.959_963_985).abs() < 1e-6);
+        assert_eq!(Lateness::gaussian(0.0).half_width_s(0.95), 0.0);
+        let (core, kept) = lateness.without_manoeuvres();
+        assert!((kept - 0.8).abs() < 1e-12 && (core.share(-1e3, 1e3) - 1.0).abs() < 1e-12);
+        assert!((core.share(-3.0, 3.0) - (0.7 * 0.866_385_597 + 0.3 * 0.331_768_169)).abs() < 1e-6);
+        assert_eq!(Lateness::gaussian(2.0).without_manoeuvres(), (Lateness::gaussian(2.0), 1.0));
         // Manoeuvres are not searched: here a fifth of all delays.
         assert_eq!((lateness.reach_s(), lateness.is_cut()), (24.5, true));
         assert!(!Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.02, 500.0)).is_cut());

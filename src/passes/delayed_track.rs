@@ -171,6 +171,13 @@ impl DelayedTrack<'_> {
         (Direction::from_vector(sight.vector), sight.rate_s - along)
     }
 
+    /// Returns the direction and the distance, km, at a time, of a satellite that is late by `late_s` seconds more than
+    /// that of this track. Both `time_s` and `time_s - late_s` must be within [`DelayedTrack::times_s`].
+    pub fn delayed(&self, time_s: f64, late_s: f64) -> (Direction<Gcrs>, f64) {
+        let (_, _, aspect) = self.line().delayed_aspect(MARGIN_S + time_s, late_s);
+        (aspect.direction, aspect.range_km)
+    }
+
     /// Returns the time, within [`DelayedTrack::times_s`], at which the track is nearest to a direction. The search
     /// starts at `guess_s`.
     pub fn nearest_s(&self, direction: &Direction<Gcrs>, guess_s: f64) -> f64 {

@@ -116,7 +116,7 @@ impl SightLine<'_> {
     }
 
     /// Returns the values of [`SightLine::aspect_at`] for a satellite that is where it was predicted `late_s` earlier.
-    fn delayed_aspect(&self, time_s: f64, late_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
+    pub fn delayed_aspect(&self, time_s: f64, late_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
         let state = self.arc.state_at(time_s - late_s);
         let observer = self.observer.position(time_s);
         let aspect = aspect(&state.position, &state.velocity, &observer, &self.observer.earth_velocity);

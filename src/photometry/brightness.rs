@@ -97,6 +97,18 @@ impl Brightness {
         let x = (limit_mag - self.magnitude.0) / self.scatter_mag;
         self.error_distribution.cumulative(x, more_mag / self.scatter_mag)
     }
+
+    /// Returns the apparent magnitude than which the satellite is brighter with a probability, in (0, 1).
+    pub fn exceeded_with(&self, probability: f64) -> f64 {
+        /// Distances from the median in which the magnitude is searched, mag; the wings are a few sigmas wide.
+        const FARTHEST_MAG: f64 = 50.0;
+        let (mut bright, mut faint) = (self.magnitude.0 - FARTHEST_MAG, self.magnitude.0 + FARTHEST_MAG);
+        for _ in 0..40 {
+            let middle = 0.5 * (bright + faint);
+            if self.probability_brighter_than(middle) < probability { bright = middle } else { faint = middle }
+        }
+        0.5 * (bright + faint)
+    }
 }
 
 /// Earthshine on the chassis of two-panel models, and on panels that receive it.
@@ -193,6 +205,7 @@ mod tests {
         assert!((light.probability_brighter_than(6.5) - 0.841_344_746).abs() < 1e-9);
         assert!((light.probability_brighter_than(5.0) - 0.022_750_132).abs() < 1e-9);
         assert_eq!(light.probability_brighter_than(6.0), 0.5);
+        assert!((light.exceeded_with(0.022_750_132) - 5.0).abs() < 1e-6);
         // A tenth of the magnitudes is in a wing that is 2 mag brighter; only the wing is brighter than 4.5 mag.
         let mut flares = light.error_distribution;
         (flares.parts[0].share, flares.parts[1]) = (0.9, NormalPart { share: 0.1, centre: -5.0, width: 0.5 });

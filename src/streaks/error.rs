@@ -1,6 +1,7 @@
 //! Errors of the module `streaks`.
 
 use std::fmt::Display;
+use std::path::PathBuf;
 
 use thiserror::Error;
 
@@ -30,6 +31,14 @@ pub enum StreaksError {
         origin: String,
         /// Description and position of the error.
         message: String,
+    },
+    /// A table of measured streaks that cannot be read.
+    #[error("{}: {problem}", path.display())]
+    Table {
+        /// The table.
+        path: PathBuf,
+        /// Description of the error.
+        problem: String,
     },
     /// Errors of the computation of satellite passes.
     #[error(transparent)]

@@ -2,7 +2,8 @@
 //!
 //! `light/` describes directions and brightness on the sky; `chip` converts them to a path in pixels; `psf/` is the
 //! image of a point; `render/` draws a path; `drawn` holds drawn streaks with their true parameters; `truth/` makes
-//! tables and masks from them; `frame/` reads and writes files; `injection/` adds streaks to frames.
+//! tables and masks from them; `frame/` reads and writes files; `injection/` adds streaks to frames; `masking/` masks the
+//! streaks of real satellites.
 
 mod background;
 mod chip;
@@ -14,6 +15,8 @@ mod frame;
 #[cfg(all(feature = "fits", unix))]
 mod injection;
 mod light;
+#[cfg(all(feature = "fits", unix))]
+mod masking;
 mod optics;
 mod psf;
 mod render;
@@ -39,6 +42,12 @@ pub use injection::{
 pub use light::{
     Glint, LightCurve, Modulation, RandomStreaks, ResolvedPanels, SatelliteExposure, SatelliteLight, SkyPoint,
     SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
+};
+#[cfg(all(feature = "fits", unix))]
+pub use masking::{
+    Area, FrameMask, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, NotMasked, Omitted, PlaneChoice, StreakOrigin,
+    corridor_table, mask_frame, mask_history, omitted_table, read_measured_streaks, region_file, write_mask_file,
+    write_mask_planes,
 };
 pub use optics::{Optics, SeeingForm};
 pub use psf::{Blur, RadialProfile, Seeing, draw_point};

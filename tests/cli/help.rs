@@ -114,6 +114,7 @@ fn rejected_flags_are_not_listed() {
     assert!(help(&["statistics"]).contains("--fov") && help(&["inject"]).contains("--telescope"));
     assert!(!help(&["windows"]).contains("--observer-norad") && help(&["passes"]).contains("--observer-norad"));
     assert!(help(&["flag"]).contains("--rotation"));
+    assert!(!help(&["mask"]).contains("--rotation") && help(&["mask"]).contains("--min-probability"));
 }
 
 /// Checks that one error lists all of these inputs.
@@ -148,6 +149,7 @@ fn all_missing_inputs_are_in_one_error() {
     misses("gate", &[&sky[..], &[field, "pointing (--ra and --dec", exposure[1]]].concat());
     misses("identify", &[&sky[..], &["streak (--end RA,DEC twice; ", exposure[0], exposure[1]]].concat());
     misses("inject", &["frames (--image FILE or --synthetic FILE)", "output file (-o FILE)", "streaks (", "seeing ("]);
+    misses("mask", &[sky[0], "frames (FRAME..., FITS files)", "output (-o FILE, --polygons FILE or --regions FILE)"]);
     misses("plot field", &[&sky[..], &[field, "picture (-o FILE)"], &exposure].concat());
     misses(
         "plot night",

@@ -39,6 +39,8 @@ mod magnitudes;
 mod main_job;
 mod maps;
 #[cfg(all(feature = "cli", feature = "fits", unix))]
+mod mask;
+#[cfg(all(feature = "cli", feature = "fits", unix))]
 mod measure;
 #[cfg(all(feature = "cli", feature = "fits", unix))]
 mod measure_real;

@@ -13,6 +13,8 @@ mod frame_files;
 mod frame_hostile;
 #[cfg(all(feature = "fits", unix))]
 mod frame_planes;
+#[cfg(all(feature = "fits", unix))]
+mod masks;
 mod measure;
 #[cfg(all(feature = "fits", unix))]
 mod measure_stars;

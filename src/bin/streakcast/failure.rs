@@ -10,12 +10,13 @@ use crate::output::cannot_print;
 use streakcast::message::{bounded, printable};
 
 /// Verbs that exist only in builds with a Cargo feature, and the feature.
-const FEATURES: [(&str, &str); 8] = [
+const FEATURES: [(&str, &str); 9] = [
     ("alarms", "fit"),
     ("fetch", "fetch"),
     ("fit", "fit"),
     ("inject", "fits"),
     ("learn", "fit"),
+    ("mask", "fits"),
     ("measure", "fits"),
     ("plot", "plot"),
     ("serve", "serve"),

@@ -10,8 +10,19 @@ use clap::{ArgMatches, Command};
 use streakcast::config::Config;
 
 /// Arguments that are output files in all verbs.
-const OUTPUTS: [&str; 9] =
-    ["output", "picture", "status_file", "light_curves", "truth", "trails", "preview", "preview_marked", "report"];
+const OUTPUTS: [&str; 11] = [
+    "output",
+    "picture",
+    "status_file",
+    "light_curves",
+    "truth",
+    "trails",
+    "preview",
+    "preview_marked",
+    "report",
+    "polygons",
+    "regions",
+];
 
 /// Checks that no output file of a verb is also another output or an input. Inputs include the files named in the
 /// configuration file.

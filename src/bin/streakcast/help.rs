@@ -37,6 +37,8 @@ const SITE_OR_FRAME: Group = Group {
 const SITE_OF_FRAME: Group =
     Group { marked_heading: "Site (required: --site, --mpc, or --lat and --lon, or the header)", ..SITE };
 const MEASURED_FRAMES: Group = Group { heading: "", marked_heading: "", ids: &[], usage: "<FRAME>...", rule: "" };
+const MASKED_FRAMES: Group =
+    Group { usage: "<FRAME>... (-o <FILE> | --polygons <FILE> | --regions <FILE>)", ..MEASURED_FRAMES };
 const FIELD: Group = Group {
     heading: "Camera",
     marked_heading: "Camera (required: --fov, --field or --telescope)",
@@ -302,6 +304,15 @@ const VERBS: &[VerbHelp] = &[
         examples: [
             "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec",
             "night/a.fits night/b.fits --elements active.tle --mpc X05 --zero-point 27.1 --format fit -o photometry.csv",
+        ],
+    },
+    VerbHelp {
+        path: "mask",
+        flags: &[],
+        groups: &[MASKED_FRAMES, SATELLITES, SITE_OF_FRAME],
+        examples: [
+            "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec -o mask.fits --regions mask.reg",
+            "visit.fits --elements active.tle --mpc X05 --telescope rubin --into MASK --bit STREAK -o masked.fits",
         ],
     },
     verb("fetch", ["celestrak --group active", "satchecker --epoch 2024-08-14T00:30:00Z"]),

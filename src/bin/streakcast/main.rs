@@ -46,6 +46,8 @@ use verbs::learn::LearnArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
 #[cfg(all(feature = "fits", unix))]
+use verbs::mask::MaskArguments;
+#[cfg(all(feature = "fits", unix))]
 use verbs::measure::MeasureArguments;
 use verbs::model::ModelArguments;
 use verbs::passes::PassesArguments;
@@ -104,6 +106,9 @@ enum Verb {
     /// The exit status is 1 if no streak is predicted.
     #[cfg(all(feature = "fits", unix))]
     Measure(Box<MeasureArguments>),
+    /// Mask the streaks of satellites in frames: mask files, bits of mask planes, regions, polygons on the sky
+    #[cfg(all(feature = "fits", unix))]
+    Mask(Box<MaskArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
     #[cfg(feature = "fetch")]
     Fetch(Box<FetchArguments>),
@@ -212,6 +217,8 @@ fn main() -> ExitCode {
         Verb::Inject(typed) => verbs::inject::run(*typed),
         #[cfg(all(feature = "fits", unix))]
         Verb::Measure(typed) => verbs::measure::run(*typed),
+        #[cfg(all(feature = "fits", unix))]
+        Verb::Mask(typed) => verbs::mask::run(*typed),
         #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
         #[cfg(feature = "fit")]

@@ -18,6 +18,7 @@ const REJECTED: &[(&str, &[&str], &str)] = &[
     ("ephemeris", CAMERA, "has no effect on an ephemeris"),
     ("identify", CAMERA, "has no effect on the identification of a streak"),
     ("measure", FIELD, "has no effect on measure, where the frame is the field"),
+    ("mask", &["fov", "field", "rotation"], "has no effect on mask, where the frame is the field"),
     ("inject", FIELD, "has no effect on inject, where the frame is the field"),
     ("statistics", &["rotation", "min_probability"], "has no effect on statistics"),
     ("forecast", ORBIT, NO_ORBIT),

@@ -11,3 +11,4 @@ pub use synthetic::{StarField, SyntheticFrame};
 pub use synthetic_shot::SyntheticShot;
 pub use target_frame::{FrameOverrides, TargetChip, TargetFrame};
 pub use write::{InjectOptions, Injected, inject};
+pub(super) use write::{mask_name, noise_of_chip};

@@ -140,7 +140,7 @@ fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnSt
 }
 
 /// Returns the standard deviation of the noise in a chip's pixels, estimated from some of its rows.
-fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<NoiseMap, ImagesError> {
+pub(in crate::streaks) fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<NoiseMap, ImagesError> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let values = frame.file.read_rows(hdu, NoiseMap::rows(lit))?;
     Ok(NoiseMap::of_rows(lit, target.chip.columns, &values))
@@ -232,27 +232,46 @@ fn append_masks(
     masks: Vec<(&TargetChip, ImageValues)>,
     planes: &MaskPlanes,
 ) -> Result<(), ImagesError> {
-    let taken = |name: &str| frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case(name));
-    let one = frame.chips.len() == 1 && !taken("MASK");
-    let mut names: Vec<String> = Vec::new();
+    let has_mask = frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case("MASK"));
+    let is_one = frame.chips.len() == 1 && !has_mask;
+    let mut taken = Vec::new();
     for (target, image) in masks {
-        let chip = if target.chip.name.is_empty() { target.chip.hdu.to_string() } else { target.chip.name.clone() };
-        let name = if one { "MASK".to_owned() } else { format!("MASK_{chip}") };
         let card =
             |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
         let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: streak above the noise");
         cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: injected light"));
-        // Chips with the same name have masks with the same name and another version.
-        let same = names.iter().filter(|other| **other == name).count() as i64;
-        let own = frame.file.header(target.chip.hdu)?.integer("EXTVER");
-        if let Some(version) = own.or((same > 0).then_some(same + 1)) {
-            cards.extend(card("EXTVER", version, "version of the extension name"));
-        }
-        names.push(name.clone());
-        cards.extend(card("IMAGEHDU", target.chip.hdu as i64, "masked HDU, counted from 0"));
+        let (name, more) = mask_name(frame, target, is_one, &mut taken)?;
+        cards.extend(more);
         copy.append_image(&name, &image, &cards, None);
     }
     Ok(())
+}
+
+/// Returns the name of the mask of a chip, and the cards that state its version and its chip. The name is `MASK` if it is
+/// the only one, otherwise it contains that of the chip. Masks with the same name have different versions; `taken` holds
+/// those of the other masks of the file.
+pub(in crate::streaks) fn mask_name(
+    frame: &TargetFrame,
+    target: &TargetChip,
+    is_one: bool,
+    taken: &mut Vec<(String, i64)>,
+) -> Result<(String, Vec<Card>), ImagesError> {
+    let hdu = target.chip.hdu;
+    let chip = if target.chip.name.is_empty() { hdu.to_string() } else { target.chip.name.clone() };
+    let name = if is_one { "MASK".to_owned() } else { format!("MASK_{chip}") };
+    let own = frame.file.header(hdu)?.integer("EXTVER");
+    let is_taken = |version: i64| taken.iter().any(|other| *other == (name.clone(), version));
+    let version = own.into_iter().chain(1..).find(|version| !is_taken(*version)).unwrap_or(1);
+    let card =
+        |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
+    let mut cards = Vec::new();
+    // The version of a name is 1 without EXTVER.
+    if own.is_some() || version > 1 {
+        cards.extend(card("EXTVER", version, "version of the extension name"));
+    }
+    cards.extend(card("IMAGEHDU", hdu as i64, "masked HDU, counted from 0"));
+    taken.push((name.clone(), version));
+    Ok((name, cards))
 }
 
 /// Converts a table to the columns of a FITS table; times and lists become text.

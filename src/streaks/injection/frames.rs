@@ -23,6 +23,19 @@ fn without_coordinates(error: StreaksError) -> StreaksError {
     }
 }
 
+/// Rejects a name that ends in .fz for the copy of a frame that is not compressed in tiles.
+pub fn reject_untiled(frame: &TargetFrame, output: &Path) -> Result<(), StreaksError> {
+    let is_tiled = frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
+    if output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz")) && !is_tiled {
+        return Err(StreaksError::invalid(
+            output.display().to_string(),
+            "the copy of a frame that is not compressed in tiles",
+            "a name that ends in .fits",
+        ));
+    }
+    Ok(())
+}
+
 /// Creates synthetic frames in temporary files.
 struct SyntheticMaker<'a> {
     synthetic: &'a SyntheticPlan,
@@ -58,18 +71,9 @@ impl<'a> Frames<'a> {
     /// Rejects output names that end in .fz for frames that are not compressed in tiles, because their copies are not
     /// compressed either.
     pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), StreaksError> {
-        let is_tiled =
-            |frame: &TargetFrame| frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
         for (index, output) in outputs.iter().enumerate() {
             let frame = self.known.get(if self.maker.is_some() { 0 } else { index });
-            let has_fz_name = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz"));
-            if has_fz_name && frame.is_some_and(|frame| !is_tiled(frame)) {
-                return Err(StreaksError::invalid(
-                    output.display().to_string(),
-                    "the copy of a frame that is not compressed in tiles",
-                    "a name that ends in .fits",
-                ));
-            }
+            frame.map_or(Ok(()), |frame| reject_untiled(frame, output))?;
         }
         Ok(())
     }

@@ -121,12 +121,14 @@ pub fn history(
     if let (Some(magnitudes), Some(zero_points)) = (magnitudes, zero_points) {
         lines.push(format!("streakcast light: magnitude {magnitudes} where brightest, zero point {zero_points} mag"));
     }
-    for key in ["elements", "shells", "site", "models", "earth_orientation"] {
-        if let Some(value) = provenance.get(key) {
-            lines.push(format!("streakcast {key}: {}", shortened(value)));
-        }
-    }
+    lines.extend(provenance_lines(provenance));
     lines
+}
+
+/// Returns the provenance of satellites as HISTORY lines.
+pub fn provenance_lines(provenance: &Provenance) -> Vec<String> {
+    let keys = ["elements", "shells", "site", "models", "earth_orientation"];
+    keys.iter().filter_map(|key| Some(format!("streakcast {key}: {}", shortened(provenance.get(key)?)))).collect()
 }
 
 /// Returns the least and the greatest of some numbers as text, with three decimals.

@@ -11,6 +11,9 @@ mod plan;
 mod run;
 
 pub use array::{ArrayFrame, ArrayInjected};
+pub(super) use frames::reject_untiled;
 pub use lights::InjectionSky;
+pub(super) use lights::provenance_lines;
 pub use plan::{InjectionPlan, RandomPlan, SyntheticPlan};
+pub(super) use run::reject_packed;
 pub use run::{InjectedFrame, Injection, Injections, Mark};

@@ -165,7 +165,7 @@ impl<'a> Injection<'a> {
 }
 
 /// Rejects names of compressed files, because the program does not compress whole files.
-fn reject_packed(output: &Path) -> Result<(), StreaksError> {
+pub fn reject_packed(output: &Path) -> Result<(), StreaksError> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
         let shown = output.display();

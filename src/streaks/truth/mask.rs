@@ -12,7 +12,7 @@ use crate::streaks::error::StreaksError;
 const FAINTEST_SHARE: f32 = 1e-4;
 
 /// Fraction of the brightest pixel of a streak above which pixels of a frame without noise are marked as streak.
-const SHARE_WITHOUT_NOISE: f32 = 0.1;
+pub(in crate::streaks) const SHARE_WITHOUT_NOISE: f32 = 0.1;
 
 /// Run of adjacent pixels in one row of a mask.
 #[derive(Clone, Debug, PartialEq)]

@@ -54,13 +54,9 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Returns the paths of all outputs, after checking them. `--output` is the file of a single frame, whose folder is
-    /// created if it is missing, or an existing folder for files with the names of the frames. No output may be one of
-    /// `inputs`.
+    /// Returns the paths of all outputs, after checking them. No output may be one of `inputs`.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
-        let folder = frames[0].parent().filter(|folder| !folder.as_os_str().is_empty());
-        folder.map_or(Ok(()), fs::create_dir_all).with_context(|| format!("--output {}", frames[0].display()))?;
         frames.iter().try_for_each(|path| check_whole(path))?;
         let table_output = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
@@ -146,8 +142,16 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
     if !(1..=MOST_FRAMES).contains(&count) {
         return Err(anyhow!("frames is {count}; allowed: 1 to {MOST_FRAMES}"));
     }
+    frame_outputs(&output, &typed.injection.image, count)
+}
+
+/// Returns the output of each frame: the file of a single frame, whose folder is created if it is missing, or files in an
+/// existing folder with the names of the input `images`, or with numbers if there are none.
+pub fn frame_outputs(output: &Path, images: &[PathBuf], count: usize) -> anyhow::Result<Vec<PathBuf>> {
     if count == 1 && !output.is_dir() {
-        return Ok(vec![output]);
+        let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
+        folder.map_or(Ok(()), fs::create_dir_all).with_context(|| format!("--output {}", output.display()))?;
+        return Ok(vec![output.to_owned()]);
     }
     if !output.is_dir() {
         return Err(anyhow!(
@@ -156,7 +160,7 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
         ));
     }
     let width = count.to_string().len().max(4);
-    let name = |index: usize| match typed.injection.image.get(index) {
+    let name = |index: usize| match images.get(index) {
         Some(image) => image.file_name().map(OsStr::to_owned).unwrap_or_default(),
         None => format!("frame-{:0width$}.fits", index + 1).into(),
     };

@@ -20,6 +20,8 @@ pub mod learn;
 pub mod lists;
 pub mod map;
 #[cfg(all(feature = "fits", unix))]
+pub mod mask;
+#[cfg(all(feature = "fits", unix))]
 pub mod measure;
 pub mod model;
 #[cfg(feature = "fit")]

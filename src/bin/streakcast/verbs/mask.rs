@@ -1,0 +1,88 @@
+//! `mask`: masks the streaks of predicted and of measured satellites in frames.
+
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use clap::Args;
+use streakcast::Watch;
+use streakcast::config::{Config, MaskConfig};
+use streakcast::output::Section;
+
+use crate::failure::Outcome;
+use crate::files::check_distinct;
+use crate::output::{Output, VerbResult, check, check_whole, write_bytes};
+use crate::required::Required;
+use crate::screen::Style;
+use crate::start::begin;
+
+use super::inject::frame_outputs;
+
+#[derive(Args)]
+pub struct MaskArguments {
+    #[command(flatten)]
+    pub mask: MaskConfig,
+    /// File of the masks (FITS), or with --into the copy of the frame; a folder for several frames
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+    /// Corridors as polygons on the sky: a table with the extension .csv, .ecsv, .json, .jsonl or .vot
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub polygons: Option<PathBuf>,
+    /// Corridors as regions of SAOImage DS9
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub regions: Option<PathBuf>,
+    #[command(flatten)]
+    pub config: Config,
+}
+
+pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
+    let config = typed.config.clone().with_file()?;
+    let has_output = typed.output.is_some() || typed.polygons.is_some() || typed.regions.is_some();
+    Required::of(&config)
+        .input(!typed.mask.image.is_empty(), "frames", "FRAME..., FITS files")
+        .input(has_output, "output", "-o FILE, --polygons FILE or --regions FILE")
+        .satellites()
+        .check()?;
+    let outputs = match &typed.output {
+        Some(output) => frame_outputs(output, &typed.mask.image, typed.mask.image.len())?,
+        None => Vec::new(),
+    };
+    outputs.iter().try_for_each(|path| check_whole(path))?;
+    let polygons = typed.polygons.clone().map(Output::additional).transpose()?;
+    typed.regions.as_deref().map_or(Ok(()), check)?;
+    let inputs: Vec<PathBuf> =
+        typed.mask.image.iter().cloned().chain(config.files()).chain(config.run.file.clone()).collect();
+    let all: Vec<&PathBuf> = outputs.iter().chain(&typed.polygons).chain(&typed.regions).collect();
+    check_distinct(&inputs, &all)?;
+    if outputs.is_empty() && !typed.mask.into.is_empty() {
+        return Err(anyhow!("missing output file; specify -o FILE"));
+    }
+    let notices = begin(&config)?;
+    let done = typed.mask.mask(&config, None, &outputs, &Watch::default())?;
+    done.remarks.iter().for_each(|remark| notices.info(remark));
+    notices.warn(&done.warnings);
+    for (index, one) in done.frames.iter().enumerate() {
+        match outputs.get(index) {
+            Some(output) => notices.info(&format!("wrote {}: {}", output.display(), one.summary)),
+            None => notices.info(&format!("{}: {}", one.image, one.summary)),
+        }
+    }
+    if let Some(path) = &typed.regions {
+        write_bytes(path, done.regions().as_bytes(), &notices)?;
+    }
+    if let Some(output) = polygons {
+        let (corridors, left_out) = (done.corridors(), done.left_out());
+        output.write(
+            &VerbResult {
+                sections: vec![
+                    Section { name: "corridors", table: &corridors },
+                    Section { name: "left_out", table: &left_out },
+                ],
+                main: &corridors,
+                provenance: &done.provenance,
+                style: Style { columns: &[], bold_row: None },
+            },
+            &notices,
+        )?;
+    }
+    Ok(Outcome::Done)
+}

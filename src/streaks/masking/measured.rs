@@ -1,0 +1,162 @@
+//! Measured streaks, from the table that `measure` writes.
+
+use std::path::Path;
+
+use hifitime::Epoch;
+use nalgebra::{Rotation3, Unit, Vector3};
+
+use super::super::chip::Chip;
+use super::super::error::StreaksError;
+use crate::elements::{NoradId, parse_iso};
+use crate::frames::{Direction, Gcrs, seconds_between};
+use crate::input::CsvRows;
+use crate::message::Quoted;
+
+/// Names of the columns, for errors.
+const COLUMNS: &str = "a table of streakcast measure, with image, hdu, norad_id, detected, mid_utc, ra_deg, dec_deg, rate, \
+                       offset_sigma_pix, tilt_deg, late_s, late_sigma_s, seeing_arcsec and flags";
+/// Time between two positions that give the direction of a track, seconds.
+const STEP_S: f64 = 0.01;
+
+/// Streak that was measured on one chip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredStreak {
+    /// File of the frame, as in the table.
+    pub image: String,
+    /// HDU of the chip.
+    pub hdu: usize,
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Name of the satellite; empty if it has none.
+    pub name: String,
+    /// Middle of the time in which the satellite is on the chip.
+    pub epoch: Epoch,
+    /// Its direction at that time.
+    pub direction: Direction<Gcrs>,
+    /// Light per second, in the unit of the frame.
+    pub rate: f64,
+    /// Error (one sigma) across the track at the middle of the streak, pixels.
+    pub across_sigma_pix: f64,
+    /// Difference in angle from the predicted track, radians, as [`StreakMeasurement`] has it.
+    ///
+    /// [`StreakMeasurement`]: crate::measure::StreakMeasurement
+    pub tilt_rad: f64,
+    /// Delay and its error (one sigma), seconds, if an end of the streak is on the chip.
+    pub late_s: Option<(f64, f64)>,
+    /// Seeing that the width of the streak implies, arcsec.
+    pub seeing_arcsec: Option<f64>,
+    /// True if pixels of the streak are saturated: `rate` is a lower limit.
+    pub is_saturated: bool,
+}
+
+/// Reads the streaks that were found from a table (CSV or ECSV) of `streakcast measure`.
+///
+/// # Errors
+/// The file cannot be read, a column is missing, or a value is invalid.
+pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, StreaksError> {
+    let shown = path.display();
+    let failed = |error: std::io::Error| StreaksError::Table { path: path.to_owned(), problem: error.to_string() };
+    let rows = CsvRows::open(path).map_err(failed)?;
+    let column = |name: &str| rows.column(name, COLUMNS).map_err(failed);
+    let [image, hdu, id, detected, mid] = ["image", "hdu", "norad_id", "detected", "mid_utc"].map(column);
+    let (image, hdu, id, detected, mid) = (image?, hdu?, id?, detected?, mid?);
+    let [ra, dec, rate, across, tilt] = ["ra_deg", "dec_deg", "rate", "offset_sigma_pix", "tilt_deg"].map(column);
+    let (ra, dec, rate, across, tilt) = (ra?, dec?, rate?, across?, tilt?);
+    let [late, late_sigma, seeing, flags] = ["late_s", "late_sigma_s", "seeing_arcsec", "flags"].map(column);
+    let (late, late_sigma, seeing, flags) = (late?, late_sigma?, seeing?, flags?);
+    let name = rows.find("name");
+    let mut streaks = Vec::new();
+    for row in rows {
+        let (line, row) = row.map_err(failed)?;
+        let cell = |column: usize| row.get(column).unwrap_or_default();
+        let wrong = |what: &str, column: usize, allowed: &str| {
+            StreaksError::invalid(format!("{shown}: line {line}: {what}"), Quoted::new(cell(column)), allowed)
+        };
+        let optional = |what: &str, column: usize| match cell(column) {
+            "" => Ok(None),
+            text => text
+                .parse::<f64>()
+                .ok()
+                .filter(|number| number.is_finite())
+                .map(Some)
+                .ok_or_else(|| wrong(what, column, "a number")),
+        };
+        let number = |what: &str, column: usize| optional(what, column)?.ok_or_else(|| wrong(what, column, "a number"));
+        match cell(detected) {
+            "true" => {}
+            "false" => continue,
+            _ => return Err(wrong("detected", detected, "true or false")),
+        }
+        let positive = |what: &str, column: usize| match number(what, column)? {
+            value if value > 0.0 => Ok(value),
+            _ => Err(wrong(what, column, "a number above 0")),
+        };
+        let late_s = match (optional("late_s", late)?, optional("late_sigma_s", late_sigma)?) {
+            (Some(late_s), Some(sigma_s)) => Some((late_s, sigma_s.abs())),
+            _ => None,
+        };
+        streaks.push(MeasuredStreak {
+            image: cell(image).to_owned(),
+            hdu: cell(hdu).parse().map_err(|_| wrong("hdu", hdu, "the number of an HDU, from 0"))?,
+            norad_id: NoradId(cell(id).parse().map_err(|_| wrong("norad_id", id, "a catalogue number"))?),
+            name: name.map(cell).unwrap_or_default().to_owned(),
+            epoch: parse_iso(cell(mid))
+                .ok_or_else(|| wrong("mid_utc", mid, "a time in UTC, such as 2026-08-14T23:36:25Z"))?,
+            direction: Direction::from_lon_lat_rad(
+                number("ra_deg", ra)?.to_radians(),
+                number("dec_deg", dec)?.to_radians(),
+            ),
+            rate: positive("rate", rate)?,
+            across_sigma_pix: positive("offset_sigma_pix", across)?,
+            tilt_rad: number("tilt_deg", tilt)?.to_radians(),
+            late_s,
+            seeing_arcsec: optional("seeing_arcsec", seeing)?.filter(|seeing| *seeing > 0.0),
+            is_saturated: cell(flags).contains("saturated"),
+        });
+    }
+    Ok(streaks)
+}
+
+impl MeasuredStreak {
+    /// Returns true if the streak is in a file of this name.
+    pub fn is_of(&self, frame: &Path) -> bool {
+        Path::new(&self.image).file_name() == frame.file_name()
+    }
+
+    /// Returns the measured track as a function of the predicted time, seconds after the shutter opened: the track that
+    /// `sight` predicts for a satellite that is late by `late_s`, moved to the measured position and turned about it.
+    /// `None` if the world coordinates of the chip do not contain the track.
+    pub fn fitted<'a>(
+        &self,
+        chip: &Chip,
+        opened: Epoch,
+        late_s: f64,
+        sight: &'a (dyn Fn(f64, f64) -> (Direction<Gcrs>, f64) + Sync),
+    ) -> Option<impl Fn(f64) -> (Direction<Gcrs>, f64) + Sync + use<'a>> {
+        let middle_s = seconds_between(opened, self.epoch) - late_s;
+        let (from, to) = (*sight(middle_s, late_s).0.vector(), *self.direction.vector());
+        let moved = Rotation3::rotation_between(&from, &to).unwrap_or_else(Rotation3::identity);
+        let turned = |angle_rad: f64| Rotation3::from_axis_angle(&Unit::new_normalize(to), angle_rad);
+        let pixel = |rotation: &Rotation3<f64>, time_s: f64| {
+            let line: Vector3<f64> = rotation * sight(time_s, late_s).0.vector();
+            chip.wcs.to_pixel(Direction::from_vector(line))
+        };
+        let next_s = middle_s + STEP_S;
+        let (here, next) = (pixel(&moved, middle_s)?, pixel(&moved, next_s)?);
+        let (ex, ey) = (next.x - here.x, next.y - here.y);
+        // The tilt is positive if later positions are moved towards increasing y, or increasing x for a track nearer to
+        // the columns. Whether this is clockwise on the sky depends on the world coordinates.
+        let [nx, ny] = if ex.abs() >= ey.abs() { [-ey * ex.signum(), ex.abs()] } else { [ey.abs(), -ex * ey.signum()] };
+        let sign = if self.tilt_rad == 0.0 {
+            1.0
+        } else {
+            let there = pixel(&(turned(self.tilt_rad.abs()) * moved), next_s)?;
+            ((there.x - next.x) * nx + (there.y - next.y) * ny).signum()
+        };
+        let rotation = turned(sign * self.tilt_rad) * moved;
+        Some(move |time_s: f64| {
+            let (direction, range_km) = sight(time_s, late_s);
+            (Direction::from_vector(rotation * direction.vector()), range_km)
+        })
+    }
+}

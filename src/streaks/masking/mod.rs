@@ -1,0 +1,19 @@
+//! Masks of real streaks: the pixels that the light of satellites may reach, given the errors of their positions.
+//!
+//! `corridor` computes the area of one satellite on a chip as cells, `light_width` the width of its light, and `area`
+//! the pixels of cells. `measured` reads measured streaks, and `satellites` combines these for a frame. `write` creates
+//! mask files and adds bits to mask planes; `table` creates tables and region files.
+
+mod area;
+mod corridor;
+mod light_width;
+mod measured;
+mod satellites;
+mod table;
+mod write;
+
+pub use area::Area;
+pub use measured::{MeasuredStreak, read_measured_streaks};
+pub use satellites::{FrameMask, MaskOptions, MaskedStreak, NotMasked, Omitted, StreakOrigin, mask_frame};
+pub use table::{corridor_table, omitted_table, region_file};
+pub use write::{MaskBit, PlaneChoice, mask_history, write_mask_file, write_mask_planes};
