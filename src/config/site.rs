@@ -115,12 +115,13 @@ impl Config {
         frames: &str,
     ) -> Result<(Self, Option<String>), ConfigError> {
         let Some(site) = site else {
-            let no_site = || {
-                ConfigError::invalid(format!(
+            if !self.has_viewpoint() {
+                return Err(ConfigError::invalid(format!(
                     "missing site; specify {SITES} (the header of {frames} lacks it: {SITE_KEYWORDS})"
-                ))
-            };
-            return if self.has_viewpoint() { Ok((self.clone(), None)) } else { Err(no_site()) };
+                )));
+            }
+            let remark = format!("warning: the header of {frames} has no site; that of the home file is used");
+            return Ok((self.clone(), Some(remark)));
         };
         let table = SiteTable {
             name: Some(site.name.clone()),

@@ -209,3 +209,19 @@ fn paths_are_relative_to_the_home_file() {
     fs::write(folder.join("night.csv"), schedule).unwrap();
     assert_eq!(json(&home, &["flag"])["provenance"]["options"]["policy"]["limit_mag"], 3.0);
 }
+
+/// The site of the home file is that of a frame whose header has none, which is stated.
+#[cfg(feature = "fits")]
+#[test]
+fn frames_without_a_site_are_those_of_the_home_file() {
+    let home = home(OBSERVER);
+    let synthetic = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/synthetic.toml");
+    let streak = ["--random-streaks", "1", "--magnitude", "4", "--exposure", "30s", "--seeing", "1.5arcsec"];
+    let (code, _, stderr) = run(&home, &[&["inject", "--synthetic", synthetic, "-o", "f.fits"], &streak[..]].concat());
+    assert_eq!(code, 0, "{stderr}");
+    let identify = ["identify", "--image", "f.fits", "--from-pix", "12,94", "--to-pix", "203,110"];
+    let (_, _, stderr) = run(&home, &identify);
+    assert!(stderr.contains("warning: the header of f.fits has no site; that of the home file is used"), "{stderr}");
+    let (code, _, stderr) = run(&home, &[&identify[..], &["--no-home", "--shells", "kuiper"]].concat());
+    assert!(code == 2 && stderr.contains("missing site; specify --site NAME"), "{stderr}");
+}

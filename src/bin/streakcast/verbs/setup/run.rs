@@ -116,7 +116,8 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
     let Site { latitude_rad, longitude_rad, height_m, name, .. } = &place.site;
     let name = place.town.as_ref().map_or(name.clone(), Town::name);
     let (latitude_deg, longitude_deg) = (latitude_rad.to_degrees(), longitude_rad.to_degrees());
-    notices.info(format!("place: {latitude_deg:.4}, {longitude_deg:.4} deg, {height_m:.0} m {name}").trim_end());
+    let at = format!("{latitude_deg:.4} deg north, {longitude_deg:.4} deg east, {height_m:.0} m");
+    notices.info(&format!("place: {}", [name, at].join(" ").trim_start()));
     if !place.others.is_empty() {
         notices.info(&format!("other towns with this name: {}", place.others.join("; ")));
     }
