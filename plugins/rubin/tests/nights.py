@@ -1,6 +1,6 @@
 """Whole nights with and without streakcast, checked by brute force. Prints the tables of docs/tables/nights.md.
 
-`python tests/nights.py FOLDER` stores each run in FOLDER, and can be resumed. The surveys are pairs in
+`PYTHONPATH=examples python tests/nights.py FOLDER` stores each run in FOLDER, and can be resumed. The surveys are pairs in
 three bands with the queue manager and the map of the next 45 minutes. The real catalogue requires STREAKCAST_DATA; without
 it, its rows are omitted with a message.
 """

@@ -90,6 +90,33 @@ def test_costs_of_later_visits_are_those_of_the_model(conditions, models, monkey
     assert found.mean() == pytest.approx(np.nanmean(models[40768].assess(target, starts, VISIT_S).streak_cost_s), rel=0.15)
 
 
+@pytest.mark.parametrize(
+    ("rate_deg_s", "q_bright", "width_arcsec", "least", "most"),
+    # 5 mag and 10 mag at 550 km; geostationary, 12 mag.
+    [(0.75, 1.0, 6.4, 1.9, 3.1), (0.75, 0.0, 6.4, 0.01, 0.05), (15.04 / 3600.0, 1.0, 1.6, 0.05, 0.1)],
+)
+def test_costs_of_single_satellites(rate_deg_s, q_bright, width_arcsec, least, most, conditions, model, monkeypatch):
+    """A satellite that passes through the centre of a cell; its chord of 3.5 deg is a sum of steps of 1.5 deg."""
+    cell = int(np.nanargmin(np.where(conditions.alt > np.radians(30.0), conditions.slewtime, np.nan)))
+    opens_mjd = float(conditions.mjd + conditions.slewtime[cell] / 86_400.0)
+    ra, dec = (float(one) for one in _hpid2_ra_dec(32, cell))
+
+    def overhead(self, start_mjd, seconds, **_):
+        # Along the meridian, in the middle of the visit at the centre of the cell.
+        after_s = (start_mjd - opens_mjd) * 86_400.0 + np.asarray(seconds) - VISIT_S / 2.0
+        angle, n = dec + np.radians(rate_deg_s * after_s), np.size(seconds)
+        direction = np.column_stack([np.cos(angle) * np.cos(ra), np.cos(angle) * np.sin(ra), np.sin(angle)])
+        ones = np.ones(n)
+        return streakcast.Overhead(
+            moment=np.arange(n), norad_id=np.ones(n, dtype=int), direction=direction, range_km=550.0 * ones,
+            angular_rate_deg_s=rate_deg_s * ones, lost_width_arcsec=width_arcsec * ones, magnitude=5.0 * ones,
+            p_brighter=np.ones((n, 0)), q_bright=q_bright * ones,
+        )  # fmt: skip
+
+    monkeypatch.setattr(streakcast.StreakModel, "overhead", overhead)
+    assert least <= costs_s(StreakCostBasisFunction(model), conditions)[cell] <= most
+
+
 def test_small_costs_of_later_visits_do_not_count(conditions, models, monkeypatch):
     with_band = costs_s(StreakCostBasisFunction(models[40768], ahead_min=45.0), conditions)
     monkeypatch.setattr(cost_map, "DEAD_BAND_S", 0.0)
