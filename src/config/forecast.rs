@@ -226,3 +226,23 @@ pub fn time_range(
     }
     Ok((from, to))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Night and selection are keys of the request, as the Python package writes it; unknown keys are errors.
+    #[test]
+    fn keys_of_groups_are_keys_of_the_request() {
+        let text = r#"{"max_mag": null, "min_altitude": 10.0, "sun_altitude_deg": null, "generation": [], "name": ["ISS"],
+                      "norad": [25544], "include_dark": false, "samples": 0, "night": "2026-08-14"}"#;
+        let forecast: ForecastConfig = serde_json::from_str(text).unwrap();
+        assert_eq!((forecast.range.night.as_deref(), forecast.sun_altitude_deg), (Some("2026-08-14"), None));
+        assert_eq!(
+            (&forecast.selection.norad[..], &forecast.selection.name[..]),
+            (&[25_544][..], &["ISS".to_owned()][..])
+        );
+        assert!(serde_json::from_str::<ForecastConfig>(r#"{"nite": "2026-08-14"}"#).is_err());
+        assert!(serde_json::from_str::<ForecastConfig>(r#"{"norad": ["x"]}"#).is_err());
+    }
+}
