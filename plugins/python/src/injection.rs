@@ -80,7 +80,8 @@ fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'p
     Ok(result)
 }
 
-fn values_of(image: &Bound<'_, PyAny>) -> PyResult<ImageValues> {
+/// Converts an array to an image.
+pub fn values_of(image: &Bound<'_, PyAny>) -> PyResult<ImageValues> {
     let read = |columns: usize, pixels: Pixels| {
         ImageValues::new(columns, pixels)
             .ok_or_else(|| failure::request("frame is empty; allowed: at least one row and one column"))

@@ -11,6 +11,8 @@ mod injection;
 mod learn;
 mod light;
 #[cfg(unix)]
+mod mask;
+#[cfg(unix)]
 mod measure;
 mod plots;
 mod pool;
@@ -34,6 +36,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     // Frames require CFITSIO, which cannot be built on Windows.
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
+    #[cfg(unix)]
+    module.add_function(wrap_pyfunction!(mask::mask, module)?)?;
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(measure::measure, module)?)?;
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;

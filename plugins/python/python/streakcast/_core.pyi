@@ -92,6 +92,14 @@ class Measured(TypedDict):
     warnings: list[str]
     remarks: list[str]
 
+class Masked(TypedDict):
+    masks: dict[int, npt.NDArray[np.bool_]]
+    streaks: list[Column]
+    left_out: list[Column]
+    summary: str
+    remarks: list[str]
+    warnings: list[str]
+
 class _Injection(TypedDict):
     summary: str
     truth: list[Column]
@@ -129,6 +137,15 @@ def measure(
     config: Optional[str],
     sky_cache: SkyCache,
 ) -> Measured: ...
+def mask(
+    request: str,
+    setup: str,
+    config: Optional[str],
+    sky_cache: SkyCache,
+    scratch: str,
+    image: Optional[Pixels] = None,
+    header: Optional[str] = None,
+) -> Masked: ...
 def learn(
     setup: str,
     kind: str,

@@ -1,0 +1,185 @@
+"""Masks of the streaks of satellites in frames."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._injection import _angle, _header_text, _integers, _scalar, _without_none, _without_path
+from ._measure import MeasureQueries
+from ._quantities import aligned, finite_scalar, scalar
+from ._setup import absolute, document
+from ._tables import Main, table_of
+from .typing import FloatLike, HeaderLike, Json, Options, Output, PathLike, Pixels, Table, TimeLike, WholeLike
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from astropy.units import Quantity
+
+_STREAKS = Main(("name", "probability", "pixels"), ("magnitude", "width_arcsec", "coverage"))
+
+
+@dataclass(frozen=True)
+class StreakMask:
+    """Mask of the streaks of satellites in a frame."""
+
+    #: Masks by the numbers of their HDUs, from 0; shape ``(rows, columns)``, true where the light of a streak may be.
+    masks: Mapping[int, npt.NDArray[np.bool_]]
+    #: One row per polygon of a corridor, with the columns of ``streakcast mask --polygons``: `~astropy.table.QTable` or
+    #: dictionary of arrays.
+    streaks: Table
+    #: Satellites that may be in the frame and are not masked, and those of unknown position, with the reasons.
+    left_out: Table
+    #: Summary in one line.
+    summary: str
+    #: Other remarks.
+    remarks: tuple[str, ...]
+
+    @property
+    def mask(self) -> npt.NDArray[np.bool_]:
+        """Mask of a frame with one chip.
+
+        Raises
+        ------
+        ValueError
+            The frame has several chips.
+        """
+        if len(self.masks) != 1:
+            raise ValueError(f"the frame has {len(self.masks)} chips; use masks[hdu] with hdu in {list(self.masks)}")
+        return next(iter(self.masks.values()))
+
+
+class MaskQueries(MeasureQueries):
+    """Masks of frames."""
+
+    def mask(
+        self,
+        frame: PathLike | Pixels,
+        *,
+        header: HeaderLike | None = None,
+        start: TimeLike | None = None,
+        exposure: FloatLike | None = None,
+        scale: str | None = None,
+        hdu: WholeLike | None = None,
+        coverage: FloatLike = 0.95,
+        threshold: FloatLike = 1.0,
+        min_probability: FloatLike | None = None,
+        width: str | Quantity | None = None,
+        seeing: str | Quantity | None = None,
+        psf: str = "moffat",
+        zero_point: FloatLike | None = None,
+        zero_point_1s: FloatLike | None = None,
+        band: str | None = None,
+        telescope: PathLike | Options | None = None,
+        table: Output = "auto",
+    ) -> StreakMask:
+        """Masks the streaks of the satellites in a frame; the result is identical to that of ``streakcast mask``.
+
+        If the model has ``measured``, tables of ``streakcast measure``, the streaks of a file that were found are masked
+        where they are.
+
+        Parameters
+        ----------
+        frame : path or array
+            A FITS file with world coordinates, or an image ``(rows, columns)``, as for `streakcast.inject`.
+        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+            World coordinates of an array and the other keywords of its header; required for an array.
+        start : time, optional
+            Shutter opening; default: from the header.
+        exposure : float or `~astropy.units.Quantity`, optional
+            Duration of the exposure, seconds; default: from the header.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of a bare number in ``start``.
+        hdu : int or list of int, optional
+            HDUs of the file to use, from 0; default: all images with world coordinates.
+        coverage : float
+            Probability that the streak of a satellite is in its corridor, 0.5 to 0.999.
+        threshold : float
+            Light is masked down to this multiple of the local noise of a pixel; fainter satellites are left out.
+        min_probability : float, optional
+            Smallest probability of a crossing of satellites whose predicted track misses the frame; default 0.01.
+        width : str or `~astropy.units.Quantity`, optional
+            Full width of the light of all streaks, instead of that from brightness, seeing and noise.
+        seeing : str or `~astropy.units.Quantity`, optional
+            FWHM of the image of a star, with its unit; default: that of the telescope.
+        psf : str
+            ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
+        zero_point, zero_point_1s : float or `~astropy.units.Quantity`, optional
+            Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second;
+            default: from the header.
+        band : str, optional
+            Band of the magnitudes; default: filter in the header, or else the model's band.
+        telescope : path or dict, optional
+            Preset name or TOML file, for seeing and defocus; default: that of the model.
+        table : {"auto", "qtable", "dict"}
+            Form of the tables, as for `flags`.
+
+        Returns
+        -------
+        StreakMask
+            ``mask`` is the boolean array.
+
+        Raises
+        ------
+        StreakcastError
+            World coordinates, zero point, seeing or the time are missing, or a number is out of range.
+        TypeError
+            A number is given as time without a scale, or an angle has no unit.
+
+        Warns
+        -----
+        StreakcastWarning
+            More than half of a chip is masked, positions are unknown, chips were omitted, or element sets are old.
+        """
+        if not hasattr(_core, "mask"):
+            raise NotImplementedError("mask is not in this build: it needs CFITSIO, which does not build on Windows")
+        if zero_point is not None and zero_point_1s is not None:
+            raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
+        request: dict[str, Json] = dict(
+            hdu=_integers(hdu), coverage=finite_scalar(coverage, "", "coverage"),
+            threshold=finite_scalar(threshold, "", "threshold"), width=_angle(width, "width"),
+            seeing=_angle(seeing, "seeing"), psf=psf, zero_point=_scalar(zero_point, "mag", "zero_point"),
+            zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
+        )  # fmt: skip
+        if start is not None:
+            request["start"] = _core.utc_text(*self._moment(start, scale))
+        if exposure is not None:
+            request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
+        camera = {"telescope": telescope, "band": band, "min_probability": min_probability}
+        setup = {**self._state["setup"], **document(camera)}
+        sky_cache, _ = self._open()
+        if isinstance(frame, (str, os.PathLike)):
+            if header is not None:
+                raise ValueError("header is given for a file; allowed: with an array (a file contains its header)")
+            request["image"] = [absolute(frame)]
+            result = _core.mask(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache, "")
+        else:
+            image: Pixels = np.asarray(frame)
+            if image.ndim != 2:
+                raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
+            if header is None:
+                raise ValueError("missing header of the array; specify header=...")
+            image = aligned(image, image.dtype.newbyteorder("="))
+            try:
+                result = _core.mask(
+                    json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache,
+                    tempfile.gettempdir(), image, _header_text(header),
+                )  # fmt: skip
+            except _core.StreakcastError as error:
+                raise type(error)(_without_path(str(error))) from None
+        self._warn_once(sky_cache, [_without_path(message) for message in result["warnings"]])
+        return StreakMask(
+            masks=result["masks"],
+            streaks=table_of(result["streaks"], table, main=_STREAKS),
+            left_out=table_of(result["left_out"], table),
+            summary=result["summary"],
+            remarks=tuple(_without_path(remark) for remark in result["remarks"]),
+        )
