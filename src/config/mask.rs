@@ -434,7 +434,8 @@ fn summary(frame: &TargetFrame, mask: &FrameMask) -> String {
         if measured > 0 { format!(" ({measured} measured)") } else { String::new() },
         100.0 * masked as f64 / all.max(1) as f64
     )];
-    let kinds: [(&str, fn(&NotMasked) -> bool); 4] = [
+    type IsKind = fn(&NotMasked) -> bool;
+    let kinds: [(&str, IsKind); 4] = [
         ("too faint", |reason| matches!(reason, NotMasked::Faint { .. })),
         ("of unknown magnitude", |reason| *reason == NotMasked::UnknownMagnitude),
         ("of unknown position", |reason| matches!(reason, NotMasked::UnknownPosition(_))),
