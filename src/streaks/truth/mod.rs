@@ -5,6 +5,7 @@ mod mask;
 mod noise_map;
 mod table;
 
+#[cfg(all(feature = "fits", unix))]
 pub(super) use mask::SHARE_WITHOUT_NOISE;
 pub use mask::{MaskPlanes, MaskPreset, MaskSpan, changed_spans, mask_spans};
 pub use noise_map::NoiseMap;
