@@ -137,7 +137,7 @@ if is_all; then
 fi
 lint=(-- -D warnings)
 step "cargo fmt --check" cargo fmt --all --check
-# Tests of the home file set it again.
+# Tests read no home file of the user; those of the home file use one of their own.
 export STREAKCAST_NO_HOME=1
 
 if [ "$mode" = quick ]; then

@@ -236,6 +236,9 @@ pub struct HomeConfig {
     /// The site is that of the home file. The site in the header of a frame has precedence.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub gives_site: bool,
+    /// The time zone is that of the home file.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub gives_time_zone: bool,
 }
 
 /// One exposure.
@@ -533,17 +536,38 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::read`].
-    pub fn with_file(mut self) -> Result<Self, ConfigError> {
-        if let Some(path) = &self.run.file {
-            let base = Config::read(path)?;
-            self = self.over(base);
+    pub fn with_file(self) -> Result<Self, ConfigError> {
+        self.with_configuration_file()?.with_home_file()
+    }
+
+    /// Fills omitted keys from the configuration file, if one is given, and not from the home file.
+    ///
+    /// # Errors
+    /// Same as [`Config::read`].
+    pub fn with_configuration_file(self) -> Result<Self, ConfigError> {
+        match &self.run.file {
+            Some(path) => {
+                let base = Config::read(path)?;
+                Ok(self.over(base))
+            }
+            None => Ok(self),
         }
-        if let Some(path) = &self.home.file {
-            let base = Config::read(path)?;
-            self.home.gives_site = !self.has_viewpoint() && base.has_viewpoint();
-            self = self.over(base);
+    }
+
+    /// Fills omitted keys from the home file, if one is given. Its time zone is that of its site: it does not apply to
+    /// another site.
+    ///
+    /// # Errors
+    /// Same as [`Config::read`].
+    pub fn with_home_file(mut self) -> Result<Self, ConfigError> {
+        let Some(path) = &self.home.file else { return Ok(self) };
+        let mut base = Config::read(path)?;
+        if self.has_viewpoint() {
+            base.time_zone = None;
         }
-        Ok(self)
+        self.home.gives_site = !self.has_viewpoint() && base.has_viewpoint();
+        self.home.gives_time_zone = self.time_zone.is_none() && base.time_zone.is_some();
+        Ok(self.over(base))
     }
 
     /// Returns true if the site is not given, or only in the home file, so that the header of a frame can set it.

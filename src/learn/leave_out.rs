@@ -120,8 +120,8 @@ pub fn leave_passes_out(passes: &[Pass], models: &ModelChoice, seen: &[usize]) -
 
 /// Smallest number of passes of satellites with other passes from which the gain of offsets of satellites is judged.
 const LEAST_JUDGED: usize = 10;
-/// Largest number of passes that are predicted to judge the gain. Of more passes a part at equal steps is predicted: the
-/// time would otherwise grow with the square of their number.
+/// Largest number of passes from which the gain of offsets of satellites is judged. Of more passes those of some
+/// satellites are used, at equal steps of their numbers: the time would otherwise grow with the square of the passes.
 const MOST_JUDGED: usize = 500;
 
 /// Returns true if offsets of single satellites predict their other passes better than the offset of the kind: the mean
@@ -132,24 +132,24 @@ const MOST_JUDGED: usize = 500;
 /// # Errors
 /// [`Interrupted`] if `watch` stops.
 pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64, watch: &Watch) -> Result<bool, Interrupted> {
-    let mut passes_of: BTreeMap<NoradId, usize> = BTreeMap::new();
-    of_kind.iter().for_each(|pass| *passes_of.entry(pass.norad_id()).or_default() += 1);
-    let has_others = |pass: &&Pass| passes_of.get(&pass.norad_id()).is_some_and(|number| *number > 1);
-    let judged: Vec<&Pass> = of_kind.iter().copied().filter(has_others).collect();
+    let mut by_satellite: BTreeMap<NoradId, Vec<&Pass>> = BTreeMap::new();
+    of_kind.iter().for_each(|pass| by_satellite.entry(pass.norad_id()).or_default().push(*pass));
+    let repeated = by_satellite.values().filter(|passes| passes.len() > 1);
+    let step = of_kind.len().div_ceil(MOST_JUDGED).max(1);
+    let judged: Vec<&Pass> = repeated.step_by(step).flatten().copied().take(MOST_JUDGED).collect();
     if judged.len() < LEAST_JUDGED {
         return Ok(true);
     }
-    let step = judged.len().div_ceil(MOST_JUDGED);
+    let all = if step > 1 { &judged } else { of_kind };
     let differences = |left_out: &&Pass| {
         watch.check()?;
-        let others: Vec<&Pass> = of_kind.iter().copied().filter(|pass| !std::ptr::eq(*pass, *left_out)).collect();
+        let others: Vec<&Pass> = all.iter().copied().filter(|pass| !std::ptr::eq(*pass, *left_out)).collect();
         let fit = fit_kind(&others, sigma_mag);
         // No satellite has the number 0: the prediction of the kind.
         Ok([left_out.norad_id(), NoradId(0)].map(|id| (left_out.median_mag() - fit.predict(id).offset_mag).abs()))
     };
     let [own, kind] = judged
         .par_iter()
-        .step_by(step)
         .map(differences)
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()

@@ -37,7 +37,7 @@ pub struct Sky {
     ephemerides: Arc<Vec<Arc<Ephemeris>>>,
     classes: Arc<Vec<OrbitClass>>,
     models: Arc<Vec<Arc<BrightnessModel>>>,
-    /// Prior for any satellite.
+    /// Models of satellites of unknown brightness, by orbit.
     pub(super) priors: Priors,
     /// Measured magnitudes, which correct those of their passes.
     pub(super) measured: Arc<MeasuredPasses>,

@@ -479,6 +479,16 @@ fn a_damaged_status_file_is_named() {
         assert_eq!((&first["runs"], &counters()["runs"]), (&Value::from(1), &Value::from(2)));
         assert!(first["since_utc"].is_string() && first["since_utc"] == counters()["since_utc"], "{first}");
     }
+    // Also if the file is written during a wait, before the final status.
+    let mut waited = 0;
+    for minute in [30, 33, 36, 39] {
+        fs::write(&status, "{\"counters\": {\"runs\": -5}}").unwrap();
+        let now = format!("2024-08-14T23:{minute}:00.000Z");
+        let (code, _, stderr) = run(&[GATE, POINTING, LIMIT, &["--now", &now, "--status-file", &status]]);
+        assert_eq!((code, stderr.matches("was damaged").count()), (0, 1), "{stderr}");
+        waited += usize::from(stderr.contains("clear after"));
+    }
+    assert!(waited > 0, "all of them were clear at once");
 }
 
 /// Runs at the same time with one status file are all counted.

@@ -1,4 +1,4 @@
-//! The home file: `streakcast setup` writes it, and all verbs with a configuration read it below `--config`.
+//! The home file: `streakcast setup` writes it, and the verbs of an observer read it below `--config`.
 
 use std::fs;
 
@@ -50,7 +50,7 @@ const PASSES: &[&str] =
 fn setup_writes_the_home_file_once() {
     let folder = TempDir::new().unwrap();
     let (code, _, stderr) = run(&folder, &["setup"]);
-    assert!(code == 2 && stderr.contains("--place") && stderr.contains("no terminal"), "{stderr}");
+    assert!(code == 2 && stderr.contains("--place") && stderr.contains("not a terminal"), "{stderr}");
     assert!(!folder.path().join(FILE).exists());
     let answers = ["setup", "--place", "Wien", "--camera", "1.5x1.0deg", "--limit-mag", "6.5", "--exposure", "2min"];
     let (code, _, stderr) = run(&folder, &answers);
@@ -108,7 +108,8 @@ fn verbs_need_nothing_else() {
     assert_eq!(forecast["provenance"]["options"]["max_mag"], 6.0);
     let file = observer.path().join(FILE).display().to_string();
     assert_eq!(forecast["provenance"]["home_file"], file);
-    let windows = json(&observer, &["windows", "--target", "M31"]);
+    let windows = json(&observer, &["windows", "--target", "M31", "--night", "2024-08-14"]);
+    assert!(!windows["windows"].as_array().unwrap().is_empty());
     assert_eq!(windows["provenance"]["options"]["field"]["circle"], "2deg");
     for window in windows["windows"].as_array().unwrap() {
         assert!(window["exposure_s"] == 60.0 && window["first_start_local"].is_string(), "{window}");
@@ -121,6 +122,44 @@ fn verbs_need_nothing_else() {
     for part in [file.as_str(), "lat, lon", "time_zone", "[forecast]", "[gate]"] {
         assert!(line.contains(part), "'{part}' is not in: {line}");
     }
+}
+
+/// The time zone of the home file is not that of another site: the night of Hawaii is that of its own evening.
+#[test]
+fn the_time_zone_belongs_to_the_site() {
+    let observer = home(OBSERVER);
+    let forecast = ["forecast", "--mpc", "568", "--night", "2024-08-14", "--max-mag", "6"];
+    let with_home = json(&observer, &forecast);
+    let without = json(&observer, &[&forecast[..], &["--no-home", "--shells", "kuiper"]].concat());
+    assert!(!with_home["passes"].as_array().unwrap().is_empty());
+    assert_eq!(with_home["passes"], without["passes"]);
+}
+
+/// The keys of a stream lie above the tables of the home file, and `doctor` reads the stream once.
+#[test]
+fn a_configuration_from_a_stream_lies_above_the_home_file() {
+    let observer = home(OBSERVER);
+    let piped = |arguments: &[&str]| {
+        let output = program(&observer)
+            .args(arguments)
+            .args(["--config", "/dev/stdin", "--format", "json"])
+            .write_stdin("exposure = '30s'\nmpc = 'X05'\n")
+            .output()
+            .unwrap();
+        assert!(output.status.code().unwrap() < 2, "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let windows: Value = serde_json::from_str(&piped(&["windows", "--target", "M8", "--night", "2024-08-14"])).unwrap();
+    assert_eq!(windows["windows"][0]["exposure_s"], 30.0);
+    assert!(piped(&["doctor", "--now", "2024-08-14T01:30:00Z"]).contains("Rubin Observatory"));
+}
+
+/// The path of the home file is not a flag of users.
+#[test]
+fn the_home_file_is_not_a_flag() {
+    let observer = home(OBSERVER);
+    let (code, _, stderr) = run(&observer, &[PASSES, &["--home", "other.toml"]].concat());
+    assert!(code == 2 && stderr.contains("unexpected argument '--home'"), "{stderr}");
 }
 
 /// Layers, topmost first: flags, the verb's table and the top of `--config`, the same of the home file.

@@ -309,7 +309,7 @@ def test_an_argument_replaces_the_keys_that_answer_the_same_question(tmp_path):
     # A telescope has a field of view, and a site replaces a telescope in orbit with the height of its limb.
     model = streakcast.StreakModel(config=path, telescope="rubin", mpc="X05")
     assert model.field_radius_deg == pytest.approx(1.75, rel=0.1) and model.site is not None
-    with pytest.raises(streakcast.SetupError, match="obs.toml: missing telescope in orbit"):
+    with pytest.raises(streakcast.SetupError, match="obs.toml: line 4: missing telescope in orbit"):
         path.write_text("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '1deg'\nlimb_height_km = 50\n")
         streakcast.StreakModel(config=path).assess(TARGET, START, 30.0)
 

@@ -17,8 +17,8 @@ pub struct LocalTime(TimeZone);
 /// Time zone of local times.
 #[derive(Clone, Args)]
 pub struct ZoneArguments {
-    /// Local time: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); if omitted UTC, in plots along time and in
-    /// serve mean solar time of the site
+    /// Local time: time zone (Europe/Madrid) or hours ahead of UTC (+01:00); UTC if omitted, and mean solar time of
+    /// the site in serve and in plots along time
     #[arg(long, visible_alias = "utc-offset", value_name = "ZONE", allow_hyphen_values = true, value_parser = local_time)]
     pub time_zone: Option<LocalTime>,
 }

@@ -84,14 +84,22 @@ pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> a
     };
     let mut given: Vec<&Arg> = verb.get_arguments().filter(is_given).collect();
     let reads_home = argument(verb, "home").is_some() && given.iter().all(|arg| arg.get_id() != "no_home");
-    let home = home.filter(|file| reads_home && file.exists());
+    if let Some(word) = all.words.iter().find(|word| word.to_str().and_then(flag_of) == Some("home")) {
+        bail!("unexpected argument '{}'; allowed: --config FILE, or --no-home", word.display());
+    }
+    // A file that cannot be reached is an error when it is read.
+    let home = home.filter(|file| reads_home && file.try_exists().unwrap_or(true));
     let mut position = 1 + path.len();
     if let Some(home) = home {
         all.words.splice(position..position, ["--home".into(), home.as_os_str().to_owned()]);
         position += 2;
     }
     for file in config_file(verb, matches).iter().map(PathBuf::as_path).chain(home) {
-        if is_stream(file) || Config::check_size(file).is_err() {
+        if is_stream(file) {
+            // A stream is read once, later. Its keys, which lie above the tables of the home file, are not known here.
+            break;
+        }
+        if Config::check_size(file).is_err() {
             continue;
         }
         let text = read_to_string(file).unwrap_or_default();

@@ -12,6 +12,7 @@ use serde_json::json;
 use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table};
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_between;
+use streakcast::input::{is_stream, read_to_string};
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted, format_utc};
 use streakcast::schedule::{AgeEffect, VerdictKind};
 
@@ -121,19 +122,21 @@ fn settings_findings(flags: &Config) -> anyhow::Result<Vec<Finding>> {
     let mut above = flags.given();
     let mut findings = Vec::new();
     for (what, path) in [("configuration", &flags.run.file), ("home file", &flags.home.file)] {
-        let Some(path) = path else { continue };
+        // A stream can only be read once, by the verb.
+        let Some(path) = path.as_ref().filter(|path| !is_stream(path)) else { continue };
         let given = Config::read(path)?.given();
         let is_hidden = |key: &&str| {
             let question = Config::QUESTIONS.iter().find(|question| question.keys.contains(key));
             question.is_some_and(|question| question.is_answered_by(&above))
         };
         let (hidden, used): (Vec<&str>, Vec<&str>) = given.iter().partition(|key| is_hidden(key));
-        let text = streakcast::input::read_to_string(path).unwrap_or_default();
+        let text = read_to_string(path).unwrap_or_default();
         let keys: toml::Table = text.parse().unwrap_or_default();
         let tables = keys.keys().filter(|key| !Config::keys().any(|known| known == key.replace('-', "_")));
         let tables: Vec<String> = tables.map(|verb| format!("[{verb}]")).collect();
         let mut finding = format!("{what} {}", path.display());
-        for (what, names) in [("", used.join(", ")), ("tables ", tables.join(", ")), ("replaced: ", hidden.join(", "))]
+        for (what, names) in
+            [("used: ", used.join(", ")), ("tables: ", tables.join(", ")), ("replaced: ", hidden.join(", "))]
         {
             if !names.is_empty() {
                 finding += &format!("; {what}{names}");

@@ -240,6 +240,8 @@ pub struct Request {
     pub pointing: Option<Direction<Gcrs>>,
     pub duration_s: Option<f64>,
     pub site: Option<Site>,
+    /// The site is that of the home file. The site of a mount has precedence.
+    pub is_home_site: bool,
 }
 
 impl Request {
@@ -283,6 +285,7 @@ impl Request {
             pointing: config.pointing()?,
             duration_s,
             site,
+            is_home_site: config.home.gives_site,
             config,
         })
     }

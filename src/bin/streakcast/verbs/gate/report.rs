@@ -63,11 +63,11 @@ impl Counted {
 pub fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counted) -> std::io::Result<Option<String>> {
     let _lock = status_file::lock(path);
     let Before { mut counters, satellites, is_damaged } = status_file::read(Some(path));
-    counters.runs = counters.runs.saturating_add(1);
-    if counters.since_utc.is_none() {
+    if counters.runs == 0 {
         counters.since_utc = status.get("began_utc").and_then(Value::as_str).map(str::to_owned);
     }
     counters.waited_s += counted.waited_s;
+    counters.runs = counters.runs.saturating_add(1);
     match counted.verdict {
         "waited" => counters.waited = counters.waited.saturating_add(1),
         "started" => counters.started = counters.started.saturating_add(1),
@@ -85,7 +85,11 @@ pub fn write_final(path: &Path, mut status: Map<String, Value>, counted: &Counte
     }
     state(&mut status, "counters", json!(counters));
     status_file::write(path, &status)?;
-    Ok(is_damaged.then(|| format!("{} was damaged: its counters start again", path.display())))
+    Ok(is_damaged.then(|| damaged(path)))
+}
+
+fn damaged(path: &Path) -> String {
+    format!("{} was damaged: its counters start again", path.display())
 }
 
 /// Adds a statement to the status.
@@ -129,11 +133,12 @@ pub fn rounded(value: f64, decimals: i32) -> Option<f64> {
 }
 
 /// Writes the status file during a wait, with the counters of the last run; the counters are updated at the end of this
-/// run.
-pub fn write_waiting(path: Option<&Path>, mut status: Map<String, Value>) {
-    let Some(path) = path else { return };
+/// run. Returns a warning if they are lost.
+pub fn write_waiting(path: &Path, mut status: Map<String, Value>) -> std::io::Result<Option<String>> {
     let _lock = status_file::lock(path);
+    let Before { counters, is_damaged, .. } = status_file::read(Some(path));
     state(&mut status, "verdict", "waiting");
-    state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
-    let _ = status_file::write(path, &status);
+    state(&mut status, "counters", json!(counters));
+    status_file::write(path, &status)?;
+    Ok(is_damaged.then(|| damaged(path)))
 }

@@ -76,9 +76,13 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
         && waited_s > 0.0
     {
-        let (path, of_wait) = (flags.status_file.clone(), status.clone());
-        // If writing fails, the error is reported when the final status is written.
-        let _ = within(Instant::now() + rest, move || write_waiting(path.as_deref(), of_wait));
+        if let Some(path) = flags.status_file.clone() {
+            let of_wait = status.clone();
+            // If writing fails, the error is reported when the final status is written.
+            if let Ok(Ok(lost)) = within(Instant::now() + rest, move || write_waiting(&path, of_wait)) {
+                notices.warn(lost.as_slice());
+            }
+        }
         flags.clock.sleep_until(first);
         let now = flags.clock.now();
         let late_s = seconds_between(first, now);
@@ -314,6 +318,7 @@ fn pointing_and_site(
     };
     let mount_site = mount.and_then(|mount| mount.site);
     let site = match (&request.site, mount_site) {
+        (Some(_), Some(mount_site)) if request.is_home_site => mount_site,
         (Some(site), Some(mount_site)) => {
             let apart_km = (site.itrs() - mount_site.itrs()).norm_km();
             if apart_km > SAME_SITE_KM {

@@ -16,7 +16,7 @@ use streakcast::output::{lock_folder, write_atomically};
 #[serde(default)]
 pub struct Counters {
     pub runs: u64,
-    /// Begin of the first run that is counted.
+    /// Begin of the first run that is counted; `None` if an earlier version wrote the file.
     pub since_utc: Option<String>,
     pub clear: u64,
     /// Started at once because this start has the least cost of streaks.

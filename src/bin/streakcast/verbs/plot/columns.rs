@@ -165,6 +165,13 @@ impl Columns {
         }
     }
 
+    /// Returns the configuration without the time zone of the home file if the site is that of the table.
+    pub fn time_zone_with(&self, config: Config) -> Config {
+        let is_of_table = self.site().is_some() && config.takes_site_of_frame();
+        let is_home = is_of_table && config.home.gives_time_zone;
+        Config { time_zone: config.time_zone.clone().filter(|_| !is_home), ..config }
+    }
+
     /// Returns the site in the provenance.
     pub fn site(&self) -> Option<Site> {
         let site = self.stated("site")?;

@@ -48,7 +48,8 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
-        let clock = Clock::new(typed.zone.or_of(&config)?, columns.site_with(&config, site).as_ref());
+        let site = columns.site_with(&config, site);
+        let clock = Clock::new(typed.zone.or_of(&columns.time_zone_with(config))?, site.as_ref());
         let picture = if columns.has("in_field") {
             if let Some(id) = typed.norad {
                 bail!(

@@ -16,7 +16,8 @@ use super::exposures::{Nights, compute, of_flags};
 use super::target::{Target, required};
 
 pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
-    let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let flags = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_configuration_file()?;
+    let config = flags.clone().with_home_file()?;
     if typed.from.is_none() {
         let has_schedule = typed.schedule.is_some();
         let inputs =
@@ -52,6 +53,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         notices.warn(&["no site is given, and the table has none: twilight and local time are not drawn; specify --site, --mpc, or --lat and --lon"
             .to_owned()]);
     }
+    let config = columns.time_zone_with(config);
     let clock = Clock::new(typed.zone.or_of(&config)?, site.as_ref());
     let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
     let nights = Nights::of(&columns, longitude_deg)?;
@@ -63,7 +65,8 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         ));
     }
     let keep: Vec<bool> = nights.of_rows.iter().map(|of| of.as_deref() == Some(&night)).collect();
-    let given = config.policy()?.limit_mag;
+    // The limit of a table has precedence over that of the home file.
+    let given = if typed.from.is_some() { flags.policy()?.limit_mag } else { config.policy()?.limit_mag };
     let limit = match &given {
         Some(limit) => limit.of(config.light.band.as_deref()),
         None => columns.limit_mag(),

@@ -43,12 +43,12 @@ const COLUMNS: [Column; 6] = [
 pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     let exposure =
         ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
-    let flags = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() };
+    let flags = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() }.with_configuration_file()?;
     let limit_of = |config: &Config| -> anyhow::Result<Option<f64>> {
         Ok(config.policy()?.limit_mag.and_then(|limit| limit.of(config.light.band.as_deref())))
     };
     let of_flags = limit_of(&flags)?;
-    let config = flags.with_file()?;
+    let config = flags.with_home_file()?;
     let title = typed.title.title.as_deref();
     let limit = limit_of(&config)?;
     if let Some(path) = &typed.from {

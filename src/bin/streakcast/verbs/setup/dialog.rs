@@ -36,7 +36,9 @@ impl Dialog {
             return read(given).map_err(|error| anyhow!("{flag}: {error}"));
         }
         if !self.is_terminal && default.is_empty() {
-            bail!("missing answer: {text}; specify {flag} (standard input is no terminal, so that setup cannot ask)");
+            bail!(
+                "missing answer: {text}; specify {flag} (standard input is not a terminal, so that setup cannot ask)"
+            );
         }
         if !self.is_terminal {
             return read(default);

@@ -37,7 +37,7 @@ pub struct SetupArguments {
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<String>,
     /// Exposure time of the camera, for example 30s or 2min
-    #[arg(long, value_name = "TIME", default_value = "60s")]
+    #[arg(long, value_name = "TIME", default_value = DEFAULT_EXPOSURE)]
     pub exposure: String,
     /// Faintest magnitude of the passes that forecast lists
     #[arg(long, value_name = "MAG", default_value_t = 4.0, allow_hyphen_values = true)]
@@ -50,6 +50,8 @@ pub struct SetupArguments {
     pub quiet: bool,
 }
 
+/// Exposure time without the flag; without a camera it is not written into the home file.
+const DEFAULT_EXPOSURE: &str = "60s";
 /// Answer for no camera and no limit.
 const NONE: &str = "none";
 /// Distance up to which the closest town has the time zone of a site, km.
@@ -65,7 +67,7 @@ struct Place {
     site: Site,
     /// Town by whose name the place is given.
     town: Option<Town>,
-    /// Other towns with this name.
+    /// Other towns with this name, with their countries.
     others: Vec<String>,
 }
 
@@ -105,7 +107,7 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
     text += &format!("elements = [{}]\n", quoted(&elements.display().to_string()));
     text += &[camera.clone(), limit].into_iter().flatten().collect::<String>();
     text += &format!("\n[forecast]\nmax_mag = {:?}\n", typed.max_mag);
-    if camera.is_some() {
+    if camera.is_some() || typed.exposure != DEFAULT_EXPOSURE {
         let exposure = quoted(&typed.exposure);
         text += &format!("\n[windows]\nexposure = {exposure}\n\n[gate]\nexposure = {exposure}\n");
     }
@@ -116,15 +118,18 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
     let Site { latitude_rad, longitude_rad, height_m, name, .. } = &place.site;
     let name = place.town.as_ref().map_or(name.clone(), Town::name);
     let (latitude_deg, longitude_deg) = (latitude_rad.to_degrees(), longitude_rad.to_degrees());
-    let at = format!("{latitude_deg:.4} deg north, {longitude_deg:.4} deg east, {height_m:.0} m");
+    let has_height = !place.keys.contains("lat =") || place.keys.contains("height =");
+    let height =
+        if has_height { format!("{height_m:.0} m") } else { "height unknown (0 m is used; key height)".to_owned() };
+    let at = format!("{latitude_deg:.4} deg north, {longitude_deg:.4} deg east, {height}");
     notices.info(&format!("place: {}", [name, at].join(" ").trim_start()));
     if !place.others.is_empty() {
-        notices.info(&format!("other towns with this name: {}", place.others.join("; ")));
+        notices.info(&format!("towns with this name: {}", place.others.join("; ")));
     }
     if place.town.is_some() {
         notices.info(
             "a town is known within some kilometres, which is enough for forecasts; for the crossings of a field \
-                      narrower than a degree replace lat and lon by those of the telescope",
+                      narrower than a degree replace lat and lon by those of the telescope, and add its height (m)",
         );
     }
     notices.info(&next_steps(camera.is_some(), elements.exists()));
@@ -172,7 +177,8 @@ fn place(text: &str, towns: &Towns) -> anyhow::Result<Place> {
     }
     for keys in [format!("mpc = {}\n", quoted(text)), format!("site = {}\n", quoted(text))] {
         if let Ok(site) = config(&keys)?.site() {
-            return Ok(Place { keys, site, town: None, others: Vec::new() });
+            let others = towns.by_name(text).iter().take(5).map(|town| town.name()).collect();
+            return Ok(Place { keys, site, town: None, others });
         }
     }
     let found = towns.by_name(text);
@@ -203,10 +209,10 @@ fn camera(text: &str) -> anyhow::Result<Option<String>> {
     if text.eq_ignore_ascii_case(NONE) {
         return Ok(None);
     }
-    let keys = if text.starts_with(|first: char| first.is_ascii_digit() || first == '.') {
-        format!("fov = {}\n", quoted(text))
-    } else if text.ends_with(".toml") {
+    let keys = if text.ends_with(".toml") {
         format!("telescope = {}\n", quoted(&std::path::absolute(text)?.display().to_string()))
+    } else if text.starts_with(|first: char| first.is_ascii_digit() || first == '.') {
+        format!("fov = {}\n", quoted(text))
     } else {
         format!("telescope = {}\n", quoted(text))
     };
