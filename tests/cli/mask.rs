@@ -324,7 +324,9 @@ fn valid_real_streaks_are_masked() {
     let decam = of("frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz");
     let hsc = of("frames/trailblazer/cutout_HSCA21787010.fits");
     let (starlinks, all) = (of("tle/supgp/starlink_supgp_2020-02-23.tle"), of("tle/fullcat/tle_2020-05-17.txt"));
-    let cases: [(&str, &[&str], &[&str], &str, [f64; 4], f64); 2] = [
+    /// Frame, flags of satellites and of the width, name of the mask, ends of the streak, and its half width, pixels.
+    type Case<'a> = (&'a str, &'a [&'a str], &'a [&'a str], &'a str, [f64; 4], f64);
+    let cases: [Case<'_>; 2] = [
         (
             &decam,
             &["--elements", &starlinks, "--zero-point", "30.343"],
