@@ -79,11 +79,13 @@ fn setup_writes_the_home_file_once() {
 #[test]
 fn invalid_answers_name_their_flag() {
     let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("notes.txt"), "clouds\n").unwrap();
     for (answers, parts) in [
         (&["--place", "Viena del Norte"][..], ["--place", "unknown place 'Viena del Norte'"]),
         (&["--place", "93,16"], ["--place", "lat is 93 deg; allowed: -90 to 90 deg"]),
         (&["--place", "X05", "--time-zone", "Mars/Utopia"], ["--time-zone", "'Mars/Utopia' is not a time zone"]),
         (&["--place", "X05", "--elements", "no.tle"], ["--elements", "no.tle: No such file"]),
+        (&["--place", "X05", "--elements", "notes.txt"], ["--elements", "contains no element sets"]),
         (&["--place", "X05", "--camera", "1.5"], ["--camera", "without a unit"]),
         (&["--place", "X05", "--camera", "large"], ["--camera", "allowed: atlas"]),
         (&["--place", "X05", "--limit-mag", "99"], ["--limit-mag", "-30 to 40 mag"]),
@@ -97,6 +99,25 @@ fn invalid_answers_name_their_flag() {
         }
     }
     assert!(!folder.path().join(FILE).exists());
+}
+
+/// A pipe or a link to a missing file in its place is an error at once, also for `setup`.
+#[cfg(unix)]
+#[test]
+fn other_things_in_its_place_are_errors() {
+    let observer = home("");
+    let file = observer.path().join(FILE);
+    fs::remove_file(&file).unwrap();
+    std::os::unix::fs::symlink("/nowhere/streakcast.toml", &file).unwrap();
+    let (code, _, stderr) = run(&observer, &["forecast", "--night", "2024-08-14"]);
+    assert!(code == 2 && stderr.contains("streakcast.toml: No such file"), "{stderr}");
+    fs::remove_file(&file).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(&file).status().unwrap().success());
+    let setup = ["setup", "--place", "X05", "--time-zone", "America/Santiago", "--force"];
+    for arguments in [&setup[..], &["forecast", "--night", "2024-08-14"]] {
+        let (code, _, stderr) = run(&observer, arguments);
+        assert!(code == 2 && stderr.contains("is a named pipe; allowed: a file"), "{stderr}");
+    }
 }
 
 /// With a home file, the evening's verbs need no flags besides the target.

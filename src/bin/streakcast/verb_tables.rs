@@ -7,6 +7,8 @@
 //! files are combined by [`Config::with_file`].
 
 use std::ffi::OsString;
+use std::fs::symlink_metadata;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
@@ -87,8 +89,9 @@ pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> a
     if let Some(word) = all.words.iter().find(|word| word.to_str().and_then(flag_of) == Some("home")) {
         bail!("unexpected argument '{}'; allowed: --config FILE, or --no-home", word.display());
     }
-    // A file that cannot be reached is an error when it is read.
-    let home = home.filter(|file| reads_home && file.try_exists().unwrap_or(true));
+    // A file that cannot be reached, and a link to a missing file, are errors when they are read.
+    let is_missing = |file: &Path| symlink_metadata(file).is_err_and(|error| error.kind() == ErrorKind::NotFound);
+    let home = home.filter(|file| reads_home && !is_missing(file));
     let mut position = 1 + path.len();
     if let Some(home) = home {
         all.words.splice(position..position, ["--home".into(), home.as_os_str().to_owned()]);

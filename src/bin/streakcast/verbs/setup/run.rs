@@ -7,6 +7,7 @@ use anyhow::{anyhow, bail};
 use clap::Args;
 use streakcast::config::{Config, parse_duration_s};
 use streakcast::geometry::Site;
+use streakcast::input::check_regular;
 use toml::Value;
 
 use super::dialog::{Dialog, Prompt};
@@ -78,6 +79,9 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
     if !(-30.0..=40.0).contains(&typed.max_mag) {
         bail!("max-mag is {} mag; allowed: -30 to 40 mag", typed.max_mag);
     }
+    if file.exists() {
+        check_regular(&file).map_err(|error| crate::output::cannot_write(&file, &error))?;
+    }
     if file.exists() && !typed.force && !dialog.agrees(&format!("{} exists. Replace it?", file.display()))? {
         bail!("{} exists; allowed: --force, which replaces it", file.display());
     }
@@ -116,13 +120,15 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
     }
     write_bytes(&file, text.as_bytes(), &notices)?;
     let Site { latitude_rad, longitude_rad, height_m, name, .. } = &place.site;
+    let is_named = place.town.is_some() || !place.keys.contains("lat =");
     let name = place.town.as_ref().map_or(name.clone(), Town::name);
+    let name = if is_named { name } else { near.map_or(String::new(), |town| format!("near {}", town.name())) };
     let (latitude_deg, longitude_deg) = (latitude_rad.to_degrees(), longitude_rad.to_degrees());
     let has_height = !place.keys.contains("lat =") || place.keys.contains("height =");
     let height =
         if has_height { format!("{height_m:.0} m") } else { "height unknown (0 m is used; key height)".to_owned() };
     let at = format!("{latitude_deg:.4} deg north, {longitude_deg:.4} deg east, {height}");
-    notices.info(&format!("place: {}", [name, at].join(" ").trim_start()));
+    notices.info(&format!("place: {}; time zone {zone}", [name, at].join(", ").trim_start_matches(", ")));
     if !place.others.is_empty() {
         notices.info(&format!("towns with this name: {}", place.others.join("; ")));
     }
@@ -200,6 +206,7 @@ fn elements(text: &str, cached: &str) -> anyhow::Result<PathBuf> {
     let path = std::path::absolute(text)?;
     if text != cached {
         fs::metadata(&path).map_err(|error| anyhow!("element sets {}: {error}", path.display()))?;
+        config(&format!("elements = [{}]\n", quoted(&path.display().to_string())))?.load()?;
     }
     Ok(path)
 }
