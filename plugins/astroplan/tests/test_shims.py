@@ -5,8 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from astroplan import FixedTarget
 from astropy import units as u
-from astropy.coordinates import SkyCoord
+from astropy.coordinates import AltAz, SkyCoord
 from astropy.time import Time
 
 from conftest import FOV_DEG, LOCATION, START
@@ -58,16 +59,19 @@ def test_pocs_vetoes_only_if_configured(options, observer, field):
     assert all(strict.get_score(time, observer, field) == (False, 1.0) for time in times)
 
 
-def test_pocs_continues_after_errors(options, observer, field, log):
+def test_pocs_continues_after_errors(options, observer, log):
     log.set_level("WARNING", logger="streakcast.pocs")
     constraint = pocs(options)
     broken = SimpleNamespace(field=SimpleNamespace(), exptime=30 * u.s, exp_set_size=10)
     assert all(constraint.get_score(START, observer, broken) == (False, 1.0) for _ in range(3))
+    # A field near the zenith, so that the result does not depend on the time of day.
+    overhead = SkyCoord(AltAz(alt=80 * u.deg, az=180 * u.deg, obstime=Time.now(), location=LOCATION)).icrs
+    up = SimpleNamespace(field=FixedTarget(overhead, name="overhead"), exptime=30 * u.s, exp_set_size=10)
     off = Time.now() + 37 * u.s
     for _ in range(3):
-        constraint.get_score(off, observer, field)
+        constraint.get_score(off, observer, up)
         # POCS reads the time some seconds before it scores all fields.
-        constraint.get_score(Time.now() - 10 * u.s, observer, field)
+        constraint.get_score(Time.now() - 10 * u.s, observer, up)
     counts = constraint.hook.counts
     assert counts["failed"] == 3 and counts["clock"] == 3
     # The third message states that positions are unknown today, because the element sets are old.
