@@ -71,7 +71,7 @@ trap 'rm -rf "$wheels"' EXIT
 # Built with the profile and the features of `cargo test --workspace`, to use what that has compiled: library and
 # dependencies. Releases build the optimised wheel, with the features that it needs.
 PATH=$target/venv-python/bin:$PATH \
-    maturin build --quiet --profile dev --locked --manifest-path plugins/python/Cargo.toml --features streakcast/default --out "$wheels"
+    maturin build --quiet --profile dev --locked --manifest-path plugins/python/Cargo.toml --features streakcast/cli,streakcast/fit,streakcast/sqlite --out "$wheels"
 
 for name in "${names[@]}"; do
     echo "plugins/$name"

@@ -29,6 +29,12 @@
 //! The library uses radians and kilometres internally, degrees at interfaces and in files. Every right ascension and
 //! declination is ICRS astrometric topocentric unless documented otherwise: the position relative to catalogue stars on
 //! a calibrated image. The library never prints, and never reads the environment, the clock or the network.
+//!
+//! # Features
+//!
+//! The default needs no C compiler. `fits` adds frames and HEALPix maps as FITS (CFITSIO is compiled in, on Unix),
+//! `sqlite` adds Rubin opsim databases (SQLite is compiled in), `plot` adds charts and maps as PNG and SVG, and `fit` adds
+//! fits of brightness models to photometry.
 
 #[doc(hidden)]
 pub mod config;

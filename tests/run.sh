@@ -15,8 +15,7 @@ LONG="   45  samples of measured streaks
    60  more nights with Rubin's scheduler
   169  lints of all targets
    59  documentation of the library without warnings
-   71  sets of features: none; serve and fit; fits, plot and sqlite
-    -  set of features: the command line alone
+    -  library without features and without a C compiler; with fit; with fits, plot and sqlite
     -  examples
     -  gate against INDI's server
    43  outputs read by independent programs
@@ -128,6 +127,12 @@ test_plugins() {
     plugins/test.sh ${plugins[@]+"${plugins[@]}"}
 }
 
+# Fails if the library with its default features needs a C compiler.
+no_c_compiler() {
+    cargo tree -p streakcast -e normal,build --prefix none >"$log/tree"
+    ! grep -E '^(cc|cmake|autotools|pkg-config) ' "$log/tree"
+}
+
 # Arguments of the scripts without `--all`.
 serve=(--browser) plugins=()
 if is_all; then
@@ -172,10 +177,10 @@ fi
 if is_all; then
     step "cargo clippy" cargo clippy --quiet --workspace --all-targets "${lint[@]}"
     step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --workspace --no-deps
-    step "without features" cargo check --quiet --no-default-features
-    step "cli alone" cargo check --quiet --no-default-features --features cli
-    step "serve and fit" cargo check --quiet --no-default-features --features serve,fit
-    step "fits, plot and sqlite" cargo check --quiet --no-default-features --features fits,plot,sqlite
+    step "library without features: no C compiler" no_c_compiler
+    step "library without features: tests and examples" cargo check --quiet -p streakcast --all-targets
+    step "library with fit" cargo check --quiet -p streakcast --features fit
+    step "library with fits, plot and sqlite" cargo check --quiet -p streakcast --features fits,plot,sqlite
     for example in flag_exposures forecast_night identify_streak sky_map fit_photometry inject_streaks learn_offsets; do
         step "example $example" "$target/debug/examples/$example"
     done

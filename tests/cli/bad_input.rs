@@ -140,13 +140,9 @@ fn errors_for_unknown_values_list_the_allowed_ones() {
     fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
     fails(&[&["passes", "--lon", "2.35E"]], &["invalid value '2.35E' for '--lon <DEG>': allowed: a number"]);
     fails(&[&["passes", "--threads", "two"]], &["'two' for '--threads <N>': allowed: a whole number of 0 or more"]);
-    #[cfg(feature = "fit")]
     fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
-    #[cfg(feature = "plot")]
     fails(&[&["plot", "plot"]], &["'plot'", "allowed: night, field"]);
-    #[cfg(feature = "plot")]
     fails(&[&["plot", "nite"]], &["'nite'", "allowed: night, field, light-curve, sky-chart, sky-rate"]);
-    #[cfg(feature = "serve")]
     fails(
         &[&["serve", "--schedule", "x", "--bind", "nonsense"]],
         &["'nonsense' for '--bind", "allowed: an IP address and a port of 0 to 65535, for example 127.0.0.1:8642"],
@@ -320,9 +316,9 @@ fn unknown_arguments() {
     fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown field `limit`", "limit_mag"]);
     let (_, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
     assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     let frame = file(&folder, "s.toml", b"columns = 64\nrow = 64\n");
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     fails(
         &[&[
             "inject",

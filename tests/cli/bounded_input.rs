@@ -29,7 +29,6 @@ fn file(folder: &TempDir, name: &str, text: &str) -> String {
     path
 }
 
-#[cfg(all(feature = "fits", feature = "fit"))]
 #[test]
 fn small_tables_are_regular_files() {
     let folder = TempDir::new().unwrap();
@@ -37,8 +36,9 @@ fn small_tables_are_regular_files() {
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let [output, tables] = ["out", "tables"].map(|name| path(&folder, name));
     let photometry = file(&folder, "mmt.csv", "");
-    let elements = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/elements/sample.3le");
-    let synthetic = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/synthetic.toml")).unwrap();
+    let elements = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tests/data/elements/sample.3le");
+    let synthetic =
+        fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/synthetic.toml")).unwrap();
     let plain = file(&folder, "plain.toml", &synthetic);
     let random: &[&str] =
         &["--random-streaks", "1", "--magnitude", "4,7", "--exposure", "30s", "--seeing", "1.5arcsec", "--seed", "1"];
@@ -69,7 +69,7 @@ fn long_values_are_shortened() {
     error(&[POINTING, SKY, &["--fov", "1deg", "--limit-mag", &long]]);
     error(&[POINTING, SKY, &["--fov", "1deg", "--elements", &long]]);
     let policy = file(&folder, "policy.toml", &format!("{long} = 1\n"));
-    let schedule = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");
+    let schedule = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/night.csv");
     error(&[&["flag", "--schedule", schedule, "--policy", &policy, "--fov", "1deg"], SKY]);
 
     // Cells of 10 MB, in the reasons of invalid rows.
@@ -103,7 +103,7 @@ fn errors_name_their_file() {
         let error = error(&[POINTING, &arguments]);
         assert!(error.contains(&bad), "{arguments:?}: {error}");
     }
-    let schedule = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");
+    let schedule = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/night.csv");
     assert!(error(&[&["flag", "--schedule", schedule, "--policy", &bad, "--fov", "1deg"], SKY]).contains(&bad));
 }
 

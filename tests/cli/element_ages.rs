@@ -122,7 +122,7 @@ fn verif_shares_of_near_misses_follow_the_verdicts() {
 fn verif_old_elements_warn_with_their_effect_on_verdicts() {
     let folder = tempfile::tempdir().unwrap();
     let file = catalogue(&folder, "starlink-gen1", "ONEWEB-", 2e-5);
-    let night = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");
+    let night = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/night.csv");
     let flag = ["flag", "--schedule", night, "--elements", &file, "--format", "json"];
     let (code, stdout, stderr) = run(&[&flag, FIELD]);
     assert_eq!(code, 0, "{stderr}");
@@ -157,7 +157,7 @@ fn verif_old_elements_warn_with_their_effect_on_verdicts() {
 /// The elements of simulated satellites are always current.
 #[test]
 fn verif_new_elements_do_not_warn() {
-    let night = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");
+    let night = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/night.csv");
     let (_, _, stderr) = run(&[&["flag", "--schedule", night, "--shells", "starlink-gen1"], FIELD]);
     assert!(!stderr.contains("would change verdict"), "{stderr}");
 }

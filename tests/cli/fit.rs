@@ -78,7 +78,6 @@ fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {
         assert!(report.contains(part), "{part} is not in {report}");
     }
     // All pictures linked in the report exist.
-    #[cfg(feature = "plot")]
     {
         let named: Vec<&str> = report.split("](<").skip(1).filter_map(|rest| rest.split(">)").next()).collect();
         assert!(named.len() >= 4, "{named:?}");
@@ -102,7 +101,6 @@ fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {
     };
     assert!(code < 2 && stderr.is_empty(), "{stderr}");
     assert!(page.starts_with("<!doctype html>") && page.contains("<td>c5</td>"));
-    #[cfg(feature = "plot")]
     assert!(page.contains("src=\"data:image/png;base64,iVBOR"));
 }
 
@@ -143,12 +141,10 @@ fn verif_pixels_comparison_and_pictures() {
     assert_eq!(code, 0, "{stderr}");
     let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
     assert!(rows[0].contains("mode") && rows.len() > 50, "{}", rows.len());
-    #[cfg(feature = "plot")]
     for more in ["--picture three.png", "--picture two.svg --layer -14.5"] {
         let (code, _, stderr) = run(folder.path(), &format!("{reduce} {more} --format csv"));
         assert_eq!(code, 0, "{stderr}");
     }
-    #[cfg(feature = "plot")]
     {
         let at = |name: &str| folder.path().join(name);
         assert!(at("three.png").is_file());
@@ -247,7 +243,6 @@ fn verif_bands_are_compared_and_names_may_contain_blanks() {
     assert!(!folder.path().join("-").exists());
     let text = fs::read_to_string(report).expect("a report");
     assert!(text.contains("**Band:** photometry through Clear"), "{text}");
-    #[cfg(feature = "plot")]
     assert!(text.contains("](<my fit-phase.png>)") && folder.path().join("my fit-phase.png").is_file());
     // Two files with different filters are used together and counted separately.
     let table = fs::read_to_string(folder.path().join("mmt.csv")).expect("a table");

@@ -271,11 +271,10 @@ fn paths_are_relative_to_the_home_file() {
 }
 
 /// The site of the home file is that of a frame whose header has none, which is stated.
-#[cfg(feature = "fits")]
 #[test]
 fn frames_without_a_site_are_those_of_the_home_file() {
     let home = home(OBSERVER);
-    let synthetic = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/synthetic.toml");
+    let synthetic = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/synthetic.toml");
     let streak = ["--random-streaks", "1", "--magnitude", "4", "--exposure", "30s", "--seeing", "1.5arcsec"];
     let (code, _, stderr) = run(&home, &[&["inject", "--synthetic", synthetic, "-o", "f.fits"], &streak[..]].concat());
     assert_eq!(code, 0, "{stderr}");

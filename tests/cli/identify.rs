@@ -96,7 +96,7 @@ fn invalid_streaks_give_one_line() {
     std::fs::write(&region, "fk5\ncircle(1,2,3\")\n").unwrap();
     let shutter = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
     let with = |words: &[&'static str]| [words.to_vec(), shutter.to_vec()].concat();
-    #[cfg_attr(not(all(feature = "fits", unix)), allow(unused_mut))]
+    #[cfg_attr(not(unix), allow(unused_mut))]
     let mut cases: Vec<(Vec<&str>, &str)> = vec![
         (shutter.to_vec(), "missing streak; specify --end RA,DEC twice"),
         (with(&["--end", "1,2"]), "--end is given once; allowed: twice"),
@@ -125,7 +125,7 @@ fn invalid_streaks_give_one_line() {
         ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
     ];
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     cases.extend([
         (vec!["--image", "missing.fits", "--from-pix", "1,2", "--to-pix", "3,4"], "missing.fits"),
         (vec!["--image", "missing.fits", "--from-pix", "1;2", "--to-pix", "3,4"], "pixel '1;2'; allowed: X,Y"),
@@ -153,7 +153,7 @@ fn valid_a_ds9_region_is_a_streak() {
     assert_eq!(answer["candidates"][0]["name"], "STARLINK-1498", "{answer}");
 }
 
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 #[test]
 fn valid_a_frame_provides_position_and_time() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -182,7 +182,7 @@ fn valid_a_frame_provides_position_and_time() {
     }
 }
 
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 fn hdu_of_s28(frame: &str) -> usize {
     let frame = streakcast::images::FrameFile::open(std::path::Path::new(frame)).unwrap();
     frame.hdus().iter().find(|hdu| hdu.name == "S28").unwrap().index

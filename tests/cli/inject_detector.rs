@@ -80,7 +80,7 @@ fn verif_bleeding_and_ghosts_are_masked() {
 fn verif_a_detector_is_read_from_each_form_of_file() {
     let folder = TempDir::new().unwrap();
     let [plain, output, detector] = ["plain.fits", "out.fits", "detector.toml"].map(|name| path(&folder, name));
-    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/synthetic.toml");
+    let example = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../examples/synthetic.toml");
     done(&[&["inject", "--synthetic", example, "-o", &plain, "--random-streaks", "0", "--pixels-only"], &RANDOM[2..]]);
     let streak = ["--random-streaks", "1", "--magnitude", "1", "--seeing", "2.5arcsec", "--seed", "5", "--quiet"];
     let injected = |detector: &str| {

@@ -67,7 +67,7 @@ fn copy(from: &Path, to: &Path) {
 }
 
 fn schedule(folder: &Path) {
-    copy(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/night.csv"), &folder.join("night.csv"));
+    copy(&crate::common::root().join("examples/night.csv"), &folder.join("night.csv"));
 }
 
 const SKY: &str = "--shells starlink-gen1 --mpc X05 --fov 3.5deg --limit-mag 6.5";
@@ -78,11 +78,11 @@ fn verdicts_are_whole_or_absent() {
     check("annotate", schedule, &format!("annotate --schedule night.csv {SKY} -o annotated.csv"));
 }
 
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 #[test]
 fn frames_are_whole_or_absent() {
     let random = "--random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1";
-    let synthetic = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/synthetic.toml");
+    let synthetic = crate::common::root().join("examples/synthetic.toml");
     let synthetic = |folder: &Path| copy(&synthetic, &folder.join("synthetic.toml"));
     check("inject --synthetic", synthetic, &format!("inject --synthetic synthetic.toml -o frame.fits {random}"));
 
@@ -100,7 +100,6 @@ fn frames_are_whole_or_absent() {
     check("inject", fill, &format!("inject --image frame.fits -o streaked.fits --truth truth.csv {random}"));
 }
 
-#[cfg(feature = "fit")]
 #[test]
 fn models_are_whole_or_absent() {
     let photometry = super::fit::folder();

@@ -96,16 +96,11 @@ fn verif_several_output_files() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (table, picture) = (path("body.csv"), path("body.svg"));
-    #[cfg(feature = "plot")]
     assert_eq!(output(&[BODY, &["-o", &table, "--picture", &picture]]), "");
-    #[cfg(feature = "plot")]
     assert!(fs::read_to_string(&picture).unwrap().starts_with("<svg"));
-    #[cfg(not(feature = "plot"))]
-    assert_eq!((output(&[BODY, &["-o", &table]]), picture.is_empty()), (String::new(), false));
     assert_eq!(rows(&fs::read_to_string(&table).unwrap()).len(), 8281);
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn verif_the_papers_twelve_maps() {
     let folder = tempdir().unwrap();
@@ -119,7 +114,6 @@ fn verif_the_papers_twelve_maps() {
 }
 
 /// Options of the photometry also apply to the figures of the paper.
-#[cfg(feature = "plot")]
 #[test]
 fn verif_the_papers_figures_in_another_band() {
     let folder = tempdir().unwrap();
@@ -147,7 +141,7 @@ fn verif_the_papers_figures_in_another_band() {
     fails(&[&paper, &["--threads", "0"]], &["threads is 0"]);
 }
 
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 #[test]
 fn verif_fits_by_format_or_by_name() {
     // A name that CFITSIO would interpret as an expression.
@@ -191,7 +185,6 @@ fn verif_invalid_arguments() {
     fails(&[SKY, &["--band", "q"], &out], &["q"]);
     fails(&[SKY, &["--threads", "100000"], &out], &["threads is 100000; allowed: 1 to 1024"]);
     fails(&[&["map", "sky", "--model", "v1.5"], &out], &["--sun-altitude-deg"]);
-    #[cfg(feature = "plot")]
     {
         fails(
             &[SKY, &["--picture", "map.gif"], &out],
@@ -225,7 +218,7 @@ fn verif_a_provisional_model_and_a_hidden_sun_are_reported() {
 fn verif_file_name_extensions() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     for name in ["a.FITS", "a.fit", "a.Fits"] {
         assert_eq!(output(&[SKY, &["--nside", "4", "-o", &path(name)]]), "");
         assert!(fs::read(path(name)).unwrap().starts_with(b"SIMPLE  ="), "{name}");
@@ -236,9 +229,7 @@ fn verif_file_name_extensions() {
     fs::remove_file(path("a.JSON")).unwrap();
 
     fails(&[SKY, &["-o", &path("a.fits.gz")]], &["which is not supported; allowed: ", "a.fits"]);
-    #[cfg(feature = "plot")]
     fails(&[SKY, &["-o", &path("a.PNG")]], &["is a picture; allowed: --picture", "a.PNG"]);
-    #[cfg(feature = "plot")]
     fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["is a picture; allowed: --picture"]);
     fails(
         &[SKY, &["-o", &path("a.csv"), "--format", "fits"]],
@@ -255,7 +246,6 @@ fn verif_file_name_extensions() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn verif_two_outputs_need_two_files() {
     let folder = tempdir().unwrap();
@@ -349,7 +339,7 @@ fn verif_a_model_is_a_name_or_a_path() {
     assert!(here("nope")[1].contains("unknown model 'nope', and no file of that name; allowed:"));
 }
 
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 #[test]
 fn verif_an_invalid_temporary_folder_is_reported_once_with_a_remedy() {
     let folder = tempdir().unwrap();

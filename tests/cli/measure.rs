@@ -155,7 +155,6 @@ fn verif_the_zero_point_is_that_of_stars_in_a_table() {
     }
 }
 
-#[cfg(feature = "plot")]
 #[test]
 fn verif_pictures_show_each_track() {
     let folder = TempDir::new().unwrap();

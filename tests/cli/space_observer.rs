@@ -2,25 +2,16 @@
 
 use std::fs;
 
-use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
+use crate::common::cli::run;
+
 /// Element set of the telescope, an invented satellite. The catalogue contains 6,372 simulated satellites.
-const OBSERVER: &str = "tests/data/elements/sample.2le";
+const OBSERVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tests/data/elements/sample.2le");
 const SHELLS: &[&str] = &["--shells", "oneweb", "--quiet"];
 const EXPOSURE: &[&str] =
     &["--start", "2026-03-21T06:00:00Z", "--exposure", "660s", "--fov", "10deg", "--include-dark"];
-
-fn run(arguments: &[&[&str]]) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
-        .env("STREAKCAST_NO_HOME", "1")
-        .args(arguments.concat())
-        .output()
-        .unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
 
 /// Returns the first of eight pointings around the sky that is not blocked by the Earth and is crossed by a satellite.
 fn crossed() -> (String, String, Value) {

@@ -2,21 +2,19 @@
 #![allow(dead_code)]
 
 pub mod agreement;
-#[cfg(feature = "cli")]
-pub mod cli;
 pub mod elements;
-#[cfg(all(feature = "fits", unix))]
-pub mod injected;
 pub mod maps;
 pub mod mutated;
 pub mod random;
-#[cfg(feature = "serve")]
-pub mod server;
-#[cfg(feature = "fit")]
-pub mod simulated_photometry;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+/// Returns the root of the repository. The tests of the library and those of the program are in different packages.
+pub fn root() -> &'static Path {
+    let mut above = Path::new(env!("CARGO_MANIFEST_DIR")).ancestors();
+    above.find(|folder| folder.join("tests/common").is_dir()).expect("a folder with tests/common")
+}
 
 /// Returns the folder of real data: `STREAKCAST_DATA`, or else `../shared/data` next to the project. It is not part of
 /// the project, because its licences differ. If it is missing, a message is printed on standard error, and the test
@@ -26,9 +24,8 @@ use std::path::{Path, PathBuf};
 /// let Some(data) = common::data_dir() else { return };
 /// ```
 pub fn data_dir() -> Option<PathBuf> {
-    let folder = std::env::var_os("STREAKCAST_DATA")
-        .map(PathBuf::from)
-        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join("shared").join("data"));
+    let folder =
+        std::env::var_os("STREAKCAST_DATA").map(PathBuf::from).unwrap_or_else(|| root().join("../shared/data"));
     if folder.join("INDEX.md").is_file() {
         return Some(folder);
     }
@@ -50,14 +47,14 @@ pub fn is_all() -> bool {
 
 /// Returns the folder of golden data and small samples of this project.
 pub fn golden_dir() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("data")
+    root().join("tests").join("data")
 }
 
 /// Requires that a table of `docs/tables` is current: the same words and counts. Decimal numbers may differ by two
 /// units of their last digit, and percentages without decimals by one, because the last digits of fits depend on the
 /// machine.
 pub fn assert_is_documented(name: &str, table: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tables").join(name);
+    let path = root().join("docs/tables").join(name);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let words =
         |text: &str| text.split_whitespace().map(|word| word.trim_end_matches(',').to_owned()).collect::<Vec<_>>();
@@ -73,13 +70,4 @@ pub fn assert_is_documented(name: &str, table: &str) {
         let is_same = documented == computed || difference.is_ok_and(|difference| difference < tolerance);
         assert!(is_same, "{name} has {documented}, computed {computed}:\n{table}");
     }
-}
-
-/// Keeps every n-th measurement of a survey, so that at most 12,000 remain. Tracks are sampled at 10 Hz, so successive
-/// measurements differ little.
-#[cfg(feature = "fit")]
-pub fn thin(measured: &mut streakcast::fit::measurements::Measurements) {
-    const MOST: usize = 12_000;
-    let step = measured.points.len().div_ceil(MOST);
-    measured.points = std::mem::take(&mut measured.points).into_iter().step_by(step).collect();
 }

@@ -14,7 +14,7 @@
 //! pixel size, selection by spread) change c1 by 3 %, n_sail by 1 % and the others by at most 0.6 %, measured without
 //! noise: a quarter of a sigma.
 
-use crate::common::simulated_photometry::{SimulationOptions, simulate_with};
+use crate::simulated_photometry::{SimulationOptions, simulate_with};
 use streakcast::elements::{Constellation, ElementSet, History};
 use streakcast::fit::measurements::{Measurements, Placement, ReduceOptions, Reduction, Selection, measure, reduce};
 use streakcast::fit::{

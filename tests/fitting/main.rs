@@ -1,5 +1,4 @@
 //! Tests of photometry, fits and model validation.
-#![cfg(feature = "fit")]
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -16,5 +15,7 @@ mod measured_real;
 mod model_validation;
 mod outside_geometry;
 mod pass_update;
+#[path = "../common/simulated_photometry.rs"]
+mod simulated_photometry;
 mod survey;
 mod unseen_surveys;

@@ -3,7 +3,7 @@
 
 use crate::common::agreement::Agreement;
 use crate::common::mutated::Reader;
-use crate::common::simulated_photometry::{Simulation, SimulationOptions, simulate, write_mmt_csv};
+use crate::simulated_photometry::{Simulation, SimulationOptions, simulate, write_mmt_csv};
 use std::collections::HashMap;
 use std::io::{Cursor, Write};
 

@@ -1,5 +1,4 @@
-//! Statistics of a site: expected trails compared with computed crossings, counts compared with the density of shells,
-//! and the verbs that print them.
+//! Statistics of a site: expected trails compared with computed crossings, counts compared with the density of shells.
 
 use std::f64::consts::{PI, TAU};
 
@@ -131,108 +130,6 @@ fn valid_satellites_above_against_the_density_of_shells() {
             println!("{name} above {altitude_deg}: {:.1} expected, {:.1} counted", row.by_method.unwrap(), row.ours);
             assert!(off.abs() < DENSITY, "{name} above {altitude_deg}: {row:?}");
         }
-    }
-}
-
-#[cfg(feature = "cli")]
-mod verbs {
-    use crate::common::cli::{done, json, records, run};
-
-    const STATISTICS: &[&str] = &["statistics", "--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
-
-    #[test]
-    fn verif_statistics_by_season_and_latitude() {
-        let more: &[&str] = &[
-            "--moments",
-            "2",
-            "--night",
-            "2024-06-21",
-            "2024-12-21",
-            "--latitudes",
-            "-60,0",
-            "--sun-altitude-deg",
-            "-12,-30",
-        ];
-        let answer = json(&[STATISTICS, more]);
-        let rows = answer["statistics"].as_array().unwrap();
-        // At 60° south, the Sun stays above -12° in December, and above -30° throughout summer.
-        assert!(rows.len() > 16 && rows.len() < 32, "{}", rows.len());
-        let row = |latitude: f64, month: &str, sun: f64| {
-            rows.iter().find(|row| {
-                row["latitude_deg"].as_f64() == Some(latitude)
-                    && row["utc"].as_str().unwrap().contains(month)
-                    && row["sun_altitude_deg"].as_f64() == Some(sun)
-            })
-        };
-        assert!(row(-60.0, "-12-", -12.0).is_none() && row(0.0, "-12-", -12.0).is_some());
-        let text = done(&[STATISTICS, more, &["--format", "csv"]]);
-        assert_eq!(records(&text).len() - 1, rows.len());
-    }
-
-    #[test]
-    fn bad_input_is_one_line() {
-        let statistics: [(&[&str], &str); 6] = [
-            (&[], "--night"),
-            (&["--night", "x"], "invalid night 'x'"),
-            (&["--night", "2024-06-21", "--moments", "0"], "1 to 10000"),
-            (&["--night", "2024-06-21", "--min-altitude", "95"], "0 to 89 deg"),
-            (&["--night", "2024-06-21", "--latitudes", "95"], "-90 to 90 deg"),
-            (&["--night", "2024-06-21", "--fov", "3"], "without a unit"),
-        ];
-        let reproduce: [(&[&str], &str); 5] = [
-            (&["hu2022"], "--schedule"),
-            (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
-            (&["lu2024b", "--schedule", "a.db"], "--schedule has no effect on reproduce lu2024b"),
-            (&["bassa2022", "--time-scale", "utc"], "--time-scale has no effect on reproduce bassa2022"),
-            (&["smith1999"], "hu2022, lu2024, lu2024b, bassa2022"),
-        ];
-        let cases = statistics.iter().map(|case| (STATISTICS, case));
-        for (verb, (arguments, part)) in cases.chain(reproduce.iter().map(|case| (&["reproduce"][..], case))) {
-            let (code, stdout, stderr) = run(&[verb, arguments]);
-            assert_eq!(code, 2, "{arguments:?}: {stderr}");
-            assert!(
-                stdout.is_empty() && stderr.lines().count() == 1 && stderr.contains(part),
-                "{arguments:?}: {stderr}"
-            );
-        }
-    }
-
-    #[test]
-    fn valid_visits_of_the_baseline_against_hu_2022() {
-        let Some(data) = crate::common::data_dir() else { return };
-        let schedule = data.join("schedules").join("baseline_10klines_2.0.db").display().to_string();
-        let answer = json(&[&["reproduce", "hu2022", "--schedule", &schedule, "--time-scale", "utc", "-q"]]);
-        let rows = answer["reproduced"].as_array().unwrap();
-        assert_eq!(rows.len(), 6);
-        for row in rows {
-            println!("{}: {} published, {} computed", row["quantity"], row["published"], row["ours"]);
-            // A year is compared with thirteen nights in its October (docs/explanation/counts.md). For the same nights,
-            // the difference from the visits of the paper is below 20 %.
-            let is_year = row["quantity"].as_str().unwrap().contains("of a year");
-            let allowed = if is_year { 25.0 } else { 20.0 };
-            assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");
-            assert!(row["reason"].as_str().unwrap().contains(if is_year { "season" } else { "other visits" }), "{row}");
-        }
-    }
-
-    /// The result for another schedule states that the schedule differs.
-    #[test]
-    fn a_schedule_of_other_nights_gives_a_note() {
-        let folder = tempfile::tempdir().unwrap();
-        let schedule = folder.path().join("other.csv").display().to_string();
-        std::fs::write(
-            &schedule,
-            "exposure_id,start_utc,duration_s,ra_deg,dec_deg\na,2025-06-01T00:00:00Z,30,200,-30\n",
-        )
-        .unwrap();
-        let (code, stdout, stderr) = run(&[&["reproduce", "hu2022", "--schedule", &schedule, "--format", "json"]]);
-        assert_eq!(code, 0, "{stderr}");
-        assert!(
-            stderr.contains("1 visit from 2025-06-01T00:00:00Z")
-                && stderr.contains("is not that of the first 10,000 of the paper")
-        );
-        let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
-        assert_eq!(answer["reproduced"].as_array().unwrap().len(), 3);
     }
 }
 

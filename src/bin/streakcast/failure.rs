@@ -9,18 +9,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use crate::output::cannot_print;
 use streakcast::message::{bounded, printable};
 
-/// Verbs that exist only in builds with a Cargo feature, and the feature.
-const FEATURES: [(&str, &str); 9] = [
-    ("alarms", "fit"),
-    ("fetch", "fetch"),
-    ("fit", "fit"),
-    ("inject", "fits"),
-    ("learn", "fit"),
-    ("mask", "fits"),
-    ("measure", "fits"),
-    ("plot", "plot"),
-    ("serve", "serve"),
-];
+/// Verbs of frames as FITS, which do not exist on Windows: CFITSIO is not built there.
+const NOT_ON_WINDOWS: [&str; 3] = ["inject", "mask", "measure"];
 
 /// Result of a command that had no error.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -98,7 +88,7 @@ pub fn report_usage(error: &clap::Error, command: Command, place: Option<&str>) 
             ExitCode::from(2)
         }
         _ => {
-            if let Some(message) = missing_feature(error, &command) {
+            if let Some(message) = missing_verb(error, &command) {
                 report(&message);
                 return ExitCode::from(2);
             }
@@ -108,12 +98,11 @@ pub fn report_usage(error: &clap::Error, command: Command, place: Option<&str>) 
     }
 }
 
-/// Returns the message for a verb that this build lacks; `None` for other errors.
-fn missing_feature(error: &clap::Error, command: &Command) -> Option<String> {
+/// Returns the message for a verb that does not exist on this system; `None` for other errors.
+fn missing_verb(error: &clap::Error, command: &Command) -> Option<String> {
     let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return None };
-    let (_, feature) = FEATURES.iter().find(|(verb, _)| verb == name && command.find_subcommand(verb).is_none())?;
-    let on_windows = if *feature == "fits" { ", which does not exist on Windows" } else { "" };
-    Some(format!("'{name}' needs a build with the Cargo feature {feature}{on_windows}"))
+    let is_missing = NOT_ON_WINDOWS.contains(&name.as_str()) && command.find_subcommand(name).is_none();
+    is_missing.then(|| format!("'{name}' does not exist on Windows"))
 }
 
 /// Returns the innermost subcommand in the arguments of this program, and its full name, such as `streakcast map sky`.
@@ -133,23 +122,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verbs_of_other_builds_name_their_feature() {
+    fn verbs_that_windows_lacks_are_named() {
         let message = |verb: &str| {
             let mut other = Command::new("streakcast").subcommand(Command::new("passes"));
-            missing_feature(&other.try_get_matches_from_mut(["streakcast", verb]).unwrap_err(), &other)
+            missing_verb(&other.try_get_matches_from_mut(["streakcast", verb]).unwrap_err(), &other)
         };
-        let expected = "'inject' needs a build with the Cargo feature fits, which does not exist on Windows";
-        assert_eq!(message("inject").as_deref(), Some(expected));
-        assert_eq!(message("serve").as_deref(), Some("'serve' needs a build with the Cargo feature serve"));
+        assert_eq!(message("inject").as_deref(), Some("'inject' does not exist on Windows"));
         assert_eq!(message("injekt"), None);
     }
 
-    /// All verbs with a feature exist in a build with all features.
-    #[cfg(all(feature = "fetch", feature = "fit", feature = "fits", feature = "plot", feature = "serve", unix))]
+    #[cfg(unix)]
     #[test]
-    fn verbs_with_a_feature_exist() {
+    fn verbs_that_windows_lacks_exist_elsewhere() {
         let all = <crate::Arguments as clap::CommandFactory>::command();
-        for (verb, _) in FEATURES {
+        for verb in NOT_ON_WINDOWS {
             assert!(all.find_subcommand(verb).is_some(), "{verb}");
         }
     }

@@ -62,7 +62,6 @@ pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
 }
 
 /// Returns a warning if other users can read a secret file; `what` names its content.
-#[cfg(any(feature = "serve", feature = "fetch"))]
 pub fn readable_by_others(what: &str, path: &Path) -> Option<String> {
     #[cfg(unix)]
     {

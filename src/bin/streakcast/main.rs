@@ -26,35 +26,29 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{exit_code, report_usage, usage_message};
 use verb_tables::Words;
-#[cfg(feature = "fit")]
 use verbs::alarms::AlarmsArguments;
 use verbs::annotate::AnnotateArguments;
 use verbs::doctor::DoctorArguments;
 use verbs::ephemeris::EphemerisArguments;
-#[cfg(feature = "fetch")]
 use verbs::fetch::FetchArguments;
-#[cfg(feature = "fit")]
 use verbs::fit::FitArguments;
 use verbs::flag::FlagArguments;
 use verbs::forecast::ForecastArguments;
 use verbs::gate::GateArguments;
 use verbs::identify::IdentifyArguments;
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use verbs::inject::InjectArguments;
-#[cfg(feature = "fit")]
 use verbs::learn::LearnArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use verbs::mask::MaskArguments;
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use verbs::measure::MeasureArguments;
 use verbs::model::ModelArguments;
 use verbs::passes::PassesArguments;
-#[cfg(feature = "plot")]
 use verbs::plot::PlotArguments;
 use verbs::reproduce::ReproduceArguments;
-#[cfg(feature = "serve")]
 use verbs::serve::ServeArguments;
 use verbs::setup::SetupArguments;
 use verbs::shell_files::{CompletionsArguments, ManArguments};
@@ -96,33 +90,27 @@ enum Verb {
     /// Map magnitudes over the sky of a site or over the directions around a satellite
     Map(MapArguments),
     /// Plot nights, fields, light curves, skies and fits as PNG or SVG, with data files
-    #[cfg(feature = "plot")]
     Plot(Box<PlotArguments>),
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     Inject(Box<InjectArguments>),
     /// Measure the streaks of predicted satellites in frames: magnitude, lateness, offset, or upper limits
     ///
     /// The exit status is 1 if no streak is predicted.
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     Measure(Box<MeasureArguments>),
     /// Mask the streaks of satellites in frames: mask files, bits of mask planes, regions, polygons on the sky
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     Mask(Box<MaskArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
-    #[cfg(feature = "fetch")]
     Fetch(Box<FetchArguments>),
     /// Fit a brightness model to photometry
-    #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
     /// Learn from measurements how satellites and kinds differ from their brightness models, for --learned
-    #[cfg(feature = "fit")]
     Learn(Box<LearnArguments>),
     /// List passes with improbable or periodic brightness, and satellites with trends, compared with learned magnitudes
-    #[cfg(feature = "fit")]
     Alarms(Box<AlarmsArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
-    #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
     /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure
     Statistics(Box<StatisticsArguments>),
@@ -193,10 +181,7 @@ fn main() -> ExitCode {
             Err(error) => return report_usage(&error, command, None),
         };
     }
-    #[cfg(feature = "serve")]
     let is_server = matches!(arguments.verb, Verb::Serve(_));
-    #[cfg(not(feature = "serve"))]
-    let is_server = false;
     // The server handles signals itself, and writes no files.
     if !is_server {
         signals::remove_files_at_end();
@@ -211,23 +196,17 @@ fn main() -> ExitCode {
         Verb::Gate(typed) => verbs::gate::run(*typed, file_error),
         Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
-        #[cfg(feature = "plot")]
         Verb::Plot(typed) => verbs::plot::run(*typed),
-        #[cfg(all(feature = "fits", unix))]
+        #[cfg(unix)]
         Verb::Inject(typed) => verbs::inject::run(*typed),
-        #[cfg(all(feature = "fits", unix))]
+        #[cfg(unix)]
         Verb::Measure(typed) => verbs::measure::run(*typed),
-        #[cfg(all(feature = "fits", unix))]
+        #[cfg(unix)]
         Verb::Mask(typed) => verbs::mask::run(*typed),
-        #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
-        #[cfg(feature = "fit")]
         Verb::Fit(typed) => verbs::fit::run(*typed),
-        #[cfg(feature = "fit")]
         Verb::Learn(typed) => verbs::learn::run(*typed),
-        #[cfg(feature = "fit")]
         Verb::Alarms(typed) => verbs::alarms::run(*typed),
-        #[cfg(feature = "serve")]
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Setup(typed) => verbs::setup::run(typed),

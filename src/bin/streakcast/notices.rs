@@ -91,13 +91,11 @@ impl Notices {
     }
 
     /// Returns a progress bar over the steps of a sampling run.
-    #[cfg(feature = "fit")]
     pub fn steps(&self, length: usize) -> ProgressBar {
         self.bar(length, "steps")
     }
 
     /// Returns a progress bar over other parts of a computation, for example nights; hidden without a terminal.
-    #[cfg(all(feature = "fit", feature = "plot"))]
     pub fn tasks(&self, length: usize, unit: &str) -> ProgressBar {
         self.bar(length, unit)
     }

@@ -172,7 +172,6 @@ impl Output {
     }
 
     /// Writes several tables for a terminal, one below the other.
-    #[cfg(feature = "fit")]
     pub fn write_tables<'a>(
         &self,
         tables: impl Iterator<Item = (&'a Table, &'a [crate::screen::Shown])>,

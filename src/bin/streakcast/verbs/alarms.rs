@@ -25,7 +25,6 @@ pub struct AlarmsArguments {
     #[arg(long, value_name = "P", default_value_t = 1e-4, help_heading = "Alarms")]
     pub probability: f64,
     /// Picture of the differences against time, .png or .svg
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
     #[command(flatten)]
@@ -49,7 +48,6 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
     if !(typed.probability > 0.0 && typed.probability <= 1.0) {
         return Err(anyhow!("probability is {}; allowed: above 0, at most 1", typed.probability));
     }
-    #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
         streakcast::plot::PictureFormat::of(path)?;
         crate::output::check(path)?;
@@ -72,7 +70,6 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
         counted(alarms.searched, "pass", "passes"),
         counted(alarms.alarms.len(), "alarm", "alarms")
     ));
-    #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
         picture(path, &found.passes, &learned, &alarms.alarms, &notices)?;
     }
@@ -95,7 +92,6 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
 }
 
 /// Draws the differences of all passes and the alarms.
-#[cfg(feature = "plot")]
 fn picture(
     path: &std::path::Path,
     passes: &[streakcast::learn::Pass],

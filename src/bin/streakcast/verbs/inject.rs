@@ -15,7 +15,6 @@ use crate::failure::Outcome;
 use crate::files::check_distinct;
 use crate::notices::Notices;
 use crate::output::{Format, Output, VerbResult, check_whole};
-#[cfg(feature = "plot")]
 use crate::output::{check, write_bytes};
 use crate::required::Required;
 use crate::screen::Style;
@@ -34,11 +33,9 @@ pub struct InjectArguments {
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub trails: Option<PathBuf>,
     /// Picture of the frame, or of the chip with the longest streak: a .png file
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub preview: Option<PathBuf>,
     /// Picture as --preview, with the streaks marked
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub preview_marked: Option<PathBuf>,
     #[command(flatten)]
@@ -100,7 +97,6 @@ impl Outputs {
 }
 
 /// Returns the paths of the pictures, after checking their names.
-#[cfg(feature = "plot")]
 fn picture_names(typed: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
     let pictures: Vec<&PathBuf> = typed.preview.iter().chain(&typed.preview_marked).collect();
     for picture in &pictures {
@@ -110,11 +106,6 @@ fn picture_names(typed: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
         check(picture)?;
     }
     Ok(pictures)
-}
-
-#[cfg(not(feature = "plot"))]
-fn picture_names(_: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
-    Ok(Vec::new())
 }
 
 /// Largest number of frames of one run.
@@ -196,7 +187,6 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     for frame in &done.frames {
         notices.info(&format!("wrote {}: {}", frame.output.display(), frame.summary));
     }
-    #[cfg(feature = "plot")]
     pictures(&typed, &done, &notices)?;
     outputs.write_tables(&done, &notices)?;
     Ok(Outcome::Done)
@@ -238,7 +228,6 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
 }
 
 /// Writes pictures of the chip with the longest streak, or of the first chip if there is no streak.
-#[cfg(feature = "plot")]
 fn pictures(typed: &InjectArguments, done: &Injections, notices: &Notices) -> anyhow::Result<()> {
     use streakcast::images::{FrameFile, Overlay, preview_png};
     let pictures = [(&typed.preview, false), (&typed.preview_marked, true)];

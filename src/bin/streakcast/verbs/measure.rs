@@ -1,6 +1,5 @@
 //! `measure`: forced photometry of the streaks of predicted satellites in frames.
 
-#[cfg(feature = "plot")]
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
@@ -8,10 +7,8 @@ use clap::Args;
 use serde_json::json;
 use streakcast::Watch;
 use streakcast::config::{Config, MeasureConfig, Measurements};
-#[cfg(feature = "plot")]
 use streakcast::measure::MeasuredPass;
 use streakcast::measure::{ScoreObserver, measurement_table, score_table};
-#[cfg(feature = "plot")]
 use streakcast::output::format_utc;
 use streakcast::output::{Provenance, Section, Table, counted};
 
@@ -19,7 +16,6 @@ use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-#[cfg(feature = "plot")]
 use crate::output::write_bytes;
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
@@ -40,7 +36,6 @@ pub struct MeasureArguments {
     #[arg(long, value_name = "TEXT", help_heading = "SCORE")]
     pub instrument: Option<String>,
     /// Picture of the frame along each track, with the profiles across the tracks, .png or .svg
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
     #[command(flatten)]
@@ -95,11 +90,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
                 .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?
         }
     };
-    #[cfg(feature = "plot")]
     let cuts = typed.picture.is_some();
-    #[cfg(not(feature = "plot"))]
-    let cuts = false;
-    #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
         streakcast::plot::PictureFormat::of(path)?;
         crate::output::check(path)?;
@@ -109,7 +100,6 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     done.remarks.iter().for_each(|remark| notices.info(remark));
     notices.warn(&done.warnings);
     summary(&notices, &done);
-    #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
         picture(path, &done, &notices)?;
     }
@@ -138,7 +128,6 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
 }
 
 /// Draws the frame along each track.
-#[cfg(feature = "plot")]
 fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Result<()> {
     use streakcast::plot::{CutPanel, PictureFormat, streak_cuts};
     let title = |pass: &MeasuredPass| {

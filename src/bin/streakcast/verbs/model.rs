@@ -30,11 +30,9 @@ pub enum ModelVerb {
     /// Compute the acceleration of a satellite by the pressure of sunlight, from the panels of its model
     Pressure(ModelPressureArguments),
     /// Validate models and compare them with published means, phase curves and photometry
-    #[cfg(feature = "fit")]
     Check(ModelCheckArguments),
 }
 
-#[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct ModelCheckArguments {
     /// Model files; the bundled models if omitted. A model named visorsat-mine is compared with the data of visorsat
@@ -103,7 +101,6 @@ pub fn run(typed: ModelArguments) -> anyhow::Result<Outcome> {
         ModelVerb::List(typed) => list(typed),
         ModelVerb::Show(typed) => show(typed),
         ModelVerb::Pressure(typed) => super::model_pressure::pressure(typed),
-        #[cfg(feature = "fit")]
         ModelVerb::Check(typed) => super::model_check::check(typed),
     }
 }

@@ -212,7 +212,6 @@ pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
 }
 
 /// Returns the message for a schedule without a valid time, with the reason of its first row.
-#[cfg(feature = "serve")]
 pub fn none_judged(schedule: &Schedule, path: &Path) -> String {
     let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
     let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();

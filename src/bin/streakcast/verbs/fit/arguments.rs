@@ -255,12 +255,10 @@ pub struct FitReduceArguments {
     #[command(flatten)]
     pub reduction: ReductionArguments,
     /// Draw magnitude, number and spread for the layer at this latitude of the Sun, degrees (figure 2 of Lu 2024)
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "picture", help_heading = "Output")]
     pub layer: Option<f64>,
     /// Picture, .png or .svg: one layer with --layer, otherwise number against spread of all pixels (figure 3 of
     /// Lu 2024)
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
     #[command(flatten)]

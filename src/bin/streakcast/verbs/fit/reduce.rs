@@ -40,7 +40,6 @@ const POINTS_ON_SCREEN: &[Shown] = &[
 
 pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
-    #[cfg(feature = "plot")]
     if let Some(picture) = &typed.picture {
         streakcast::plot::PictureFormat::of(picture)?;
         crate::output::check(picture)?;
@@ -52,7 +51,6 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
         Some(pixels) => (pixels.table(), "pixels", PIXELS_ON_SCREEN),
         None => (input.measurements.table(), "measurements", POINTS_ON_SCREEN),
     };
-    #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
         super::report::pixels_picture(path, input.reduction.as_ref(), typed.layer, &input.notices)?;
     }

@@ -59,7 +59,7 @@ const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels"
 
 /// Returns all files of a report: the report, and its separate pictures.
 pub fn files(path: &Path) -> Vec<PathBuf> {
-    let pictures = PICTURES.iter().filter(|_| !is_html(path) && cfg!(feature = "plot"));
+    let pictures = PICTURES.iter().filter(|_| !is_html(path));
     std::iter::once(path.to_owned()).chain(pictures.map(|end| path.with_file_name(picture_name(path, end)))).collect()
 }
 
@@ -173,23 +173,9 @@ fn costs(costs: &[f64]) -> String {
     costs.iter().map(|cost| format!("{cost:.4}")).collect::<Vec<_>>().join(", ")
 }
 
-#[cfg(not(feature = "plot"))]
-fn pictures(_: &FitResults, _: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
-    Ok(Vec::new())
-}
-
-/// A build without plots has no pictures.
-#[cfg(not(feature = "plot"))]
-fn data_url(_: &[u8]) -> String {
-    String::new()
-}
-
-#[cfg(feature = "plot")]
 pub use drawn::{of_counts, pictures, pixels_picture, residual_maps, slice};
-#[cfg(feature = "plot")]
 use streakcast::plot::data_url;
 
-#[cfg(feature = "plot")]
 mod drawn {
     use std::collections::BTreeMap;
     use std::path::Path;

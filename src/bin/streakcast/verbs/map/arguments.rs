@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-#[cfg(feature = "plot")]
 use clap::ValueEnum;
 use clap::{Args, Subcommand};
 use streakcast::config::{Config, LightConfig, RunConfig, SiteConfig};
@@ -20,7 +19,6 @@ pub enum MapVerb {
     /// Map the apparent magnitude over the sky of a site, for satellites at one height
     Sky(Box<MapSkyArguments>),
     /// Draw the twelve maps of figures 6 to 9 of Lu (2024) as four pictures
-    #[cfg(feature = "plot")]
     Paper(Box<MapPaperArguments>),
 }
 
@@ -49,11 +47,9 @@ pub struct MapOutputArguments {
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
     /// Picture of the map: a file with the extension .png or .svg
-    #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
     /// Size and resolution of the picture, which plot sets.
-    #[cfg(feature = "plot")]
     #[arg(skip)]
     pub file_options: streakcast::plot::FileOptions,
 }
@@ -118,14 +114,12 @@ pub struct MapSkyArguments {
 }
 
 /// Format of the pictures.
-#[cfg(feature = "plot")]
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum PictureName {
     Png,
     Svg,
 }
 
-#[cfg(feature = "plot")]
 #[derive(Args)]
 pub struct MapPaperArguments {
     /// Folder for the pictures figure-6 to figure-9; created if missing

@@ -2,17 +2,13 @@
 //! pictures.
 
 mod arguments;
-#[cfg(feature = "plot")]
 mod pictures;
 mod run;
 mod target;
 
 pub use arguments::MapArguments;
-#[cfg(feature = "plot")]
 pub use arguments::{BodyViewArguments, MapBodyArguments, MapOutputArguments, MapSkyArguments, SkyViewArguments};
 pub use run::run;
-#[cfg(any(feature = "fit", feature = "plot"))]
 pub use run::site_of;
-#[cfg(feature = "plot")]
 pub use run::{body, sky};
 pub use run::{model_of, provisional};

@@ -12,16 +12,15 @@ use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use crate::output::write_bytes;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded};
 
 use super::arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb};
-#[cfg(feature = "plot")]
 use super::pictures;
 use super::target::Target;
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use super::target::fits_bytes;
 use crate::start::begin;
 
@@ -42,7 +41,6 @@ pub fn run(typed: MapArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
         MapVerb::Body(typed) => body(*typed),
         MapVerb::Sky(typed) => sky(*typed),
-        #[cfg(feature = "plot")]
         MapVerb::Paper(typed) => pictures::paper(*typed),
     }
 }
@@ -64,21 +62,18 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
             view.limb_latitude_rad().to_degrees()
         ));
     }
-    #[cfg(feature = "plot")]
     let picture = pictures::made(&to, &provenance_of(&view.facts()), || streakcast::plot::body_picture(&view))?;
     match &target {
-        #[cfg(feature = "plot")]
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid)?;
             write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN, &notices)?;
         }
-        #[cfg(all(feature = "fits", unix))]
+        #[cfg(unix)]
         Target::Fits(path, grid) => {
             write_bytes(path, &fits_bytes(|scratch| view.map(*grid)?.to_fits(scratch))?, &notices)?
         }
     }
-    #[cfg(feature = "plot")]
     pictures::write(to.picture.as_deref(), picture, &notices)?;
     Ok(Outcome::Done)
 }
@@ -106,21 +101,18 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     let target = Target::new(&to, config.format.as_deref())?;
     notices.warn(&provisional(&model));
     notices.warn(&unused_options(&config, &[], "a map of the sky"));
-    #[cfg(feature = "plot")]
     let picture = pictures::made(&to, &provenance_of(&view.facts()), || streakcast::plot::sky_picture(&view))?;
     match &target {
-        #[cfg(feature = "plot")]
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid)?;
             write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN, &notices)?;
         }
-        #[cfg(all(feature = "fits", unix))]
+        #[cfg(unix)]
         Target::Fits(path, grid) => {
             write_bytes(path, &fits_bytes(|scratch| view.map(*grid)?.to_fits(scratch))?, &notices)?
         }
     }
-    #[cfg(feature = "plot")]
     pictures::write(to.picture.as_deref(), picture, &notices)?;
     Ok(Outcome::Done)
 }

@@ -2,26 +2,24 @@
 
 use std::ffi::OsStr;
 use std::path::Path;
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 use streakcast::maps::{DEFAULT_NSIDE, MapError};
 use streakcast::maps::{DEFAULT_STEP_DEG, Grid};
 
 use super::arguments::MapOutputArguments;
-#[cfg(any(all(feature = "fits", unix), feature = "plot"))]
 use crate::output::check;
 use crate::output::{FORMATS, Format, Output};
 
 /// Destination of the table of a map. It is checked before the computation.
 pub enum Target {
     /// No table, because only a picture is written.
-    #[cfg(feature = "plot")]
     Nothing,
     Table(Output, Grid),
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     Fits(PathBuf, Grid),
 }
 
@@ -45,14 +43,9 @@ impl Ending {
                 "output {shown} is compressed, which is not supported; allowed: {}",
                 path.with_extension("").display()
             ),
-            #[cfg(feature = "plot")]
             "png" | "svg" | "pdf" => {
                 streakcast::plot::PictureFormat::of(path)?;
                 bail!("output {shown} is a picture; allowed: --picture {shown}")
-            }
-            #[cfg(not(feature = "plot"))]
-            "png" | "svg" => {
-                bail!("output {shown} is a picture, which needs a build with the cargo feature plot; allowed: a table")
             }
             _ => Ok(if Format::by_name(&end).is_some() { Self::Table } else { Self::Other }),
         }
@@ -82,7 +75,6 @@ impl Target {
                 bail!("the file {} does not have the format {name}; allowed: the extension .{name}", path.display());
             }
         }
-        #[cfg(feature = "plot")]
         if let Some(picture) = &typed.picture {
             streakcast::plot::PictureFormat::of(picture)?;
             check(picture)?;
@@ -97,7 +89,6 @@ impl Target {
     }
 
     /// Rejects grid flags if only a picture is written, because a picture has its own pixel grid.
-    #[cfg(feature = "plot")]
     fn picture_alone(typed: &MapOutputArguments) -> anyhow::Result<Self> {
         let of_tables = [("--nside", typed.nside.is_some()), ("--step-deg", typed.step_deg.is_some())];
         match of_tables.iter().find(|(_, is_given)| *is_given) {
@@ -108,7 +99,7 @@ impl Target {
         }
     }
 
-    #[cfg(all(feature = "fits", unix))]
+    #[cfg(unix)]
     fn fits(typed: &MapOutputArguments, grid: Grid) -> anyhow::Result<Self> {
         let path =
             typed.output.clone().ok_or_else(|| anyhow!("missing output file for format fits; specify -o map.fits"))?;
@@ -121,16 +112,14 @@ impl Target {
         Ok(Self::Fits(path, if typed.nside.is_some() { grid } else { Grid::healpix(DEFAULT_NSIDE)? }))
     }
 
-    #[cfg(not(all(feature = "fits", unix)))]
+    #[cfg(not(unix))]
     fn fits(_: &MapOutputArguments, _: Grid) -> anyhow::Result<Self> {
-        Err(anyhow!(
-            "format fits needs a build with the Cargo feature fits, which does not exist on Windows; allowed: {FORMATS}"
-        ))
+        Err(anyhow!("format fits does not exist on Windows; allowed: {FORMATS}"))
     }
 }
 
 /// Returns the bytes of a FITS file. CFITSIO writes it to a temporary file first.
-#[cfg(all(feature = "fits", unix))]
+#[cfg(unix)]
 pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, MapError>) -> anyhow::Result<Vec<u8>> {
     made(&std::env::temp_dir()).map_err(|error| match error {
         MapError::Scratch(_) => anyhow!("{error}; the environment variable TMPDIR sets another folder"),

@@ -39,7 +39,6 @@ pub enum PlotVerb {
     /// Plot magnitudes at 1000 km over the directions around a satellite
     Body(Box<PlotBodyArguments>),
     /// Plot the posterior of a fit: each parameter, and each pair of parameters
-    #[cfg(feature = "fit")]
     Corner(Box<PlotCornerArguments>),
     /// Plot observed minus computed magnitudes against the angles of the geometry
     Residuals(Box<PlotResidualsArguments>),
@@ -272,7 +271,6 @@ pub struct PlotBodyArguments {
     pub picture: PictureArguments,
 }
 
-#[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct PlotCornerArguments {
     /// Chains of fit run --mcmc (.ecsv)

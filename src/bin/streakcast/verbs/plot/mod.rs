@@ -6,7 +6,6 @@
 mod arguments;
 mod clock;
 mod columns;
-#[cfg(feature = "fit")]
 mod corner;
 mod curves;
 mod equatorial_rate;

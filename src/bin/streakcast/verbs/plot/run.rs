@@ -21,7 +21,6 @@ pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
         Some(PlotVerb::SunAltitude(typed)) => super::sun_altitude::run(*typed),
         Some(PlotVerb::Sky(typed)) => sky(*typed),
         Some(PlotVerb::Body(typed)) => body(*typed),
-        #[cfg(feature = "fit")]
         Some(PlotVerb::Corner(typed)) => super::corner::corner_plot(*typed),
         Some(PlotVerb::Residuals(typed)) => super::residuals::residual_plot(*typed, Chart::Panels),
         Some(PlotVerb::Histogram(typed)) => super::residuals::residual_plot(*typed, Chart::Histogram),

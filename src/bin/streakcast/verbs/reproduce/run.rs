@@ -21,7 +21,6 @@ use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, night_of};
 
-#[cfg(all(feature = "fit", feature = "plot"))]
 use super::lu2024::{self, Lu2024Arguments};
 
 use crate::failure::Outcome;
@@ -35,7 +34,6 @@ pub enum Paper {
     /// LSST visits with streaks: Hu et al. 2022
     Hu2022,
     /// Model, tests and figures on simulated or MMT-9 photometry: Lu 2024 (arXiv 2403.05831); -o names a folder
-    #[cfg(all(feature = "fit", feature = "plot"))]
     Lu2024,
     /// Satellites brighter than 7 mag: Lu 2024 (arXiv 2403.11118)
     Lu2024b,
@@ -59,7 +57,6 @@ pub struct ReproduceArguments {
     /// Suppress warnings, summaries and progress
     #[arg(long, short)]
     pub quiet: bool,
-    #[cfg(all(feature = "fit", feature = "plot"))]
     #[command(flatten)]
     pub lu2024: Lu2024Arguments,
     #[command(flatten)]
@@ -114,7 +111,6 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             }
         }
     }
-    #[cfg(all(feature = "fit", feature = "plot"))]
     match (typed.paper, typed.lu2024.given()) {
         (Paper::Lu2024, _) => {
             let folder = typed.output.output.as_deref().ok_or_else(|| {
@@ -143,7 +139,6 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             provenance.state("schedule", json!({ "file": path.display().to_string(), "visits": exposures.len() }));
             of_hu(&config, &exposures, &notices)?
         }
-        #[cfg(all(feature = "fit", feature = "plot"))]
         Paper::Lu2024 => Vec::new(),
         Paper::Lu2024b => of_lu()?,
         Paper::Bassa2022 => of_bassa()?,

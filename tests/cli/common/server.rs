@@ -48,6 +48,7 @@ impl Server {
     pub fn start_with(arguments: &[&str], environment: &[(&str, &str)]) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_streakcast"))
             .env("STREAKCAST_NO_HOME", "1")
+            .current_dir(super::root())
             .arg("serve")
             .args(if arguments.contains(&"--bind") { &[][..] } else { &["--bind", "127.0.0.1:0"][..] })
             .args(arguments)

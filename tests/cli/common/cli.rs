@@ -24,7 +24,9 @@ pub fn is_ignored(signal: &str, number: u32) -> bool {
 }
 
 pub fn run(arguments: &[&[&str]]) -> (i32, String, String) {
-    let output = Command::new(STREAKCAST).args(arguments.concat()).env("STREAKCAST_NO_HOME", "1").output().unwrap();
+    let mut program = Command::new(STREAKCAST);
+    program.args(arguments.concat()).env("STREAKCAST_NO_HOME", "1").current_dir(super::root());
+    let output = program.output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
