@@ -64,7 +64,7 @@ class StreakQueueManager(BaseQueueManager):
         ``asked`` (once per visit), ``compared`` (visits that were compared because the first one is crossed),
         ``exchanged`` (visits dispatched before the first one), ``saved_s`` and ``detour_s`` (sums over the exchanged
         visits: cost of the first less that of the dispatched visit, seconds of open shutter, and detours, seconds of the
-        night), ``no_coordinates``, ``failed`` and the counters of `streakcast.hosts.Hook`.
+        night), ``no_coordinates``, ``not_judged``, ``failed`` and the counters of `streakcast.hosts.Hook`.
 
     Raises
     ------
@@ -164,8 +164,12 @@ class StreakQueueManager(BaseQueueManager):
             return None
         reachable, visits, indices = Openings(*(one[reached] for one in openings)), visits[reached], indices[reached]
         first = costs_of(model, visits[:1], Openings(*(one[:1] for one in reachable)), self.mjd_scale)
+        if not math.isfinite(first.cost_s[0]):
+            # Its cost cannot be compared.
+            self.hook.note("not_judged", f"the cost of visit {visits['target_id'][0]} is unknown; it is dispatched in the order of the queue")
+            return None
         chosen = 0
-        if not first.cost_s[0] <= LEAST_COST_S and indices.size > 1:
+        if first.cost_s[0] > LEAST_COST_S and indices.size > 1:
             costs = costs_of(model, visits, reachable, self.mjd_scale)
             detour_s = detours_s(reachable.slew_s, self.mount.between(now, visits))
             self.counts["compared"] += int(indices.size)
@@ -179,8 +183,7 @@ class StreakQueueManager(BaseQueueManager):
         """Updates the counters, and writes a log line."""
         saved_s, longer_s = float(costs.cost_s[0] - costs.cost_s[chosen]), float(detour_s[chosen])
         self.counts["exchanged"] += 1
-        if math.isfinite(saved_s):
-            self.counts["saved_s"] += saved_s  # type: ignore[assignment]
+        self.counts["saved_s"] += saved_s  # type: ignore[assignment]
         self.counts["detour_s"] += longer_s  # type: ignore[assignment]
         log.info(
             "%s after visit %d: streaks cost %.2f s instead of %.2f s, detour %+.1f s; %s",

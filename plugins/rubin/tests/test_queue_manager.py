@@ -39,6 +39,18 @@ def test_if_all_visits_are_crossed_the_least_cost_is_dispatched(ready, model, ta
     assert ids(scheduler.request_observation()) == [queue[0]]
 
 
+def test_an_unknown_cost_keeps_the_order_of_the_queue(ready, model, take_over, costly):
+    scheduler = take_over(ready, manager_of(model))
+    queue = ids(scheduler.return_active_queue())
+    costly([np.nan, 0.0, *[COST_S] * 10])
+    assert ids(scheduler.request_observation()) == [queue[0]]
+    counts = scheduler.queue_manager.counts
+    assert (counts["not_judged"], counts["exchanged"], counts["failed"]) == (1, 0, 0)
+    # A later visit of unknown cost is never preferred.
+    costly([COST_S, np.nan, 0.0, *[COST_S] * 9])
+    assert ids(scheduler.request_observation()) == [queue[2]]
+
+
 def test_an_exchange_is_worth_its_detour(ready, model, take_over, costly):
     """The detour is that of the whole path by the kinematic model: a smaller saving makes no exchange."""
     manager = manager_of(model, look_ahead=2)

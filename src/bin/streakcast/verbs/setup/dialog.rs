@@ -21,7 +21,8 @@ impl Dialog {
         Self { is_terminal: stdin().is_terminal() && stdout().is_terminal() }
     }
 
-    /// Returns the answer to a question as `read` converts it. On a terminal, an invalid answer is asked for again.
+    /// Returns the answer to a question as `read` converts it. On a terminal, the question is repeated after an invalid
+    /// answer.
     ///
     /// # Errors
     /// The flag or the default is invalid, there is no answer, or standard input ends.
