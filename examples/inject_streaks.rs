@@ -41,6 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             name: SourceName::Random(number),
             mag_source: "random".to_owned(),
             element_age_days: None,
+            hdu: None,
+            image_fwhm_arcsec: None,
             parts: Source::parts(track, &Modulation::default(), 0.0, 1.0, None),
         })
         .collect();
@@ -63,6 +65,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     streaks.iter().for_each(|streak| streak.patch.add_to(&mut plane));
     let brightest = plane.values().iter().copied().fold(0.0, f32::max);
     println!("# {} streaks, brightest pixel {brightest:.0} counts", streaks.len());
-    write_csv(&mut stdout().lock(), &truth_table(&truth_rows(&streaks, exposure_s, seed)), &Provenance::new())?;
+    // Without a saturation level no light is clipped.
+    let clipped = vec![0.0; streaks.len()];
+    write_csv(
+        &mut stdout().lock(),
+        &truth_table(&truth_rows(&streaks, &clipped, exposure_s, seed)),
+        &Provenance::new(),
+    )?;
     Ok(())
 }

@@ -103,7 +103,14 @@ impl CsvRows {
     /// # Errors
     /// The errors of [`read_to_string`], and text that is not CSV.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let text = read_to_string(path)?;
+        Self::of_text(read_to_string(path)?)
+    }
+
+    /// Reads the names of a table that is in memory.
+    ///
+    /// # Errors
+    /// Text that is not CSV.
+    pub fn of_text(text: String) -> io::Result<Self> {
         let header: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
         let units = ecsv_units(&header);
         // The default delimiter of ECSV is a blank.
@@ -117,6 +124,11 @@ impl CsvRows {
             .from_reader(io::Cursor::new(text));
         let names = reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect();
         Ok(Self { rows: reader.into_records(), names, units, count: 0 })
+    }
+
+    /// Returns the names of the columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Returns the index of a column.

@@ -67,6 +67,31 @@ pub static MAGNITUDES: Unit = Unit {
     allowed: "mag, mag(AB), mag(ST) or mmag",
 };
 
+/// Positions and lengths in a frame, pixels.
+#[cfg(all(feature = "fits", unix))]
+pub static PIXELS: Unit = Unit { accepted: &[("pix", 1.0), ("pixel", 1.0), ("pixels", 1.0)], allowed: "pix" };
+
+/// Widths, arcseconds.
+#[cfg(all(feature = "fits", unix))]
+pub static ARCSECONDS: Unit = Unit {
+    accepted: &[("arcsec", 1.0), ("mas", 1e-3), ("arcmin", 60.0), ("deg", 3600.0)],
+    allowed: "arcsec, mas, arcmin or deg",
+};
+
+/// Distances, kilometres.
+#[cfg(all(feature = "fits", unix))]
+pub static KILOMETRES: Unit = Unit { accepted: &[("km", 1.0), ("m", 1e-3)], allowed: "km or m" };
+
+/// Sizes, metres.
+#[cfg(all(feature = "fits", unix))]
+pub static METRES: Unit =
+    Unit { accepted: &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("km", 1e3)], allowed: "m, cm, mm or km" };
+
+/// Counts in the unit of a frame.
+#[cfg(all(feature = "fits", unix))]
+pub static COUNTS: Unit =
+    Unit { accepted: &[("counts", 1.0), ("count", 1.0), ("adu", 1.0), ("ct", 1.0)], allowed: "adu or ct" };
+
 /// Error of the columns of a quantity.
 #[derive(Debug, Error, PartialEq)]
 pub enum UnitError {

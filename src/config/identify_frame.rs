@@ -48,6 +48,22 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
     Ok((file, hdu))
 }
 
+/// Returns positions of a detector of streaks, which may be outside of the frame by a pixel, moved into the frame.
+pub(super) fn clamped(
+    path: &Path,
+    hdu: Option<usize>,
+    pixels: [PixelPosition; 2],
+) -> Result<[PixelPosition; 2], ConfigError> {
+    const OUTSIDE_PIX: f64 = 1.0;
+    let (file, hdu) = image(path, hdu)?;
+    let [rows, columns] = file.image_size(hdu)?;
+    let inside = |at: f64, count: usize| {
+        let moved = at.clamp(-0.5, count as f64 - 0.5);
+        if (moved - at).abs() <= OUTSIDE_PIX { moved } else { at }
+    };
+    Ok(pixels.map(|at| PixelPosition { x: inside(at.x, columns), y: inside(at.y, rows) }))
+}
+
 /// Returns the sky positions of two pixels, and the pixel scale between them, arcsec.
 pub(super) fn ends(
     path: &Path,

@@ -130,6 +130,22 @@ pub struct InjectionConfig {
         )
     )]
     pub streak_rate_deg_s: Option<Numbers>,
+    /// Table of streaks, instead of satellites: CSV or ECSV, one row a streak, with its ends (x1_pix, y1_pix, x2_pix,
+    /// y2_pix; or ra1_deg, dec1_deg, ...) and its magnitude or peak
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "TABLE",
+            conflicts_with_all = ["elements", "shells", "random_streaks", "streak_density"],
+            help_heading = "Streaks"
+        )
+    )]
+    pub streaks: Option<PathBuf>,
+    /// Diameter of the satellites in m, 0 for points; that of the model if omitted, 2 m for random streaks, and 0 for
+    /// --streaks
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", help_heading = "Streaks"))]
+    pub satellite_size: Option<f64>,
     /// Tumbling: period in s, amplitude from faintest to brightest in mag, and phase in turns at shutter opening
     #[cfg_attr(
         feature = "cli",
@@ -232,6 +248,8 @@ impl Default for InjectionConfig {
             streak_density: None,
             magnitude: None,
             streak_rate_deg_s: None,
+            streaks: None,
+            satellite_size: None,
             tumbling: None,
             glint: Vec::new(),
             light_curve: None,

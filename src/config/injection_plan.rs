@@ -13,16 +13,14 @@ use super::prepared::PreparedSky;
 use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, ImagesError, Telescope};
-use crate::input::{self, CsvRows, NumberColumn};
-use crate::message::Quoted;
+use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
-    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LightCurve,
-    MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan,
-    Tumbling,
+    ArrayFrame, ArrayInjected, ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky,
+    Injections, LightCurve, MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber,
+    SyntheticFrame, SyntheticPlan, Tumbling,
 };
-use crate::units::{MAGNITUDES, SECONDS};
 use crate::watch::Watch;
 
 /// Default β of the Moffat profile of a point spread function.
@@ -58,7 +56,7 @@ pub fn inject_frames(
 ) -> Result<Injections, ConfigError> {
     let plan = injection.resolve(config)?;
     let opened = Injection::open(&plan, outputs)?;
-    let Some((first, last)) = opened.span().filter(|_| plan.random.is_none()) else {
+    let Some((first, last)) = opened.span().filter(|_| plan.is_of_satellites()) else {
         return Ok(opened.run(None, watch)?);
     };
     if let Some(sky) = sky {
@@ -113,13 +111,13 @@ fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Confi
 impl InjectionConfig {
     /// Returns the paths of all input files; outputs must not replace them.
     pub fn files(&self) -> Vec<PathBuf> {
-        let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector];
+        let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector, &self.streaks];
         self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
     }
 
-    /// Returns true if random streaks are added, false for satellites.
-    pub fn is_random(&self) -> bool {
-        self.random_streaks.is_some() || self.streak_density.is_some()
+    /// Returns true for random streaks and streaks of a table, false for satellites.
+    pub fn is_without_satellites(&self) -> bool {
+        self.random_streaks.is_some() || self.streak_density.is_some() || self.streaks.is_some()
     }
 
     /// Checks the options, and reads the files of detector, synthetic frame, light curve and schedule.
@@ -133,12 +131,17 @@ impl InjectionConfig {
         let (start, duration_s) = self.times(config, scheduled.as_ref())?;
         let modulation = self.modulation()?;
         let random = self.random()?;
-        if random.is_none() && !config.has_satellites() {
+        if !self.is_without_satellites() && !config.has_satellites() {
             return Err(ConfigError::invalid(
-                "missing streaks; specify --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG",
+                "missing streaks; specify --elements FILE..., --shells NAME, --random-streaks N --magnitude MAG, or --streaks TABLE",
             ));
         }
         self.check_idle()?;
+        if random.is_some() && self.streaks.is_some() {
+            return Err(ConfigError::Both { first: "--streaks", second: "--random-streaks or --streak-density" });
+        }
+        let chosen = self.streaks.as_deref().map(ChosenStreaks::read).transpose()?;
+        let satellite_size_m = checked_size(self.satellite_size)?;
         let (detector, gain_of_file) = match self.detector.as_deref().map(read_detector).transpose()? {
             Some((detector, gain_of_file)) => (Some(detector), gain_of_file),
             None => (None, None),
@@ -157,9 +160,9 @@ impl InjectionConfig {
             return Err(ConfigError::invalid(format!("gain is {gain} e/count; allowed: above 0 e/count")));
         }
         let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
-        if pixel_scale_arcsec.is_some() && random.is_none() {
+        if pixel_scale_arcsec.is_some() && !self.is_without_satellites() {
             return Err(ConfigError::invalid(
-                "--pixel-scale is given without random streaks; allowed: with --random-streaks or --streak-density (satellites need world coordinates)",
+                "--pixel-scale is given without random streaks; allowed: with --random-streaks, --streak-density or --streaks (satellites need world coordinates)",
             ));
         }
         let photometry = config.photometry()?;
@@ -180,6 +183,8 @@ impl InjectionConfig {
             },
             tracking_arcsec_s: numbers(&self.track_rate).try_into().ok(),
             random,
+            chosen,
+            satellite_size_m,
             modulation,
             resolve_panels: self.resolve_panels,
             optics: self.optics(telescope.as_ref())?,
@@ -235,10 +240,13 @@ impl InjectionConfig {
                 "--hdu is given with --synthetic; allowed: with --image (a synthetic frame has one image)",
             ));
         }
-        if self.resolve_panels && self.is_random() {
+        if self.resolve_panels && self.is_without_satellites() {
             return Err(ConfigError::invalid(
                 "--resolve-panels has no effect on random streaks; allowed: with streaks of satellites",
             ));
+        }
+        if self.resolve_panels && self.satellite_size.is_some() {
+            return Err(ConfigError::Both { first: "--satellite-size", second: "--resolve-panels" });
         }
         if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
             return Err(ConfigError::invalid(format!(
@@ -295,7 +303,7 @@ impl InjectionConfig {
         let modulation = Modulation {
             tumbling,
             glints: self.glint.iter().filter_map(glint).collect(),
-            curve: self.light_curve.as_deref().map(read_light_curve).transpose()?,
+            curve: self.light_curve.as_deref().map(LightCurve::read).transpose()?,
         };
         modulation.check()?;
         Ok(modulation)
@@ -359,7 +367,7 @@ impl InjectionConfig {
         frame.star_list = frame.star_list.map(|list| folder.join(list));
         let opened = match start {
             Some(start) => start,
-            None if self.is_random() => parse_instant(DEFAULT_START, None)?,
+            None if self.is_without_satellites() => parse_instant(DEFAULT_START, None)?,
             None => {
                 return Err(ConfigError::invalid(
                     "missing start of the exposure; specify --start 2024-08-14T00:30:00.000Z, or --schedule FILE --row ID",
@@ -376,7 +384,7 @@ impl InjectionConfig {
         match (scheduled, &self.ra, &self.dec) {
             (_, Some(ra), Some(dec)) => parse_direction(ra, dec).map_err(ConfigError::Angle),
             (Some(exposure), None, None) => Ok(exposure.pointing),
-            (None, None, None) if self.is_random() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
+            (None, None, None) if self.is_without_satellites() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
             _ => Err(ConfigError::invalid(
                 "missing centre of the frame; specify --ra 188.5 --dec=-30.5, or --schedule FILE --row ID",
             )),
@@ -396,24 +404,17 @@ fn text_of(what: &str, path: &Path) -> Result<String, ConfigError> {
     input::read_to_string(path).map_err(|error| ConfigError::invalid(format!("{what} {}: {error}", path.display())))
 }
 
-fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
-    const FORM: &str = "time_s, delta_mag";
-    let failed =
-        |error: &dyn std::fmt::Display| ConfigError::invalid(format!("light curve {}: {error}", path.display()));
-    let rows = CsvRows::open(path).map_err(|error| failed(&error))?;
-    let column = |names: &[&str], unit| rows.numbers(names, unit, FORM).map_err(|error| failed(&error));
-    let columns = [column(&["time_s"], &SECONDS)?, column(&["delta_mag"], &MAGNITUDES)?];
-    let mut points = Vec::new();
-    for row in rows {
-        let (line, row) = row.map_err(|error| failed(&error))?;
-        let number = |column: NumberColumn| {
-            let text = Quoted::new(column.text(&row));
-            let not_a_number = || format!("line {line}: '{text}' is not a number; allowed: numbers in {FORM}");
-            column.number(&row).ok_or_else(|| failed(&not_a_number()))
-        };
-        points.push((number(columns[0])?, number(columns[1])?));
+/// Largest size of a satellite, m.
+const LARGEST_M: f64 = 1000.0;
+
+/// Checks the diameter of the satellites, m.
+pub(super) fn checked_size(size_m: Option<f64>) -> Result<Option<f64>, ConfigError> {
+    match size_m {
+        Some(size_m) if !(0.0..=LARGEST_M).contains(&size_m) => {
+            Err(ConfigError::invalid(format!("satellite-size is {size_m} m; allowed: 0 to {LARGEST_M} m")))
+        }
+        _ => Ok(size_m),
     }
-    LightCurve::new(points).map_err(|error| failed(&error))
 }
 
 pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::document::Config;
 use super::error::ConfigError;
-use super::injection_plan::{SkyOf, seeing_form};
+use super::injection_plan::{SkyOf, checked_size, seeing_form};
 use super::prepared::state_scales;
 use super::values::{parse_angle_deg, parse_duration_s};
 use crate::frames::{parse_moment, seconds_after};
@@ -55,6 +55,9 @@ pub struct MeasureConfig {
     /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double; moffat if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORM"))]
     pub psf: Option<String>,
+    /// Diameter of the satellites in m, 0 for points; that of the model if omitted, with an error of half of it
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M"))]
+    pub satellite_size: Option<f64>,
     /// Zero point: magnitude of a star with a total of 1 in the frame's unit; from the header if omitted; without both,
     /// magnitudes are instrumental
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
@@ -107,6 +110,7 @@ impl MeasureConfig {
         if self.stars.is_some() && (self.zero_point.is_some() || self.zero_point_1s.is_some()) {
             return Err(ConfigError::Both { first: "--stars", second: "--zero-point" });
         }
+        let satellite_size_m = checked_size(self.satellite_size)?;
         let table = self.stars.as_deref().map(StarTable::read).transpose()?;
         let frames: Vec<(TargetFrame, bool)> =
             self.image.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
@@ -154,7 +158,15 @@ impl MeasureConfig {
                 None => ZeroPoints::Missing,
             };
             let measure = MeasureOptions { fit_width: self.fit_width, ..MeasureOptions::default() };
-            let options = FrameOptions { zero_points, photometry, optics, is_seeing_known, measure, cuts: self.cuts };
+            let options = FrameOptions {
+                zero_points,
+                photometry,
+                optics,
+                is_seeing_known,
+                satellite_size_m,
+                measure,
+                cuts: self.cuts,
+            };
             let measured: FrameMeasurements = measure_frame(&prepared.sky.watched(watch), frame, &options)?;
             for (hdu, from_stars) in &measured.star_zero_points {
                 state_stars(

@@ -15,6 +15,8 @@ mod identify;
 #[cfg(all(feature = "fits", unix))]
 mod identify_frame;
 #[cfg(all(feature = "fits", unix))]
+mod identify_table;
+#[cfg(all(feature = "fits", unix))]
 mod injection;
 #[cfg(all(feature = "fits", unix))]
 mod injection_plan;
@@ -39,6 +41,8 @@ pub use health::{
     AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,
 };
 pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
+#[cfg(all(feature = "fits", unix))]
+pub use identify_table::{TableStreak, streaks_of_table};
 #[cfg(all(feature = "fits", unix))]
 pub use injection::InjectionConfig;
 #[cfg(all(feature = "fits", unix))]

@@ -13,7 +13,11 @@ mod patch;
 mod pixels;
 #[cfg(feature = "plot")]
 mod preview;
+#[cfg(all(feature = "fits", unix))]
+mod streak_catalogues;
 mod streak_cost;
+#[cfg(all(feature = "fits", unix))]
+mod streak_table;
 mod telescope;
 mod telescope_streak;
 mod wcs;
@@ -40,6 +44,10 @@ pub use pixels::{PixelPosition, Plane};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, preview_png};
 pub use streak_cost::{PossibleStreak, StreakCost};
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use streak_table::Bounded;
+#[cfg(all(feature = "fits", unix))]
+pub use streak_table::{StreakEnds, StreakRow, StreakTable};
 pub use telescope::{
     ARCSEC_PER_RAD, FieldOfView, Telescope, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
     surface_brightness_mag_arcsec2, time_on_pixel_s,

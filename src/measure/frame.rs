@@ -41,6 +41,8 @@ pub struct FrameOptions<'a> {
     /// False if the seeing in `optics` is only a first estimate. The seeing is then measured from the stars, or,
     /// without stars, fitted to each streak.
     pub is_seeing_known: bool,
+    /// Diameter of the satellites, m; `None` for those of the models, whose errors are part of those of the magnitudes.
+    pub satellite_size_m: Option<f64>,
     /// Options for each streak.
     pub measure: MeasureOptions,
     /// If true, the pixels along each track are returned, for pictures.
@@ -119,7 +121,11 @@ pub fn measure_frame(
     frame: &TargetFrame,
     options: &FrameOptions<'_>,
 ) -> Result<FrameMeasurements, MeasureError> {
-    let expected = PredictOptions { sigmas: options.measure.corridor_sigmas, ..PredictOptions::default() };
+    let expected = PredictOptions {
+        sigmas: options.measure.corridor_sigmas,
+        size_m: options.satellite_size_m,
+        ..PredictOptions::default()
+    };
     let (predicted, left_out) = predictions(sky, frame, &options.photometry, &expected)?;
     let mut done = FrameMeasurements { left_out, ..FrameMeasurements::default() };
     for (index, target) in frame.chips.iter().enumerate() {
@@ -208,7 +214,10 @@ fn on_sky(
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
         limit_mag: scale.magnitude(measured.rate_limit),
-        faintest_mag: scale.magnitude(measured.threshold * measured.rate.sigma),
+        // The error of the size is proportional to the light, so it does not matter at the threshold.
+        faintest_mag: scale.magnitude(
+            measured.threshold * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2)).max(0.0).sqrt(),
+        ),
         is_calibrated,
         zero_point_mag: scale.zero_point_mag(),
         zero_point_sigma_mag: sigma_mag,

@@ -45,6 +45,8 @@ pub struct PredictedStreak {
     pub range_km: f64,
     /// Radius of a disk with the area of the satellite, m.
     pub radius_m: f64,
+    /// Error (one sigma) of the radius, m; 0 if the size is given.
+    pub radius_sigma_m: f64,
 }
 
 /// Options of a measurement.
@@ -115,10 +117,12 @@ pub struct StreakMeasurement {
     pub is_detected: bool,
     /// Light per second, in the unit of the pixels, averaged over the track in the image.
     pub rate: Estimate,
+    /// Part of the error of `rate` that the error of the satellite's size causes.
+    pub size_sigma: f64,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
     pub rate_limit: f64,
-    /// Fitted rate divided by its error. Unlike `rate`, the fitted rate is not corrected for the bias by the fitted
-    /// position.
+    /// Fitted rate divided by its error without `size_sigma`. Unlike `rate`, the fitted rate is not corrected for the bias
+    /// by the fitted position.
     pub signal_to_noise: f64,
     /// Significance in the search, in sigmas of the noise.
     pub significance: f64,

@@ -23,11 +23,17 @@ pub struct PredictOptions {
     pub most_late_s: f64,
     /// Largest delay and largest distance across the track, in sigmas.
     pub sigmas: f64,
+    /// Diameter of all satellites, m; `None` for those of the models.
+    pub size_m: Option<f64>,
 }
+
+/// Error (one sigma) of the size in a brightness model, relative to the size. The sizes are those of the largest bright
+/// part; which part is bright depends on the geometry.
+const SIZE_SIGMA: f64 = 0.5;
 
 impl Default for PredictOptions {
     fn default() -> Self {
-        Self { most_late_s: 5.0, sigmas: 3.0 }
+        Self { most_late_s: 5.0, sigmas: 3.0, size_m: None }
     }
 }
 
@@ -130,6 +136,7 @@ fn predicted_streak(
     }
     let nodes = path.nodes();
     let middle_s = 0.5 * (nodes[0].time_s + nodes[nodes.len() - 1].time_s);
+    let model_size_m = interval.sky().model(pass.element_index).size_m();
     Ok(Some(PredictedStreak {
         drift_pix_s: drift(pass, target, interval, middle_s + options.most_late_s).unwrap_or_default(),
         path,
@@ -137,7 +144,8 @@ fn predicted_streak(
         largest_delay_s: options.most_late_s,
         cross_sigma_pix,
         range_km: pass.mid.range_km,
-        radius_m: 0.5 * interval.sky().model(pass.element_index).size_m(),
+        radius_m: 0.5 * options.size_m.unwrap_or(model_size_m),
+        radius_sigma_m: if options.size_m.is_some() { 0.0 } else { 0.5 * SIZE_SIGMA * model_size_m },
     }))
 }
 

@@ -292,10 +292,13 @@ impl Measuring<'_> {
         };
         let offset_sigma = offset_sigma(&band, &stars.mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
+        let size_sigma = if is_detected { self.size_sigma(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
         let rate = amplitude.value * without_fit_bias(signal_to_noise, ends);
+        let sigma = sigma.hypot(size_sigma);
         Ok(Some(StreakMeasurement {
             is_detected,
             rate: Estimate { value: rate, sigma },
+            size_sigma,
             rate_limit: rate.max(0.0) + options.limit_sigmas * sigma,
             signal_to_noise,
             significance: found.significance,
@@ -434,6 +437,51 @@ impl Measuring<'_> {
         let bend = (before - 2.0 * here + after) / (step_s * step_s);
         let variance = 2.0 * amplitude.squares / amplitude.freedom / bend;
         Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
+    }
+
+    /// Returns the error (one sigma) of the amplitude that the error of the satellite's size causes: half of the
+    /// difference of the amplitudes with the size one sigma larger and one sigma smaller. If the width is fitted, it stays
+    /// the same: a smaller size is compensated by a wider seeing.
+    fn size_sigma(
+        &mut self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+        options: &MeasureOptions,
+    ) -> Result<f64, MeasureError> {
+        let PredictedStreak { range_km, radius_m, radius_sigma_m, .. } = *self.predicted;
+        if radius_sigma_m <= 0.0 {
+            return Ok(0.0);
+        }
+        let (given, width_pix) = (self.profile.clone(), self.profile.fwhm_pix());
+        let (scale_arcsec, aspect) = (self.image.pixel_scale_arcsec, self.image.pixel_aspect);
+        let mut amplitudes = Vec::new();
+        for radius_m in [(radius_m - radius_sigma_m).max(0.0), radius_m + radius_sigma_m] {
+            let mut optics = self.optics;
+            let profile = |optics: &Optics| optics.profile(range_km, radius_m, scale_arcsec, aspect);
+            let Ok(mut other) = profile(&optics) else { continue };
+            if options.fit_width {
+                // The squares of the widths of seeing, defocus and size add up approximately, so two steps suffice.
+                for _ in 0..2 {
+                    let squares = optics.seeing_arcsec.powi(2)
+                        + (width_pix.powi(2) - other.fwhm_pix().powi(2)) * scale_arcsec * scale_arcsec;
+                    optics.seeing_arcsec = squares.max(0.04 * optics.seeing_arcsec.powi(2)).sqrt();
+                    let Ok(next) = profile(&optics) else { break };
+                    other = next;
+                }
+            }
+            self.profile = other;
+            if let Some(drawn) = self.drawn(band, shift)? {
+                let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
+                amplitudes.extend(combined(&fits).map(|amplitude| amplitude.value));
+            }
+        }
+        self.profile = given;
+        Ok(match amplitudes[..] {
+            [smaller, larger] => 0.5 * (larger - smaller).abs(),
+            _ => 0.0,
+        })
     }
 
     /// Returns the variance of the amplitude due to the photons of the streak: Σ w² m² A m / g / (Σ w m²)² with the

@@ -40,6 +40,18 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         |one| one.magnitude.map(|magnitude| magnitude.sigma).into(),
     ),
     TableField::new(
+        Column::real("magnitude_size_sigma", "mag", 4, "Part of magnitude_sigma by the unknown size of the satellite."),
+        |one| {
+            let rate = one.measured.rate.value;
+            let sigma = 2.5 / std::f64::consts::LN_10 * one.measured.size_sigma / rate;
+            one.magnitude.map(|_| sigma).into()
+        },
+    ),
+    TableField::new(
+        Column::real("size_m", "m", 3, "Diameter of the satellite, given or assumed by its brightness model."),
+        |one| (2.0 * one.prediction.streak.radius_m).into(),
+    ),
+    TableField::new(
         Column::real("limit_magnitude", "mag", 4, "For a streak not found: faintest magnitude that is excluded."),
         |one| if one.measured.is_detected { Value::Null } else { one.limit_mag.into() },
     ),

@@ -64,6 +64,10 @@ pub struct DrawnStreak<'a> {
     /// Mean angular speed relative to the pixels, arcsec/s. It differs from `rate_arcsec_s` if the telescope tracks a
     /// moving target.
     pub frame_rate_arcsec_s: f64,
+    /// Distance half way, km; `None` if the width of the image is given instead.
+    pub range_km: Option<f64>,
+    /// Diameter of the light, m; `None` if the width of the image is given instead.
+    pub size_m: Option<f64>,
     /// Zero point used: magnitude of a star whose pixels sum to 1 in the frame's unit.
     pub zero_point_mag: f64,
 }
@@ -99,14 +103,23 @@ pub fn draw_on_chip<'a>(
     shot: &Shot<'_>,
 ) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
     let mut drawn = Vec::new();
-    let Some((middle, _)) = chip.circle() else { return Ok(drawn) };
-    let farthest_rad = shot.optics.farthest_rad();
+    let Some((middle, _)) = chip.circle().filter(|_| source.hdu.is_none_or(|hdu| hdu == chip.hdu)) else {
+        return Ok(drawn);
+    };
+    // A given width contains defocus and size.
+    let optics = match source.image_fwhm_arcsec {
+        Some(fwhm_arcsec) => {
+            Optics { seeing_arcsec: fwhm_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, ..*shot.optics }
+        }
+        None => *shot.optics,
+    };
+    let farthest_rad = optics.farthest_rad();
     for part in source.parts.iter().filter(|part| chip.is_near(&part.track, shot.tracking, &shot.centre, farthest_rad))
     {
         let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
         let Some(nearest_s) = part.track.closest_s(&middle, seen) else { continue };
         let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
-        let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
+        let profile = optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
         let paths = chip
             .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
             .map_err(|error| error.at(format_args!("HDU {}: path", chip.hdu)))?;
@@ -182,8 +195,15 @@ fn drawn_streak<'a>(
         .map(|pair| pair[0].frame_direction.separation_rad(&pair[1].frame_direction).to_degrees() * 3600.0)
         .sum();
     let per_second = |arc: f64| if seconds > 0.0 { arc / seconds } else { 0.0 };
+    let has_distance = source.image_fwhm_arcsec.is_none();
+    let middle_s = chip_path.inside_s.map_or_else(
+        || 0.5 * (path.nodes()[0].time_s + path.nodes()[path.nodes().len() - 1].time_s),
+        |[from_s, to_s]| 0.5 * (from_s + to_s),
+    );
     DrawnStreak {
         source,
+        range_km: has_distance.then(|| range_at(part, middle_s)),
+        size_m: has_distance.then_some(2.0 * part.radius_m),
         part: part.label,
         hdu: chip.hdu,
         chip: &chip.name,

@@ -39,6 +39,8 @@ pub use injection::{
     ArrayFrame, ArrayInjected, InjectedFrame, Injection, InjectionPlan, InjectionSky, Injections, Mark, RandomPlan,
     SyntheticPlan,
 };
+#[cfg(all(feature = "fits", unix))]
+pub use light::{ChosenLight, ChosenStreak, ChosenStreaks, ChosenWidth};
 pub use light::{
     Glint, LightCurve, Modulation, RandomStreaks, ResolvedPanels, SatelliteExposure, SatelliteLight, SkyPoint,
     SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,

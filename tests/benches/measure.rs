@@ -65,6 +65,7 @@ fn five_streaks_in_a_frame(bencher: Bencher) {
                 cross_sigma_pix: 100.0,
                 range_km: 600.0,
                 radius_m: 1.0,
+                radius_sigma_m: 0.0,
             };
             let measured = measure_streak(&image, &predicted, &optics, &MeasureOptions::default()).unwrap();
             measured.is_some_and(|measured| measured.is_detected)

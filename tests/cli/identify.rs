@@ -187,3 +187,119 @@ fn hdu_of_s28(frame: &str) -> usize {
     let frame = streakcast::images::FrameFile::open(std::path::Path::new(frame)).unwrap();
     frame.hdus().iter().find(|hdu| hdu.name == "S28").unwrap().index
 }
+
+/// FITS file with a table of `acstools.findsat_mrt`: `id`, `endpoints` (pixels counted from 0) and `status`.
+#[cfg(unix)]
+fn findsat_catalogue(rows: &[(i64, [f64; 4], i64)]) -> Vec<u8> {
+    let header = |cards: &[String]| {
+        let mut text: String = cards.iter().map(|card| format!("{card:<80}")).collect();
+        text += &format!("{:<80}", "END");
+        text += &" ".repeat(text.len().next_multiple_of(2880) - text.len());
+        text.into_bytes()
+    };
+    let card = |name: &str, value: &str| format!("{name:<8}= {value:>20}");
+    let primary = header(&[card("SIMPLE", "T"), card("BITPIX", "8"), card("NAXIS", "0"), card("EXTEND", "T")]);
+    let table = header(&[
+        "XTENSION= 'BINTABLE'".to_owned(),
+        card("BITPIX", "8"),
+        card("NAXIS", "2"),
+        card("NAXIS1", "48"),
+        card("NAXIS2", &rows.len().to_string()),
+        card("PCOUNT", "0"),
+        card("GCOUNT", "1"),
+        card("TFIELDS", "3"),
+        "TTYPE1  = 'id      '".to_owned(),
+        "TFORM1  = 'K       '".to_owned(),
+        "TTYPE2  = 'endpoints'".to_owned(),
+        "TFORM2  = '4D      '".to_owned(),
+        "TDIM2   = '(2,2)   '".to_owned(),
+        "TTYPE3  = 'status  '".to_owned(),
+        "TFORM3  = 'K       '".to_owned(),
+    ]);
+    let mut data = Vec::new();
+    for (id, ends, status) in rows {
+        data.extend(id.to_be_bytes());
+        ends.iter().for_each(|end| data.extend(end.to_be_bytes()));
+        data.extend(status.to_be_bytes());
+    }
+    data.resize(data.len().next_multiple_of(2880), 0);
+    [primary, table, data].concat()
+}
+
+#[cfg(unix)]
+#[test]
+fn streaks_of_tables_and_detectors_are_identified() {
+    use crate::common::injected::numbers;
+    let folder = tempfile::TempDir::new().unwrap();
+    let (frame, truth) = (path(&folder, "visit.fits"), path(&folder, "truth.csv"));
+    let description = path(&folder, "wide.toml");
+    let sky = crate::common::injected::unrounded()
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
+    std::fs::write(&description, sky).unwrap();
+    let satellites = ["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth, "--seeing", "90arcsec"],
+        &["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"],
+        &satellites,
+    ]);
+    let rows = records(&std::fs::read_to_string(&truth).unwrap());
+    let ids = numbers(&rows, "norad_id");
+    let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| numbers(&rows, name));
+    let line = |row: usize| [0, 1, 2, 3].map(|coordinate| ends[coordinate][row]);
+    let identified = |table: &str, more: &[&str]| {
+        let answer = json(&[&["identify", "--streaks", table, "--top", "1"], &satellites, more]);
+        let candidates = answer["candidates"].as_array().unwrap().clone();
+        candidates
+            .iter()
+            .map(|one| (one["streak"].as_str().unwrap().to_owned(), one["norad_id"].as_f64().unwrap()))
+            .collect::<Vec<_>>()
+    };
+    let expected: Vec<(String, f64)> = (0..ids.len()).map(|row| (format!("s{row}"), ids[row])).collect();
+    // Ends in pixels, with the frame in a column; the path is relative to the table.
+    let table = path(&folder, "streaks.csv");
+    let row = |row: usize| {
+        let [x1, y1, x2, y2] = line(row);
+        format!("s{row},visit.fits,{x1},{y1},{x2},{y2}\n")
+    };
+    let text: String = (0..ids.len()).map(row).collect();
+    std::fs::write(&table, format!("id,image,x1_pix,y1_pix,x2_pix,y2_pix\n{text}")).unwrap();
+    assert_eq!(identified(&table, &[]), expected);
+    // Ends on the sky without a frame.
+    let sky_ends = ["ra1_deg", "dec1_deg", "ra2_deg", "dec2_deg"].map(|name| numbers(&rows, name));
+    let text: String = (0..ids.len())
+        .map(|row| {
+            format!("s{row},{},{},{},{}\n", sky_ends[0][row], sky_ends[1][row], sky_ends[2][row], sky_ends[3][row])
+        })
+        .collect();
+    std::fs::write(&table, format!("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n{text}")).unwrap();
+    assert_eq!(identified(&table, &["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"]), expected);
+    // Detectors count pixels from 0. Trails that failed a test of findsat_mrt are left out.
+    let [x1, y1, x2, y2] = line(0).map(|coordinate| coordinate - 1.0);
+    let (astride, findsat) = (path(&folder, "streaks.txt"), path(&folder, "visit_catalog.fits"));
+    let names = "#ID x_center y_center area perimeter shape_factor radius_deviation slope_angle intercept connectivity \
+                 ep1_x ep1_y ep2_x ep2_y length thickness";
+    let cells =
+        format!(" 7 10.00 20.00 640.3 360.9 0.06 0.60 -1.40 20.00 -1 {x1:.2} {y1:.2} {x2:.2} {y2:.2} 810.0 8.0");
+    std::fs::write(&astride, format!("{names}\n{cells}\n")).unwrap();
+    std::fs::write(&findsat, findsat_catalogue(&[(3, [0.0, 0.0, 9.0, 9.0], 1), (7, [x1, y1, x2, y2], 2)])).unwrap();
+    for table in [&astride, &findsat] {
+        assert_eq!(identified(table, &["--image", &frame]), [("7".to_owned(), ids[0])]);
+    }
+    for (text, words) in [
+        (format!("{names}\n 7 10.00\n"), "line 2: number of cells is 2; allowed: 16"),
+        (format!("{names}\n{}\n", cells.replace(&format!("{x1:.2}"), "abc")), "line 2: x1_pix is 'abc'; allowed"),
+        ("#ID x_center y_center\n".to_owned(), "column ep1_x of ASTRiDE is missing; allowed"),
+        ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4,5\n".to_owned(), "line: 2"),
+        ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,1e7,4\n".to_owned(), "line 2: x2_pix is '1e7'; allowed"),
+        ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4000\n".to_owned(), "outside of the frame; allowed"),
+        ("x1_pix,y1_pix,x2_pix,y2_pix,image\n1,2,3,4,none.fits\n".to_owned(), "none.fits"),
+    ] {
+        std::fs::write(&astride, &text).unwrap();
+        let (code, _, error) = run(&[&["identify", "--streaks", &astride, "--image", &frame], &satellites]);
+        assert_eq!((code, error.trim().lines().count()), (2, 1), "{text}: {error}");
+        assert!(error.contains(words), "{text}: {error}");
+    }
+    let (code, _, error) = run(&[&["identify", "--streaks", &frame], &satellites]);
+    assert!(code == 2 && error.contains("a catalog of findsat_mrt"), "{error}");
+}

@@ -21,6 +21,8 @@ mod identify;
 #[cfg(unix)]
 mod inject;
 #[cfg(unix)]
+mod inject_chosen;
+#[cfg(unix)]
 mod inject_detector;
 #[cfg(unix)]
 mod inject_outputs;

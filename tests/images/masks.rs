@@ -150,6 +150,8 @@ fn drawn_from(
         name: SourceName::Random(1),
         mag_source: String::new(),
         element_age_days: None,
+        hdu: None,
+        image_fwhm_arcsec: None,
         parts: vec![SourcePart {
             label: "whole",
             track: SkyTrack { points: (0..steps).map(point).collect() },

@@ -130,6 +130,7 @@ fn drawn(case: Case, options: &MeasureOptions, assumed: Optics) -> (Outcome, Pla
         cross_sigma_pix: CROSS_PIX,
         range_km: 600.0,
         radius_m: 0.0,
+        radius_sigma_m: 0.0,
     };
     let light_area = LightArea::whole(ROWS, COLUMNS);
     let measured = measure(&plane, &light_area, &predicted, &assumed, options);
@@ -544,4 +545,50 @@ fn completeness_of_many() {
         };
         println!("| {signal_to_noise} | {} |", numbers(&cell));
     }
+}
+
+/// The error of an assumed size is half of the difference of the fluxes with the sizes one sigma away. If the width is
+/// fitted, it depends only on the shape of the light.
+#[test]
+fn verif_the_error_of_an_assumed_size_is_part_of_that_of_the_flux() {
+    let optics = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 2.5, outer_radius_m: 0.0, inner_radius_m: 0.0 };
+    // 10 m at 600 km are 3.4 pixels.
+    let profile = optics.profile(600.0, 5.0, 1.0, 1.0).unwrap();
+    let at =
+        |time_s: f64| PixelPosition { x: 200.0 + SPEED_PIX_S * (time_s - 15.0), y: 150.0 + 20.0 * (time_s - 15.0) };
+    let path = |[from_s, to_s]: [f64; 2], rate: f64| {
+        StreakPath::new([from_s, to_s].map(|time_s| PathNode::new(time_s, at(time_s), rate)).to_vec()).unwrap()
+    };
+    const RATE: f64 = 2e5;
+    let mut plane = Plane::from_values(ROWS, COLUMNS, vec![SKY_E as f32; ROWS * COLUMNS]).unwrap();
+    draw(&path([0.0, EXPOSURE_S], RATE), &profile, ROWS, COLUMNS).add_to(&mut plane);
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    for value in plane.values_mut() {
+        *value += 20.0 * <StandardNormal as Distribution<f32>>::sample(&StandardNormal, &mut random);
+    }
+    let light_area = LightArea::whole(ROWS, COLUMNS);
+    let found = |radius_m: f64, radius_sigma_m: f64, fit_width: bool| {
+        let predicted = PredictedStreak {
+            path: path([-2.0, EXPOSURE_S + 2.0], 1.0),
+            drift_pix_s: [0.0; 2],
+            lateness_sigma_s: 0.1,
+            largest_delay_s: 5.0,
+            cross_sigma_pix: CROSS_PIX,
+            range_km: 600.0,
+            radius_m,
+            radius_sigma_m,
+        };
+        measure(&plane, &light_area, &predicted, &optics, &MeasureOptions { fit_width, ..options() }).unwrap()
+    };
+    let (exact, small, large) = (found(5.0, 0.0, false), found(2.5, 0.0, false), found(7.5, 0.0, false));
+    let assumed = found(5.0, 2.5, false);
+    assert_eq!(exact.size_sigma, 0.0);
+    assert_eq!(assumed.rate.value, exact.rate.value);
+    let half = 0.5 * (large.rate.value - small.rate.value);
+    assert!(half > 0.05 * RATE && (assumed.size_sigma / half - 1.0).abs() < 0.1, "{} {half}", assumed.size_sigma);
+    assert!((assumed.rate.sigma / exact.rate.sigma.hypot(assumed.size_sigma) - 1.0).abs() < 1e-9);
+    // The signal to noise, which decides about the detection, does not contain it.
+    assert_eq!(assumed.signal_to_noise, exact.signal_to_noise);
+    let fitted = found(5.0, 2.5, true);
+    assert!(fitted.size_sigma < 0.3 * assumed.size_sigma, "{} {}", fitted.size_sigma, assumed.size_sigma);
 }

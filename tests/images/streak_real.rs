@@ -31,6 +31,7 @@ fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<
         modulation: &Modulation::default(),
         resolve_panels: false,
         tracking: &Tracking::Sidereal,
+        size_m: None,
     };
     let found = satellites(&sky, &eop, exposure, radius_deg.to_radians(), &light).unwrap();
     found.sources.into_iter().next().map(|source| source.parts[0].track.clone())

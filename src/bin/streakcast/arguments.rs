@@ -9,7 +9,7 @@ use streakcast::config::Config;
 use crate::output::{Format, Output};
 
 /// Format and file of the output.
-#[derive(Args)]
+#[derive(Clone, Args)]
 pub struct OutputArguments {
     /// Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]

@@ -42,6 +42,8 @@ pub struct Injected {
     pub changed: Changed,
     /// HDUs with unknown gain, to which the light was added without noise.
     pub without_gain: Vec<usize>,
+    /// Light of each streak above the saturation level or the range of the frame's type, in the frame's unit.
+    pub clipped_counts: Vec<f64>,
 }
 
 /// Writes a copy of the frame with streaks. All header cards, extensions and tables are kept, and unchanged data are
@@ -63,11 +65,13 @@ pub fn inject(
     watch: &Watch,
 ) -> Result<Injected, StreaksError> {
     let mut copy = FrameCopy::begin(&frame.file, output)?;
-    let mut report = Injected::default();
+    let mut report = Injected { clipped_counts: vec![0.0; streaks.len()], ..Injected::default() };
     let mut masks = Vec::new();
     for target in &frame.chips {
         watch.check()?;
-        let own: Vec<&DrawnStreak<'_>> = streaks.iter().filter(|streak| streak.hdu == target.chip.hdu).collect();
+        let own_indices: Vec<usize> =
+            (0..streaks.len()).filter(|index| streaks[*index].hdu == target.chip.hdu).collect();
+        let own: Vec<&DrawnStreak<'_>> = own_indices.iter().map(|index| &streaks[*index]).collect();
         if own.is_empty() {
             continue;
         }
@@ -76,6 +80,10 @@ pub fn inject(
             report.without_gain.push(target.chip.hdu);
         }
         let noise = if options.write_truth { noise_of_chip(frame, target)? } else { NoiseMap::uniform(0.0) };
+        if let Some(most) = greatest_count(target, detector.as_ref()) {
+            let clipped = clipped_counts(frame, target, &own, most)?;
+            own_indices.iter().zip(clipped).for_each(|(index, clipped)| report.clipped_counts[*index] = clipped);
+        }
         let has_noise = detector.as_ref().is_some_and(|detector| detector.shot_noise);
         let added = match detector {
             Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
@@ -96,7 +104,7 @@ pub fn inject(
     }
     if options.write_truth {
         append_masks(&mut copy, frame, masks, &options.planes)?;
-        let rows: Vec<TruthRow<'_>> = truth_rows(streaks, frame.exposure_s, options.seed);
+        let rows: Vec<TruthRow<'_>> = truth_rows(streaks, &report.clipped_counts, frame.exposure_s, options.seed);
         let cards: Vec<Card> = options.history.iter().flat_map(|line| Card::remark("HISTORY", line)).collect();
         copy.append_table("STREAKS", &fits_columns(&truth_table(&rows)), &cards)?;
         copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &[])?;
@@ -131,6 +139,47 @@ fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
 fn quantisation(target: &TargetChip) -> Option<Quantisation> {
     let (least_adu, greatest_adu) = target.whole_range?;
     (greatest_adu <= 65_535.0 && least_adu >= -65_536.0).then_some(Quantisation { least_adu, greatest_adu })
+}
+
+/// Returns the greatest count that a pixel of the chip can have; `None` if it is not limited.
+fn greatest_count(target: &TargetChip, detector: Option<&Detector>) -> Option<f64> {
+    let full = detector.and_then(|detector| {
+        let saturation = detector.saturation.as_ref()?;
+        Some(saturation.full_well_e / detector.gain_e_adu + detector.bias_adu)
+    });
+    let rounded = detector.and_then(|detector| Some(detector.quantisation.as_ref()?.greatest_adu));
+    let of_type = target.whole_range.map(|(_, greatest)| greatest);
+    [full, rounded, of_type].into_iter().flatten().min_by(f64::total_cmp)
+}
+
+/// Returns the light of each streak above the greatest count of a pixel. In a pixel with several streaks it is divided in
+/// proportion to their light.
+fn clipped_counts(
+    frame: &TargetFrame,
+    target: &TargetChip,
+    streaks: &[&DrawnStreak<'_>],
+    most: f64,
+) -> Result<Vec<f64>, ImagesError> {
+    let mut clipped = vec![0.0; streaks.len()];
+    let is_lit = |row: &usize| streaks.iter().any(|streak| !streak.patch.row(*row).values.is_empty());
+    let rows: Vec<usize> = (0..target.chip.rows).filter(is_lit).collect();
+    let before = frame.file.read_rows(target.chip.hdu, rows.iter().copied())?;
+    for (row, before) in rows.into_iter().zip(before.chunks_exact(target.chip.columns)) {
+        let mut light = vec![0.0; target.chip.columns];
+        let spans: Vec<_> = streaks.iter().map(|streak| streak.patch.row(row)).collect();
+        for span in &spans {
+            light[span.first_column..].iter_mut().zip(span.values).for_each(|(sum, value)| *sum += f64::from(*value));
+        }
+        for (clipped, span) in clipped.iter_mut().zip(&spans) {
+            for (column, value) in (span.first_column..).zip(span.values) {
+                let excess = (before[column] + light[column] - most).min(light[column]);
+                if excess > 0.0 {
+                    *clipped += f64::from(*value) * excess / light[column];
+                }
+            }
+        }
+    }
+    Ok(clipped)
 }
 
 /// Adds the light to the pixels without the effects of a detector.

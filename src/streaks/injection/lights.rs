@@ -5,20 +5,22 @@ use std::path::Path;
 use serde_json::json;
 
 use super::super::chip::{Chip, direction_on};
-use super::super::drawn::DrawnStreak;
+use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
 use super::super::error::StreaksError;
 use super::super::frame::TargetFrame;
 use super::super::light::{
-    RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, satellites,
+    ChosenLight, ChosenStreak, ChosenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack, Source,
+    SourceName, SourcePart, StreakNumber, satellites,
 };
 use super::plan::{InjectionPlan, RandomPlan};
 use crate::frames::{Direction, EopTable, Gcrs};
+use crate::images::StreakEnds;
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Radius of random lights, m, which is that of a small satellite.
-const RANDOM_RADIUS_M: f64 = 1.0;
+/// Diameter of random lights if none is given, m, which is that of a small satellite.
+const RANDOM_SIZE_M: f64 = 2.0;
 
 /// Satellites above the site of the frames, with their provenance.
 #[derive(Copy, Clone, Debug)]
@@ -36,8 +38,10 @@ pub fn sources(
     plan: &InjectionPlan,
     sky: Option<InjectionSky<'_>>,
     frame: &TargetFrame,
+    shot: &Shot<'_>,
     photometry: &PhotometryOptions,
     seed: u64,
+    output: &Path,
 ) -> Result<Vec<Source>, StreaksError> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
         let shown = frame.file.path().display();
@@ -46,6 +50,11 @@ pub fn sources(
     })?;
     if let Some(random) = &plan.random {
         return Ok(random_sources(random, plan, frame, (centre, radius_rad), seed));
+    }
+    if let Some(chosen) = &plan.chosen {
+        let names = [file_name(frame.file.path()), file_name(output)];
+        let of_frame = chosen.streaks.iter().filter(|streak| names.iter().any(|name| streak.is_of(name)));
+        return of_frame.map(|streak| chosen_source(streak, plan, frame, shot)).collect();
     }
     let Some(sky) = sky else { return Ok(Vec::new()) };
     let exposure = Exposure {
@@ -61,6 +70,7 @@ pub fn sources(
         modulation: &plan.modulation,
         resolve_panels: plan.resolve_panels,
         tracking: &tracking,
+        size_m: plan.satellite_size_m,
     };
     Ok(satellites(sky.sky, sky.eop, &exposure, radius_rad, &light)?.sources)
 }
@@ -83,6 +93,7 @@ fn random_sources(
     // Tracks are drawn in the coordinates of the frame, so that with any tracking they extend across the whole frame.
     let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, |drawn, _| direction_on(chips(), drawn));
     let tracking = plan.tracking(frame.exposure_s);
+    let radius_m = 0.5 * plan.satellite_size_m.unwrap_or(RANDOM_SIZE_M);
     let source = |(number, mut track): (usize, SkyTrack)| {
         let middle_s = track.closest_s(&centre, |point| point.direction).unwrap_or(0.0);
         for point in &mut track.points {
@@ -92,10 +103,90 @@ fn random_sources(
             name: SourceName::Random(number),
             mag_source: "random".to_owned(),
             element_age_days: None,
-            parts: Source::parts(&track, &plan.modulation, middle_s, RANDOM_RADIUS_M, None),
+            hdu: None,
+            image_fwhm_arcsec: None,
+            parts: Source::parts(&track, &plan.modulation, middle_s, radius_m, None),
         }
     };
     (1..).zip(tracks).map(source).collect()
+}
+
+/// Returns the source of a chosen streak in a frame. For a peak the streak is drawn twice, because the brightest pixel
+/// depends on its position.
+fn chosen_source(
+    streak: &ChosenStreak,
+    plan: &InjectionPlan,
+    frame: &TargetFrame,
+    shot: &Shot<'_>,
+) -> Result<Source, StreaksError> {
+    let chip = chip_of(streak, frame)?;
+    if !chip.is_on_sky && matches!(streak.ends, StreakEnds::Sky(_)) {
+        return Err(streak.invalid("ends", "directions on the sky", "pixels in a frame without world coordinates"));
+    }
+    // A light of this magnitude gives 1 in the unit of the frame.
+    let unit_mag = chip.scale.zero_point_mag();
+    let mut track = streak.track(chip, (frame.opened, frame.exposure_s), (shot.tracking, &shot.centre), unit_mag)?;
+    let image_fwhm_arcsec = match streak.width {
+        ChosenWidth::Seeing => Some(plan.optics.seeing_arcsec),
+        ChosenWidth::Distance { .. } => None,
+        ChosenWidth::Pixels(fwhm_pix) => Some(fwhm_pix * chip.pixel_scale_arcsec()),
+        ChosenWidth::Arcsec(fwhm_arcsec) => Some(fwhm_arcsec),
+    };
+    let radius_m = match streak.width {
+        ChosenWidth::Distance { size_m, .. } => 0.5 * size_m.or(plan.satellite_size_m).unwrap_or(0.0),
+        _ => 0.0,
+    };
+    let curve = streak.curve.clone().or_else(|| plan.modulation.curve.clone());
+    let modulation = Modulation { curve, ..plan.modulation.clone() };
+    let source = |track: &SkyTrack| {
+        let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
+        let middle_s = track.closest_s(&shot.centre, seen).unwrap_or(0.0);
+        Source {
+            name: SourceName::Chosen(streak.id.as_str().into()),
+            mag_source: "table".to_owned(),
+            element_age_days: None,
+            hdu: match streak.ends {
+                StreakEnds::Pixels(_) => Some(chip.hdu),
+                StreakEnds::Sky(_) => streak.hdu,
+            },
+            image_fwhm_arcsec,
+            parts: Source::parts(track, &modulation, middle_s, radius_m, None),
+        }
+    };
+    if let ChosenLight::Peak(peak) = streak.light {
+        let stand_in = source(&track);
+        let mut brightest = 0.0f64;
+        for target in &frame.chips {
+            for drawn in draw_on_chip(&stand_in, &target.chip, shot)? {
+                let values = drawn.patch.iter().flat_map(|span| span.values.to_vec());
+                brightest = values.map(f64::from).fold(brightest, f64::max);
+            }
+        }
+        // Without light in the frame, no magnitude gives the peak.
+        let magnitude = (brightest > 0.0).then(|| unit_mag - 2.5 * (peak / brightest).log10());
+        track.points.iter_mut().for_each(|point| point.magnitude = magnitude);
+    }
+    Ok(source(&track))
+}
+
+/// Returns the chip of a streak. Pixels need one if the frame has several.
+fn chip_of<'a>(streak: &ChosenStreak, frame: &'a TargetFrame) -> Result<&'a Chip, StreaksError> {
+    let hdus: Vec<String> = frame.chips.iter().map(|target| target.chip.hdu.to_string()).collect();
+    let allowed = || format!("HDU {} of {}", hdus.join(", "), frame.file.path().display());
+    match (streak.hdu, &frame.chips[..]) {
+        (Some(hdu), chips) => match chips.iter().find(|target| target.chip.hdu == hdu) {
+            Some(target) => Ok(&target.chip),
+            None => Err(streak.invalid("hdu", hdu, allowed())),
+        },
+        (None, [only]) => Ok(&only.chip),
+        (None, [first, ..]) if matches!(streak.ends, StreakEnds::Sky(_)) => Ok(&first.chip),
+        (None, _) => Err(streak.invalid("hdu", "missing", allowed())),
+    }
+}
+
+/// Returns the name of a file without its folder.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn area_deg2(chip: &Chip) -> f64 {
@@ -166,6 +257,8 @@ pub fn state(
             "outer_radius_m": plan.optics.outer_radius_m,
             "inner_radius_m": plan.optics.inner_radius_m,
             "telescope": plan.telescope,
+            "streaks": plan.chosen.as_ref().map(|chosen| chosen.path.display().to_string()),
+            "satellite_size_m": plan.satellite_size_m.or(plan.random.map(|_| RANDOM_SIZE_M)),
             "seed": plan.seed,
         }),
     );

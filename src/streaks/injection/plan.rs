@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use hifitime::Epoch;
 
 use super::super::frame::{FrameOverrides, SyntheticFrame, TargetFrame};
-use super::super::light::{Modulation, RandomStreaks};
+use super::super::light::{ChosenStreaks, Modulation, RandomStreaks};
 use super::super::optics::Optics;
 use super::super::tracking::Tracking;
 use super::super::truth::MaskPreset;
@@ -24,8 +24,12 @@ pub struct InjectionPlan {
     pub overrides: FrameOverrides,
     /// Rate of the telescope, arcsec/s towards east and north; `None` for sidereal tracking.
     pub tracking_arcsec_s: Option<[f64; 2]>,
-    /// Random streaks; `None` for streaks of satellites.
+    /// Random streaks.
     pub random: Option<RandomPlan>,
+    /// Streaks of a table. Without these and random streaks, the streaks are those of satellites.
+    pub chosen: Option<ChosenStreaks>,
+    /// Diameter of the lights, m; `None` for that of the model, and 2 m for random streaks.
+    pub satellite_size_m: Option<f64>,
     /// Changes of the brightness of satellites along their tracks.
     pub modulation: Modulation,
     /// If true, chassis and solar array of a satellite are drawn as two lights.
@@ -81,6 +85,11 @@ pub struct RandomPlan {
 }
 
 impl InjectionPlan {
+    /// Returns true if the streaks are those of satellites.
+    pub fn is_of_satellites(&self) -> bool {
+        self.random.is_none() && self.chosen.is_none()
+    }
+
     /// Returns the tracking of the telescope in an exposure of `exposure_s` seconds.
     pub fn tracking(&self, exposure_s: f64) -> Tracking {
         self.tracking_arcsec_s.map_or(Tracking::Sidereal, |[east, north]| Tracking::Rate {
@@ -100,8 +109,8 @@ impl InjectionPlan {
                 let system = self.mag_system.unwrap_or(band.usual_system());
                 (PhotometryOptions { band, system, ..self.photometry }, None)
             }
-            // Magnitudes of random streaks are used as given, without a band.
-            Some(Err(_)) if self.random.is_none() => {
+            // Magnitudes of random and chosen streaks are used as given, without a band.
+            Some(Err(_)) if self.is_of_satellites() => {
                 let filter = frame.filter.as_deref().unwrap_or_default();
                 let warning =
                     format!("filter {filter:?} is not a band with known magnitudes: V is used; specify --band");

@@ -11,14 +11,15 @@ use super::super::chip::Chip;
 use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
 use super::super::error::StreaksError;
 use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
-use super::super::light::{Source, SourceName};
+use super::super::light::{ChosenStreaks, Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
 use super::frames::Frames;
-use super::lights::{InjectionSky, has_light, history, sources, state};
+use super::lights::{InjectionSky, file_name, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
 use crate::images::{ImagesError, PixelPosition};
+use crate::message::{Quoted, listed};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted};
 use crate::watch::Watch;
 
@@ -124,6 +125,9 @@ impl<'a> Injection<'a> {
     /// several frames fails, others may have been written; the error contains their number.
     pub fn run(&self, sky: Option<InjectionSky<'_>>, watch: &Watch) -> Result<Injections, StreaksError> {
         let (plan, known) = (self.plan, self.frames.known());
+        if let (Some(chosen), true) = (&plan.chosen, plan.synthetic.is_some() || !plan.images.is_empty()) {
+            check_images(chosen, known, self.outputs)?;
+        }
         let left_out = known.iter().flat_map(|frame| {
             let shown = frame.file.path().display();
             frame.left_out.iter().map(move |(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"))
@@ -157,7 +161,12 @@ impl<'a> Injection<'a> {
         }
         Ok(Injections {
             frames,
-            remarks: known.iter().flat_map(|frame| planes(frame).into_iter().chain(overscan(frame))).collect(),
+            remarks: plan
+                .chosen
+                .iter()
+                .flat_map(|chosen| chosen.remarks.clone())
+                .chain(known.iter().flat_map(|frame| planes(frame).into_iter().chain(overscan(frame))))
+                .collect(),
             warnings,
             provenance,
         })
@@ -201,7 +210,6 @@ fn one(
     watch: &Watch,
 ) -> Result<InjectedFrame, StreaksError> {
     let (photometry, unknown_filter) = plan.photometry_of(frame);
-    let sources = sources(plan, sky, frame, &photometry, seed)?;
     let tracking = plan.tracking(frame.exposure_s);
     let (centre, _) = frame.circle().unwrap_or((Direction::from_lon_lat_rad(0.0, 0.0), 0.0));
     let shot = Shot {
@@ -212,6 +220,7 @@ fn one(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
+    let sources = sources(plan, sky, frame, &shot, &photometry, seed, output)?;
     // A synthetic frame is a temporary file, so errors name the output file instead.
     let shown = if plan.synthetic.is_some() { output } else { frame.file.path() };
     let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
@@ -241,7 +250,7 @@ fn one(
         history: history(sky.map_or(&Provenance::new(), |sky| sky.provenance), plan, &drawn, &streaks, seed),
     };
     let injected = inject(frame, &streaks, &options, output, watch)?;
-    let rows: Vec<TruthRow<'_>> = truth_rows(&streaks, frame.exposure_s, seed);
+    let rows: Vec<TruthRow<'_>> = truth_rows(&streaks, &injected.clipped_counts, frame.exposure_s, seed);
     let mark = |streak: &DrawnStreak<'_>| Mark {
         hdu: streak.hdu,
         line: streak.points.iter().map(|point| point.at).collect(),
@@ -256,13 +265,46 @@ fn one(
         marks: streaks.iter().map(mark).collect(),
         planes,
         summary: summary(&streaks, &drawn, &injected),
-        warnings: unknown_filter.into_iter().chain(warnings(frame, &injected)).collect(),
+        warnings: unknown_filter
+            .into_iter()
+            .chain(warnings(frame, &injected))
+            .chain(outside(plan, &sources, &drawn, shown))
+            .collect(),
+    })
+}
+
+/// Checks that each row of a table of streaks belongs to a frame.
+fn check_images(chosen: &ChosenStreaks, frames: &[TargetFrame], outputs: &[PathBuf]) -> Result<(), StreaksError> {
+    let paths = frames.iter().map(|frame| frame.file.path()).chain(outputs.iter().map(PathBuf::as_path));
+    let names: Vec<String> = paths.map(file_name).collect();
+    for streak in &chosen.streaks {
+        if let Some(image) = &streak.image
+            && !names.contains(image)
+        {
+            let names = listed(names.iter().map(String::as_str));
+            return Err(streak.invalid("image", format!("'{}'", Quoted::new(image)), format!("a frame: {names}")));
+        }
+    }
+    Ok(())
+}
+
+/// Returns a warning that names the chosen streaks without light in the frame.
+fn outside(plan: &InjectionPlan, sources: &[Source], drawn: &[&Source], shown: &Path) -> Option<String> {
+    plan.chosen.as_ref()?;
+    let without: Vec<String> = sources
+        .iter()
+        .filter(|source| !drawn.iter().any(|drawn| std::ptr::eq(*drawn, *source)))
+        .map(|source| source.name.to_string())
+        .collect();
+    (!without.is_empty()).then(|| {
+        let count = counted(without.len(), "streak of the table is", "streaks of the table are");
+        format!("{}: {count} outside of the frame: {}", shown.display(), listed(without.iter().map(String::as_str)))
     })
 }
 
 /// Returns the truth of one frame with the name of its file as the first column.
 fn with_file_name(mut truth: Table, frame: &Path) -> Table {
-    let name = frame.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let name = file_name(frame);
     truth.columns.insert(0, Column::new("image", Kind::Text, "File of the frame."));
     truth.rows.iter_mut().for_each(|row| row.insert(0, Value::Text(name.clone())));
     truth
@@ -284,6 +326,9 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
     let number = counted(sources.len(), "streak", "streaks");
     let number = match sources {
         [] => return "no streak crosses the frame; the output is a copy".to_owned(),
+        [Source { name: SourceName::Chosen(_), .. }, ..] => {
+            counted(sources.len(), "streak of the table", "streaks of the table")
+        }
         [Source { name: SourceName::Random(_), .. }, ..] => counted(sources.len(), "random streak", "random streaks"),
         [one] => format!("{number} of {}", one.name),
         _ => format!("{number} of {} satellites", sources.len()),

@@ -1,7 +1,10 @@
 //! Moving lights on the sky. A `source` has one or two tracks (`sky_track`) of directions and magnitudes. `satellites`
 //! creates the sources of an exposure from a sky, and `random_streaks` draws random tracks. `modulation` changes the
 //! brightness by tumbling, glints and light curves. `resolved` divides a satellite into chassis and solar array.
+//! `chosen_streaks` reads streaks that the user chooses.
 
+#[cfg(all(feature = "fits", unix))]
+mod chosen_streaks;
 mod modulation;
 mod random_streaks;
 mod resolved;
@@ -9,6 +12,8 @@ mod satellites;
 mod sky_track;
 mod source;
 
+#[cfg(all(feature = "fits", unix))]
+pub use chosen_streaks::{ChosenLight, ChosenStreak, ChosenStreaks, ChosenWidth};
 pub use modulation::{Glint, LightCurve, Modulation, Tumbling};
 pub use random_streaks::{RandomStreaks, StreakNumber};
 pub use resolved::ResolvedPanels;

@@ -1,8 +1,16 @@
 //! Changes of brightness along a track beyond those of a stable satellite: tumbling, glints, custom light curves.
 
-use super::super::error::StreaksError;
+#[cfg(all(feature = "fits", unix))]
+use std::path::Path;
 
+use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
+#[cfg(all(feature = "fits", unix))]
+use crate::input::{CsvRows, NumberColumn};
+#[cfg(all(feature = "fits", unix))]
+use crate::message::Quoted;
+#[cfg(all(feature = "fits", unix))]
+use crate::units::{MAGNITUDES, SECONDS};
 
 /// Brightness of a rotating body, a sine curve in magnitudes.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -59,6 +67,33 @@ impl LightCurve {
             }
         }
         Ok(Self { points })
+    }
+
+    /// Reads a light curve from a table (CSV or ECSV) with the columns `time_s` and `delta_mag`.
+    ///
+    /// # Errors
+    /// The file cannot be read, a column is missing, a cell is not a number, and the errors of [`LightCurve::new`].
+    #[cfg(all(feature = "fits", unix))]
+    pub fn read(path: &Path) -> Result<Self, StreaksError> {
+        const FORM: &str = "time_s, delta_mag";
+        let failed = |error: &dyn std::fmt::Display| StreaksError::Table {
+            path: path.to_owned(),
+            problem: format!("light curve: {error}"),
+        };
+        let rows = CsvRows::open(path).map_err(|error| failed(&error))?;
+        let column = |names: &[&str], unit| rows.numbers(names, unit, FORM).map_err(|error| failed(&error));
+        let columns = [column(&["time_s"], &SECONDS)?, column(&["delta_mag"], &MAGNITUDES)?];
+        let mut points = Vec::new();
+        for row in rows {
+            let (line, row) = row.map_err(|error| failed(&error))?;
+            let number = |column: NumberColumn| {
+                let text = Quoted::new(column.text(&row));
+                let not_a_number = || format!("line {line}: '{text}' is not a number; allowed: numbers in {FORM}");
+                column.number(&row).ok_or_else(|| failed(&not_a_number()))
+            };
+            points.push((number(columns[0])?, number(columns[1])?));
+        }
+        Self::new(points).map_err(|error| failed(&error))
     }
 
     /// Returns the magnitudes to add at `time_s` seconds after the shutter opened.

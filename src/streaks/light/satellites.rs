@@ -29,6 +29,8 @@ pub struct SatelliteLight<'a> {
     pub resolve_panels: bool,
     /// Tracking of the telescope.
     pub tracking: &'a Tracking,
+    /// Size of all satellites, m; `None` for those of the models.
+    pub size_m: Option<f64>,
 }
 
 /// Lights of the satellites in one exposure.
@@ -74,7 +76,15 @@ fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &Pass, light: &S
         name: SourceName::Satellite { norad_id: pass.norad_id, name: sky.elements()[pass.element_index].name.clone() },
         mag_source: model.source().to_string(),
         element_age_days: Some(pass.element_age_days),
-        parts: Source::parts(&track, light.modulation, middle_s, 0.5 * model.size_m(), panels.as_ref()),
+        hdu: None,
+        image_fwhm_arcsec: None,
+        parts: Source::parts(
+            &track,
+            light.modulation,
+            middle_s,
+            0.5 * light.size_m.unwrap_or(model.size_m()),
+            panels.as_ref(),
+        ),
     }
 }
 

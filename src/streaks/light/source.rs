@@ -20,6 +20,8 @@ pub enum SourceName {
     },
     /// A random light, with its number in the frame, from 1.
     Random(usize),
+    /// A light of a table of streaks, with its name there.
+    Chosen(Arc<str>),
 }
 
 impl fmt::Display for SourceName {
@@ -28,6 +30,7 @@ impl fmt::Display for SourceName {
             Self::Satellite { norad_id, name } if name.is_empty() => write!(f, "{}", norad_id.0),
             Self::Satellite { name, .. } => f.write_str(name),
             Self::Random(number) => write!(f, "random {number}"),
+            Self::Chosen(id) => f.write_str(id),
         }
     }
 }
@@ -41,6 +44,10 @@ pub struct Source {
     pub mag_source: String,
     /// Time from the epoch of the elements to the exposure, days; `None` for a random streak.
     pub element_age_days: Option<f64>,
+    /// HDU of the only chip on which the source is drawn; `None` for all chips.
+    pub hdu: Option<usize>,
+    /// Full width at half maximum of the image of each light, arcsec; `None` if seeing, defocus and size determine it.
+    pub image_fwhm_arcsec: Option<f64>,
     /// The one or two lights that form the source.
     pub parts: Vec<SourcePart>,
 }

@@ -212,8 +212,14 @@ mod tests {
     #[test]
     fn verif_masks_distinguish_light_above_the_noise_from_fainter_light() {
         let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).unwrap();
-        let source =
-            Source { name: SourceName::Random(1), mag_source: String::new(), element_age_days: None, parts: vec![] };
+        let source = Source {
+            name: SourceName::Random(1),
+            mag_source: String::new(),
+            element_age_days: None,
+            hdu: None,
+            image_fwhm_arcsec: None,
+            parts: vec![],
+        };
         let streak = |x: f64| DrawnStreak {
             source: &source,
             part: "whole",
@@ -229,6 +235,8 @@ mod tests {
             peak_magnitude: None,
             rate_arcsec_s: 0.0,
             frame_rate_arcsec_s: 0.0,
+            range_km: None,
+            size_m: None,
             zero_point_mag: 25.0,
         };
         let (left, right) = (streak(20.0), streak(26.0));

@@ -15,6 +15,8 @@ pub struct TruthRow<'a> {
     pub streak: &'a DrawnStreak<'a>,
     /// Exposure time, seconds.
     pub exposure_s: f64,
+    /// Light of the streak above the saturation level or the range of the frame's type, in the frame's unit.
+    pub clipped_counts: f64,
     /// Seed of noise and random streaks.
     pub seed: u64,
 }
@@ -34,15 +36,20 @@ static FIELDS: &[Field] = &[
     field(Column::new("hdu", Kind::Integer, "HDU of the chip, counted from 0."), |row| row.streak.hdu.into()),
     field(Column::new("chip", Kind::Text, "Name of the HDU."), |row| row.streak.chip.into()),
     field(
-        Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty for a random streak."),
+        Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty for streaks that are not of satellites."),
         |row| match &row.streak.source.name {
             SourceName::Satellite { norad_id, .. } => i64::from(norad_id.0).into(),
-            SourceName::Random(_) => Value::Null,
+            SourceName::Random(_) | SourceName::Chosen(_) => Value::Null,
         },
     ),
-    field(Column::new("name", Kind::Text, "Name in the element set, or the number of the random streak."), |row| {
-        row.streak.source.name.to_string().into()
-    }),
+    field(
+        Column::new(
+            "name",
+            Kind::Text,
+            "Name in the element set, id in the table of streaks, or number of the random streak.",
+        ),
+        |row| row.streak.source.name.to_string().into(),
+    ),
     field(Column::new("part", Kind::Text, "whole, or chassis and array separately."), |row| row.streak.part.into()),
     field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
         row.streak.source.mag_source.as_str().into()
@@ -138,6 +145,21 @@ static FIELDS: &[Field] = &[
         Column::real("counts", "", 3, "Sum of the light on the chip in the frame's unit, before noise and detector."),
         |row| row.streak.patch.sum().into(),
     ),
+    field(
+        Column::real(
+            "clipped_counts",
+            "",
+            3,
+            "Part of counts above the saturation level or the range of the frame's type; the frame does not have it.",
+        ),
+        |row| row.clipped_counts.into(),
+    ),
+    field(Column::real("range_km", "km", 3, "Distance half way; empty if the width of the image was given."), |row| {
+        row.streak.range_km.into()
+    }),
+    field(Column::real("size_m", "m", 3, "Diameter of the light; empty if the width of the image was given."), |row| {
+        row.streak.size_m.into()
+    }),
     field(Column::real("total_magnitude", "mag", 3, "Magnitude of a star with the same counts."), |row| {
         row.streak.total_magnitude().into()
     }),
@@ -176,8 +198,22 @@ fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> V
 }
 
 /// Returns the rows of the truth, numbered from 1 in the order of the streaks.
-pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64) -> Vec<TruthRow<'a>> {
-    streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
+///
+/// `clipped_counts` are those of each streak.
+pub fn truth_rows<'a>(
+    streaks: &'a [DrawnStreak<'a>],
+    clipped_counts: &[f64],
+    exposure_s: f64,
+    seed: u64,
+) -> Vec<TruthRow<'a>> {
+    let row = |((streak, clipped_counts), number): ((&'a DrawnStreak<'a>, &f64), usize)| TruthRow {
+        number,
+        streak,
+        exposure_s,
+        clipped_counts: *clipped_counts,
+        seed,
+    };
+    streaks.iter().zip(clipped_counts).zip(1..).map(row).collect()
 }
 
 /// Returns the table of streaks, with one row per streak.

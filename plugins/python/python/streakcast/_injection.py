@@ -77,6 +77,8 @@ def inject(
     streak_density: FloatLike | None = None,
     magnitude: FloatArrayLike | None = None,
     streak_rate_deg_s: FloatArrayLike | None = None,
+    streaks: PathLike | None = None,
+    satellite_size: FloatLike | None = None,
     telescope: PathLike | Options | None = None,
     band: str | None = None,
     seeing: str | Quantity | None = None,
@@ -127,6 +129,10 @@ def inject(
         Magnitude of the random objects if they did not move: one value, or the brightest and the faintest.
     streak_rate_deg_s : float, pair or `~astropy.units.Quantity`, optional
         Angular rate of random streaks, deg/s: one value, or the slowest and the fastest; default 0.2 to 0.8.
+    streaks : path, optional
+        Table of streaks (CSV or ECSV), instead of satellites: one row a streak, with its ends and its magnitude or peak.
+    satellite_size : float or `~astropy.units.Quantity`, optional
+        Diameter of the satellites, m, 0 for points; default: that of the model, 2 m for random streaks.
     telescope : str, path or dict, optional
         Preset name or TOML file, for seeing and defocus of near satellites; default: that of the model.
     band : str, optional
@@ -193,6 +199,7 @@ def inject(
         streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
         magnitude=_numbers(magnitude, "mag", "magnitude"),
         streak_rate_deg_s=_numbers(streak_rate_deg_s, "deg / s", "streak_rate_deg_s"), psf=psf,
+        streaks=None if streaks is None else absolute(streaks), satellite_size=_scalar(satellite_size, "m", "satellite_size"),
         zero_point=_scalar(zero_point, "mag", "zero_point"), zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
         gain=_scalar(gain, "electron / adu", "gain"), seed=count(seed, "seed", 0),
         track_rate=_numbers(track_rate, "arcsec / s", "track_rate"),
@@ -211,6 +218,8 @@ def inject(
     is_random = random_streaks is not None or streak_density is not None
     if is_random and magnitude is None:
         raise ValueError("missing magnitude of random streaks; specify magnitude=...")
+    if streaks is not None and (is_random or model is not None):
+        raise ValueError("streaks exclude random streaks and a model; allowed: one of them")
     if is_random and model is not None:
         raise ValueError("a model and random streaks exclude each other; allowed: one of them")
     if start is not None:

@@ -67,6 +67,7 @@ class MeasureQueries(ExposureQueries):
         seeing: str | Quantity | None = None,
         fit_width: bool = False,
         psf: str = "moffat",
+        satellite_size: FloatLike | None = None,
         stars: PathLike | None = None,
         zero_point: FloatLike | None = None,
         zero_point_1s: FloatLike | None = None,
@@ -96,6 +97,8 @@ class MeasureQueries(ExposureQueries):
             Whether the width of each streak is fitted although the seeing is given.
         psf : str
             ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
+        satellite_size : float or `~astropy.units.Quantity`, optional
+            Diameter of the satellites, m, 0 for points; default: that of the model, with an error of half of it.
         stars : path, optional
             Table (CSV) of stars, from which the zero point is measured: ``ra_deg, dec_deg, mag`` and, optionally,
             ``mag_sigma`` and ``band``.
@@ -135,6 +138,7 @@ class MeasureQueries(ExposureQueries):
         paths = [frames] if isinstance(frames, (str, os.PathLike)) else list(frames)
         request: dict[str, Json] = dict(
             image=[absolute(path) for path in paths], hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
+            satellite_size=_scalar(satellite_size, "m", "satellite_size"),
             fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
             zero_point=_scalar(zero_point, "mag", "zero_point"),
             zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),

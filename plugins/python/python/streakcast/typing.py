@@ -282,6 +282,8 @@ class InjectionOptions(TypedDict, total=False):
     streak_density: FloatLike | None
     magnitude: FloatArrayLike | None
     streak_rate_deg_s: FloatArrayLike | None
+    streaks: PathLike | None
+    satellite_size: FloatLike | None
     telescope: PathLike | Options | None
     band: str | None
     seeing: str | Quantity | None

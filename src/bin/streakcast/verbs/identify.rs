@@ -1,15 +1,22 @@
 //! `identify`: lists the candidates for a measured streak, in order of decreasing probability.
 
+#[cfg(unix)]
+use std::path::PathBuf;
+
 use crate::arguments::OutputArguments;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, IdentifyConfig, STREAK_FORMS, state_scales};
+#[cfg(unix)]
+use streakcast::config::streaks_of_table;
+use streakcast::config::{Config, IdentifyConfig, IdentifyPlan, PreparedSky, STREAK_FORMS, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::identify::{
     CandidateRow, Identified, IdentifyOptions, Offset, candidate_table, identify_streak, streak_table,
 };
-use streakcast::output::{Section, counted};
+#[cfg(unix)]
+use streakcast::output::{Column, Kind, Value};
+use streakcast::output::{Section, Table, counted};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
@@ -23,6 +30,11 @@ use crate::start::begin;
 pub struct IdentifyArguments {
     #[command(flatten)]
     pub streak: IdentifyConfig,
+    /// Tables of streaks, instead of one streak: CSV or ECSV with their ends, streaks.txt of ASTRiDE, or the catalog of
+    /// acstools.findsat_mrt; the frame of each is its column image, or --image
+    #[cfg(unix)]
+    #[arg(long, value_name = "TABLE", num_args = 1..)]
+    pub streaks: Vec<PathBuf>,
     /// Include satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
@@ -53,6 +65,22 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
 ];
 
+/// Columns on the screen for streaks of tables.
+#[cfg(unix)]
+const OF_TABLES: &[Shown] = &[
+    shown("streak", "streak"),
+    shown("image", "image"),
+    shown("name", "name"),
+    shown("norad_id", "norad"),
+    rounded("probability", "P", 3),
+    rounded("along_track_offset_s", "delay s", 2),
+    rounded("cross_track_offset_arcsec", "cross-track arcsec", 0),
+    rounded("cross_track_sigma_arcsec", "sigma arcsec", 0),
+    rounded("angle_difference_deg", "angle diff. deg", 2),
+    rounded("range_km", "range km", 0),
+    rounded("magnitude", "mag", 1),
+];
+
 /// Smallest probability for which a candidate is reported as likely.
 const LIKELY: f64 = 0.5;
 
@@ -60,58 +88,162 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     if typed.top == 0 {
         return Err(anyhow!("top is 0; allowed: 1 or more"));
     }
-    let config = typed.config.with_file()?;
+    let config = typed.config.clone().with_file()?;
+    #[cfg(unix)]
+    if !typed.streaks.is_empty() {
+        return run_tables(&typed, &config);
+    }
     check_required(&config, &typed.streak)?;
-    let (config, remark) = typed.streak.with_site_of_frame(config)?;
-    let plan = typed.streak.resolve(&config)?;
-    let output = typed.output.open(&config)?;
-    let notices = begin(&config)?;
+    let (at_site, remark) = typed.streak.with_site_of_frame(config)?;
+    let plan = typed.streak.resolve(&at_site)?;
+    let output = typed.output.clone().open(&at_site)?;
+    let notices = begin(&at_site)?;
     remark.iter().for_each(|remark| notices.info(remark));
-    let streak = &plan.streak;
-    let options = IdentifyOptions {
-        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
-        photometry: config.photometry()?,
-    };
-    let mut prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
-    notices.warn(&prepared.warnings);
-    prepared.check_altitude("streak", &plan.exposure())?;
-    let found = identify_streak(&prepared.sky, streak, &options)?;
-    notices.warn_left_out(&prepared, &found.left_out, streak.start())?;
-
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &options.photometry);
-    prepared.provenance.state(
+    let mut done = identified(&typed, &at_site, &plan, None, &notices)?;
+    let found = &done.found;
+    done.prepared.provenance.state(
         "options",
         json!({
             "streak": plan.source,
-            "include_dark": options.include_dark,
+            "include_dark": done.options.include_dark,
             "top": typed.top,
             "candidates": found.candidates.len(),
             "unknown_probability": (found.unknown_probability * 1e6).round() / 1e6,
         }),
     );
-    // If no candidate fits, none is listed: all are far from the streak.
-    let top = if found.is_without_fit() { 0 } else { typed.top };
-    let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
-        candidate,
-        elements: &prepared.sky.elements()[candidate.element_index],
-        photometry: &options.photometry,
-    });
-    let candidates = candidate_table(rows);
+    let candidates = done.table(typed.top);
     output.write(
         &VerbResult {
             sections: vec![
-                Section { name: "streak", table: &streak_table(streak) },
+                Section { name: "streak", table: &streak_table(&plan.streak) },
                 Section { name: "candidates", table: &candidates },
-                Section { name: "left_out", table: &left_out_table(&found.left_out) },
+                Section { name: "left_out", table: &left_out_table(&done.found.left_out) },
             ],
             main: &candidates,
-            provenance: &prepared.provenance,
+            provenance: &done.prepared.provenance,
             style: Style { columns: ON_SCREEN, bold_row: (!candidates.rows.is_empty()).then_some(0) },
         },
         &notices,
     )?;
-    summary(&notices, &found, &prepared.sky);
+    summary(&notices, &done.found, &done.prepared.sky);
+    Ok(if candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
+}
+
+/// Candidates of one streak, with the sky in which they were searched.
+struct Done {
+    found: Identified,
+    options: IdentifyOptions,
+    prepared: PreparedSky,
+}
+
+impl Done {
+    /// Returns the table of the first candidates. If no candidate fits, none is listed: all are far from the streak.
+    fn table(&self, top: usize) -> Table {
+        let top = if self.found.is_without_fit() { 0 } else { top };
+        candidate_table(self.found.candidates.iter().take(top).map(|candidate| CandidateRow {
+            candidate,
+            elements: &self.prepared.sky.elements()[candidate.element_index],
+            photometry: &self.options.photometry,
+        }))
+    }
+}
+
+/// Searches the candidates of one streak. `prepared` is the sky of a streak at the same time, if there is one.
+fn identified(
+    typed: &IdentifyArguments,
+    config: &Config,
+    plan: &IdentifyPlan,
+    prepared: Option<PreparedSky>,
+    notices: &Notices,
+) -> anyhow::Result<Done> {
+    let streak = &plan.streak;
+    let options = IdentifyOptions {
+        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
+        photometry: config.photometry()?,
+    };
+    let mut prepared = match prepared {
+        Some(prepared) => prepared,
+        None => {
+            let prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
+            notices.warn(&prepared.warnings);
+            prepared
+        }
+    };
+    prepared.check_altitude("streak", &plan.exposure())?;
+    let found = identify_streak(&prepared.sky, streak, &options)?;
+    notices.warn_left_out(&prepared, &found.left_out, streak.start())?;
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut prepared.provenance, &scale, &options.photometry);
+    Ok(Done { found, options, prepared })
+}
+
+/// Identifies the streaks of tables. The table of candidates has the name and the frame of each streak in front.
+#[cfg(unix)]
+fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outcome> {
+    Required::of(config).satellites().check()?;
+    let output = typed.output.clone().open(config)?;
+    let notices = begin(config)?;
+    let mut candidates = candidate_table(std::iter::empty());
+    let named = [
+        Column::new("streak", Kind::Text, "Name of the streak in its table."),
+        Column::new("image", Kind::Text, "File of the frame; empty for a streak without a frame."),
+    ];
+    candidates.columns.splice(0..0, named);
+    let (mut left_out, mut last): (_, Option<Done>) = (left_out_table(&[]), None);
+    let (mut count, mut without, mut frame) = (0, Vec::new(), None);
+    for path in &typed.streaks {
+        let (rows, remarks) = streaks_of_table(path, &typed.streak)?;
+        remarks.iter().for_each(|remark| notices.info(remark));
+        for row in rows {
+            let at_row = |error: &dyn std::fmt::Display| anyhow!("{}: {error}", row.origin);
+            let (at_site, remark) = row.streak.with_site_of_frame(config.clone()).map_err(|error| at_row(&error))?;
+            let plan = row.streak.resolve(&at_site).map_err(|error| at_row(&error))?;
+            // Streaks of one frame have the same sky.
+            let key = (row.streak.image.clone(), plan.streak.start(), plan.streak.duration_s().to_bits());
+            let same = frame.as_ref() == Some(&key);
+            if !same {
+                remark.iter().for_each(|remark| notices.info(remark));
+            }
+            let prepared = last.take().filter(|_| same).map(|done| done.prepared);
+            let done = identified(typed, &at_site, &plan, prepared, &notices).map_err(|error| at_row(&error))?;
+            let image = row.streak.image.as_ref().map(|image| image.display().to_string());
+            let table = done.table(typed.top);
+            if table.rows.is_empty() {
+                without.push(row.id.clone());
+            }
+            candidates.rows.extend(table.rows.into_iter().map(|mut cells| {
+                cells.splice(0..0, [Value::Text(row.id.clone()), image.clone().into()]);
+                cells
+            }));
+            if !same {
+                left_out.rows.extend(left_out_table(&done.found.left_out).rows);
+            }
+            (frame, last, count) = (Some(key), Some(done), count + 1);
+        }
+    }
+    let Some(mut done) = last else {
+        return Err(anyhow!("the tables of --streaks have no streak; allowed: 1 streak or more"));
+    };
+    let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
+    done.prepared
+        .provenance
+        .state("options", json!({ "streaks": tables, "include_dark": done.options.include_dark, "top": typed.top }));
+    output.write(
+        &VerbResult {
+            sections: vec![
+                Section { name: "candidates", table: &candidates },
+                Section { name: "left_out", table: &left_out },
+            ],
+            main: &candidates,
+            provenance: &done.prepared.provenance,
+            style: Style { columns: OF_TABLES, bold_row: None },
+        },
+        &notices,
+    )?;
+    notices.info(&format!("{}: {} with candidates", counted(count, "streak", "streaks"), count - without.len()));
+    if !without.is_empty() {
+        notices.info(&format!("no satellite of these elements fits: {}", without.join(", ")));
+    }
     Ok(if candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
 }
 

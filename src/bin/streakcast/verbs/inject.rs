@@ -169,9 +169,9 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
         )
         .input(typed.output.is_some(), "output file", "-o FILE")
         .input(
-            injection.is_random() || config.has_satellites() || injection.magnitude.is_some(),
+            injection.is_without_satellites() || config.has_satellites() || injection.magnitude.is_some(),
             "streaks",
-            "--elements FILE, --shells NAME, or --random-streaks N with --magnitude MAG",
+            "--elements FILE, --shells NAME, --random-streaks N with --magnitude MAG, or --streaks TABLE",
         )
         .input(injection.seeing.is_some() || config.telescope.is_some(), "seeing", "--seeing ANGLE or --telescope NAME")
         .check()?;
@@ -197,7 +197,7 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags about satellites if random streaks are injected, because they have no effect then. The same keys in a
+/// Rejects flags about satellites if random or chosen streaks are injected, because they have no effect then. The same keys in a
 /// configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);
@@ -219,9 +219,10 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
         ("--limb-height-km", flags.limb_height_km.is_some()),
     ];
     let given = of_satellites.iter().find(|(_, is_given)| *is_given);
-    match given.filter(|_| typed.injection.is_random()) {
+    match given.filter(|_| typed.injection.is_without_satellites()) {
         Some((option, _)) => {
-            Err(anyhow::anyhow!("{option} has no effect on random streaks; allowed: with streaks of satellites"))
+            let streaks = if typed.injection.streaks.is_some() { "streaks of a table" } else { "random streaks" };
+            Err(anyhow::anyhow!("{option} has no effect on {streaks}; allowed: with streaks of satellites"))
         }
         None => Ok(()),
     }

@@ -108,7 +108,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
         None => measurement_table(&done.passes),
     };
     let frames: Vec<String> = typed.measure.image.iter().map(|path| path.display().to_string()).collect();
-    done.provenance.state("options", json!({ "frames": frames }));
+    done.provenance.state("options", json!({ "frames": frames, "satellite_size_m": typed.measure.satellite_size }));
     // Uploads must begin with the line of column names, so no provenance is written.
     let none = Provenance::default();
     let left_out = left_out_table(&done.left_out);

@@ -1,0 +1,309 @@
+//! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or on
+//! the sky, and the frame to which it belongs.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+
+use super::error::ImagesError;
+use super::pixels::PixelPosition;
+use super::streak_catalogues;
+use crate::frames::{Direction, Gcrs};
+use crate::input::{CsvRows, NumberColumn};
+use crate::message::{Quoted, listed};
+use crate::units::{DEGREES, PIXELS, Unit};
+
+/// Ends of a streak.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum StreakEnds {
+    /// Positions in the frame.
+    Pixels([PixelPosition; 2]),
+    /// ICRS directions.
+    Sky([Direction<Gcrs>; 2]),
+}
+
+/// Largest accepted position and length, pixels.
+const FARTHEST_PIX: f64 = 1e6;
+/// Largest accepted length of a streak on the sky, degrees.
+const LONGEST_DEG: f64 = 90.0;
+/// The groups of columns of which each row must have one.
+const FORMS: &str = "x1_pix, y1_pix, x2_pix, y2_pix; ra1_deg, dec1_deg, ra2_deg, dec2_deg; x_pix, y_pix, angle_deg, \
+                     length_pix; or ra_deg, dec_deg, position_angle_deg, length_deg";
+
+/// Column with numbers of a limited range.
+#[derive(Copy, Clone, Debug)]
+pub struct Bounded {
+    name: &'static str,
+    column: NumberColumn,
+    range: [f64; 2],
+}
+
+/// Row of a table of streaks. Cells are read with the columns of its [`StreakTable`].
+#[derive(Clone, Debug)]
+pub struct StreakRow<'a> {
+    table: &'a StreakTable,
+    cells: &'a StringRecord,
+    /// Line in the file, from 1.
+    pub line: u64,
+}
+
+/// Table of streaks, read completely.
+#[derive(Clone, Debug)]
+pub struct StreakTable {
+    path: PathBuf,
+    names: Vec<String>,
+    forms: Vec<Form>,
+    id: Option<usize>,
+    image: Option<usize>,
+    hdu: Option<usize>,
+    rows: Vec<(u64, StringRecord)>,
+}
+
+/// The way in which four columns give the ends of a streak.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Kind {
+    PixelEnds,
+    SkyEnds,
+    PixelCentre,
+    SkyCentre,
+}
+
+/// Four columns that give the ends of a streak.
+#[derive(Clone, Debug)]
+struct Form {
+    kind: Kind,
+    columns: [Bounded; 4],
+}
+
+/// Names, unit and range of the columns of each form.
+type FormColumns = (Kind, [(&'static str, &'static str, &'static Unit, [f64; 2]); 4]);
+
+static FORM_COLUMNS: [FormColumns; 4] = {
+    const PIX: [f64; 2] = [-FARTHEST_PIX, FARTHEST_PIX];
+    const RA: [f64; 2] = [-360.0, 360.0];
+    const DEC: [f64; 2] = [-90.0, 90.0];
+    [
+        (
+            Kind::PixelEnds,
+            [
+                ("x1_pix", "x1", &PIXELS, PIX),
+                ("y1_pix", "y1", &PIXELS, PIX),
+                ("x2_pix", "x2", &PIXELS, PIX),
+                ("y2_pix", "y2", &PIXELS, PIX),
+            ],
+        ),
+        (
+            Kind::SkyEnds,
+            [
+                ("ra1_deg", "ra1", &DEGREES, RA),
+                ("dec1_deg", "dec1", &DEGREES, DEC),
+                ("ra2_deg", "ra2", &DEGREES, RA),
+                ("dec2_deg", "dec2", &DEGREES, DEC),
+            ],
+        ),
+        (
+            Kind::PixelCentre,
+            [
+                ("x_pix", "x", &PIXELS, PIX),
+                ("y_pix", "y", &PIXELS, PIX),
+                ("angle_deg", "angle", &DEGREES, RA),
+                ("length_pix", "length_pix", &PIXELS, [0.0, FARTHEST_PIX]),
+            ],
+        ),
+        (
+            Kind::SkyCentre,
+            [
+                ("ra_deg", "ra", &DEGREES, RA),
+                ("dec_deg", "dec", &DEGREES, DEC),
+                ("position_angle_deg", "position_angle", &DEGREES, RA),
+                ("length_deg", "length_deg", &DEGREES, [0.0, LONGEST_DEG]),
+            ],
+        ),
+    ]
+};
+
+impl StreakTable {
+    /// Reads a table. `also` returns further columns of the rows.
+    ///
+    /// # Errors
+    /// The file cannot be read, no form of the ends has all of its columns, or a unit is invalid.
+    pub(crate) fn read<T>(path: &Path, also: impl FnOnce(&CsvRows) -> io::Result<T>) -> Result<(Self, T), ImagesError> {
+        let failed = ImagesError::io(path);
+        let rows = CsvRows::of_text(streak_catalogues::read(path)?).map_err(&failed)?;
+        let mut forms = Vec::new();
+        for (kind, columns) in &FORM_COLUMNS {
+            let mut found = Vec::new();
+            for &(name, short, unit, range) in columns {
+                found.extend(Bounded::find(&rows, &[name, short], unit, range).map_err(&failed)?);
+            }
+            forms.extend(<[Bounded; 4]>::try_from(found).ok().map(|columns| Form { kind: *kind, columns }));
+        }
+        if forms.is_empty() {
+            let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
+            return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
+        }
+        let [id, image, hdu] = ["id", "image", "hdu"].map(|name| rows.find(name));
+        let more = also(&rows).map_err(&failed)?;
+        let names = rows.names().to_vec();
+        let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
+        Ok((Self { path: path.to_owned(), names, forms, id, image, hdu, rows }, more))
+    }
+
+    /// Returns the path of the table.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the names of the columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
+    /// `also` are the names that the caller reads.
+    pub(crate) fn remarks(&self, also: &[&str]) -> Vec<String> {
+        let path = self.path.display();
+        let groups: Vec<String> =
+            self.forms.iter().map(|form| form.columns.map(|column| column.name).join(", ")).collect();
+        let several = (groups.len() > 1).then(|| {
+            format!("{path}: the ends of each streak are those of the first complete group: {}", groups.join("; "))
+        });
+        let of_ends =
+            FORM_COLUMNS.iter().flat_map(|(_, columns)| columns.iter().flat_map(|column| [column.0, column.1]));
+        let known: Vec<&str> = ["id", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
+        // A column may have another unit than the one in the known name.
+        let stem = |name: &str| name.rsplit_once('_').map(|(stem, _)| stem.to_owned());
+        let is_known = |name: &str| {
+            known.iter().any(|known| *known == name || stem(name).is_some_and(|own| stem(known) == Some(own)))
+        };
+        let others: Vec<&str> = self.names.iter().map(String::as_str).filter(|name| !is_known(name)).collect();
+        let unused = (!others.is_empty()).then(|| format!("{path}: columns that are not used: {}", listed(others)));
+        several.into_iter().chain(unused).collect()
+    }
+
+    /// Returns the rows.
+    pub fn rows(&self) -> impl Iterator<Item = StreakRow<'_>> {
+        self.rows.iter().map(|(line, cells)| StreakRow { table: self, cells, line: *line })
+    }
+}
+
+impl Bounded {
+    /// Returns a column whose numbers are limited to `range`; `None` if it is missing. `accepted` are its names, the
+    /// first of which errors name.
+    ///
+    /// # Errors
+    /// The errors of [`CsvRows::optional_numbers`].
+    pub(crate) fn find(
+        rows: &CsvRows,
+        accepted: &[&'static str],
+        unit: &Unit,
+        range: [f64; 2],
+    ) -> io::Result<Option<Self>> {
+        let column = rows.optional_numbers(accepted, unit)?;
+        Ok(column.map(|column| Self { name: accepted[0], column, range }))
+    }
+}
+
+impl StreakRow<'_> {
+    /// Returns the text of a cell; empty if the column is missing.
+    pub(crate) fn text(&self, column: Option<usize>) -> &str {
+        column.and_then(|column| self.cells.get(column)).unwrap_or_default()
+    }
+
+    /// Returns the error of an invalid cell, with file, line and column.
+    pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> ImagesError {
+        let given = if given.is_empty() { "missing".to_owned() } else { format!("'{}'", Quoted::new(given)) };
+        let (path, line) = (self.table.path.display(), self.line);
+        ImagesError::invalid(format!("{path}: line {line}: {column}"), given, allowed)
+    }
+
+    /// Returns the number in a cell; `None` if the column is missing or the cell is empty.
+    ///
+    /// # Errors
+    /// The cell is not a number, or the number is out of range.
+    pub(crate) fn number(&self, column: Option<Bounded>) -> Result<Option<f64>, ImagesError> {
+        let Some(Bounded { name, column, range: [least, most] }) = column else { return Ok(None) };
+        let text = column.text(self.cells);
+        if text.is_empty() {
+            return Ok(None);
+        }
+        match column.number(self.cells) {
+            Some(number) if (least..=most).contains(&number) => Ok(Some(number)),
+            _ => Err(self.invalid(name, text, format!("{least} to {most}"))),
+        }
+    }
+
+    /// Returns the name of the streak: the cell `id`, or the number of the row from 1 if it is empty.
+    pub fn id(&self, number: usize) -> String {
+        match self.text(self.table.id) {
+            "" => number.to_string(),
+            id => id.to_owned(),
+        }
+    }
+
+    /// Returns the name of the file to which the row belongs; `None` for all.
+    pub fn image(&self) -> Option<&str> {
+        Some(self.text(self.table.image)).filter(|image| !image.is_empty())
+    }
+
+    /// Returns the number of the HDU to which the row belongs; `None` for all.
+    ///
+    /// # Errors
+    /// The cell is not the number of an HDU.
+    pub fn hdu(&self) -> Result<Option<usize>, ImagesError> {
+        match self.text(self.table.hdu) {
+            "" => Ok(None),
+            text => {
+                let hdu = text.parse().map_err(|_| self.invalid("hdu", text, "the number of an HDU, from 0"))?;
+                Ok(Some(hdu))
+            }
+        }
+    }
+
+    /// Returns the ends of the streak: those of the first form whose four cells have numbers, in the order pixel ends,
+    /// ends on the sky, centre in pixels, centre on the sky.
+    ///
+    /// # Errors
+    /// No form is complete, or a number is out of range.
+    pub fn ends(&self) -> Result<StreakEnds, ImagesError> {
+        let mut incomplete = None;
+        for Form { kind, columns } in &self.table.forms {
+            let empty = columns.iter().filter(|column| column.column.text(self.cells).is_empty());
+            match empty.clone().count() {
+                0 => return self.ends_of(*kind, columns),
+                4 => {}
+                _ => incomplete = incomplete.or(empty.map(|column| column.name).next()),
+            }
+        }
+        Err(self.invalid(incomplete.unwrap_or("ends of the streak"), "", FORMS))
+    }
+
+    fn ends_of(&self, kind: Kind, columns: &[Bounded; 4]) -> Result<StreakEnds, ImagesError> {
+        let [mut a, mut b, mut c, mut d] = [0.0; 4];
+        for (number, column) in [&mut a, &mut b, &mut c, &mut d].into_iter().zip(columns) {
+            *number = self.number(Some(*column))?.unwrap_or_default();
+        }
+        let direction =
+            |ra_deg: f64, dec_deg: f64| Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        Ok(match kind {
+            Kind::PixelEnds => StreakEnds::Pixels([PixelPosition::from_fits(a, b), PixelPosition::from_fits(c, d)]),
+            Kind::SkyEnds => StreakEnds::Sky([direction(a, b), direction(c, d)]),
+            Kind::PixelCentre => {
+                let (sin, cos) = c.to_radians().sin_cos();
+                let end = |half: f64| PixelPosition::from_fits(a + half * d * cos, b + half * d * sin);
+                StreakEnds::Pixels([end(-0.5), end(0.5)])
+            }
+            Kind::SkyCentre => {
+                let centre: Direction<Gcrs> = direction(a, b);
+                let (east, north) = centre.east_north();
+                let ahead = east * c.to_radians().sin() + north * c.to_radians().cos();
+                let end = |half: f64| {
+                    let (sin, cos) = (half * d.to_radians()).sin_cos();
+                    Direction::from_vector(centre.vector() * cos + ahead * sin)
+                };
+                StreakEnds::Sky([end(-0.5), end(0.5)])
+            }
+        })
+    }
+}
