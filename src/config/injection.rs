@@ -60,7 +60,7 @@ pub struct InjectionConfig {
         arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "synthetic", help_heading = "Exposure")
     )]
     pub dec: Option<String>,
-    /// Pixel scale with its unit, for random streaks in a frame without world coordinates
+    /// Pixel scale with its unit, for random streaks and streaks in pixels in a frame without world coordinates
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Exposure"))]
     pub pixel_scale: Option<String>,
     /// HDUs to use, counted from 0; all images with world coordinates if omitted

@@ -150,16 +150,6 @@ impl StreakTable {
         Ok((Self { path: path.to_owned(), names, forms, id, image, hdu, rows }, more))
     }
 
-    /// Returns the path of the table.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
-    /// Returns the names of the columns.
-    pub fn names(&self) -> &[String] {
-        &self.names
-    }
-
     /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
     /// `also` are the names that the caller reads.
     pub(crate) fn remarks(&self, also: &[&str]) -> Vec<String> {

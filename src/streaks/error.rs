@@ -47,7 +47,7 @@ pub enum StreaksError {
     #[error(transparent)]
     Images(#[from] ImagesError),
     /// A frame of an injection without celestial coordinates.
-    #[error("{0}, or --pixel-scale ANGLE with random streaks")]
+    #[error("{0}, or --pixel-scale ANGLE with random streaks or --streaks in pixels")]
     NoCoordinates(ImagesError),
     /// An error in one of several frames.
     #[error("{source}; {done} of {count} frames have already been written, without a truth table")]

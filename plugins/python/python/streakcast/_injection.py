@@ -155,7 +155,7 @@ def inject(
     hdu : int or list of int, optional
         HDUs of the file to use, from 0; default: all images.
     pixel_scale : str or `~astropy.units.Quantity`, optional
-        Pixel scale, for random streaks in a frame without world coordinates.
+        Pixel scale, for random streaks and streaks in pixels in a frame without world coordinates.
     track_rate : pair or `~astropy.units.Quantity`, optional
         Non-sidereal tracking rate of the telescope: arcsec/s towards east and north.
     tumbling : sequence, optional
