@@ -34,7 +34,7 @@ pub struct Config {
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub elements: Vec<PathBuf>,
-    /// Simulated constellations by name (listed by streakcast shells), or a TOML file
+    /// Simulated constellations or sets of them by name (listed by streakcast shells), or a TOML file
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(
         feature = "cli",
@@ -73,7 +73,7 @@ pub struct Config {
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten))]
     pub site: SiteConfig,
-    /// Telescope in orbit instead of a site: file with its element set
+    /// Telescope in orbit instead of a site: file or folder with its element set or ephemerides (OEM, Modified ITC)
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Site"))]
     pub observer_elements: Option<PathBuf>,
     /// NORAD catalogue number of the telescope in orbit, in --observer-elements or else in --elements

@@ -111,8 +111,8 @@ pub enum ConfigError {
     SeveralObservers {
         /// Number of objects in the file.
         count: usize,
-        /// NORAD catalogue number of the first object.
-        first: u32,
+        /// NORAD catalogue number or COSPAR designator of the first object.
+        first: String,
     },
     /// The telescope in orbit is below the height of the Earth's limb.
     #[error(

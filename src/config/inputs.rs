@@ -119,15 +119,17 @@ impl Config {
     /// # Errors
     /// A name is unknown, or a file is invalid.
     pub fn constellations(&self) -> Result<Vec<Constellation>, ConfigError> {
-        let mut all = Vec::new();
+        let (mut bundled, mut own) = (Vec::new(), Vec::new());
         for name in &self.shells {
             if is_file_name(name) {
-                all.extend(parse_file("shells", Path::new(name), Constellation::from_toml)?);
+                own.extend(parse_file("shells", Path::new(name), Constellation::from_toml)?);
             } else {
-                all.push(Constellation::by_name(name)?);
+                bundled.extend(Constellation::by_name_or_set(name)?);
             }
         }
-        Ok(all)
+        Constellation::number_own(own.iter_mut())?;
+        bundled.append(&mut own);
+        Ok(bundled)
     }
 
     /// Returns the bundled brightness models and those of the model files, by name.

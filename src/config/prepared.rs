@@ -11,7 +11,7 @@ use super::error::ConfigError;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
-use crate::elements::{Constellation, ElementSet, Ephemeris, Rejected, SourceFile};
+use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
 use crate::math::quantile::median;
@@ -95,7 +95,12 @@ impl LoadedInputs {
             }
         }
         let ephemerides = self.catalogue.as_ref().map_or(&[][..], |catalogue| &catalogue.ephemerides);
-        let without_elements = without_elements(ephemerides, &elements);
+        // The ephemerides of the telescope itself are used, although it may have no element set.
+        let own = viewpoint.orbit().map_or(&[][..], |observer| observer.ephemerides());
+        let is_own =
+            |one: &&Arc<Ephemeris>| own.iter().any(|other| (&one.file, &one.object) == (&other.file, &other.object));
+        let of_satellites: Vec<Arc<Ephemeris>> = ephemerides.iter().filter(|one| !is_own(one)).cloned().collect();
+        let without_elements = without_elements(&of_satellites, &elements);
         if !without_elements.is_empty() && elements.is_empty() {
             return Err(ConfigError::Missing {
                 what: "element sets of the satellites with ephemerides",
@@ -322,10 +327,24 @@ fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> ConfigE
 }
 
 fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Value {
+    let (norad_id, designator) = match observer.object() {
+        EphemerisObject::Norad(norad_id) => (Some(norad_id.0), None),
+        EphemerisObject::Designator(designator) => (None, Some(designator.as_ref())),
+    };
+    let span = |one: &Arc<Ephemeris>| {
+        let (first, last) = one.interval();
+        json!({
+            "file": one.file.as_ref(),
+            "first_utc": format_utc(first, 3),
+            "last_utc": format_utc(last, 3),
+        })
+    };
     json!({
-        "norad_id": observer.norad_id().0,
+        "norad_id": norad_id,
+        "international_designator": designator,
         "name": observer.name(),
-        "elements_epoch_utc": format_utc(observer.elements_epoch(), 3),
+        "elements_epoch_utc": observer.elements_epoch().map(|epoch| format_utc(epoch, 3)),
+        "ephemerides": observer.ephemerides().iter().map(span).collect::<Vec<_>>(),
         "file": config.observer_elements.as_ref().map(|path| path.display().to_string()),
         "limb_height_km": observer.limb().height_km,
     })

@@ -5,12 +5,11 @@ use hifitime::Epoch;
 use super::document::{Config, SiteConfig};
 use super::error::ConfigError;
 use super::values::{NameOrTable, SiteTable, in_range};
-use crate::elements::{ElementSet, Keep, Satellites};
-use crate::frames::Orientation;
+use crate::elements::{EphemerisObject, Keep, NoradId, Satellites};
+use crate::frames::{EopTable, Orientation};
 use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
 #[cfg(all(feature = "fits", unix))]
 use crate::images::SITE_KEYWORDS;
-use crate::orbit::Propagator;
 use crate::passes::{OrbitingObserver, Viewpoint};
 
 const SITES: &str = "--site NAME, --mpc CODE, or --lat and --lon";
@@ -66,25 +65,25 @@ impl Config {
         }
     }
 
-    /// Returns the observer: a site, or a telescope in orbit with the element set closest to `moment`.
+    /// Returns the observer: a site, or a telescope in orbit with its ephemerides, or else with the element set closest
+    /// to `moment`.
     ///
     /// # Errors
     /// Same as [`Config::site`]; or both a site and an orbit are given; or the telescope is below its limb height at
-    /// `moment`; or the file has no element sets, has several objects and no number is given, or lacks the given
-    /// number.
+    /// `moment`; or the file has neither element sets nor ephemerides, has several objects and no number is given, or
+    /// lacks the given number.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
         self.check_viewpoint()?;
         match self.is_in_orbit() {
             false => Ok(Observer::new(self.site()?).into()),
             true => {
                 let height_km = self.limb_height_km.unwrap_or(0.0);
-                let elements = self.observer_set(moment)?;
                 let limb = EarthLimb { height_km };
-                let observer = OrbitingObserver::new(&elements, limb).map_err(ConfigError::Observer)?;
-                let orientation = Orientation::at(moment, &self.eop_table()?);
-                let state = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
-                // If SGP4 fails at this time, the error is reported later for each exposure.
-                let at_km = state.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
+                let eop = self.eop_table()?;
+                let observer = self.observer(moment, &eop, limb)?;
+                let position = observer.position(moment, &Orientation::at(moment, &eop));
+                // If there is no position at this time, the error is reported later for each exposure.
+                let at_km = position.map_or(f64::INFINITY, |position| limb.height_of_km(&position));
                 if at_km < height_km {
                     return Err(ConfigError::BelowLimb { name: observer.name(), at_km, height_km });
                 }
@@ -149,28 +148,50 @@ impl Config {
         Ok((config, Some(format!("site {} ({what}) from the header", site.name))))
     }
 
-    /// Returns the element set of the telescope in orbit that is closest to `moment`.
-    fn observer_set(&self, moment: Epoch) -> Result<ElementSet, ConfigError> {
+    /// Returns the telescope in orbit, with its ephemerides if there are any, or else with the element set that is
+    /// closest to `moment`.
+    fn observer(&self, moment: Epoch, eop: &EopTable, limb: EarthLimb) -> Result<OrbitingObserver, ConfigError> {
         let catalogue = match &self.observer_elements {
             Some(path) => {
                 Some(Satellites::read(std::slice::from_ref(path), &self.read_options(Keep::Nearest(moment)))?)
             }
             None => self.catalogue(moment)?,
         };
-        let missing =
-            ConfigError::Missing { what: "elements of the telescope in orbit", allowed: "--observer-elements FILE" };
-        let sets = catalogue.map(|catalogue| catalogue.element_sets).filter(|sets| !sets.is_empty());
-        let mut sets = sets.ok_or(missing)?;
-        if let Some(id) = self.observer_norad {
-            let count = sets.len();
-            sets.retain(|set| set.norad_id.0 == id);
-            if sets.is_empty() {
-                return Err(ConfigError::NoObserver { id, count });
-            }
+        let missing = || ConfigError::Missing {
+            what: "elements or ephemeris of the telescope in orbit",
+            allowed: "--observer-elements FILE",
+        };
+        let Satellites { element_sets, mut ephemerides, .. } = catalogue.ok_or_else(missing)?;
+        // An ephemeris without element set is an object of its own.
+        let mut alone: Vec<&EphemerisObject> = ephemerides
+            .iter()
+            .filter(|one| !element_sets.iter().any(|set| one.is_of(set)))
+            .map(|one| &one.object)
+            .collect();
+        alone.sort_by_key(|object| object.to_string());
+        alone.dedup();
+        let count = element_sets.len() + alone.len();
+        let wanted = self.observer_norad.map(NoradId);
+        let is_wanted = |norad_id: NoradId| wanted.is_none_or(|wanted| norad_id == wanted);
+        if wanted.is_none() && count > 1 {
+            let first = element_sets.first().map_or_else(|| alone[0].to_string(), |set| set.norad_id.to_string());
+            return Err(ConfigError::SeveralObservers { count, first });
         }
-        let count = sets.len();
-        let first = sets.swap_remove(0);
-        if count > 1 { Err(ConfigError::SeveralObservers { count, first: first.norad_id.0 }) } else { Ok(first) }
+        let set = element_sets.into_iter().find(|set| is_wanted(set.norad_id));
+        ephemerides.retain(|one| match &one.object {
+            _ if set.as_ref().is_some_and(|set| one.is_of(set)) => true,
+            EphemerisObject::Norad(norad_id) => is_wanted(*norad_id),
+            // If the file has only this object, the given number is taken as that of the designator.
+            EphemerisObject::Designator(_) => count == 1,
+        });
+        if let Some(observer) = OrbitingObserver::from_ephemerides(&ephemerides, eop, limb) {
+            return Ok(wanted.into_iter().fold(observer, OrbitingObserver::with_norad_id));
+        }
+        match (set, wanted) {
+            (Some(set), _) => OrbitingObserver::new(&set, limb).map_err(ConfigError::Observer),
+            (None, Some(id)) => Err(ConfigError::NoObserver { id: id.0, count }),
+            (None, None) => Err(missing()),
+        }
     }
 }
 

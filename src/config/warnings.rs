@@ -196,10 +196,24 @@ pub(super) fn of_shells(generated_for: Epoch, first: Epoch, last: Epoch) -> Opti
     })
 }
 
-/// Returns the warning about old elements of a telescope in orbit.
+/// Returns the warning about a telescope in orbit: its elements are old, or its ephemerides do not cover the time of the
+/// request.
 pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let age_days = days(observer.elements_epoch(), last).max(days(first, observer.elements_epoch()));
+    let Some(epoch) = observer.elements_epoch() else {
+        let intervals = || observer.ephemerides().iter().map(|one| one.interval());
+        let begin = intervals().map(|(begin, _)| begin).min()?;
+        let end = intervals().map(|(_, end)| end).max()?;
+        return (first < begin || last > end).then(|| {
+            format!(
+                "the ephemeris of the observer {} covers {} to {}: exposures outside are invalid",
+                observer.name(),
+                format_utc(begin, 0),
+                format_utc(end, 0)
+            )
+        });
+    };
+    let age_days = days(epoch, last).max(days(first, epoch));
     (age_days > OLD_OBSERVER_DAYS).then(|| {
         format!(
             "the elements of the observer {} are {age_days:.1} days from the farthest exposure: its position and all crossings \

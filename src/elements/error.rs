@@ -116,14 +116,30 @@ pub enum ElementsError {
         allowed: &'static str,
     },
     /// The stated total differs from the sum of the shells.
-    #[error("constellation {name:?} states {stated} satellites, but its shells have {sum} (allowed: 1 to 999999)", name = Quoted::new(.name))]
+    #[error("constellation {name:?} states {stated} satellites, but its shells have {sum}", name = Quoted::new(.name))]
     ShellTotal {
         /// Name of the constellation.
         name: String,
-        /// Stated number, or the sum if none is stated.
+        /// Stated number.
         stated: u64,
         /// Sum of planes times satellites per plane.
         sum: u64,
+    },
+    /// A constellation has no satellites or too many.
+    #[error("constellation {name:?} has {sum} satellites; allowed: 1 to {most}", name = Quoted::new(.name))]
+    ShellSize {
+        /// Name of the constellation.
+        name: String,
+        /// Sum of planes times satellites per plane.
+        sum: u64,
+        /// Largest number accepted.
+        most: u64,
+    },
+    /// All constellations together have too many satellites.
+    #[error("the constellations of the files have more than {most} satellites in all; allowed: at most {most}")]
+    TooManyInShells {
+        /// Largest number accepted.
+        most: u64,
     },
     /// The catalogue number is above the range of Alpha-5.
     #[error("catalogue number {0} does not fit a TLE; allowed: up to 339999 (Alpha-5)")]

@@ -32,6 +32,6 @@ pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
 pub(crate) use record::excerpt;
 pub use record::{ElementFormat, RejectReason, Rejected};
 pub use satellites::{Keep, ReadOptions, Satellites};
-pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell};
+pub use shell::{Constellation, ConstellationSet, FIRST_SYNTHETIC_ID, Shell};
 pub use source::SourceFile;
 pub use tle_file::format_tle;

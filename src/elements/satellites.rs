@@ -106,15 +106,16 @@ impl Satellites {
         Self::read(paths.as_ref(), &ReadOptions::default())
     }
 
-    /// Returns a simulated constellation with the orbits of its licence filing, for example `starlink-gen1`, at an
-    /// epoch.
+    /// Returns a simulated constellation with the orbits of its licence filing, for example `starlink-gen1`, or a set of
+    /// them, for example `planned-2026`, at an epoch.
     ///
     /// The positions do not correspond to real satellites.
     ///
     /// # Errors
     /// The name is unknown. The error lists the known names.
     pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ElementsError> {
-        let element_sets = Constellation::by_name(constellation)?.element_sets(epoch);
+        let constellations = Constellation::by_name_or_set(constellation)?;
+        let element_sets = constellations.iter().flat_map(|one| one.element_sets(epoch)).collect();
         Ok(Self::from_element_sets(element_sets, Keep::All))
     }
 

@@ -80,6 +80,22 @@ impl OrbitArc {
         Ok(Self { start_s, step_s, positions })
     }
 
+    /// Creates the arc of an orbit of any height from a function of the positions, km, over [`start_s`,
+    /// `start_s + duration_s`].
+    ///
+    /// # Errors
+    /// The errors of `position`.
+    pub(super) fn of_positions(
+        start_s: f64,
+        duration_s: f64,
+        position: impl Fn(f64) -> Result<Vector3<f64>, OrbitError>,
+    ) -> Result<Self, OrbitError> {
+        let steps = (duration_s / LONGEST_STEP_S).ceil().max(FEWEST_STEPS);
+        let step_s = (duration_s / steps).max(1e-3);
+        let positions = (0..=steps as usize).map(|node| position(start_s + step_s * node as f64));
+        Ok(Self { start_s, step_s, positions: positions.collect::<Result<_, _>>()? })
+    }
+
     /// Returns position and velocity at a time inside the interval (outside it, the nearest cubic is extrapolated).
     pub fn state_at(&self, time_s: f64) -> State<Gcrs> {
         let steps = (time_s - self.start_s) / self.step_s;

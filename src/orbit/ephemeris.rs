@@ -123,6 +123,25 @@ impl EphemerisTable {
         self.next_gap[first] > until.max(first)
     }
 
+    /// Returns the longest covered interval around another one, seconds after the start; `None` if that one is not
+    /// covered.
+    pub fn covered_around(&self, [from_s, to_s]: [f64; 2]) -> Option<[f64; 2]> {
+        if !self.covers(from_s, to_s) {
+            return None;
+        }
+        let last = self.nodes.len() - 1;
+        let step = self.times_s.partition_point(|time| *time <= from_s).saturating_sub(1).min(last);
+        let is_gap = |step: &usize| self.next_gap[*step] == *step;
+        let first_s = (0..step).rev().find(is_gap).map_or(f64::NEG_INFINITY, |gap| self.times_s[gap + 1]);
+        let end_s = self.times_s.get(self.next_gap[step]).copied().unwrap_or(f64::INFINITY);
+        Some([first_s.max(self.usable_s[0]), end_s.min(self.usable_s[1])])
+    }
+
+    /// Returns the seconds from the start to a time, as SGP4 counts them.
+    pub fn seconds_at(&self, epoch: Epoch) -> f64 {
+        utc_seconds(self.start, epoch)
+    }
+
     /// Returns true if a part of an interval is covered.
     pub fn overlaps(&self, from_s: f64, to_s: f64) -> bool {
         from_s <= self.usable_s[1] && to_s >= self.usable_s[0]

@@ -4,6 +4,7 @@
 mod arc;
 mod ephemeris;
 mod lateness;
+mod observer_orbit;
 mod orbit_model;
 mod propagator;
 mod resonance;
@@ -18,6 +19,7 @@ mod uncertainty;
 pub use arc::OrbitArc;
 pub use ephemeris::PositionSource;
 pub use lateness::Lateness;
+pub use observer_orbit::ObserverOrbit;
 pub use orbit_model::OrbitModel;
 pub use propagator::{
     DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex, elements_of_age,

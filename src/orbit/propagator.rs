@@ -93,6 +93,14 @@ pub enum OrbitError {
         /// Days from the element epoch to the requested time.
         days_since_epoch: f64,
     },
+    /// No ephemeris of the observing telescope covers an interval.
+    #[error("no ephemeris covers the time from {first} to {last} as a whole")]
+    OutsideEphemeris {
+        /// First time of the interval.
+        first: Epoch,
+        /// Last time of the interval.
+        last: Epoch,
+    },
 }
 
 /// Returns the age of element sets as text: `elements 216 days old`, or `elements 30 days newer than the exposure`.

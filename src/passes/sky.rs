@@ -14,7 +14,7 @@ use super::predictability::PredictabilityCache;
 use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
-use super::viewpoint::{OrbitingObserver, Viewpoint};
+use super::viewpoint::Viewpoint;
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
@@ -25,6 +25,10 @@ use crate::orbit::{
 };
 use crate::photometry::BrightnessModel;
 use crate::watch::Watch;
+
+/// Time by which the arc of a telescope in orbit extends beyond both ends of an exposure, seconds: the margin of delayed
+/// tracks.
+const FLIGHT_MARGIN_S: f64 = 60.0;
 
 /// Satellites, an observer and brightness models, from which all queries start.
 ///
@@ -318,27 +322,19 @@ impl Sky {
 
     /// Returns true for the element set of the observing telescope itself, which is never searched for.
     pub(super) fn is_observer(&self, element_index: usize) -> bool {
-        let own = self.viewpoint.orbit().map(OrbitingObserver::norad_id);
-        own == Some(self.elements[element_index].norad_id)
+        self.viewpoint.orbit().is_some_and(|observer| observer.object().is_of(&self.elements[element_index]))
     }
 
-    /// Returns the orbital arc of a telescope in orbit during an exposure, extended on both sides by the longest delay
-    /// for which satellites are searched. `None` for a site.
+    /// Returns the orbital arc of a telescope in orbit during an exposure, extended on both sides by the margin of
+    /// tracks. `None` for a site.
     pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, SkyError> {
         let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
         let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
         let opened_s = seconds_between(scene.start, exposure.start);
         let orientation = scene.orientation.at_s(opened_s + 0.5 * exposure.duration_s);
-        let minutes = observer.propagator().minutes_since_epoch(scene.start);
-        OrbitArc::new(
-            observer.propagator(),
-            minutes,
-            opened_s - Lateness::LONGEST_S,
-            exposure.duration_s + 2.0 * Lateness::LONGEST_S,
-            &orientation.teme_to_gcrs,
-        )
-        .map(|arc| Some(Arc::new(arc)))
-        .map_err(failed)
+        let interval = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
+        let arc = observer.orbit().arc(scene.start, interval, FLIGHT_MARGIN_S, &orientation.teme_to_gcrs);
+        arc.map(|arc| Some(Arc::new(arc))).map_err(failed)
     }
 
     /// Returns the motion of the observer near a time.

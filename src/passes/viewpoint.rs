@@ -1,21 +1,27 @@
 //! Observer of a sky: a site, or a telescope in orbit.
 
+use std::sync::Arc;
+
 use hifitime::Epoch;
 
-use crate::elements::{ElementSet, NoradId};
-use crate::frames::{Direction, Gcrs, Orientation};
+use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
+use crate::frames::{Direction, EopTable, Gcrs, Orientation, Position, seconds_after};
 use crate::geometry::{EarthLimb, Observer, Site};
-use crate::orbit::{OrbitError, Propagator};
+use crate::orbit::{ObserverOrbit, OrbitError};
 
-/// Telescope in orbit, given by an element set. It has no horizon; the limb of the Earth bounds its view.
+/// Telescope in orbit, given by an element set or by ephemerides of its operator. It has no horizon; the limb of the
+/// Earth bounds its view.
 ///
-/// Its predicted position is taken as exact. An error of its elements, which is typically about a kilometre, shifts
-/// every satellite at a range of 1000 km by about 0.06°.
+/// Its position is taken as exact. An error of its elements, which is typically about a kilometre, shifts every
+/// satellite at a range of 1000 km by about 0.06°.
 #[derive(Clone, Debug)]
 pub struct OrbitingObserver {
     name: String,
-    propagator: Propagator,
+    object: EphemerisObject,
+    orbit: ObserverOrbit,
     limb: EarthLimb,
+    /// Empty for an element set.
+    ephemerides: Vec<Arc<Ephemeris>>,
 }
 
 impl OrbitingObserver {
@@ -24,22 +30,60 @@ impl OrbitingObserver {
     /// # Errors
     /// [`OrbitError::Elements`] if SGP4 cannot be initialised.
     pub fn new(elements: &ElementSet, limb: EarthLimb) -> Result<Self, OrbitError> {
-        Ok(Self { name: elements.name.to_string(), propagator: Propagator::new(elements)?, limb })
+        Ok(Self {
+            name: elements.name.to_string(),
+            object: EphemerisObject::Norad(elements.norad_id),
+            orbit: ObserverOrbit::of_elements(elements)?,
+            limb,
+            ephemerides: Vec::new(),
+        })
     }
 
-    /// Returns the name in the element set, or the catalogue number if it has no name.
+    /// Creates an observer from ephemerides of one object, for example the segments of one file; `limb` bounds its view.
+    /// An exposure needs one ephemeris that covers it as a whole; of several, the one created last is used. `None` if
+    /// there are no ephemerides.
+    pub fn from_ephemerides(ephemerides: &[Arc<Ephemeris>], eop: &EopTable, limb: EarthLimb) -> Option<Self> {
+        let first = ephemerides.first()?;
+        Some(Self {
+            name: first.name.to_string(),
+            object: first.object.clone(),
+            orbit: ObserverOrbit::of_ephemerides(ephemerides, eop),
+            limb,
+            ephemerides: ephemerides.to_vec(),
+        })
+    }
+
+    /// Sets the NORAD catalogue number, for an ephemeris that has only a COSPAR designator.
+    pub fn with_norad_id(self, norad_id: NoradId) -> Self {
+        Self { object: EphemerisObject::Norad(norad_id), ..self }
+    }
+
+    /// Returns the name in the element set or ephemeris, or the catalogue number or COSPAR designator if it has no name.
     pub fn name(&self) -> String {
-        if self.name.is_empty() { self.norad_id().to_string() } else { self.name.clone() }
+        if self.name.is_empty() { self.object.to_string() } else { self.name.clone() }
     }
 
-    /// Returns the NORAD catalogue number. The object with this number is not searched for.
-    pub fn norad_id(&self) -> NoradId {
-        self.propagator.norad_id()
+    /// Returns the NORAD catalogue number or the COSPAR designator. This object is not searched for.
+    pub fn object(&self) -> &EphemerisObject {
+        &self.object
     }
 
-    /// Returns the epoch of the elements.
-    pub fn elements_epoch(&self) -> Epoch {
-        self.propagator.epoch()
+    /// Returns the epoch of the elements; `None` for ephemerides.
+    pub fn elements_epoch(&self) -> Option<Epoch> {
+        self.orbit.elements_epoch()
+    }
+
+    /// Returns the ephemerides; empty for an element set.
+    pub fn ephemerides(&self) -> &[Arc<Ephemeris>] {
+        &self.ephemerides
+    }
+
+    /// Returns the geocentric position, km.
+    ///
+    /// # Errors
+    /// [`OrbitError`] if elements or ephemerides give no position at that time.
+    pub fn position(&self, epoch: Epoch, orientation: &Orientation) -> Result<Position<Gcrs>, OrbitError> {
+        Ok(self.orbit.state(epoch, &orientation.teme_to_gcrs)?.position)
     }
 
     /// Returns the limb of the Earth that bounds the view.
@@ -47,8 +91,8 @@ impl OrbitingObserver {
         self.limb
     }
 
-    pub(super) fn propagator(&self) -> &Propagator {
-        &self.propagator
+    pub(super) fn orbit(&self) -> &ObserverOrbit {
+        &self.orbit
     }
 }
 
@@ -125,10 +169,18 @@ impl Viewpoint {
     ) -> Result<f64, OrbitError> {
         match self {
             Self::Site(observer) => Ok((observer.state(orientation).horizon * *pointing).latitude_rad()),
-            Self::Orbit(observer) => {
-                let state = observer.propagator.state(epoch, &orientation.teme_to_gcrs)?;
-                Ok(observer.limb.altitude_rad(&state.position, pointing))
-            }
+            Self::Orbit(observer) => Ok(observer.limb.altitude_rad(&observer.position(epoch, orientation)?, pointing)),
+        }
+    }
+
+    /// Returns the part of the time from `before_s` before an interval to `after_s` after it in which the position of
+    /// the observer is known; `None` if it is unknown at a time of the interval itself. Only ephemerides of a telescope
+    /// in orbit limit it.
+    pub fn known_part(&self, interval: [Epoch; 2], before_s: f64, after_s: f64) -> Option<[Epoch; 2]> {
+        let outer = [seconds_after(interval[0], -before_s), seconds_after(interval[1], after_s)];
+        match self {
+            Self::Site(_) => Some(outer),
+            Self::Orbit(observer) => observer.orbit.known_part(outer, interval),
         }
     }
 }

@@ -21,7 +21,7 @@ const SITE_SAMPLES_S: f64 = 600.0;
 ///
 /// From a site it is the lowest of the altitudes at opening, at closing and, in between, at intervals of at most ten
 /// minutes; the altitude between them is lower by less than 0.02 degrees. From an orbit it is the lowest angle above the Earth's limb, sampled
-/// every 10 s; NaN if the position of the telescope cannot be computed.
+/// every 10 s; NaN if the position of the telescope cannot be computed or no ephemeris covers the whole exposure.
 pub fn lowest_altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable) -> f64 {
     let end = seconds_after(exposure.start, exposure.duration_s);
     lowest_in(exposure, viewpoint, &OrientationTable::new(exposure.start, end, eop))
@@ -62,6 +62,10 @@ pub(super) fn lowest_altitudes_over(
 /// Returns the lowest altitude of a pointing during an exposure that `table` covers.
 fn lowest_in(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable) -> f64 {
     let opened_s = seconds_between(table.reference(), exposure.start);
+    let interval = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
+    if viewpoint.known_part(interval, 0.0, 0.0).is_none() {
+        return f64::NAN;
+    }
     let samples = match viewpoint {
         Viewpoint::Site(_) => (exposure.duration_s / SITE_SAMPLES_S).ceil().max(1.0),
         Viewpoint::Orbit(_) => (exposure.duration_s / LIMB_INTERVAL_S).ceil().max(1.0),
@@ -93,8 +97,8 @@ pub(super) fn sampling_interval_s(viewpoint: &Viewpoint) -> f64 {
 /// Time between the end of the latest exposure and the setting of its pointing, seconds.
 const BEFORE_SETTING_S: f64 = 0.01;
 
-/// Returns for each exposure the longest delay, seconds, for which its pointing is still above the horizon at closing;
-/// at most `max_delay_s`.
+/// Returns for each exposure the longest delay, seconds, for which its pointing is still above the horizon and the
+/// position of the observer known at closing; at most `max_delay_s`.
 ///
 /// At the scheduled closing the pointings must be above the horizon.
 pub(super) fn last_starts_s(
@@ -109,6 +113,11 @@ pub(super) fn last_starts_s(
     let each = exposures.iter().zip(lowest_rad);
     each.map(|(exposure, lowest_rad)| {
         watch.check()?;
+        let end = seconds_after(exposure.start, exposure.duration_s);
+        let known = viewpoint.known_part([exposure.start, end], 0.0, max_delay_s);
+        let known_s = known.map_or(0.0, |[_, last]| seconds_between(end, last));
+        // Epochs are rounded to a nanosecond.
+        let max_delay_s = if known_s < max_delay_s - 1e-6 { known_s } else { max_delay_s };
         if lowest_rad > fastest_rad_s * max_delay_s {
             return Ok(max_delay_s);
         }

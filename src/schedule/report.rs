@@ -230,7 +230,11 @@ fn above_the_horizon<'a>(
 /// Returns the reason why a pointing below the horizon or limb cannot be judged.
 fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     if altitude_rad.is_nan() {
-        return format!("cannot compute the position of {} at that time from its elements", viewpoint.name());
+        let name = viewpoint.name();
+        return match viewpoint.orbit().is_some_and(|observer| observer.elements_epoch().is_none()) {
+            true => format!("no ephemeris of {name} covers the whole exposure"),
+            false => format!("cannot compute the position of {name} at that time from its elements"),
+        };
     }
     match viewpoint {
         Viewpoint::Orbit(observer) if altitude_rad <= -std::f64::consts::FRAC_PI_2 => {
@@ -286,10 +290,13 @@ fn find_starts(
         .collect();
     let long: Vec<Exposure> = searched
         .iter()
-        .map(|(_, exposure)| Exposure {
-            start: seconds_after(exposure.start, -margin_s),
-            duration_s: exposure.duration_s + max_delay_s + 2.0 * margin_s,
-            ..(*exposure).clone()
+        .map(|(_, exposure)| {
+            let end = seconds_after(exposure.start, exposure.duration_s);
+            let viewpoint = request.sky.viewpoint();
+            let [start, end] = viewpoint
+                .known_part([exposure.start, end], margin_s, max_delay_s + margin_s)
+                .unwrap_or([exposure.start, end]);
+            Exposure { start, duration_s: seconds_between(start, end), ..(*exposure).clone() }
         })
         .collect();
     let options = PassOptions { without_light: blocking == Blocking::Any, ..pass_options(request) };
@@ -300,15 +307,15 @@ fn find_starts(
     let watch = request.sky.watch();
     let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s, watch)?;
     let mut searches = Vec::new();
-    for (((row, exposure), passes), last_start_s) in searched.iter().zip(&crossings.by_exposure).zip(last_starts) {
+    let with_passes = searched.iter().zip(&long).zip(&crossings.by_exposure);
+    for ((((row, exposure), long), passes), last_start_s) in with_passes.zip(last_starts) {
         watch.check()?;
+        let lead_s = seconds_between(long.start, exposure.start);
         let Some(flag) = flags[*row].as_mut() else { continue };
         let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, policy);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
-            let ahead = passes
-                .iter()
-                .filter(is_blocking)
-                .flat_map(|pass| intervals(pass, exposure, margin_s, allowance_s(pass)));
+            let ahead =
+                passes.iter().filter(is_blocking).flat_map(|pass| intervals(pass, exposure, lead_s, allowance_s(pass)));
             // The passes of the verdict are added because the search over the longer interval may omit one that only
             // just enters the field.
             let now = counted[*row]

@@ -465,6 +465,16 @@ fn lists_of_models_sites_and_shells() {
     assert_eq!((code, stderr.trim()), (1, "no site has 'nosuch' in its name or code"));
     let shells = records(&done(&[&["shells", "--format", "csv"]]));
     assert!(shells.iter().any(|row| &row[0] == "starlink-gen2" && &row[1] == "29988"));
+    assert!(shells.iter().any(|row| &row[0] == "planned-2026" && &row[1] == "1822393"));
+    let folder = tempfile::TempDir::new().unwrap();
+    let path = folder.path().join("own.toml").display().to_string();
+    let text = "[[constellation]]\nname = 'own'\nshell = [{ altitude_km = [600, 8000], inclination_deg = 55, planes = 3, \
+                satellites_per_plane = 5 }]\n";
+    std::fs::write(&path, text).unwrap();
+    let own = records(&done(&[&["shells", &path, "--format", "csv"]]));
+    assert_eq!((own.len(), &own[1][0], &own[1][1], &own[1][2], &own[1][4]), (2, "own", "30", "2", "8000.0"));
+    let (code, _, stderr) = run(&[&["shells", "nowhere.toml", "--format", "csv"]]);
+    assert!(code == 2 && stderr.contains("nowhere.toml"), "{stderr}");
 }
 
 #[test]

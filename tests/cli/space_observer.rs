@@ -86,7 +86,7 @@ fn the_observer_is_specified_once() {
         (&["--observer-norad", "90001", "--lat", "3", "--lon", "4"], "exclude each other; specify one of them"),
         (
             &["--observer-norad", "90001"],
-            "missing elements of the telescope in orbit; specify --observer-elements FILE",
+            "missing elements or ephemeris of the telescope in orbit; specify --observer-elements FILE",
         ),
         (&["--observer-elements", OBSERVER, "--observer-norad", "5"], "--observer-norad 5 is not among the 1 objects"),
         (
@@ -111,6 +111,44 @@ fn the_observer_is_specified_once() {
         let (code, _, stderr) = run(&[&["passes"], SHELLS, EXPOSURE, &pointing, more]);
         assert!(code != 2 || stderr.contains("below the Earth's limb"), "{more:?}: {stderr}");
     }
+}
+
+/// An ephemeris of the telescope is used in place of its element set; exposures outside it are invalid.
+#[test]
+fn an_ephemeris_of_the_telescope_is_used() {
+    const EPHEMERIS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../tests/data/ephemerides/invented.oem");
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    // The ephemeris is of 2024-08-14, 00:00 to 01:30 UTC.
+    let rows: String = (0..36)
+        .map(|turn| format!("in{turn},2024-08-14T01:00:00Z,60,{},0\n", 10 * turn))
+        .chain(["out,2024-08-14T09:00:00Z,60,10,20\n".to_owned()])
+        .collect();
+    fs::write(path("s.csv"), format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+    fs::create_dir(path("both")).unwrap();
+    fs::copy(EPHEMERIS, path("both/a.oem")).unwrap();
+    fs::copy(OBSERVER, path("both/b.tle")).unwrap();
+    let schedule = path("s.csv");
+    let both = path("both");
+    for observer in [&["--observer-elements", EPHEMERIS][..], &["--observer-elements", &both]] {
+        let flag = ["flag", "--schedule", &schedule, "--fov", "5deg", "--format", "json"];
+        let (code, stdout, stderr) = run(&[&flag, SHELLS, observer]);
+        assert_eq!(code, 0, "{stderr}");
+        let answer: Value = serde_json::from_str(&stdout).unwrap();
+        let stated = &answer["provenance"]["observer"];
+        assert!(
+            stated["elements_epoch_utc"].is_null() && stated["ephemerides"][0]["first_utc"].is_string(),
+            "{stated}"
+        );
+        let flags = answer["flags"].as_array().unwrap();
+        let verdict = |flag: &Value| flag["verdict"].as_str().unwrap().to_owned();
+        assert!(flags[..36].iter().any(|flag| verdict(flag) != "invalid"), "{flags:?}");
+        assert_eq!(verdict(&flags[36]), "invalid");
+        assert!(flags[36]["reasons"].to_string().contains("no ephemeris of "), "{}", flags[36]);
+    }
+    let exposure = ["passes", "--start", "2024-08-14T09:00:00Z", "--exposure", "60s", "--fov", "5deg", "--ra", "10"];
+    let (code, _, stderr) = run(&[&exposure, &["--dec", "20", "--observer-elements", EPHEMERIS], SHELLS]);
+    assert!(code == 2 && stderr.contains("no ephemeris covers the time from"), "{code} {stderr}");
 }
 
 /// Wide field over a site at dusk with satellites that enter the shadow: with the atmosphere none is brighter, and more

@@ -1,15 +1,19 @@
 //! Telescopes in orbit: directions compared with Skyfield, candidate search compared with all pairs, and blocking by
 //! the Earth.
 
+use std::fmt::Write;
+use std::sync::Arc;
+
 use crate::common::agreement::Agreement;
 use crate::common::random::Random;
 use hifitime::{Epoch, TimeScale, Unit};
-use streakcast::elements::{ElementSet, NoradId, Origin, ReadOptions, Satellites};
-use streakcast::frames::{Direction, EopTable, Gcrs, OrientationTable, seconds_after, seconds_between};
+use streakcast::elements::{ElementSet, Ephemeris, NoradId, Origin, ReadOptions, Satellites};
+use streakcast::frames::{Direction, EopTable, Gcrs, Orientation, OrientationTable, seconds_after, seconds_between};
 use streakcast::geometry::{EarthLimb, SunTable, aspect};
 use streakcast::orbit::Propagator;
 use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SkyError, SnapshotOptions};
-use streakcast::photometry::ModelLibrary;
+use streakcast::photometry::{ModelLibrary, PhotometryOptions};
+use streakcast::schedule::{FlagRequest, Policy, ScheduledExposure, VerdictKind, flag_exposures};
 
 fn active(data: &std::path::Path) -> Vec<ElementSet> {
     let path = data.join("tle/active/active_2026-04-25.txt");
@@ -294,4 +298,149 @@ fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
     let exposure = Exposure { id: "1".into(), start, duration_s: 10.0, pointing: up, rotation_rad: 0.0 };
     let field = Field::circle(0.1).expect("a field");
     assert!(matches!(lost.field_passes(&[exposure], &field, &PassOptions::default()), Err(SkyError::Observer { .. })));
+}
+
+/// Returns an OEM in TEME with the positions of an element set at every `step_s`, rounded to a millimetre.
+fn oem(elements: &ElementSet, start: Epoch, step_s: f64, states: usize) -> Vec<Arc<Ephemeris>> {
+    let stamp = |epoch: Epoch| streakcast::output::format_utc(epoch, 3).trim_end_matches('Z').to_owned();
+    let at = |number: usize| seconds_after(start, step_s * number as f64);
+    let mut text = format!(
+        "CCSDS_OEM_VERS = 2.0\nCREATION_DATE = 2026-04-26T00:00:00\nORIGINATOR = TEST\nMETA_START\nOBJECT_NAME = \
+         TELESCOPE\nOBJECT_ID = {}\nCENTER_NAME = EARTH\nREF_FRAME = TEME\nTIME_SYSTEM = UTC\nSTART_TIME = {}\nSTOP_TIME \
+         = {}\nMETA_STOP\n",
+        elements.norad_id,
+        stamp(at(0)),
+        stamp(at(states - 1))
+    );
+    let propagator = Propagator::new(elements).expect("an orbit");
+    for number in 0..states {
+        let epoch = at(number);
+        let ([x, y, z], [u, v, w]) =
+            propagator.teme_state_at_minutes(propagator.minutes_since_epoch(epoch)).expect("a state");
+        writeln!(text, "{} {x:.6} {y:.6} {z:.6} {u:.9} {v:.9} {w:.9}", stamp(epoch)).expect("a text");
+    }
+    let read = Satellites::from_bytes("telescope.oem", text.as_bytes(), &ReadOptions::default());
+    read.expect("an ephemeris").ephemerides
+}
+
+fn seen_from(elements: Vec<ElementSet>, ephemerides: &[Arc<Ephemeris>]) -> Sky {
+    let eop = EopTable::embedded();
+    let observer = OrbitingObserver::from_ephemerides(ephemerides, &eop, EarthLimb::default()).expect("ephemerides");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    Sky::with_models(elements, observer, eop, &choice)
+}
+
+/// Largest error of the interpolation between the states, km.
+const INTERPOLATION_KM: f64 = 1e-5;
+/// Largest differences of the crossings: seconds and arcsec. A relative speed of 15 km/s moves a satellite by 0.15 m in
+/// 10 us; at 100 km this is 0.3 arcsec, and the nearest satellites of the test are farther away.
+const CROSSING_S: f64 = 1e-4;
+const CROSSING_ARCSEC: f64 = 0.05;
+
+/// Crossings seen from an ephemeris with a state every 60 s are those seen from the element set from which it was made.
+#[test]
+fn verif_crossings_from_an_ephemeris_equal_those_from_its_element_set() {
+    let mut random = Random(11);
+    let own = synthetic(600_000_000, &mut random, 15.09, 0.001);
+    let (satellites, start) = (swarm(&mut random, 3000), midnight());
+    let states = oem(&own, start, 60.0, 182);
+    let (of_set, of_states) = (sky(satellites.clone(), &own), seen_from(satellites, &states));
+    let observers = [&of_set, &of_states].map(|sky| sky.viewpoint().orbit().expect("in orbit").clone());
+    for number in 0..500 {
+        let epoch = seconds_after(start, f64::from(number) * 21.7);
+        let orientation = Orientation::at(epoch, &EopTable::embedded());
+        let [expected, found] = observers.each_ref().map(|one| one.position(epoch, &orientation).expect("a position"));
+        assert!((found - expected).norm_km() < INTERPOLATION_KM, "{epoch}: {} km", (found - expected).norm_km());
+    }
+    let field = Field::circle(20f64.to_radians()).expect("a field");
+    let mut exposures: Vec<Exposure> = (0..30)
+        .map(|number| Exposure {
+            id: number.to_string(),
+            start: seconds_after(start, random.between(0.0, 10_000.0)),
+            duration_s: 112.5,
+            pointing: Direction::from_lon_lat_rad(
+                random.between(0.0, std::f64::consts::TAU),
+                random.between(-1.0, 1.0).asin(),
+            ),
+            rotation_rad: 0.0,
+        })
+        .collect();
+    // The first and the last exposure that are possible.
+    exposures[0].start = start;
+    exposures[1].start = seconds_after(start, 181.0 * 60.0 - 112.5);
+    let options = PassOptions { include_dark: true, min_probability: Some(0.05), ..PassOptions::default() };
+    let [expected, found] =
+        [&of_set, &of_states].map(|sky| sky.field_passes(&exposures, &field, &options).expect("passes").by_exposure);
+    let mut compared = 0;
+    for (expected, found) in expected.iter().flatten().zip(found.iter().flatten()) {
+        assert_eq!(expected.norad_id, found.norad_id);
+        assert!(seconds_between(expected.enter.epoch, found.enter.epoch).abs() < CROSSING_S, "{expected:?} {found:?}");
+        let apart_rad = expected.mid.direction.separation_rad(&found.mid.direction);
+        assert!(apart_rad.to_degrees() * 3600.0 < CROSSING_ARCSEC, "{expected:?} {found:?}");
+        compared += 1;
+    }
+    assert_eq!(expected.iter().map(Vec::len).collect::<Vec<_>>(), found.iter().map(Vec::len).collect::<Vec<_>>());
+    assert!(compared > 100, "{compared}");
+}
+
+/// Exposures that no ephemeris covers as a whole are invalid; starts are searched only where the position is known.
+#[test]
+fn exposures_outside_the_ephemerides_of_the_telescope_are_invalid() {
+    let mut random = Random(13);
+    let own = synthetic(600_000_000, &mut random, 15.09, 0.001);
+    let start = midnight();
+    // Two ephemerides with a gap from 30 to 40 min, and one state missing in the second.
+    let mut all = oem(&own, start, 60.0, 31);
+    let mut second = (*oem(&own, seconds_after(start, 2400.0), 60.0, 41)[0]).clone();
+    second.states.drain(20..28);
+    all.push(Arc::new(second));
+    let sky = seen_from(swarm(&mut random, 2000), &all);
+    let zenith = |after_s: f64| {
+        let epoch = seconds_after(start, after_s);
+        let orientation = Orientation::at(epoch, &EopTable::embedded());
+        let state = Propagator::new(&own).and_then(|one| one.state(epoch, &orientation.teme_to_gcrs));
+        state.expect("a state").position.direction().expect("in orbit")
+    };
+    let rows: Vec<ScheduledExposure> = [
+        (-1.0, false),
+        (0.0, true),
+        (1750.0, true),
+        (1751.0, false),
+        (2000.0, false),
+        (2390.0, false),
+        (2400.0, true),
+        (3490.0, true),
+        (3600.0, false),
+        (4020.0, false),
+        (4080.0, true),
+        (4750.0, true),
+        (4760.0, false),
+        (86_400.0, false),
+    ]
+    .into_iter()
+    .map(|(after_s, is_known)| {
+        let exposure = Exposure {
+            id: is_known.to_string(),
+            start: seconds_after(start, after_s),
+            duration_s: 50.0,
+            pointing: zenith(after_s),
+            rotation_rad: 0.0,
+        };
+        ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure) }
+    })
+    .collect();
+    let field = Field::circle(30f64.to_radians()).expect("a field");
+    let photometry = PhotometryOptions::default();
+    for max_delay_s in [None, Some(1800.0)] {
+        let policy = Policy { max_delay_s, margin_s: Some(5.0), ..Policy::default() };
+        let request =
+            FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+        let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request).expect("verdicts");
+        for verdict in &report.flags {
+            assert_eq!(verdict.kind != VerdictKind::Invalid, verdict.exposure_id == "true", "{verdict:?}");
+            if verdict.kind == VerdictKind::Invalid {
+                assert_eq!(verdict.reasons, ["no ephemeris of TELESCOPE covers the whole exposure"]);
+            }
+        }
+    }
 }

@@ -39,7 +39,7 @@ use verbs::identify::IdentifyArguments;
 #[cfg(unix)]
 use verbs::inject::InjectArguments;
 use verbs::learn::LearnArguments;
-use verbs::lists::ListArguments;
+use verbs::lists::{ListArguments, ShellArguments};
 use verbs::map::MapArguments;
 #[cfg(unix)]
 use verbs::mask::MaskArguments;
@@ -126,10 +126,10 @@ enum Verb {
     ///
     /// The exit status is 1 if a search finds nothing.
     Sites(ListArguments),
-    /// List the simulated constellations for --shells
+    /// List the simulated constellations for --shells, bundled or of a file
     ///
     /// The exit status is 1 if a search finds nothing.
-    Shells(ListArguments),
+    Shells(ShellArguments),
     /// Write the completions of a shell to standard output
     Completions(CompletionsArguments),
     /// Write the manual pages into a folder

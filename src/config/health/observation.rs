@@ -1,11 +1,14 @@
 //! Checks of clock, Earth orientation, leap seconds, site, camera, policy and models.
 
+use std::sync::Arc;
+
 use hifitime::Epoch;
 
 use super::elements::ElementState;
 use super::finding::{Finding, MomentSource, Severity};
 use crate::config::document::Config;
 use crate::constants::DAY_S;
+use crate::elements::Ephemeris;
 use crate::frames::{EopStatus, EopTable, leap_seconds_known_until, seconds_between};
 use crate::geometry::Site;
 use crate::output::format_utc;
@@ -125,9 +128,17 @@ pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
     let site = match config.viewpoint(now) {
         Ok(Viewpoint::Site(observer)) => observer.site().clone(),
         Ok(Viewpoint::Orbit(observer)) => {
-            let finding =
-                format!("{} in orbit, elements of {}", observer.name(), format_utc(observer.elements_epoch(), 0));
-            return vec![Finding::fine(SUBJECT, finding)];
+            let source = match (observer.elements_epoch(), observer.ephemerides()) {
+                (Some(epoch), _) => format!("elements of {}", format_utc(epoch, 0)),
+                (None, spans) => {
+                    let span = |one: &Arc<Ephemeris>| {
+                        let (first, last) = one.interval();
+                        format!("ephemeris of {} to {}", format_utc(first, 0), format_utc(last, 0))
+                    };
+                    spans.iter().map(span).collect::<Vec<_>>().join(", ")
+                }
+            };
+            return vec![Finding::fine(SUBJECT, format!("{} in orbit, {source}", observer.name()))];
         }
         Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), "specify another site")],
     };

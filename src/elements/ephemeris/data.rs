@@ -85,13 +85,29 @@ pub enum CovarianceAxes {
     States,
 }
 
+impl EphemerisObject {
+    /// Returns true if the element set is of this satellite.
+    pub fn is_of(&self, elements: &ElementSet) -> bool {
+        match self {
+            Self::Norad(norad_id) => elements.norad_id == *norad_id,
+            Self::Designator(designator) => elements.international_designator == *designator,
+        }
+    }
+}
+
+impl fmt::Display for EphemerisObject {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Norad(norad_id) => norad_id.fmt(formatter),
+            Self::Designator(designator) => designator.fmt(formatter),
+        }
+    }
+}
+
 impl Ephemeris {
     /// Returns true if the element set is of the same satellite.
     pub fn is_of(&self, elements: &ElementSet) -> bool {
-        match &self.object {
-            EphemerisObject::Norad(norad_id) => elements.norad_id == *norad_id,
-            EphemerisObject::Designator(designator) => elements.international_designator == *designator,
-        }
+        self.object.is_of(elements)
     }
 
     /// Returns the interval in which positions can be computed: from the first to the last state, as far as the file
@@ -105,10 +121,7 @@ impl Ephemeris {
 
 impl fmt::Display for Ephemeris {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let id: &dyn fmt::Display = match &self.object {
-            EphemerisObject::Norad(norad_id) => norad_id,
-            EphemerisObject::Designator(designator) => designator,
-        };
+        let id = &self.object;
         if self.name.is_empty() { write!(formatter, "{id}") } else { write!(formatter, "{} ({id})", self.name) }
     }
 }

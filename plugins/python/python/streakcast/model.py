@@ -110,7 +110,8 @@ class StreakModel(MaskQueries):
         - ``shadow``: model of the Earth's shadow: ``"atmosphere"`` (default) or ``"geometric"`` (solid Earth).
         - ``eop``: path of an IERS ``finals2000A`` file (default: UT1 table of the package).
         - ``accept_bad_checksums``: whether element sets with a wrong checksum are accepted (default `False`).
-        - ``observer_elements``: path of the element set of a telescope in orbit, instead of a site.
+        - ``observer_elements``: path of the element set or of the ephemerides (OEM, Modified ITC) of a telescope in
+          orbit, instead of a site.
         - ``observer_norad``: catalogue number of the telescope in orbit, in that file or else in ``elements``.
         - ``limb_height_km``: for a telescope in orbit, height of the Earth's limb, 0 to 1000 km (default 0): lower
           lines of sight are rejected.

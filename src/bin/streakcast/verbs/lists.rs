@@ -1,7 +1,8 @@
 //! `sites` and `shells`: list observatories with their names and MPC codes, and simulated constellations.
 
 use clap::Args;
-use streakcast::elements::Constellation;
+use streakcast::config::Config;
+use streakcast::elements::{Constellation, ConstellationSet, Shell};
 use streakcast::geometry::Site;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 
@@ -19,6 +20,15 @@ pub struct ListArguments {
     pub output: OutputArguments,
 }
 
+#[derive(Args)]
+pub struct ShellArguments {
+    /// List only constellations with this text in their name, or those of a TOML file
+    #[arg(value_name = "SEARCH|FILE.toml")]
+    pub search: Option<String>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 const SITES_ON_SCREEN: &[Shown] = &[
     shown("mpc_code", "MPC"),
     shown("name", "name"),
@@ -27,8 +37,15 @@ const SITES_ON_SCREEN: &[Shown] = &[
     rounded("height_m", "height m", 0),
 ];
 
-const SHELLS_ON_SCREEN: &[Shown] =
-    &[shown("name", "name"), shown("satellites", "satellites"), shown("shells", "shells"), shown("source", "source")];
+const SHELLS_ON_SCREEN: &[Shown] = &[
+    shown("name", "name"),
+    shown("satellites", "satellites"),
+    shown("n_shells", "shells"),
+    rounded("lowest_km", "lowest km", 0),
+    rounded("highest_km", "highest km", 0),
+    shown("with_assumed_planes", "planes assumed"),
+    shown("source", "source"),
+];
 
 pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
     let search = typed.search.as_deref().unwrap_or("").to_lowercase();
@@ -80,33 +97,74 @@ fn listed(table: &Table, search: &Option<String>, what: &str, names: &str) -> Ou
     }
 }
 
-pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
-    let search = typed.search.as_deref().unwrap_or("").to_lowercase();
-    let all = Constellation::embedded();
+pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
+    let search = typed.search.as_deref().unwrap_or("");
+    let is_file = search.ends_with(".toml");
+    let (all, sets) = match is_file {
+        true => (Config { shells: vec![search.to_owned()], ..Config::default() }.constellations()?, Vec::new()),
+        false => (Constellation::embedded(), Constellation::embedded_sets()),
+    };
+    let matches = |name: &str| is_file || name.contains(&search.to_lowercase());
+    let total = |set: &ConstellationSet, of: &dyn Fn(&Constellation) -> usize| {
+        all.iter().filter(|one| set.constellations.contains(&one.name)).map(of).sum::<usize>()
+    };
+    let altitudes = |shells: &[Shell]| {
+        let of = |choose: fn(f64, f64) -> f64| shells.iter().map(|shell| shell.altitude_km).reduce(choose);
+        [of(f64::min), of(f64::max)]
+    };
+    let row = |constellation: &Constellation| {
+        let shells = &constellation.shells;
+        let [lowest_km, highest_km] = altitudes(shells);
+        let text = |shell: &Shell| format!("{}/{}", shell.altitude_km, shell.inclination_deg);
+        vec![
+            constellation.name.as_str().into(),
+            constellation.satellites().into(),
+            shells.len().into(),
+            lowest_km.into(),
+            highest_km.into(),
+            with_assumed_planes(constellation).into(),
+            Value::List(shells.iter().map(text).collect()),
+            constellation.source.as_str().into(),
+        ]
+    };
+    let row_of_set = |set: &ConstellationSet| {
+        let of_set = all.iter().filter(|one| set.constellations.contains(&one.name));
+        let [lowest_km, highest_km] = altitudes(&of_set.flat_map(|one| one.shells.clone()).collect::<Vec<_>>());
+        vec![
+            set.name.as_str().into(),
+            total(set, &Constellation::satellites).into(),
+            total(set, &|one| one.shells.len()).into(),
+            lowest_km.into(),
+            highest_km.into(),
+            total(set, &with_assumed_planes).into(),
+            Value::List(Vec::new()),
+            format!("{}: {}", set.source, set.constellations.join(", ")).into(),
+        ]
+    };
     let table = Table {
         columns: vec![
             Column::new("name", Kind::Text, "Name for --shells."),
             Column::new("satellites", Kind::Integer, "Number of satellites."),
+            Column::new("n_shells", Kind::Integer, "Number of shells."),
+            Column::real("lowest_km", "km", 1, "Altitude of the lowest shell."),
+            Column::real("highest_km", "km", 1, "Altitude of the highest shell."),
+            Column::new(
+                "with_assumed_planes",
+                Kind::Integer,
+                "Number of satellites in shells of which no source has the planes.",
+            ),
             Column::new(
                 "shells",
                 Kind::List { separator: " " },
-                "Altitude in km and inclination in degrees of each shell.",
+                "Altitude in km and inclination in degrees of each shell; empty for a set of constellations.",
             ),
-            Column::new("source", Kind::Text, "Source of the orbits."),
+            Column::new("source", Kind::Text, "Source of the orbits, or the constellations of a set."),
         ],
         rows: all
             .iter()
-            .filter(|constellation| constellation.name.contains(&search))
-            .map(|constellation| {
-                let shells = constellation.shells.iter();
-                let shells = shells.map(|shell| format!("{}/{}", shell.altitude_km, shell.inclination_deg)).collect();
-                vec![
-                    constellation.name.as_str().into(),
-                    constellation.satellites().into(),
-                    Value::List(shells),
-                    constellation.source.as_str().into(),
-                ]
-            })
+            .filter(|one| matches(&one.name))
+            .map(row)
+            .chain(sets.iter().filter(|set| matches(&set.name)).map(row_of_set))
             .collect(),
     };
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
@@ -119,4 +177,9 @@ pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
         &Notices::new(false),
     )?;
     Ok(listed(&table, &typed.search, "constellation", "name"))
+}
+
+fn with_assumed_planes(constellation: &Constellation) -> usize {
+    let shells = constellation.shells.iter().filter(|shell| shell.planes_assumed);
+    shells.map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
 }

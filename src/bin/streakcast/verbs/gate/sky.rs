@@ -99,11 +99,17 @@ pub fn prepare(
 }
 
 fn is_of_elements(error: &ConfigError) -> bool {
-    use ElementsError::{ShellOutOfRange, ShellSyntax, ShellTotal, UnknownShells};
+    use ElementsError::{ShellOutOfRange, ShellSize, ShellSyntax, ShellTotal, TooManyInShells, UnknownShells};
     match error {
-        ConfigError::Elements(error) => {
-            !matches!(error, UnknownShells { .. } | ShellSyntax(_) | ShellOutOfRange { .. } | ShellTotal { .. })
-        }
+        ConfigError::Elements(error) => !matches!(
+            error,
+            UnknownShells { .. }
+                | ShellSyntax(_)
+                | ShellOutOfRange { .. }
+                | ShellTotal { .. }
+                | ShellSize { .. }
+                | TooManyInShells { .. }
+        ),
         error => matches!(error, ConfigError::NothingPropagates { .. }),
     }
 }
