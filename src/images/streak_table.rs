@@ -4,13 +4,11 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use csv::StringRecord;
-
 use super::error::ImagesError;
 use super::pixels::PixelPosition;
 use super::streak_catalogues;
 use crate::frames::{Direction, Gcrs};
-use crate::input::{CsvRows, NumberColumn};
+use crate::input::{Column, TableRow, TableRows};
 use crate::message::{Quoted, listed};
 use crate::units::{DEGREES, PIXELS, Unit};
 
@@ -35,7 +33,7 @@ const FORMS: &str = "x1_pix, y1_pix, x2_pix, y2_pix; ra1_deg, dec1_deg, ra2_deg,
 #[derive(Copy, Clone, Debug)]
 pub struct Bounded {
     name: &'static str,
-    column: NumberColumn,
+    column: Column,
     range: [f64; 2],
 }
 
@@ -43,7 +41,7 @@ pub struct Bounded {
 #[derive(Clone, Debug)]
 pub struct StreakRow<'a> {
     table: &'a StreakTable,
-    cells: &'a StringRecord,
+    cells: &'a TableRow,
     /// Line in the file, from 1.
     pub line: u64,
 }
@@ -54,10 +52,10 @@ pub struct StreakTable {
     path: PathBuf,
     names: Vec<String>,
     forms: Vec<Form>,
-    id: Option<usize>,
-    image: Option<usize>,
-    hdu: Option<usize>,
-    rows: Vec<(u64, StringRecord)>,
+    id: Option<Column>,
+    image: Option<Column>,
+    hdu: Option<Column>,
+    rows: Vec<TableRow>,
 }
 
 /// The way in which four columns give the ends of a streak.
@@ -128,9 +126,12 @@ impl StreakTable {
     ///
     /// # Errors
     /// The file cannot be read, no form of the ends has all of its columns, or a unit is invalid.
-    pub(crate) fn read<T>(path: &Path, also: impl FnOnce(&CsvRows) -> io::Result<T>) -> Result<(Self, T), ImagesError> {
+    pub(crate) fn read<T>(
+        path: &Path,
+        also: impl FnOnce(&TableRows) -> io::Result<T>,
+    ) -> Result<(Self, T), ImagesError> {
         let failed = ImagesError::io(path);
-        let rows = CsvRows::of_text(streak_catalogues::read(path)?).map_err(&failed)?;
+        let rows = TableRows::new(streak_catalogues::read(path)?).map_err(&failed)?;
         let mut forms = Vec::new();
         for (kind, columns) in &FORM_COLUMNS {
             let mut found = Vec::new();
@@ -174,7 +175,7 @@ impl StreakTable {
 
     /// Returns the rows.
     pub fn rows(&self) -> impl Iterator<Item = StreakRow<'_>> {
-        self.rows.iter().map(|(line, cells)| StreakRow { table: self, cells, line: *line })
+        self.rows.iter().map(|cells| StreakRow { table: self, cells, line: cells.line })
     }
 }
 
@@ -183,9 +184,9 @@ impl Bounded {
     /// first of which errors name.
     ///
     /// # Errors
-    /// The errors of [`CsvRows::optional_numbers`].
+    /// The errors of [`TableRows::optional_numbers`].
     pub(crate) fn find(
-        rows: &CsvRows,
+        rows: &TableRows,
         accepted: &[&'static str],
         unit: &Unit,
         range: [f64; 2],
@@ -197,8 +198,8 @@ impl Bounded {
 
 impl StreakRow<'_> {
     /// Returns the text of a cell; empty if the column is missing.
-    pub(crate) fn text(&self, column: Option<usize>) -> &str {
-        column.and_then(|column| self.cells.get(column)).unwrap_or_default()
+    pub(crate) fn text(&self, column: Option<Column>) -> &str {
+        column.map_or("", |column| self.cells.text(column))
     }
 
     /// Returns the error of an invalid cell, with file, line and column.
@@ -214,11 +215,11 @@ impl StreakRow<'_> {
     /// The cell is not a number, or the number is out of range.
     pub(crate) fn number(&self, column: Option<Bounded>) -> Result<Option<f64>, ImagesError> {
         let Some(Bounded { name, column, range: [least, most] }) = column else { return Ok(None) };
-        let text = column.text(self.cells);
+        let text = self.cells.text(column);
         if text.is_empty() {
             return Ok(None);
         }
-        match column.number(self.cells) {
+        match self.cells.number(column) {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),
             _ => Err(self.invalid(name, text, format!("{least} to {most}"))),
         }
@@ -259,7 +260,7 @@ impl StreakRow<'_> {
     pub fn ends(&self) -> Result<StreakEnds, ImagesError> {
         let mut incomplete = None;
         for Form { kind, columns } in &self.table.forms {
-            let empty = columns.iter().filter(|column| column.column.text(self.cells).is_empty());
+            let empty = columns.iter().filter(|column| self.cells.text(column.column).is_empty());
             match empty.clone().count() {
                 0 => return self.ends_of(*kind, columns),
                 4 => {}

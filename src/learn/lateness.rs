@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::error::LearnError;
 use crate::elements::NoradId;
-use crate::input;
+use crate::input::TableRows;
 use crate::passes::LearnedLateness;
 
 /// Degrees of freedom of Student's t, which describes the delays because they have wings.
@@ -51,35 +51,25 @@ impl MeasuredDelay {
 /// measured with a learned file, so that its errors are corrected already.
 pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, LearnError> {
     let error = |problem: String| LearnError::Table { file: path.display().to_string(), problem };
-    let text = input::read_to_string(path).map_err(|problem| error(problem.to_string()))?;
-    if text.lines().take_while(|line| line.starts_with('#')).any(|line| line.contains("learned")) {
+    let failed = |problem: std::io::Error| error(problem.to_string());
+    let rows = TableRows::open(path).map_err(failed)?;
+    if rows.comments.contains("learned") {
         return Err(error("it was measured with --learned; allowed: tables measured without it".to_owned()));
     }
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-    let names = reader.headers().map_err(|problem| error(problem.to_string()))?.clone();
-    let column = |name: &str| {
-        let at = names.iter().position(|column| column == name);
-        at.ok_or_else(|| error(format!("no column {name}; allowed: a table that streakcast measure wrote as CSV")))
-    };
-    let columns = [column("norad_id")?, column("late_s")?, column("late_sigma_s")?, column("late_expected_sigma_s")?];
+    let column = |name| rows.column(name, "a table that streakcast measure wrote as CSV or ECSV").map_err(failed);
+    let [id, late, sigma, expected] =
+        [column("norad_id")?, column("late_s")?, column("late_sigma_s")?, column("late_expected_sigma_s")?];
     let mut delays = Vec::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|problem| error(problem.to_string()))?;
-        let [id, late, sigma, expected] = columns.map(|at| record.get(at).unwrap_or_default());
-        if late.is_empty() {
+    for row in rows {
+        let row = row.map_err(failed)?;
+        if row.text(late).is_empty() {
             continue;
         }
-        let number = |name: &str, cell: &str, least: f64| {
-            let value = cell.parse::<f64>().ok().filter(|value| value.is_finite() && *value >= least);
-            value.ok_or_else(|| error(format!("row {}: {name} is '{cell}'; allowed: a number from {least}", row + 1)))
-        };
-        let norad_id = id.parse().map(NoradId);
         delays.push(MeasuredDelay {
-            norad_id: norad_id
-                .map_err(|_| error(format!("row {}: norad_id is '{id}'; allowed: a catalogue number", row + 1)))?,
-            late_s: number("late_s", late, f64::MIN)?,
-            sigma_s: number("late_sigma_s", sigma, 0.0)?,
-            expected_sigma_s: number("late_expected_sigma_s", expected, 1e-6)?,
+            norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
+            late_s: row.number_in(late, [f64::MIN, f64::MAX]).map_err(failed)?,
+            sigma_s: row.number_in(sigma, [0.0, f64::MAX]).map_err(failed)?,
+            expected_sigma_s: row.number_in(expected, [1e-6, f64::MAX]).map_err(failed)?,
         });
     }
     Ok(delays)

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::error::MeasureError;
 use crate::frames::{Direction, Gcrs};
-use crate::input::CsvRows;
-use crate::message::Quoted;
+use crate::input::TableRows;
 use crate::units::{DEGREES, MAGNITUDES};
 
 /// Columns and ranges of a table, for errors.
@@ -41,38 +40,27 @@ impl StarTable {
     /// The file cannot be read, a column is missing, or a value is out of range.
     pub fn read(path: &Path) -> Result<Self, MeasureError> {
         let origin = format!("table of stars {}", path.display());
-        let failed =
-            |error: std::io::Error| MeasureError::invalid(origin.clone(), format!("not readable ({error})"), FORM);
-        let rows = CsvRows::open(path).map_err(failed)?;
-        let column = |names: &[&str], unit| rows.numbers(names, unit, FORM).map_err(failed);
-        let columns = [
-            column(&["ra_deg", "ra"], &DEGREES)?,
-            column(&["dec_deg", "dec"], &DEGREES)?,
-            column(&["mag", "magnitude"], &MAGNITUDES)?,
-        ];
+        let failed = |error: std::io::Error| MeasureError::invalid(origin.clone(), format!("invalid ({error})"), FORM);
+        let rows = TableRows::open(path).map_err(failed)?;
+        let column = |names: &[&'static str], unit| rows.numbers(names, unit, FORM).map_err(failed);
+        let ra = column(&["ra_deg", "ra"], &DEGREES)?;
+        let dec = column(&["dec_deg", "dec"], &DEGREES)?;
+        let mag = column(&["mag", "magnitude"], &MAGNITUDES)?;
         let sigma = rows.optional_numbers(&["mag_sigma", "magnitude_sigma"], &MAGNITUDES).map_err(failed)?;
         let band_column = rows.find("band");
         let mut stars = Vec::new();
         for row in rows {
-            let (line, row) = row.map_err(failed)?;
-            let [ra_deg, dec_deg, mag] = columns.map(|column| column.number(&row).unwrap_or(f64::NAN));
+            let row = row.map_err(failed)?;
+            let number = |column, range| row.number_in(column, range).map_err(failed);
+            let [ra_deg, dec_deg] = [number(ra, [f64::MIN, f64::MAX])?, number(dec, [-90.0, 90.0])?];
+            let mag = number(mag, [-30.0, 60.0])?;
             // An empty cell is an unknown error.
             let sigma_mag = match sigma {
-                Some(column) if !column.text(&row).is_empty() => column.number(&row).unwrap_or(f64::NAN),
+                Some(column) if !row.text(column).is_empty() => number(column, [0.0, 10.0])?,
                 _ => 0.0,
             };
-            let is_valid = ra_deg.is_finite()
-                && dec_deg.abs() <= 90.0
-                && (-30.0..=60.0).contains(&mag)
-                && (0.0..=10.0).contains(&sigma_mag);
-            if !is_valid {
-                let [ra, dec, mag] = columns.map(|column| Quoted::new(column.text(&row)));
-                let sigma = sigma.map_or(String::new(), |column| format!(" +- {}", Quoted::new(column.text(&row))));
-                let given = format!("at ra {ra}, dec {dec}, mag {mag}{sigma}");
-                return Err(MeasureError::invalid(format!("{origin}, line {line}: star"), given, FORM));
-            }
             let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
-            let band = band_column.and_then(|index| row.get(index)).map_or(String::new(), band_name);
+            let band = band_column.map_or(String::new(), |column| band_name(row.text(column)));
             stars.push((CatalogueStar { direction, magnitude: mag, sigma_mag }, band));
         }
         if stars.is_empty() {
@@ -163,10 +151,10 @@ mod tests {
         for (text, part) in [
             ("ra_deg,dec_deg\n1,2\n", "mag"),
             ("ra_deg,dec_deg,mag\n", "empty"),
-            ("ra_deg,dec_deg,mag\n1,2,10\n1,92,10\n", "line 3: star"),
-            ("ra_deg,dec_deg,mag\n1,2,nan\n", "line 2: star"),
+            ("ra_deg,dec_deg,mag\n1,2,10\n1,92,10\n", "line 3: dec_deg is '92'"),
+            ("ra_deg,dec_deg,mag\n1,2,nan\n", "line 2: mag is 'nan'"),
             ("ra_deg,dec_deg,mag,mag_sigma\n1,2,10,-1\n", "-1"),
-            ("ra_deg,dec_deg,mag\n1,2,bright\n", "mag bright"),
+            ("ra_deg,dec_deg,mag\n1,2,bright\n", "mag is 'bright'"),
         ] {
             let message = table(text).unwrap_err().to_string();
             assert!(message.contains(part) && message.contains("allowed: CSV with ra_deg"), "{message}");

@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::elements::{NoradId, parse_iso};
 use crate::frames::seconds_between;
 use crate::geometry::ViewingGeometry;
-use crate::input;
+use crate::input::TableRows;
 use crate::photometry::{Brightness, Magnitude, PassUpdate};
 
 /// Longest interval between two measurements of one pass, seconds. A pass of a low satellite takes some ten minutes,
@@ -41,7 +41,7 @@ pub struct MeasuredMagnitude {
     pub sigma_mag: f64,
 }
 
-/// Reads a CSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one that
+/// Reads a CSV or ECSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one that
 /// `streakcast measure` wrote. Lines that begin with `#`, rows without a magnitude, and rows whose `flags` contain
 /// `saturated` or whose `calibrated` is `false` are omitted.
 ///
@@ -49,39 +49,31 @@ pub struct MeasuredMagnitude {
 /// [`MeasuredError`] if the file cannot be read, a column is missing or a value is invalid.
 pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, MeasuredError> {
     let error = |problem: String| MeasuredError { file: path.display().to_string(), problem };
-    let text = input::read_to_string(path).map_err(|problem| error(problem.to_string()))?;
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-    let names = reader.headers().map_err(|problem| error(problem.to_string()))?.clone();
-    let find = |name: &str| names.iter().position(|column| column == name);
-    let column = |name: &str| {
-        let columns = "norad_id, mid_utc, magnitude and magnitude_sigma";
-        find(name).ok_or_else(|| error(format!("no column {name}; allowed: a CSV table with the columns {columns}")))
-    };
-    let columns = [column("norad_id")?, column("mid_utc")?, column("magnitude")?, column("magnitude_sigma")?];
-    let [flags, calibrated] = [find("flags"), find("calibrated")];
+    let failed = |problem: std::io::Error| error(problem.to_string());
+    let rows = TableRows::open(path).map_err(failed)?;
+    let form = "a table with the columns norad_id, mid_utc, magnitude and magnitude_sigma";
+    let column = |name| rows.column(name, form).map_err(failed);
+    let [id, time, magnitude, sigma] =
+        [column("norad_id")?, column("mid_utc")?, column("magnitude")?, column("magnitude_sigma")?];
+    let [flags, calibrated] = [rows.find("flags"), rows.find("calibrated")];
     let mut measured = Vec::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|problem| error(problem.to_string()))?;
-        let cell = |at: usize| record.get(at).unwrap_or_default().trim();
-        let [id, time, magnitude, sigma] = columns.map(cell);
-        let is_limit = flags.is_some_and(|at| cell(at).contains("saturated"));
-        let is_instrumental = calibrated.is_some_and(|at| cell(at).eq_ignore_ascii_case("false"));
-        if magnitude.is_empty() || is_limit || is_instrumental {
+    for row in rows {
+        let row = row.map_err(failed)?;
+        let is_limit = flags.is_some_and(|flags| row.text(flags).contains("saturated"));
+        let is_instrumental = calibrated.is_some_and(|column| row.text(column).eq_ignore_ascii_case("false"));
+        if row.text(magnitude).is_empty() || is_limit || is_instrumental {
             continue;
         }
-        let wrong = |name: &str, given: &str, allowed: &str| {
-            error(format!("row {}: {name} is '{given}'; allowed: {allowed}", row + 1))
-        };
-        let number = |name: &str, given: &str, [least, most]: [f64; 2]| {
-            let value = given.parse::<f64>().ok().filter(|value| (least..=most).contains(value));
-            value.ok_or_else(|| wrong(name, given, &format!("a number from {least} to {most}")))
+        let wrong_time = || failed(row.wrong(time, "a time in UTC, such as 2026-08-14T23:36:25Z"));
+        let sigma_mag = match row.text(sigma) {
+            "" => 0.0,
+            _ => row.number_in(sigma, [0.0, 10.0]).map_err(failed)?,
         };
         measured.push(MeasuredMagnitude {
-            norad_id: NoradId(id.parse().map_err(|_| wrong("norad_id", id, "a catalogue number"))?),
-            epoch: parse_iso(time)
-                .ok_or_else(|| wrong("mid_utc", time, "a time in UTC, such as 2026-08-14T23:36:25Z"))?,
-            magnitude: Magnitude(number("magnitude", magnitude, MAGNITUDES)?),
-            sigma_mag: if sigma.is_empty() { 0.0 } else { number("magnitude_sigma", sigma, [0.0, 10.0])? },
+            norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
+            epoch: parse_iso(row.text(time)).ok_or_else(wrong_time)?,
+            magnitude: Magnitude(row.number_in(magnitude, MAGNITUDES).map_err(failed)?),
+            sigma_mag,
         });
     }
     Ok(measured)

@@ -388,7 +388,7 @@ fn valid_identified_tracks_use_element_sets() {
     // Errors for a table without the required columns, and for an invalid number.
     fs::write(folder.path().join("bad.csv"), "track,norad\n18903315,many\n").expect("a file");
     let (code, _, stderr) = run(folder.path(), &arguments.replace(&tracks, "bad.csv"));
-    assert!(code == 2 && stderr.contains("bad.csv, line 2: invalid norad many"), "{stderr}");
+    assert!(code == 2 && stderr.contains("bad.csv: line 2: norad is 'many'"), "{stderr}");
 }
 
 /// Published photometry of Pomenis and Slingshot: fits to single measurements predict held-out nights.

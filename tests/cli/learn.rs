@@ -157,6 +157,8 @@ fn invalid_input_is_named() {
     let applied = file("b.csv", "# learned: {}\nnorad_id,late_s,late_sigma_s,late_expected_sigma_s\n");
     let header = "norad_id,late_s,late_sigma_s,late_expected_sigma_s\n";
     let no_number = file("c.csv", &format!("{header}1,soon,0.1,2\n"));
+    let ecsv = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: norad_id, datatype: int64}\n";
+    let blanks = file("e.ecsv", &format!("{ecsv}{} \"soon\" 0.1 2\n", header.replace(',', " ") + "1"));
     let no_sigma = file("d.csv", &format!("{header}1,2,0.1,0\n"));
     let learned = path(&folder, "learned.json");
     let given = ["learn", "--photometry", &photometry, "--height-km", "1200", "-o", &learned];
@@ -174,8 +176,9 @@ fn invalid_input_is_named() {
     for (measured, parts) in [
         (&no_column, vec!["a.csv", "late_sigma_s", "allowed"]),
         (&applied, vec!["b.csv", "--learned", "allowed"]),
-        (&no_number, vec!["c.csv", "row 1", "soon", "allowed"]),
-        (&no_sigma, vec!["d.csv", "row 1", "late_expected_sigma_s is '0'"]),
+        (&no_number, vec!["c.csv", "line 2: late_s is 'soon'", "allowed"]),
+        (&blanks, vec!["e.ecsv", "line 6: late_s is 'soon'"]),
+        (&no_sigma, vec!["d.csv", "line 2: late_expected_sigma_s is '0'"]),
     ] {
         let measured = ["--measured", measured, "--kind", "oneweb", "--quiet"];
         let (code, _, stderr) = run(&[&given, &measured, &numbered]);
@@ -246,9 +249,9 @@ fn verif_a_measured_magnitude_corrects_its_pass() {
     // Errors name file, row and what is allowed.
     let [one, two] = elements.each_ref().map(String::as_str);
     for (from, to, parts) in [
-        ("magnitude_sigma", "error", ["no column magnitude_sigma", "mid_utc"]),
-        (",0,\n", ",-1,\n", ["row 1: magnitude_sigma is '-1'", "0 to 10"]),
-        ("2026-08-14T", "yesterday ", ["row 1: mid_utc is 'yesterday", "a time in UTC"]),
+        ("magnitude_sigma", "error", ["missing column magnitude_sigma", "mid_utc"]),
+        (",0,\n", ",-1,\n", ["line 3: magnitude_sigma is '-1'", "0 to 10"]),
+        ("2026-08-14T", "yesterday ", ["line 3: mid_utc is 'yesterday", "a time in UTC"]),
     ] {
         fs::write(&measured, text.replacen(from, to, 1)).unwrap();
         let verb = ["ephemeris", "--times", "2026-08-14T23:30:00Z", "--norad", "1", "--measured", &measured];

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::error::ScheduleError;
 use super::columns::{Cell, Row, display};
-use crate::input::MOST_ROWS;
+use crate::input::{MOST_ROWS, delimiter_of, first_line};
 
 /// Byte positions of the header and the rows of a CSV file.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,17 +73,6 @@ fn names_of(header: &csv::StringRecord) -> Vec<String> {
     header.iter().map(|name| name.trim().to_owned()).collect()
 }
 
-/// Returns the first line that is neither blank nor a comment; empty if there is none.
-fn first_line(text: &str) -> &str {
-    text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default()
-}
-
-/// Returns the most frequent separator of the header; a comma if it has none.
-fn delimiter_of(header: &str) -> u8 {
-    let count = |delimiter: u8| header.bytes().filter(|byte| *byte == delimiter).count();
-    [b',', b';', b'\t'].into_iter().rev().max_by_key(|delimiter| count(*delimiter)).unwrap_or(b',')
-}
-
 /// Text of a CSV file whose rows were counted.
 #[derive(Clone, Debug)]
 pub(in crate::schedule) struct CsvText {
@@ -149,13 +138,5 @@ mod tests {
         let rows: Vec<Row> = read.rows().collect();
         let row = |cells: [&str; 2]| Ok(cells.map(|cell| Cell::Text(cell.to_owned())).to_vec());
         assert_eq!(rows, [row(["1", "x\r\ny"]), row(["2", "z"]), row(["3", "w"])]);
-    }
-
-    #[test]
-    fn the_separator_is_found_in_the_header() {
-        assert_eq!(delimiter_of("a,b,c"), b',');
-        assert_eq!(delimiter_of("a;b;c"), b';');
-        assert_eq!(delimiter_of("a\tb"), b'\t');
-        assert_eq!(delimiter_of("only"), b',');
     }
 }

@@ -55,7 +55,7 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
         Err(ScheduleError::Format { path: display(path), what: "XML or HTML, but not a VOTable".to_owned() })
     } else if body.starts_with(['{', '[']) {
         json::read(path, body)
-    } else if delimited::is_ecsv(body) {
+    } else if input::is_ecsv(body) {
         delimited::read_ecsv(path, body)
     } else {
         delimited::read_csv(path, text)

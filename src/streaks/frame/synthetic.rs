@@ -15,8 +15,7 @@ use crate::frames::{Direction, mjd_utc};
 use crate::images::{
     Card, CardValue, Detector, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs, write_frame,
 };
-use crate::input::CsvRows;
-use crate::message::Quoted;
+use crate::input::TableRows;
 use crate::output::format_utc;
 use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e};
 use crate::units::{DEGREES, MAGNITUDES};
@@ -242,23 +241,17 @@ fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec
     let failed = |error: std::io::Error| {
         StreaksError::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
     };
-    let rows = CsvRows::open(path).map_err(failed)?;
-    let column = |names: &[&str], unit| rows.numbers(names, unit, STAR_LIST_FORM).map_err(failed);
-    let columns = [
-        column(&["ra_deg", "ra"], &DEGREES)?,
-        column(&["dec_deg", "dec"], &DEGREES)?,
-        column(&["magnitude"], &MAGNITUDES)?,
-    ];
+    let rows = TableRows::open(path).map_err(failed)?;
+    let column = |names: &[&'static str], unit| rows.numbers(names, unit, STAR_LIST_FORM).map_err(failed);
+    let ra = column(&["ra_deg", "ra"], &DEGREES)?;
+    let dec = column(&["dec_deg", "dec"], &DEGREES)?;
+    let magnitude = column(&["magnitude"], &MAGNITUDES)?;
     let mut stars = Vec::new();
     for row in rows {
-        let (line, row) = row.map_err(failed)?;
-        let [ra_deg, dec_deg, magnitude] = columns.map(|column| column.number(&row).unwrap_or(f64::NAN));
-        if !(ra_deg.is_finite() && dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&magnitude)) {
-            let what = format!("star list {shown}, line {line}: star");
-            let [ra, dec, magnitude] = columns.map(|column| Quoted::new(column.text(&row)));
-            let given = format!("at ra {ra}, dec {dec}, magnitude {magnitude}");
-            return Err(StreaksError::invalid(what, given, STAR_LIST_FORM));
-        }
+        let row = row.map_err(failed)?;
+        let number = |column, range| row.number_in(column, range).map_err(failed);
+        let [ra_deg, dec_deg] = [number(ra, [f64::MIN, f64::MAX])?, number(dec, [-90.0, 90.0])?];
+        let magnitude = number(magnitude, [-30.0, 60.0])?;
         let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
         let flux_e = flux_e(magnitude, zero_point_mag);
         stars.push(SkyStar { direction, flux_e, over_s: [0.0, exposure_s] });

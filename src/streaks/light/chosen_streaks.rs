@@ -12,6 +12,7 @@ use super::modulation::LightCurve;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::frames::{Direction, Gcrs, parse_moment, seconds_between};
 use crate::images::{Bounded, PixelPosition, StreakEnds, StreakRow, StreakTable};
+use crate::input::{Column, TableRows};
 use crate::message::listed;
 use crate::output::format_utc;
 use crate::units::{ARCSECONDS, COUNTS, KILOMETRES, MAGNITUDES, METRES, PIXELS, SECONDS};
@@ -106,9 +107,9 @@ struct Columns {
     fwhm_arcsec: Option<Bounded>,
     enter_s: Option<Bounded>,
     exit_s: Option<Bounded>,
-    enter_utc: Option<usize>,
-    exit_utc: Option<usize>,
-    curve: Option<usize>,
+    enter_utc: Option<Column>,
+    exit_utc: Option<Column>,
+    curve: Option<Column>,
 }
 
 /// Names of the columns besides those of the ends.
@@ -127,7 +128,7 @@ const NAMES: [&str; 11] = [
 ];
 
 impl Columns {
-    fn find(rows: &crate::input::CsvRows) -> io::Result<Self> {
+    fn find(rows: &TableRows) -> io::Result<Self> {
         let find = |names: &[&'static str], unit, range| Bounded::find(rows, names, unit, range);
         let columns = Self {
             magnitude: find(&["magnitude"], &MAGNITUDES, [-20.0, 40.0])?,
@@ -203,7 +204,7 @@ impl ChosenStreak {
             "" => None,
             file => Some(LightCurve::read(&path.parent().unwrap_or(Path::new("")).join(file))?),
         };
-        let time = |name: &str, utc: Option<usize>, seconds: Option<Bounded>| -> Result<EndTime, StreaksError> {
+        let time = |name: &str, utc: Option<Column>, seconds: Option<Bounded>| -> Result<EndTime, StreaksError> {
             let text = row.text(utc);
             match (text, row.number(seconds)?) {
                 ("", None) => Ok(EndTime::Shutter),

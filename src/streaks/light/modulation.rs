@@ -6,9 +6,8 @@ use std::path::Path;
 use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
 #[cfg(all(feature = "fits", unix))]
-use crate::input::{CsvRows, NumberColumn};
+use crate::input::TableRows;
 #[cfg(all(feature = "fits", unix))]
-use crate::message::Quoted;
 #[cfg(all(feature = "fits", unix))]
 use crate::units::{MAGNITUDES, SECONDS};
 
@@ -80,17 +79,13 @@ impl LightCurve {
             path: path.to_owned(),
             problem: format!("light curve: {error}"),
         };
-        let rows = CsvRows::open(path).map_err(|error| failed(&error))?;
-        let column = |names: &[&str], unit| rows.numbers(names, unit, FORM).map_err(|error| failed(&error));
+        let rows = TableRows::open(path).map_err(|error| failed(&error))?;
+        let column = |names: &[&'static str], unit| rows.numbers(names, unit, FORM).map_err(|error| failed(&error));
         let columns = [column(&["time_s"], &SECONDS)?, column(&["delta_mag"], &MAGNITUDES)?];
         let mut points = Vec::new();
         for row in rows {
-            let (line, row) = row.map_err(|error| failed(&error))?;
-            let number = |column: NumberColumn| {
-                let text = Quoted::new(column.text(&row));
-                let not_a_number = || format!("line {line}: '{text}' is not a number; allowed: numbers in {FORM}");
-                column.number(&row).ok_or_else(|| failed(&not_a_number()))
-            };
+            let row = row.map_err(|error| failed(&error))?;
+            let number = |column| row.number_in(column, [f64::MIN, f64::MAX]).map_err(|error| failed(&error));
             points.push((number(columns[0])?, number(columns[1])?));
         }
         Self::new(points).map_err(|error| failed(&error))

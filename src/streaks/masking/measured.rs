@@ -9,8 +9,7 @@ use super::super::chip::Chip;
 use super::super::error::StreaksError;
 use crate::elements::{NoradId, parse_iso};
 use crate::frames::{Direction, Gcrs, seconds_between};
-use crate::input::CsvRows;
-use crate::message::Quoted;
+use crate::input::TableRows;
 
 /// Names of the columns, for errors.
 const COLUMNS: &str = "a table of streakcast measure, with image, hdu, norad_id, detected, mid_utc, ra_deg, dec_deg, rate, \
@@ -54,64 +53,44 @@ pub struct MeasuredStreak {
 /// # Errors
 /// The file cannot be read, a column is missing, or a value is invalid.
 pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, StreaksError> {
-    let shown = path.display();
     let failed = |error: std::io::Error| StreaksError::Table { path: path.to_owned(), problem: error.to_string() };
-    let rows = CsvRows::open(path).map_err(failed)?;
-    let column = |name: &str| rows.column(name, COLUMNS).map_err(failed);
-    let [image, hdu, id, detected, mid] = ["image", "hdu", "norad_id", "detected", "mid_utc"].map(column);
-    let (image, hdu, id, detected, mid) = (image?, hdu?, id?, detected?, mid?);
-    let [ra, dec, rate, across, tilt] = ["ra_deg", "dec_deg", "rate", "offset_sigma_pix", "tilt_deg"].map(column);
-    let (ra, dec, rate, across, tilt) = (ra?, dec?, rate?, across?, tilt?);
-    let [late, late_sigma, seeing, flags] = ["late_s", "late_sigma_s", "seeing_arcsec", "flags"].map(column);
-    let (late, late_sigma, seeing, flags) = (late?, late_sigma?, seeing?, flags?);
+    let rows = TableRows::open(path).map_err(failed)?;
+    let column = |name| rows.column(name, COLUMNS).map_err(failed);
+    let [image, hdu, id, detected] = [column("image")?, column("hdu")?, column("norad_id")?, column("detected")?];
+    let [mid, ra, dec, rate] = [column("mid_utc")?, column("ra_deg")?, column("dec_deg")?, column("rate")?];
+    let [across, tilt, seeing] = [column("offset_sigma_pix")?, column("tilt_deg")?, column("seeing_arcsec")?];
+    let [late, late_sigma, flags] = [column("late_s")?, column("late_sigma_s")?, column("flags")?];
     let name = rows.find("name");
     let mut streaks = Vec::new();
     for row in rows {
-        let (line, row) = row.map_err(failed)?;
-        let cell = |column: usize| row.get(column).unwrap_or_default();
-        let wrong = |what: &str, column: usize, allowed: &str| {
-            StreaksError::invalid(format!("{shown}: line {line}: {what}"), Quoted::new(cell(column)), allowed)
-        };
-        let optional = |what: &str, column: usize| match cell(column) {
-            "" => Ok(None),
-            text => text
-                .parse::<f64>()
-                .ok()
-                .filter(|number| number.is_finite())
-                .map(Some)
-                .ok_or_else(|| wrong(what, column, "a number")),
-        };
-        let number = |what: &str, column: usize| optional(what, column)?.ok_or_else(|| wrong(what, column, "a number"));
-        match cell(detected) {
-            "true" => {}
-            "false" => continue,
-            _ => return Err(wrong("detected", detected, "true or false")),
-        }
-        let positive = |what: &str, column: usize| match number(what, column)? {
+        let row = row.map_err(failed)?;
+        let number = |column| row.number_in(column, [f64::MIN, f64::MAX]).map_err(failed);
+        let optional = |column| if row.text(column).is_empty() { Ok(None) } else { number(column).map(Some) };
+        let positive = |column| match number(column)? {
             value if value > 0.0 => Ok(value),
-            _ => Err(wrong(what, column, "a number above 0")),
+            _ => Err(failed(row.wrong(column, "a number above 0"))),
         };
-        let late_s = match (optional("late_s", late)?, optional("late_sigma_s", late_sigma)?) {
+        if !row.parsed::<bool>(detected, "true or false").map_err(failed)? {
+            continue;
+        }
+        let late_s = match (optional(late)?, optional(late_sigma)?) {
             (Some(late_s), Some(sigma_s)) => Some((late_s, sigma_s.abs())),
             _ => None,
         };
+        let wrong_time = || failed(row.wrong(mid, "a time in UTC, such as 2026-08-14T23:36:25Z"));
         streaks.push(MeasuredStreak {
-            image: cell(image).to_owned(),
-            hdu: cell(hdu).parse().map_err(|_| wrong("hdu", hdu, "the number of an HDU, from 0"))?,
-            norad_id: NoradId(cell(id).parse().map_err(|_| wrong("norad_id", id, "a catalogue number"))?),
-            name: name.map(cell).unwrap_or_default().to_owned(),
-            epoch: parse_iso(cell(mid))
-                .ok_or_else(|| wrong("mid_utc", mid, "a time in UTC, such as 2026-08-14T23:36:25Z"))?,
-            direction: Direction::from_lon_lat_rad(
-                number("ra_deg", ra)?.to_radians(),
-                number("dec_deg", dec)?.to_radians(),
-            ),
-            rate: positive("rate", rate)?,
-            across_sigma_pix: positive("offset_sigma_pix", across)?,
-            tilt_rad: number("tilt_deg", tilt)?.to_radians(),
+            image: row.text(image).to_owned(),
+            hdu: row.parsed(hdu, "the number of an HDU, from 0").map_err(failed)?,
+            norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
+            name: name.map(|name| row.text(name)).unwrap_or_default().to_owned(),
+            epoch: parse_iso(row.text(mid)).ok_or_else(wrong_time)?,
+            direction: Direction::from_lon_lat_rad(number(ra)?.to_radians(), number(dec)?.to_radians()),
+            rate: positive(rate)?,
+            across_sigma_pix: positive(across)?,
+            tilt_rad: number(tilt)?.to_radians(),
             late_s,
-            seeing_arcsec: optional("seeing_arcsec", seeing)?.filter(|seeing| *seeing > 0.0),
-            is_saturated: cell(flags).contains("saturated"),
+            seeing_arcsec: optional(seeing)?.filter(|seeing| *seeing > 0.0),
+            is_saturated: row.text(flags).contains("saturated"),
         });
     }
     Ok(streaks)

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
-use streakcast::input;
+use streakcast::input::{self, TableRows};
 use streakcast::output::{counted, format_utc, write_atomically};
 
 use super::arguments::StarlinkEphemeridesArguments;
@@ -258,20 +258,14 @@ fn download(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failur
 fn satellites(typed: &StarlinkEphemeridesArguments) -> anyhow::Result<BTreeSet<u32>> {
     let mut wanted: BTreeSet<u32> = typed.norad.iter().copied().collect();
     for path in &typed.candidates {
-        let fail = |error: csv::Error| anyhow!("candidates {}: {error}", path.display());
-        let file = input::open(path).map_err(|error| anyhow!("candidates {}: {error}", path.display()))?;
-        let mut table = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(file);
-        let columns = table.headers().map_err(fail)?.clone();
-        let column =
-            COLUMNS.iter().find_map(|name| columns.iter().position(|column| column == *name)).ok_or_else(|| {
-                anyhow!(
-                    "candidates {}: the column norad_ids is missing; allowed: a CSV table of flag or passes",
-                    path.display()
-                )
-            })?;
-        for row in table.records() {
-            let row = row.map_err(fail)?;
-            let numbers = row.get(column).unwrap_or_default().split(|c: char| !c.is_ascii_digit());
+        let failed = |error: std::io::Error| anyhow!("candidates {}: {error}", path.display());
+        let table = TableRows::open(path).map_err(failed)?;
+        let [ids, id] = COLUMNS;
+        let column = table.column(ids, "a table of flag or passes");
+        let column = column.or_else(|missing| table.find(id).ok_or(missing)).map_err(failed)?;
+        for row in table {
+            let row = row.map_err(failed)?;
+            let numbers = row.text(column).split(|c: char| !c.is_ascii_digit());
             wanted.extend(numbers.filter_map(|number| number.parse::<u32>().ok()));
         }
     }

@@ -10,8 +10,7 @@ use streakcast::fit::measurements::{
     ColumnMap, Format, OrbitRadius, PhotometryOptions, Placement, PositionSource, Selection,
 };
 use streakcast::frames::EopTable;
-use streakcast::input::{self, CsvRows};
-use streakcast::message::Quoted;
+use streakcast::input::{self, TableRows};
 use streakcast::output::Provenance;
 
 use super::arguments::{PhotometryArguments, TableArguments};
@@ -131,24 +130,18 @@ pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
 fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
     let shown = path.display();
     let read_error = |error: std::io::Error| anyhow!("identified {shown}: {error}");
-    let rows = CsvRows::open(path).map_err(read_error)?;
-    let column = |name: &str| rows.column(name, "track, norad").map_err(read_error);
+    let rows = TableRows::open(path).map_err(read_error)?;
+    let column = |name| rows.column(name, "track, norad").map_err(read_error);
     let (track, norad) = (column("track")?, column("norad")?);
     let mut tracks = HashMap::new();
     for row in rows {
-        let (line, row) = row.map_err(read_error)?;
-        let (track, text) = (row.get(track).unwrap_or_default(), row.get(norad).unwrap_or_default());
-        if text.is_empty() {
+        let row = row.map_err(read_error)?;
+        if row.text(norad).is_empty() {
             continue;
         }
-        let number: u32 = text.parse().map_err(|_| {
-            let given = Quoted::new(text);
-            anyhow!(
-                "identified {shown}, line {line}: invalid norad {given}; allowed: a catalogue number, or an empty cell"
-            )
-        })?;
+        let number = row.parsed(norad, "a catalogue number, or an empty cell").map_err(read_error)?;
         if number > 0 {
-            tracks.insert(track.to_owned(), NoradId(number));
+            tracks.insert(row.text(track).to_owned(), NoradId(number));
         }
     }
     Ok(tracks)

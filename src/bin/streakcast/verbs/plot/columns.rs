@@ -8,6 +8,7 @@ use streakcast::config::Config;
 use streakcast::frames::mjd_utc;
 use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
+use streakcast::input::{TableRow, TableRows};
 use streakcast::output::{Provenance, Table, Value as Cell, format_utc};
 
 /// Table with cells as text, as in CSV. Missing values are empty.
@@ -42,13 +43,13 @@ impl Columns {
         let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
         let columns = match text.trim_start().chars().next() {
             Some('{' | '[') => Self::from_json(&origin, &text, sections)?,
-            Some(_) => Self::from_csv(&origin, &text)?,
+            Some(_) => Self::from_csv(&origin, text)?,
             None => bail!("table {origin} is empty; allowed: CSV, ECSV or JSON"),
         };
         Ok(columns)
     }
 
-    fn from_csv(origin: &str, text: &str) -> anyhow::Result<Self> {
+    fn from_csv(origin: &str, text: String) -> anyhow::Result<Self> {
         let mut provenance = Map::new();
         for line in text.lines().filter_map(|line| line.strip_prefix("# ")) {
             if let Some((name, value)) = line.split_once(": ")
@@ -62,25 +63,11 @@ impl Columns {
                 }
             }
         }
-        // The default delimiter of ECSV is a blank.
-        let is_ecsv = text.trim_start().starts_with("# %ECSV");
-        let delimiter = if is_ecsv && !text.contains("# delimiter: ','") { b' ' } else { b',' };
-        let reader = csv::ReaderBuilder::new().comment(Some(b'#')).delimiter(delimiter).from_reader(text.as_bytes());
-        Self::from_records(origin, reader, provenance).map_err(|error| anyhow!("table {origin}: {error}"))
-    }
-
-    fn from_records(
-        origin: &str,
-        mut reader: csv::Reader<&[u8]>,
-        provenance: Map<String, Value>,
-    ) -> Result<Self, csv::Error> {
-        let names = reader.headers()?.iter().map(|name| name.trim().to_owned()).collect();
-        let mut rows = Vec::new();
-        for record in reader.into_records() {
-            let record = record?;
-            let line = record.position().map_or(0, |position| position.line() as usize);
-            rows.push((line, record.iter().map(|cell| cell.trim().to_owned()).collect()));
-        }
+        let failed = |error: std::io::Error| anyhow!("table {origin}: {error}");
+        let table = TableRows::new(text).map_err(failed)?;
+        let names = table.names().to_vec();
+        let row = |row: TableRow| (row.line as usize, row.cells().map(str::to_owned).collect());
+        let rows = table.map(|read| read.map(row)).collect::<Result<_, _>>().map_err(failed)?;
         Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 

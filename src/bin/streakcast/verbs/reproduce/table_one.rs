@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use streakcast::elements::{Generation, GenerationTable, NoradId, Satellites};
 use streakcast::fit::Lu2024Row;
-use streakcast::input::CsvRows;
-use streakcast::message::Quoted;
+use streakcast::input::TableRows;
 
 /// Printed counts of 12 January 2024, with the generations that the paper counts together.
 const PRINTED: [(&str, f64, &[Generation]); 4] = [
@@ -68,21 +67,16 @@ fn is_launched(designator: &str) -> bool {
 fn of_satcat(path: &Path) -> anyhow::Result<BTreeSet<(NoradId, Generation)>> {
     let shown = path.display();
     let failed = |error: std::io::Error| anyhow!("satcat {shown}: {error}");
-    let rows = CsvRows::open(path).map_err(failed)?;
-    let column = |name: &str| rows.column(name, "the SATCAT of CelesTrak as CSV").map_err(failed);
+    let rows = TableRows::open(path).map_err(failed)?;
+    let column = |name| rows.column(name, "the SATCAT of CelesTrak as CSV").map_err(failed);
     let [name, designator, id] = [column("OBJECT_NAME")?, column("OBJECT_ID")?, column("NORAD_CAT_ID")?];
     let table = GenerationTable::embedded();
     let mut objects = BTreeSet::new();
     for row in rows {
-        let (line, row) = row.map_err(failed)?;
-        let cell = |column: usize| row.get(column).unwrap_or_default();
-        let number = cell(id).parse().map_err(|_| {
-            let given = Quoted::new(cell(id));
-            anyhow!("satcat {shown}, line {line}: invalid NORAD_CAT_ID '{given}'; allowed: a catalogue number")
-        })?;
-        if is_launched(cell(designator)) {
-            let id = NoradId(number);
-            objects.insert((id, table.classify_object(cell(name), cell(designator), id).0));
+        let row = row.map_err(failed)?;
+        let id = NoradId(row.parsed(id, "a catalogue number").map_err(failed)?);
+        if is_launched(row.text(designator)) {
+            objects.insert((id, table.classify_object(row.text(name), row.text(designator), id).0));
         }
     }
     Ok(objects)

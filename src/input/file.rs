@@ -1,11 +1,8 @@
 //! Input files: only regular files of bounded size are read, so that no input blocks a run or exhausts the memory.
 
-use std::collections::BTreeMap;
 use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
-
-use crate::units::{Unit, UnitError};
 
 /// Largest number of bytes that are read from a file, or decompressed from one: 2 GB, above any catalogue or schedule.
 /// Files are read into memory as a whole.
@@ -64,158 +61,8 @@ pub fn text_of(bytes: Vec<u8>) -> io::Result<String> {
     })
 }
 
-/// Largest number of rows of a table.
-pub const MOST_ROWS: usize = 5_000_000;
-/// Largest number of bytes of a row of a small table, such as a list of stars.
-const LONGEST_ROW: usize = 10_000;
-
-/// Rows of a small CSV or ECSV table with a line of names, read one by one. Lines that begin with `#` are comments, and
-/// blanks around cells are ignored. Units are those of the header of ECSV, and of the names of the columns.
-pub struct CsvRows {
-    rows: csv::StringRecordsIntoIter<io::Cursor<String>>,
-    names: Vec<String>,
-    units: BTreeMap<String, String>,
-    count: usize,
-}
-
-/// Column of numbers in a table.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct NumberColumn {
-    index: usize,
-    scale: f64,
-}
-
-impl NumberColumn {
-    /// Returns the cell of a row; empty if it is missing.
-    pub fn text(self, row: &csv::StringRecord) -> &str {
-        row.get(self.index).unwrap_or_default()
-    }
-
-    /// Returns the number in a row, in the unit that the column was opened with; `None` if the cell is not a number.
-    pub fn number(self, row: &csv::StringRecord) -> Option<f64> {
-        self.text(row).parse::<f64>().ok().map(|number| number * self.scale)
-    }
-}
-
-impl CsvRows {
-    /// Opens a table and reads its names.
-    ///
-    /// # Errors
-    /// The errors of [`read_to_string`], and text that is not CSV.
-    pub fn open(path: &Path) -> io::Result<Self> {
-        Self::of_text(read_to_string(path)?)
-    }
-
-    /// Reads the names of a table that is in memory.
-    ///
-    /// # Errors
-    /// Text that is not CSV.
-    pub fn of_text(text: String) -> io::Result<Self> {
-        let header: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
-        let units = ecsv_units(&header);
-        // The default delimiter of ECSV is a blank.
-        let is_ecsv = header.first().is_some_and(|line| line.starts_with("# %ECSV "));
-        let has_commas = header.iter().any(|line| line.starts_with("# delimiter: ") && line.contains(','));
-        let delimiter = if is_ecsv && !has_commas { b' ' } else { b',' };
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .delimiter(delimiter)
-            .trim(csv::Trim::All)
-            .from_reader(io::Cursor::new(text));
-        let names = reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect();
-        Ok(Self { rows: reader.into_records(), names, units, count: 0 })
-    }
-
-    /// Returns the names of the columns.
-    pub fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    /// Returns the index of a column.
-    ///
-    /// # Errors
-    /// The column is missing; the message names `allowed`.
-    pub fn column(&self, name: &str, allowed: &str) -> io::Result<usize> {
-        self.find(name).ok_or_else(|| missing(name, allowed))
-    }
-
-    /// Returns the index of a column; `None` if it is missing.
-    pub fn find(&self, name: &str) -> Option<usize> {
-        self.names.iter().position(|found| found == name)
-    }
-
-    /// Returns a column of numbers, which are converted to `unit`; `None` if it is missing. It has one of the names in
-    /// `accepted`, or such a name with another unit at its end.
-    ///
-    /// # Errors
-    /// The unit is unknown or contradicts the name of the column, or several columns have the quantity.
-    pub fn optional_numbers(&self, accepted: &[&str], unit: &Unit) -> io::Result<Option<NumberColumn>> {
-        let failed = |error: UnitError| invalid(error.to_string());
-        let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
-        let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
-        Ok(Some(NumberColumn { index, scale }))
-    }
-
-    /// Same as [`CsvRows::optional_numbers`], for a column that the table must have.
-    ///
-    /// # Errors
-    /// The errors of [`CsvRows::optional_numbers`], and a missing column; the message names `allowed`.
-    pub fn numbers(&self, accepted: &[&str], unit: &Unit, allowed: &str) -> io::Result<NumberColumn> {
-        self.optional_numbers(accepted, unit)?.ok_or_else(|| missing(accepted[0], allowed))
-    }
-}
-
-/// Returns the units in the header of an ECSV file, by column name; none for other comments.
-fn ecsv_units(header: &[&str]) -> BTreeMap<String, String> {
-    // An entry is one flow mapping, which may continue on the next lines: `- {name: ra, unit: deg, datatype: float64}`.
-    let text: String = header.iter().map(|line| line.trim_start_matches('#').trim()).collect::<Vec<_>>().join(" ");
-    let value = |entry: &str, key: &str| {
-        let (_, rest) = entry.split_once(&format!("{key}: "))?;
-        Some(rest.split([',', '}']).next()?.trim().trim_matches(['\'', '"']).to_owned())
-    };
-    let entries = text.split("- {name: ").skip(1).filter_map(|entry| {
-        let entry = format!("name: {entry}");
-        let entry = entry.split(", description: ").next()?.split('}').next()?;
-        Some((value(entry, "name")?, value(entry, "unit")?))
-    });
-    if text.starts_with("%ECSV ") { entries.collect() } else { BTreeMap::new() }
-}
-
-impl Iterator for CsvRows {
-    /// Line, from 1, and cells of a row.
-    type Item = io::Result<(u64, csv::StringRecord)>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let row = match self.rows.next()? {
-            Ok(row) => row,
-            Err(error) => return Some(Err(csv_error(error))),
-        };
-        self.count += 1;
-        let line = row.position().map_or(0, csv::Position::line);
-        Some(if self.count > MOST_ROWS {
-            Err(invalid(format!("more than {MOST_ROWS} rows; allowed: at most {MOST_ROWS}")))
-        } else if row.as_slice().len() > LONGEST_ROW {
-            Err(invalid(format!("line {line} is longer than {LONGEST_ROW} bytes; allowed: at most {LONGEST_ROW}")))
-        } else {
-            Ok((line, row))
-        })
-    }
-}
-
-fn invalid(what: String) -> io::Error {
+pub(super) fn invalid(what: String) -> io::Error {
     io::Error::new(ErrorKind::InvalidData, what)
-}
-
-fn missing(column: &str, allowed: &str) -> io::Error {
-    invalid(format!("missing column {column}; allowed: {allowed}"))
-}
-
-fn csv_error(error: csv::Error) -> io::Error {
-    let text = error.to_string();
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
-        _ => invalid(text),
-    }
 }
 
 /// Reads all bytes of a reader, for example of a decoder, if they are at most `limit`.

@@ -1,0 +1,12 @@
+//! Input files: regular files of bounded size, texts of TOML, and tables as CSV and ECSV.
+
+mod ecsv;
+mod file;
+mod table;
+
+pub use ecsv::{Ecsv, LineError, TimeColumn, is_ecsv};
+pub use file::{
+    LARGEST_INPUT, check_regular, check_size, is_stream, open, read, read_at_most, read_to_string, text_of, toml_error,
+    toml_line,
+};
+pub use table::{Column, MOST_ROWS, TableRow, TableRows, delimiter_of, first_line};

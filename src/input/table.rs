@@ -1,0 +1,260 @@
+//! Rows of tables as CSV and ECSV, with typed cells, and errors that name line and column.
+
+use std::collections::BTreeMap;
+use std::io::{self, Cursor};
+use std::path::Path;
+use std::str::FromStr;
+
+use super::ecsv::{Ecsv, LineError, is_ecsv};
+use super::file::{invalid, read_to_string};
+use crate::message::Quoted;
+use crate::units::{Unit, UnitError};
+
+/// Largest number of rows of a table.
+pub const MOST_ROWS: usize = 5_000_000;
+/// Largest number of bytes of a row, for example of one that lists all satellites that cross an exposure.
+const LONGEST_ROW: usize = 100_000;
+
+/// Rows of a small CSV or ECSV table with a line of names, read one by one. Lines that begin with `#` are comments, and
+/// blanks around cells are ignored. CSV is separated by commas, semicolons or tabs. Units are those of the header of
+/// ECSV, and of the names of the columns.
+pub struct TableRows {
+    rows: Rows,
+    names: Vec<String>,
+    units: BTreeMap<String, String>,
+    /// Lines that begin with `#` at the start of the file.
+    pub comments: String,
+    count: usize,
+}
+
+enum Rows {
+    Csv(csv::StringRecordsIntoIter<Cursor<String>>),
+    /// Text, its layout, the number of rows that were read, and the line and the offset of the last one.
+    Ecsv(String, Box<Ecsv>, usize, u64, usize),
+}
+
+/// Column of a table.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Column {
+    index: usize,
+    /// Name in messages.
+    name: &'static str,
+    scale: f64,
+}
+
+/// Row of a table.
+#[derive(Clone, Debug)]
+pub struct TableRow {
+    /// Line in the file, from 1.
+    pub line: u64,
+    cells: csv::StringRecord,
+}
+
+impl TableRow {
+    /// Returns all cells.
+    pub fn cells(&self) -> impl Iterator<Item = &str> {
+        self.cells.iter()
+    }
+
+    /// Returns the cell of a column; empty if it is missing.
+    pub fn text(&self, column: Column) -> &str {
+        self.cells.get(column.index).unwrap_or_default()
+    }
+
+    /// Returns the number in a cell, in the unit that the column was found with; `None` if it is not a number.
+    pub fn number(&self, column: Column) -> Option<f64> {
+        self.text(column).parse::<f64>().ok().map(|number| number * column.scale)
+    }
+
+    /// Returns a number in a range.
+    ///
+    /// # Errors
+    /// The cell is not a number, or is out of range.
+    pub fn number_in(&self, column: Column, [least, most]: [f64; 2]) -> io::Result<f64> {
+        let number = self.number(column).filter(|number| number.is_finite() && (least..=most).contains(number));
+        number.ok_or_else(|| match (least > f64::MIN, most < f64::MAX) {
+            (true, true) => self.wrong(column, &format!("a number from {least} to {most}")),
+            (true, false) => self.wrong(column, &format!("a number from {least}")),
+            _ => self.wrong(column, "a number"),
+        })
+    }
+
+    /// Returns the value in a cell.
+    ///
+    /// # Errors
+    /// The cell is not such a value; the message names `allowed`.
+    pub fn parsed<T: FromStr>(&self, column: Column, allowed: &str) -> io::Result<T> {
+        self.text(column).parse().map_err(|_| self.wrong(column, allowed))
+    }
+
+    /// Returns the error for an invalid cell.
+    pub fn wrong(&self, column: Column, allowed: &str) -> io::Error {
+        let Column { name, .. } = column;
+        invalid(format!("line {}: {name} is '{}'; allowed: {allowed}", self.line, Quoted::new(self.text(column))))
+    }
+}
+
+impl TableRows {
+    /// Opens a table and reads its names.
+    ///
+    /// # Errors
+    /// The errors of [`read_to_string`], and text that is neither CSV nor ECSV.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        Self::new(read_to_string(path)?)
+    }
+
+    /// Reads the names of a table in a text.
+    ///
+    /// # Errors
+    /// The text is neither CSV nor ECSV.
+    pub fn new(text: String) -> io::Result<Self> {
+        let comments: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
+        let comments = comments.join("\n");
+        if is_ecsv(&text) {
+            let ecsv = Ecsv::parse(&text).map_err(|error| invalid(error.to_string()))?;
+            let (names, units) = (ecsv.names.clone(), ecsv.units());
+            return Ok(Self { rows: Rows::Ecsv(text, Box::new(ecsv), 0, 1, 0), names, units, comments, count: 0 });
+        }
+        let mut reader = csv::ReaderBuilder::new()
+            .comment(Some(b'#'))
+            .delimiter(delimiter_of(first_line(&text)))
+            .trim(csv::Trim::All)
+            .from_reader(Cursor::new(text));
+        let names = reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect();
+        Ok(Self { rows: Rows::Csv(reader.into_records()), names, units: BTreeMap::new(), comments, count: 0 })
+    }
+
+    /// Returns the names of all columns.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Returns a column.
+    ///
+    /// # Errors
+    /// The column is missing; the message names `allowed`.
+    pub fn column(&self, name: &'static str, allowed: &str) -> io::Result<Column> {
+        self.find(name).ok_or_else(|| missing(name, allowed))
+    }
+
+    /// Returns a column; `None` if it is missing.
+    pub fn find(&self, name: &'static str) -> Option<Column> {
+        let index = self.names.iter().position(|found| found == name)?;
+        Some(Column { index, name, scale: 1.0 })
+    }
+
+    /// Returns a column of numbers, which are converted to `unit`; `None` if it is missing. It has one of the names in
+    /// `accepted`, or such a name with another unit at its end.
+    ///
+    /// # Errors
+    /// The unit is unknown or contradicts the name of the column, or several columns have the quantity.
+    pub fn optional_numbers(&self, accepted: &[&'static str], unit: &Unit) -> io::Result<Option<Column>> {
+        let failed = |error: UnitError| invalid(error.to_string());
+        let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
+        let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
+        Ok(Some(Column { index, name: accepted[0], scale }))
+    }
+
+    /// Same as [`TableRows::optional_numbers`], for a column that the table must have.
+    ///
+    /// # Errors
+    /// The errors of [`TableRows::optional_numbers`], and a missing column; the message names `allowed`.
+    pub fn numbers(&self, accepted: &[&'static str], unit: &Unit, allowed: &str) -> io::Result<Column> {
+        self.optional_numbers(accepted, unit)?.ok_or_else(|| missing(accepted[0], allowed))
+    }
+}
+
+impl Iterator for TableRows {
+    type Item = io::Result<TableRow>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let row = match &mut self.rows {
+            Rows::Csv(rows) => rows.next()?.map_err(csv_error).map(|cells| {
+                let line = cells.position().map_or(0, csv::Position::line);
+                TableRow { line, cells }
+            }),
+            Rows::Ecsv(text, ecsv, read, line, at) => {
+                let (start, end) = *ecsv.rows.get(*read)?;
+                *line += text[*at..start].matches('\n').count() as u64;
+                (*read, *at) = (*read + 1, start);
+                let cells = ecsv.record(&text[start..end]);
+                let (found, expected) = (cells.len(), self.names.len());
+                let error = || LineError::new(*line, format!("{found} cells, but {expected} columns"));
+                if found == expected {
+                    Ok(TableRow { line: *line, cells: cells.into() })
+                } else {
+                    Err(invalid(error().to_string()))
+                }
+            }
+        };
+        self.count += 1;
+        let count = self.count;
+        Some(row.and_then(|row| {
+            if count > MOST_ROWS {
+                return Err(invalid(format!("more than {MOST_ROWS} rows; allowed: at most {MOST_ROWS}")));
+            }
+            if row.cells.as_slice().len() > LONGEST_ROW {
+                let line = row.line;
+                return Err(invalid(format!(
+                    "line {line} is longer than {LONGEST_ROW} bytes; allowed: at most {LONGEST_ROW}"
+                )));
+            }
+            Ok(row)
+        }))
+    }
+}
+
+/// Returns the first line that is neither blank nor a comment; empty if there is none.
+pub fn first_line(text: &str) -> &str {
+    text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default()
+}
+
+/// Returns the most frequent separator of the line of names; a comma if it has none.
+pub fn delimiter_of(header: &str) -> u8 {
+    let count = |delimiter: u8| header.bytes().filter(|byte| *byte == delimiter).count();
+    [b',', b';', b'\t'].into_iter().rev().max_by_key(|delimiter| count(*delimiter)).unwrap_or(b',')
+}
+
+fn missing(column: &str, allowed: &str) -> io::Error {
+    invalid(format!("missing column {column}; allowed: {allowed}"))
+}
+
+fn csv_error(error: csv::Error) -> io::Error {
+    let text = error.to_string();
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        _ => invalid(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::units::DEGREES;
+
+    /// Blanks separate the cells of ECSV, and quoted cells contain blanks; in CSV the separator is that of the names.
+    #[test]
+    fn all_forms_give_the_same_cells() {
+        let header = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: name, datatype: string}\n\
+            # - {description: 'position, {ICRS}', name: ra, unit: hourangle, datatype: float64}\n";
+        for (text, scale, line) in [
+            (format!("{header}name ra\n\"a b\"   1.5\n"), 15.0, 7),
+            (format!("{header}# delimiter: ','\nname,ra\n\"a b\", 1.5\n"), 15.0, 8),
+            ("# note\nname; ra\na b ;1.5\n".to_owned(), 1.0, 3),
+            ("name\tra\na b\t1.5\n".to_owned(), 1.0, 2),
+        ] {
+            let mut rows = TableRows::new(text.clone()).unwrap();
+            let [name, ra] = [rows.find("name").unwrap(), rows.numbers(&["ra_deg", "ra"], &DEGREES, "").unwrap()];
+            let row = rows.next().unwrap().unwrap();
+            assert_eq!((row.text(name), row.number(ra), row.line), ("a b", Some(1.5 * scale), line), "{text}");
+            let error = row.number_in(ra, [0.0, 1.0]).unwrap_err().to_string();
+            assert_eq!(error, format!("line {line}: ra_deg is '1.5'; allowed: a number from 0 to 1"));
+            assert!(rows.next().is_none());
+        }
+    }
+
+    #[test]
+    fn separators_are_found_in_the_line_of_names() {
+        assert_eq!(["a,b,c", "a;b;c", "a\tb", "only"].map(delimiter_of), [b',', b';', b'\t', b',']);
+    }
+}
