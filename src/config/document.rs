@@ -55,7 +55,8 @@ pub struct Config {
     /// Corrections of magnitudes and delays that streakcast learn wrote
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub learned: Option<PathBuf>,
-    /// Measured magnitudes (CSV of streakcast measure), which correct the magnitudes of the same pass
+    /// Table of streakcast measure (CSV): its magnitudes correct those of the same pass, and mask also uses its tracks and
+    /// light
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub measured: Vec<PathBuf>,

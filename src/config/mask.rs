@@ -1,5 +1,6 @@
 //! Options of masks of the streaks in frames, and their execution.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,13 +13,15 @@ use super::injection_plan::SkyOf;
 use super::measure::{MeasureConfig, photometry, with_site};
 use super::prepared::{PreparedSky, state_scales};
 use super::values::parse_angle_deg;
+use super::warnings::first_of;
+use crate::elements::NoradId;
 use crate::frames::seconds_after;
 use crate::images::{Header, ImageValues};
 use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
-    ArrayFrame, FrameMask, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, NotMasked, Omitted, PlaneChoice,
-    StreakOrigin, TargetFrame, corridor_table, mask_frame, mask_history, omitted_table, read_measured_streaks,
-    region_file, write_mask_file, write_mask_planes,
+    ArrayFrame, ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak,
+    PlaneChoice, StreakOrigin, StreaksError, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame,
+    mask_history, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 use crate::watch::Watch;
 
@@ -28,14 +31,12 @@ const MIN_PROBABILITY: f64 = 0.01;
 const LARGE_SHARE: f64 = 0.5;
 /// Share of the requested coverage below which there is a warning.
 const LEAST_COVERED: f64 = 0.9;
-/// Number of satellites of one kind that a message names.
-const NAMED: usize = 3;
 
 /// Frames and options of masks, in addition to [`Config`].
 ///
 /// ```
 /// let mask: streakcast::config::MaskConfig = serde_json::from_str(r#"{"image": ["a.fits"], "seeing": "1arcsec"}"#)?;
-/// assert_eq!((mask.coverage, mask.threshold), (0.95, 1.0));
+/// assert_eq!((mask.coverage, mask.threshold), (0.95, None));
 /// # Ok::<(), serde_json::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -58,20 +59,13 @@ pub struct MaskConfig {
     /// position with this probability, and the width of a streak that is brighter with the remaining probability
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = COVERAGE, help_heading = "Width"))]
     pub coverage: f64,
-    /// Mask the light down to this multiple of the local noise of a pixel, 0.01 to 100; fainter satellites are left out
-    #[cfg_attr(feature = "cli", arg(long, value_name = "K", default_value_t = THRESHOLD, help_heading = "Width"))]
-    pub threshold: f64,
+    /// Mask the light down to this multiple of the local noise of a pixel, 0.01 to 100; fainter satellites are left out;
+    /// 1 if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "K", help_heading = "Width"))]
+    pub threshold: Option<f64>,
     /// Full width of the light of all streaks with its unit, instead of the width from brightness, seeing and noise; no
     /// satellite is left out as too faint
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "ANGLE",
-            conflicts_with_all = ["threshold", "seeing", "psf", "zero_point", "zero_point_1s"],
-            help_heading = "Width"
-        )
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Width"))]
     pub width: Option<String>,
     /// Seeing: FWHM of a star's image with its unit, for example 1.2arcsec; that of --telescope if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Width"))]
@@ -83,16 +77,7 @@ pub struct MaskConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Width"))]
     pub zero_point: Option<f64>,
     /// Zero point for 1 count per second, instead of --zero-point
-    #[cfg_attr(
-        feature = "cli",
-        arg(
-            long,
-            value_name = "MAG",
-            allow_hyphen_values = true,
-            conflicts_with = "zero_point",
-            help_heading = "Width"
-        )
-    )]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Width"))]
     pub zero_point_1s: Option<f64>,
     /// Mask planes of the frame, by the number or the name of their HDUs: write a copy of the frame in which a bit of
     /// these planes is set, instead of a file of masks
@@ -103,7 +88,7 @@ pub struct MaskConfig {
     pub into: Vec<String>,
     /// Bit of --into: the name of a plane in the MP_ keywords of the mask (a free bit if it is new), or a number; STREAK
     /// if omitted
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", requires = "into", help_heading = "Output"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", help_heading = "Output"))]
     pub bit: Option<String>,
 }
 
@@ -118,7 +103,7 @@ impl Default for MaskConfig {
             start: None,
             exposure: None,
             coverage: COVERAGE,
-            threshold: THRESHOLD,
+            threshold: None,
             width: None,
             seeing: None,
             psf: None,
@@ -165,7 +150,7 @@ impl Masks {
 
     /// Returns the satellites that are left out, with the reasons.
     pub fn left_out(&self) -> Table {
-        joined(self.frames.iter().map(|one| omitted_table(&one.image, &one.mask.omitted)))
+        joined(self.frames.iter().map(|one| left_out_table(&one.image, &one.mask.left_out)))
     }
 
     /// Returns a region file of SAOImage DS9 with all corridors.
@@ -201,9 +186,15 @@ impl MaskConfig {
     ) -> Result<Masks, ConfigError> {
         self.check()?;
         let (planes, bit) = (self.planes(), self.bit()?);
-        let of_frames = self.of_frames();
-        let frames = self.image.iter().map(|path| self.open(&of_frames, path, config));
+        let frame_config = self.frame_config();
+        let frames = self.image.iter().map(|path| self.open(&frame_config, path, config));
         let frames: Vec<(TargetFrame, bool)> = frames.collect::<Result<_, _>>()?;
+        let count = frames.len();
+        // Planes of all frames are checked before a mask is computed and written.
+        let planes_of = |(frame, _): &(TargetFrame, bool)| {
+            (!planes.is_empty()).then(|| ChosenPlanes::of(frame, &planes, &bit)).transpose()
+        };
+        let planes: Vec<Option<ChosenPlanes>> = frames.iter().map(planes_of).collect::<Result<_, _>>()?;
         let (Some(first), Some(last)) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
@@ -213,39 +204,48 @@ impl MaskConfig {
         let measured = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
         let measured: Vec<MeasuredStreak> = measured.concat();
         let (config, remark) = with_site(config, &frames)?;
-        let of_all: Arc<PreparedSky> = match sky {
+        let shared_sky: Arc<PreparedSky> = match sky {
             Some(sky) => sky(first)?,
             None => Arc::new(config.prepare(first, last)?),
         };
         // The warnings of a given sky are not repeated here.
-        let mut warnings = if sky.is_some() { Vec::new() } else { of_all.warnings.clone() };
+        let mut warnings = if sky.is_some() { Vec::new() } else { shared_sky.warnings.clone() };
         let mut remarks: Vec<String> = remark.into_iter().collect();
+        let batch = |error: StreaksError, done: usize| match done {
+            1.. if !outputs.is_empty() => StreaksError::Batch { source: Box::new(error), done, count },
+            _ => error,
+        };
         let mut done = Vec::new();
         for (index, (frame, _)) in frames.into_iter().enumerate() {
-            let prepared = sky.map_or_else(|| Ok(of_all.clone()), |sky| sky(frame.opened))?;
-            let options = self.options(&config, &of_frames, &frame)?;
+            let prepared = sky.map_or_else(|| Ok(shared_sky.clone()), |sky| sky(frame.opened))?;
+            let options = self.options(&config, &frame_config, &frame)?;
             let own: Vec<MeasuredStreak> =
                 measured.iter().filter(|streak| streak.is_of(frame.file.path())).cloned().collect();
-            let mask = mask_frame(&prepared.sky.watched(watch), &frame, &own, &options)?;
+            let mask = mask_frame(&prepared.sky.watched(watch), &frame, &own, &options)
+                .map_err(|error| batch(error, index))?;
             let shown = frame.file.path().display().to_string();
             let ignored = frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"));
             warnings.extend(ignored);
             remarks.extend(frame.images.summary().map(|summary| format!("{shown}: {summary}")));
-            warnings.extend(doubts(&shown, &frame, &mask, &options));
+            warnings.extend(mask_warnings(&shown, &frame, &mask, &options));
             warnings.extend(
                 prepared.sky.predictability(frame.opened).reason().map(|reason| {
                     format!("{shown}: {reason}: the mask is incomplete; specify element sets of that time")
                 }),
             );
+            let mut summary = summary(&frame, &mask);
             if let Some(output) = outputs.get(index) {
                 let history = mask_history(&prepared.provenance, &mask, &options);
-                if planes.is_empty() {
-                    write_mask_file(&frame, &mask, &history, output)?;
-                } else {
-                    write_mask_planes(&frame, &mask, (&planes, &bit), &history, output)?;
-                }
+                let written = match &planes[index] {
+                    None => write_mask_file(&frame, &mask, &history, output),
+                    Some(planes) => {
+                        summary += &format!("; bit {}", planes.bit());
+                        write_mask_planes(&frame, &mask, planes, &history, output)
+                    }
+                };
+                written.map_err(|error| batch(error, index))?;
             }
-            done.push(MaskedFrame { summary: summary(&frame, &mask), image: shown, frame, mask });
+            done.push(MaskedFrame { summary, image: shown, frame, mask });
         }
         let not_used =
             measured.iter().filter(|streak| !done.iter().any(|one| streak.is_of(one.frame.file.path()))).count();
@@ -254,14 +254,14 @@ impl MaskConfig {
             warnings.push(format!("{streaks} of other frames"));
         }
         let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-        let mut provenance = of_all.provenance.clone();
+        let mut provenance = shared_sky.provenance.clone();
         state_scales(&mut provenance, &scale, &config.photometry()?);
         provenance.state(
             "options",
             json!({
                 "frames": done.iter().map(|one| one.image.clone()).collect::<Vec<_>>(),
                 "coverage": self.coverage,
-                "threshold": self.threshold,
+                "threshold": self.threshold(),
                 "width": self.width,
                 "min_probability": config.min_probability.unwrap_or(MIN_PROBABILITY),
             }),
@@ -289,7 +289,7 @@ impl MaskConfig {
     }
 
     fn check(&self) -> Result<(), ConfigError> {
-        let limits = [("coverage", self.coverage, 0.5..=0.999), ("threshold", self.threshold, 0.01..=100.0)];
+        let limits = [("coverage", self.coverage, 0.5..=0.999), ("threshold", self.threshold(), 0.01..=100.0)];
         for (what, given, allowed) in limits {
             if !allowed.contains(&given) {
                 let (least, most) = (allowed.start(), allowed.end());
@@ -299,7 +299,27 @@ impl MaskConfig {
         if self.bit.is_some() && self.into.is_empty() {
             return Err(ConfigError::invalid("--bit is given without --into; allowed: with --into"));
         }
-        Ok(())
+        let of_light = [
+            ("--threshold", self.threshold.is_some()),
+            ("--seeing", self.seeing.is_some()),
+            ("--psf", self.psf.is_some()),
+            ("--zero-point", self.zero_point.is_some()),
+            ("--zero-point-1s", self.zero_point_1s.is_some()),
+        ];
+        let mut given = of_light.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag);
+        match given.next() {
+            Some(flag) if self.width.is_some() => {
+                Err(ConfigError::invalid(format!("{flag} has no effect with --width; allowed: one of them")))
+            }
+            _ if self.zero_point.is_some() && self.zero_point_1s.is_some() => {
+                Err(ConfigError::invalid("--zero-point and --zero-point-1s exclude each other; allowed: one of them"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn threshold(&self) -> f64 {
+        self.threshold.unwrap_or(THRESHOLD)
     }
 
     fn planes(&self) -> Vec<PlaneChoice> {
@@ -326,7 +346,7 @@ impl MaskConfig {
     }
 
     /// Returns the options that masks and measurements have in common.
-    fn of_frames(&self) -> MeasureConfig {
+    fn frame_config(&self) -> MeasureConfig {
         MeasureConfig {
             image: self.image.clone(),
             hdu: self.hdu.clone(),
@@ -342,11 +362,11 @@ impl MaskConfig {
 
     fn open(
         &self,
-        of_frames: &MeasureConfig,
+        frame_config: &MeasureConfig,
         path: &Path,
         config: &Config,
     ) -> Result<(TargetFrame, bool), ConfigError> {
-        let (frame, is_calibrated) = of_frames.open(path, config)?;
+        let (frame, is_calibrated) = frame_config.open(path, config)?;
         if !is_calibrated && self.width.is_none() {
             return Err(ConfigError::invalid(format!(
                 "{}: missing zero point, which relates magnitudes to counts; specify --zero-point, --zero-point-1s, or \
@@ -360,11 +380,11 @@ impl MaskConfig {
     fn options(
         &self,
         config: &Config,
-        of_frames: &MeasureConfig,
+        frame_config: &MeasureConfig,
         frame: &TargetFrame,
     ) -> Result<MaskOptions, ConfigError> {
         let width_arcsec = self.width.as_deref().map(|text| parse_angle_deg("width", text)).transpose()?;
-        let (optics, is_known) = of_frames.optics(config, frame)?;
+        let (optics, is_known) = frame_config.optics(config, frame)?;
         if !is_known && width_arcsec.is_none() {
             return Err(ConfigError::invalid(
                 "missing seeing; specify --seeing 1.2arcsec, --telescope NAME, which also sets the defocus, or --width to \
@@ -379,7 +399,7 @@ impl MaskConfig {
         }
         Ok(MaskOptions {
             coverage: self.coverage,
-            threshold: self.threshold,
+            threshold: self.threshold(),
             min_probability,
             width_arcsec: width_arcsec.map(|deg| 3600.0 * deg),
             optics,
@@ -389,18 +409,18 @@ impl MaskConfig {
 }
 
 /// Returns warnings about corridors that cover less than requested, and about large masks.
-fn doubts(shown: &str, frame: &TargetFrame, mask: &FrameMask, options: &MaskOptions) -> Vec<String> {
-    let mut doubts = Vec::new();
+fn mask_warnings(shown: &str, frame: &TargetFrame, mask: &FrameMask, options: &MaskOptions) -> Vec<String> {
+    let mut warnings = unused_streaks(shown, mask);
     let least = LEAST_COVERED * options.coverage;
-    let less: Vec<&str> =
-        mask.streaks.iter().filter(|streak| streak.coverage < least).map(|streak| &*streak.name).collect();
+    let less: Vec<String> =
+        mask.streaks.iter().filter(|streak| streak.coverage < least).map(|streak| streak.name.to_string()).collect();
     if let Some(lowest) = mask.streaks.iter().map(|streak| streak.coverage).min_by(f64::total_cmp)
         && !less.is_empty()
     {
-        doubts.push(format!(
+        warnings.push(format!(
             "{shown}: the masks of {} contain the streak with a probability below {least:.2}, the lowest is {lowest:.2}: \
              these satellites may have manoeuvred, or be more than 300 s early or late",
-            named(&less),
+            format_args!("{} ({})", counted(less.len(), "streak", "streaks"), first_of(&less)),
         ));
     }
     let large = frame.chips.iter().enumerate().filter(|(index, target)| {
@@ -411,13 +431,13 @@ fn doubts(shown: &str, frame: &TargetFrame, mask: &FrameMask, options: &MaskOpti
         let others = if hdus.len() > 1 { format!(" and of {} other HDUs", hdus.len() - 1) } else { String::new() };
         let of = |value: fn(&MaskedStreak) -> f64| mask.streaks.iter().map(value).fold(0.0, f64::max);
         let (late_s, across_arcsec) = (of(|one| one.late_s[1]), of(|one| one.across_rad.to_degrees() * 3600.0));
-        doubts.push(format!(
-            "{shown}: more than half of the pixels of HDU {first}{others} are masked, with delays up to {late_s:.0} s and \
-             distances from the track up to {across_arcsec:.0} arcsec; specify newer element sets, a larger \
+        warnings.push(format!(
+            "{shown}: more than half of the pixels of HDU {first}{others} are masked, with delays up to {late_s:.1} s and \
+             distances from the track up to {across_arcsec:.0} arcsec; specify --measured, newer element sets, a larger \
              --min-probability or a smaller --coverage"
         ));
     }
-    doubts
+    warnings
 }
 
 fn summary(frame: &TargetFrame, mask: &FrameMask) -> String {
@@ -434,30 +454,36 @@ fn summary(frame: &TargetFrame, mask: &FrameMask) -> String {
         if measured > 0 { format!(" ({measured} measured)") } else { String::new() },
         100.0 * masked as f64 / all.max(1) as f64
     )];
-    type IsKind = fn(&NotMasked) -> bool;
+    type IsKind = fn(&LeftOutReason) -> bool;
     let kinds: [(&str, IsKind); 4] = [
-        ("too faint", |reason| matches!(reason, NotMasked::Faint { .. })),
-        ("of unknown magnitude", |reason| *reason == NotMasked::UnknownMagnitude),
-        ("of unknown position", |reason| matches!(reason, NotMasked::UnknownPosition(_))),
-        ("measured without an element set", |reason| *reason == NotMasked::NoElements),
+        ("too faint", |reason| matches!(reason, LeftOutReason::Faint { .. })),
+        ("of unknown magnitude", |reason| *reason == LeftOutReason::UnknownMagnitude),
+        ("of unknown position", |reason| matches!(reason, LeftOutReason::UnknownPosition(_))),
+        ("measured without an element set", |reason| *reason == LeftOutReason::NoElements),
     ];
     for (what, is_kind) in kinds {
-        let of_kind: Vec<&Omitted> = mask.omitted.iter().filter(|one| is_kind(&one.reason)).collect();
-        if !of_kind.is_empty() {
-            let names: Vec<String> = of_kind
-                .iter()
-                .take(NAMED)
-                .map(|one| if one.name.is_empty() { one.norad_id.to_string() } else { one.name.to_string() })
-                .collect();
-            let more = if of_kind.len() > NAMED { ", ..." } else { "" };
-            parts.push(format!("{} {what} left out: {}{more}", of_kind.len(), names.join(", ")));
+        let of_kind = mask.left_out.iter().filter(|one| is_kind(&one.reason));
+        let names: Vec<String> = of_kind.map(|one| name_or_number(&one.name, one.norad_id)).collect();
+        if !names.is_empty() {
+            parts.push(format!("{} {what} left out: {}", names.len(), first_of(&names)));
         }
     }
     parts.join("; ")
 }
 
-fn named(names: &[&str]) -> String {
-    let more = if names.len() > NAMED { ", ..." } else { "" };
-    let shown: Vec<&str> = names.iter().take(NAMED).copied().collect();
-    format!("{} ({}{more})", counted(names.len(), "streak", "streaks"), shown.join(", "))
+/// Returns warnings about measured streaks that are not used, one for each reason.
+fn unused_streaks(shown: &str, mask: &FrameMask) -> Vec<String> {
+    let mut by_reason: BTreeMap<UnusedReason, Vec<String>> = BTreeMap::new();
+    for (streak, reason) in &mask.unused {
+        by_reason.entry(*reason).or_default().push(name_or_number(&streak.name, streak.norad_id));
+    }
+    let warning = |(reason, names): (UnusedReason, Vec<String>)| {
+        let streaks = counted(names.len(), "measured streak is", "measured streaks are");
+        format!("{shown}: {streaks} not used, because {reason}: {}", first_of(&names))
+    };
+    by_reason.into_iter().map(warning).collect()
+}
+
+fn name_or_number(name: &str, norad_id: NoradId) -> String {
+    if name.is_empty() { norad_id.to_string() } else { name.to_owned() }
 }

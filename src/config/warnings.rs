@@ -50,7 +50,10 @@ pub(super) fn of_left_out(left_out: &[LeftOut], unknown: usize, satellites: usiz
 pub(super) fn of_measured(measured: usize, not_used: usize) -> Option<String> {
     (not_used > 0).then(|| {
         let of = counted(measured, "measured magnitude", "measured magnitudes");
-        format!("{not_used} of {of} not used: no element set of the satellite, or no predicted magnitude at that time")
+        format!(
+            "predicted magnitudes are not corrected by {not_used} of {of}: the satellite is simulated or has no element set, \
+             or no magnitude is predicted at that time"
+        )
     })
 }
 
@@ -133,7 +136,7 @@ pub(super) fn of_uncovered(names: &[String], all: usize) -> Option<String> {
 }
 
 /// Returns the first names of a list, separated by commas.
-fn first_of(names: &[String]) -> String {
+pub(super) fn first_of(names: &[String]) -> String {
     let more = if names.len() > NAMED { ", ..." } else { "" };
     names[..names.len().min(NAMED)].join(", ") + more
 }

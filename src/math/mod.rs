@@ -1,6 +1,7 @@
-//! Numerical routines without astronomy: elementary functions, interpolation, quadrature, minima, quantiles, HEALPix,
-//! and vectorised loops.
+//! Numerical routines without astronomy: elementary functions, interpolation, quadrature, minima, quantiles, convex
+//! polygons, HEALPix, and vectorised loops.
 
+pub(crate) mod convex;
 pub(crate) mod elementary;
 pub mod healpix;
 pub(crate) mod interpolation;

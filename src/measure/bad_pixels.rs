@@ -60,7 +60,9 @@ impl Rule {
             PlaneKind::Mask if header.cards().iter().any(|card| card.keyword().starts_with("MP_")) => {
                 let planes: Vec<&str> = BAD_PLANES.into_iter().filter(|keyword| bit(keyword).is_some()).collect();
                 let bits = planes.iter().filter_map(bit).fold(0, |bits, bit| bits | (1 << bit));
-                Some(Self::Bits(bits, planes.join(", ")))
+                let planes =
+                    if planes.is_empty() { "no MP_ plane of bad pixels".to_owned() } else { planes.join(", ") };
+                Some(Self::Bits(bits, planes))
             }
             PlaneKind::Mask => Some(Self::NotZero),
             PlaneKind::Variance | PlaneKind::InverseVariance | PlaneKind::Error => Some(Self::NotPositive),

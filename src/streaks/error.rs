@@ -50,7 +50,7 @@ pub enum StreaksError {
     #[error("{0}, or --pixel-scale ANGLE with random streaks or --streaks in pixels")]
     NoCoordinates(ImagesError),
     /// An error in one of several frames.
-    #[error("{source}; {done} of {count} frames have already been written, without a truth table")]
+    #[error("{source}; {done} of {count} frames have already been written, without tables")]
     Batch {
         /// The error.
         source: Box<StreaksError>,

@@ -47,9 +47,9 @@ pub use light::{
 };
 #[cfg(all(feature = "fits", unix))]
 pub use masking::{
-    Area, FrameMask, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, NotMasked, Omitted, PlaneChoice, StreakOrigin,
-    corridor_table, mask_frame, mask_history, omitted_table, read_measured_streaks, region_file, write_mask_file,
-    write_mask_planes,
+    Area, ChosenPlanes, FrameMask, LeftOutReason, LeftOutSatellite, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak,
+    PlaneChoice, StreakOrigin, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
+    read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 pub use optics::{Optics, SeeingForm};
 pub use psf::{Blur, RadialProfile, Seeing, draw_point};

@@ -86,13 +86,13 @@ fn verif_injected_streaks_are_masked_in_all_outputs() {
         (0..outline.len()).all(|index| {
             let (a, b) = (outline[index], outline[(index + 1) % outline.len()]);
             let away = (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x);
-            // Rounding, and corners that are omitted because they are almost straight.
-            away >= -0.3 * a.distance(b)
+            // Coordinates are rounded to 0.002 arcsec.
+            away >= -0.001 * a.distance(b)
         })
     };
     for (index, _) in pixels.iter().enumerate().filter(|(_, pixel)| **pixel > 0.0) {
         let (x, y) = ((index % 400) as f64, (index / 400) as f64);
-        // The corners are anticlockwise in pixels.
+        // The corners are anticlockwise on the sky, and so in pixels of this frame.
         assert!(outlines.iter().any(|outline| is_inside(x, y, outline)), "{x} {y}");
     }
     for row in corridors {
@@ -275,6 +275,204 @@ fn verif_measured_streaks_are_masked_where_they_were_found() {
     assert!(code == 2 && stderr.contains("measured.csv: missing column image"), "{stderr}");
 }
 
+/// Replaces a column of a table of measured streaks.
+fn with_column(table: &str, name: &str, value: impl Fn(&str) -> String) -> String {
+    let mut lines = table.lines().filter(|line| !line.starts_with('#'));
+    let header = lines.next().unwrap();
+    let index = header.split(',').position(|column| column == name).unwrap();
+    let row = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        cells[index] = value(&cells[index]);
+        cells.join(",")
+    };
+    std::iter::once(header.to_owned()).chain(lines.map(row)).map(|line| line + "\n").collect()
+}
+
+/// Rows of another night, of another HDU and beside the frame do not remove a satellite from the mask.
+#[test]
+fn verif_measured_streaks_that_are_not_used_leave_the_prediction() {
+    let folder = TempDir::new().unwrap();
+    let frame = wide(&folder);
+    let [table, measured, mask, output, polygons] =
+        ["table.csv", "measured.csv", "mask.fits", "output.fits", "mask.json"].map(|name| path(&folder, name));
+    let (_, _, stderr) = run(&[&["measure", &frame, "-o", &table], SEEING, SATELLITES]);
+    assert!(stderr.contains("HDU 1 (MASK): 0 bad pixels (no MP_ plane of bad pixels)"), "{stderr}");
+    done(&[&["mask", &frame, "-o", &mask, "--quiet"], SEEING, SATELLITES]);
+    let good = fs::read_to_string(&table).unwrap();
+    let tomorrow = |time: &str| time.replace("2026-08-14", "2026-08-15");
+    let north = |dec_deg: &str| format!("{}", dec_deg.parse::<f64>().unwrap() + 10.0);
+    let masked = |text: &str| {
+        fs::write(&measured, text).unwrap();
+        let flags = ["-o", &output, "--polygons", &polygons, "--measured", &measured];
+        let (code, _, stderr) = run(&[&["mask", &frame], &flags, SEEING, SATELLITES]);
+        assert_eq!(code, 0, "{stderr}");
+        (values(&output, 0), stderr)
+    };
+    for (text, reason) in [
+        (with_column(&good, "mid_utc", tomorrow), "not used, because mid_utc is not in the exposure"),
+        (with_column(&good, "hdu", |_| "1".into()), "not used, because hdu is not one of the masked images"),
+        (with_column(&good, "dec_deg", north), "not used, because the track does not reach the image"),
+    ] {
+        let (pixels, stderr) = masked(&text);
+        assert!(stderr.contains(reason), "{reason}: {stderr}");
+        assert!(pixels == values(&mask, 0), "{reason}");
+    }
+    let repeated = good.lines().filter(|line| !line.starts_with('#')).skip(1).collect::<Vec<_>>().join("\n");
+    let (pixels, stderr) = masked(&format!("{good}{repeated}\n"));
+    assert!(stderr.contains("not used, because there is another row of the satellite and the HDU"), "{stderr}");
+    assert!(pixels == masked(&good).0);
+
+    // The time of a measured streak includes its delay.
+    let times = |late_s: &str| -> Vec<f64> {
+        let late = with_column(&good, "late_s", |_| late_s.into());
+        masked(&with_column(&late, "late_sigma_s", |_| "0.01".into()));
+        let document = json(&polygons);
+        let rows = document["corridors"].as_array().unwrap().iter().filter(|row| row["origin"] == "measured");
+        let seconds = |row: &Value| row["mid_utc"].as_str().unwrap()[17..23].parse().unwrap();
+        rows.map(seconds).collect()
+    };
+    let (on_time, late) = (times("0"), times("2"));
+    assert!(!on_time.is_empty() && on_time.len() == late.len());
+    assert!(on_time.iter().zip(&late).all(|(a, b)| (a - b).abs() < 1.0), "{on_time:?} {late:?}");
+}
+
+/// Appends an image of 40 by 60 integers to a file, with any BITPIX.
+fn append_plane(file: &str, bits: usize, cards: &str, pixels: impl Fn(usize) -> i64) {
+    let text = format!(
+        "XTENSION= 'IMAGE   '\nBITPIX  = {bits:20}\nNAXIS   = {:20}\nNAXIS1  = {:20}\nNAXIS2  = {:20}\nPCOUNT  = {:20}\n\
+         GCOUNT  = {:20}\nEXTNAME = 'MASK    '\n{cards}END",
+        2, 60, 40, 0, 1
+    );
+    let mut bytes: Vec<u8> = text.lines().flat_map(|card| format!("{card:80}").into_bytes()).collect();
+    bytes.resize(bytes.len().next_multiple_of(2880), b' ');
+    bytes.extend((0..2400).flat_map(|index| pixels(index).to_be_bytes()[8 - bits / 8..].to_vec()));
+    bytes.resize(bytes.len().next_multiple_of(2880), 0);
+    fs::write(file, [fs::read(file).unwrap(), bytes].concat()).unwrap();
+}
+
+/// Bits of 64-bit and unsigned 32-bit integers are set exactly, or the plane is rejected.
+#[test]
+fn verif_bits_of_large_integers() {
+    let folder = TempDir::new().unwrap();
+    let [mask, output] = ["mask.fits", "copy.fits"].map(|name| path(&folder, name));
+    let unsigned = format!("BZERO   = {:20}\n", 1i64 << 31);
+    let planes: [(usize, &str, &str, i64, &str); 5] = [
+        (64, "", "40", 5, ""),
+        (64, "", "52", 1 << 51, ""),
+        (64, "", "3", (1 << 53) + 1, "pixel of 64 bits is 9007199254740992"),
+        (64, "BZERO   = 9223372036854775808\n", "3", i64::MIN + 5, "BZERO or pixel of 64 bits is 9223372036854775808"),
+        (32, &unsigned, "31", 5 - (1 << 31), ""),
+    ];
+    for (bits, cards, bit, pixel, rejected) in planes {
+        let frame = written(&folder, "frame.fits", &[("SCI", chip(198.9, 1), grey())]);
+        append_plane(&frame, bits, cards, |_| pixel);
+        done(&[&["mask", &frame, "-o", &mask, "--quiet"], WIDE, SATELLITES]);
+        let masked = values(&mask, 0);
+        let flags = ["-o", &output, "--into", "1", "--bit", bit];
+        let (code, _, stderr) = run(&[&["mask", &frame], &flags, WIDE, SATELLITES]);
+        if !rejected.is_empty() {
+            assert!(code == 2 && stderr.contains(rejected), "{rejected}: {stderr}");
+            continue;
+        }
+        assert!(code == 0 && stderr.contains(&format!("; bit {bit}")), "{stderr}");
+        let new = FrameFile::open(Path::new(&output)).unwrap().read_rows(1, 0..40).unwrap();
+        let old = if bits == 32 { pixel + (1 << 31) } else { pixel };
+        for (new, masked) in new.iter().zip(&masked) {
+            assert_eq!(*new as i64, old | if *masked > 0.0 { 1 << bit.parse::<u32>().unwrap() } else { 0 });
+        }
+        let flags = ["-o", &output, "--into", "1", "--bit", "53"];
+        let (code, _, stderr) = run(&[&["mask", &frame, "--quiet"], &flags, WIDE, SATELLITES]);
+        let allowed = format!("mask bit is 53; allowed: 0 to {} in this plane", if bits == 32 { 31 } else { 52 });
+        assert!(code == 2 && stderr.contains(&allowed), "{stderr}");
+    }
+}
+
+/// A new name has one number in all planes of a file. Planes are checked before anything is written.
+#[test]
+fn verif_one_bit_for_all_planes_of_a_file() {
+    let folder = TempDir::new().unwrap();
+    let sci = |version: i64| ("SCI", chip(198.9, version), grey());
+    let dq = |version: i64, cards: &str, used: i16| {
+        let pixels = (0..2400).map(|index| if index % 100 == 0 { used } else { 0 }).collect();
+        ("DQ", format!("EXTVER  = {version}\n{cards}"), Pixels::I16(pixels))
+    };
+    let named = |version: i64, used: i16| dq(version, "MP_BAD  = 0\n", used);
+    let frame = written(&folder, "two.fits", &[sci(1), named(1, 1), sci(2), named(2, 0b111)]);
+    let output = path(&folder, "copy.fits");
+    let flags = ["--into", "DQ", "--bit", "SATELLITE", "-o", &output];
+    let (code, _, stderr) = run(&[&["mask", &frame], &flags, WIDE, SATELLITES]);
+    assert!(code == 0 && stderr.contains("copy.fits: ") && stderr.contains("; bit 3"), "{stderr}");
+    assert_eq!([1, 3].map(|hdu| header(&output, hdu).integer("MP_SATELLITE")), [Some(3); 2]);
+    for (hdu, used) in [(1, 1), (3, 0b111)] {
+        let bits: Vec<i16> = values(&output, hdu).iter().map(|bits| *bits as i16).collect();
+        assert!(bits.iter().any(|bits| bits & 8 == 8) && bits.iter().all(|bits| bits & !8 & !used == 0));
+    }
+    // A number that only one plane names is used in the other if it is free there.
+    for (used, expected) in [(1, Some(5)), (32, None)] {
+        let one = dq(1, "MP_BAD  = 0\nHIERARCH MP_SATELLITE = 5\n", 1);
+        let frame = written(&folder, "two.fits", &[sci(1), one, sci(2), named(2, used)]);
+        let (code, _, stderr) = run(&[&["mask", &frame], &flags, WIDE, SATELLITES]);
+        match expected {
+            Some(_) => assert_eq!([1, 3].map(|hdu| header(&output, hdu).integer("MP_SATELLITE")), [expected; 2]),
+            None => assert!(code == 2 && stderr.contains("bit MP_SATELLITE is 5 in some mask planes"), "{stderr}"),
+        }
+    }
+
+    let several = path(&folder, "several");
+    fs::create_dir(&several).unwrap();
+    let first = written(&folder, "first.fits", &[sci(1), named(1, 1)]);
+    let flags = ["--into", "DQ", "--bit", "SATELLITE", "-o", &several, "--quiet"];
+    for (second, part, count) in [
+        (written(&folder, "bare.fits", &[sci(1)]), "bare.fits: mask plane \"DQ\" is missing", 0),
+        (
+            written(&folder, "half.fits", &[sci(1), named(1, 1), sci(2)]),
+            "half.fits: mask plane of HDU 2 is missing; allowed: mask planes: HDU 1 (DQ); 1 of 2 frames have already been \
+             written",
+            1,
+        ),
+    ] {
+        let (code, _, stderr) = run(&[&["mask", &first, &second], &flags, WIDE, SATELLITES]);
+        assert!(code == 2 && stderr.contains(part), "{stderr}");
+        assert_eq!(fs::read_dir(&several).unwrap().count(), count, "{part}");
+    }
+}
+
+/// Polygons are anticlockwise on the sky in frames of both parities, and a satellite that is too faint in all chips has
+/// the light of the brightest.
+#[test]
+fn verif_parity_and_chips_do_not_change_polygons_and_reasons() {
+    let folder = TempDir::new().unwrap();
+    let polygons = path(&folder, "mask.json");
+    for text in [chip(198.9, 1), chip(198.9, 1).replace("CD1_1   = -", "CD1_1   = ")] {
+        let frame = written(&folder, "frame.fits", &[("SCI", text, grey())]);
+        done(&[&["mask", &frame, "--polygons", &polygons, "--quiet"], WIDE, SATELLITES]);
+        let document = json(&polygons);
+        let rows = document["corridors"].as_array().unwrap();
+        assert!(!rows.is_empty());
+        for row in rows {
+            let region = row["s_region"].as_str().unwrap();
+            let numbers: Vec<f64> = region.split(' ').skip(2).map(|number| number.parse().unwrap()).collect();
+            // East is at the left.
+            let corners: Vec<[f64; 2]> = numbers.chunks(2).map(|corner| [-corner[0], corner[1]]).collect();
+            let next = corners.iter().cycle().skip(1);
+            let twice: f64 = corners.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
+            assert!(twice > 0.0, "{region}");
+        }
+    }
+    let noisy = Pixels::F32((0..2400).map(|index| 100.0 + 50.0 * (index * 7919 % 101) as f32).collect());
+    let reasons = |frame: &str, hdus: &str| -> Vec<String> {
+        let flags = ["--polygons", &polygons, "--hdu", hdus, "--threshold", "100", "--zero-point", "20", "--quiet"];
+        done(&[&["mask", frame], &flags, SEEING, SATELLITES]);
+        let document = json(&polygons);
+        let reason = |one: &Value| one["reason"].as_str().unwrap().to_owned();
+        document["left_out"].as_array().unwrap().iter().map(reason).collect()
+    };
+    let frame = written(&folder, "two.fits", &[("SCI", chip(198.9, 1), grey()), ("SCI", chip(198.9, 2), noisy)]);
+    let (both, first, second) = (reasons(&frame, "0,1"), reasons(&frame, "0"), reasons(&frame, "1"));
+    assert!(!first.is_empty() && first != second && first[0].starts_with("too faint"), "{first:?} {second:?}");
+    assert_eq!(both, first);
+}
+
 #[test]
 fn invalid_input_is_named() {
     let folder = TempDir::new().unwrap();
@@ -285,10 +483,13 @@ fn invalid_input_is_named() {
         (&[SEEING, &zero], "missing output; specify -o FILE, --polygons FILE or --regions FILE"),
         (&[&output, SEEING], "frame.fits: missing zero point"),
         (&[&output, &zero], "missing seeing; specify --seeing"),
-        (&[&output, WIDE, SEEING], "cannot be used with"),
+        (&[&output, WIDE, SEEING], "--seeing has no effect with --width"),
+        (&[&output, WIDE, &["--threshold", "1"]], "--threshold has no effect with --width"),
+        (&[&output, SEEING, &zero, &["--zero-point-1s", "20"]], "exclude each other"),
         (&[&output, WIDE, &["--coverage", "1"]], "coverage is 1; allowed: 0.5 to 0.999"),
         (&[&output, SEEING, &zero, &["--threshold", "0"]], "threshold is 0; allowed: 0.01 to 100"),
-        (&[&output, WIDE, &["--bit", "3"]], "--into"),
+        (&[&output, WIDE, &["--bit", "3"]], "--bit is given without --into"),
+        (&[&["--regions", &mask], WIDE, &["--into", "1"]], "--output"),
         (&[&output, WIDE, &["--into", "1", "--bit", "A B"]], "bit is 'A B'; allowed: a number, or a name"),
         (&[&output, WIDE, &["--into", "1"]], "HDU 1 is missing"),
         (&[&output, WIDE, &["--min-probability", "0"]], "min-probability is 0; allowed: above 0"),

@@ -203,7 +203,7 @@ struct Sums {
 /// Draws the errors of the satellites of a mask from their stated distributions, and compares the light with the mask.
 fn compare(sky: &Sky, frame: &TargetFrame, sums: &mut Sums) {
     let mask: FrameMask = mask_frame(sky, frame, &[], &options()).unwrap();
-    assert!(mask.omitted.is_empty(), "{:?}", mask.omitted);
+    assert!(mask.left_out.is_empty(), "{:?}", mask.left_out);
     let (pointing, _) = frame.circle().unwrap();
     let exposure =
         Exposure { id: String::new(), start: frame.opened, duration_s: EXPOSURE_S, pointing, rotation_rad: 0.0 };

@@ -8,7 +8,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use streakcast::config::{Config, MaskConfig, SkyOf};
 use streakcast::images::Header;
-use streakcast::streaks::Area;
 
 use crate::columns::columns;
 use crate::failure;
@@ -45,25 +44,18 @@ pub fn mask<'py>(
     })?;
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let (result, masks) = (PyDict::new(py), PyDict::new(py));
-    for one in &done.frames {
-        for (index, target) in one.frame.chips.iter().enumerate() {
-            let size = [target.chip.rows, target.chip.columns];
-            masks.set_item(target.chip.hdu, pixels(&one.mask.area(index), size).into_pyarray(py).reshape(size)?)?;
-        }
-        result.set_item("summary", &one.summary)?;
+    // The request has one frame.
+    let one = &done.frames[0];
+    for (index, target) in one.frame.chips.iter().enumerate() {
+        let size = [target.chip.rows, target.chip.columns];
+        let pixels = one.mask.area(index).values(size, [false, true]);
+        masks.set_item(target.chip.hdu, pixels.into_pyarray(py).reshape(size)?)?;
     }
+    result.set_item("summary", &one.summary)?;
     result.set_item("masks", masks)?;
     result.set_item("streaks", columns(py, &done.corridors())?)?;
     result.set_item("left_out", columns(py, &done.left_out())?)?;
     result.set_item("remarks", as_arguments(&done.remarks))?;
     result.set_item("warnings", as_arguments(&done.warnings))?;
     Ok(result)
-}
-
-fn pixels(area: &Area, [rows, columns]: [usize; 2]) -> Vec<bool> {
-    let mut pixels = vec![false; rows * columns];
-    for (row, range) in area.runs() {
-        pixels[row * columns + range.start..row * columns + range.end].fill(true);
-    }
-    pixels
 }

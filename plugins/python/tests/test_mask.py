@@ -72,6 +72,10 @@ def test_invalid_arguments_are_named(frame, model):
     for options, message in (
         ({"seeing": "90arcsec", "coverage": 2}, "coverage is 2; allowed: 0.5 to 0.999"),
         ({"seeing": "90arcsec", "zero_point": 20, "zero_point_1s": 20}, "exclude each other"),
+        ({"width": "3arcmin", "seeing": "90arcsec"}, "seeing has no effect with width"),
+        ({"width": "3arcmin", "threshold": 5}, "threshold has no effect with width"),
+        ({"width": "3arcmin", "psf": "gaussian"}, "psf has no effect with width"),
+        ({"width": "3arcmin", "zero_point_1s": 18}, "zero_point_1s has no effect with width"),
         ({"seeing": "90arcsec", "min_probability": 0}, "min.probability is 0; allowed: above 0"),
         ({}, "missing seeing"),
         ({"frame": data, "width": "1arcmin"}, "missing header of the array"),

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
 use super::attitude::Axes;
+use crate::math::convex::clip;
 use crate::photometry::phase::lambert_sphere;
 
 /// Largest number of corners. The intersection of eight quadrilaterals, each cut by a plane and by the panel, has at
@@ -82,17 +83,7 @@ impl PanelPolygon {
     /// Returns the part of the polygon where a linear function is not negative.
     fn clipped(&self, inside: impl Fn([f64; 2]) -> f64) -> Self {
         let mut kept = Self::default();
-        let corners = self.corners();
-        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-            let (from, to) = (inside(a), inside(b));
-            if from >= 0.0 {
-                kept.push(a);
-            }
-            if (from >= 0.0) != (to >= 0.0) {
-                let t = from / (from - to);
-                kept.push([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]);
-            }
-        }
+        clip(self.corners(), inside, |corner| kept.push(corner));
         kept
     }
 }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::corridor::Cell;
 use crate::images::{LightArea, PixelPosition};
+use crate::math::convex::clip;
 
 /// Distance between a polygon and a streak that is not straight, as a fraction of the half width, and at least in pixels.
 const BEND_SHARE: f64 = 0.1;
@@ -11,7 +12,8 @@ const LEAST_BEND_PIX: f64 = 1.0;
 /// Number of points of a circle around each corner of a cell. Their polygon is outside the circle, and inside a circle
 /// that is 4 % larger.
 const CIRCLE_POINTS: usize = 12;
-/// Corners of a polygon that are nearer than this to the line between their neighbours are omitted, pixels.
+/// Corners of a polygon that are nearer than this to the line between the remaining ones are omitted, pixels. The
+/// polygon is wider by as much, so that it contains the corridor.
 const STRAIGHT_PIX: f64 = 0.2;
 
 /// Pixels of a chip: adjacent ones of a row form one run. Runs are in the order of rows and columns, and do not touch.
@@ -25,7 +27,7 @@ impl Area {
     pub fn of_cells(cells: &[Cell], light_area: &LightArea) -> Self {
         let mut runs = Vec::new();
         for cell in cells {
-            add(cell, light_area, &mut runs);
+            add_runs(cell, light_area, &mut runs);
         }
         Self::joined(runs)
     }
@@ -59,6 +61,15 @@ impl Area {
         self.runs.iter().map(|(_, columns)| columns.len()).sum()
     }
 
+    /// Returns the values of all pixels of a chip of this size: one value for those outside and another for those inside.
+    pub fn values<T: Copy>(&self, [rows, columns]: [usize; 2], [outside, inside]: [T; 2]) -> Vec<T> {
+        let mut values = vec![outside; rows * columns];
+        for (row, range) in &self.runs {
+            values[row * columns + range.start..row * columns + range.end].fill(inside);
+        }
+        values
+    }
+
     /// Returns true if the area has this pixel.
     pub fn contains(&self, row: usize, column: usize) -> bool {
         let after = self.runs.partition_point(|(of_row, columns)| (*of_row, columns.start) <= (row, column));
@@ -67,7 +78,7 @@ impl Area {
 }
 
 /// Adds the pixels of a cell as one run per row.
-fn add(cell: &Cell, light_area: &LightArea, runs: &mut Vec<(usize, Range<usize>)>) {
+fn add_runs(cell: &Cell, light_area: &LightArea, runs: &mut Vec<(usize, Range<usize>)>) {
     let [from, to] = cell.ends;
     let (low, high) = (from.y.min(to.y) - cell.radius_pix, from.y.max(to.y) + cell.radius_pix);
     for row in pixels_in(low, high, &light_area.rows).into_iter().flatten() {
@@ -117,49 +128,40 @@ pub fn polygons(cells: &[Cell], light_area: &LightArea) -> Vec<Vec<PixelPosition
     let mut ordered: Vec<&Cell> = cells.iter().collect();
     ordered.sort_by(|a, b| a.times_s[0].total_cmp(&b.times_s[0]));
     let mut polygons = Vec::new();
-    split(&ordered, &mut polygons);
+    split_at_bends(&ordered, &mut polygons);
     let within = polygons.into_iter().map(|polygon| clipped(polygon, light_area));
     within.filter(|polygon| polygon.len() > 2).collect()
 }
 
 /// Returns the part of a convex polygon on the illuminated pixels (Sutherland and Hodgman 1974, CACM 17, 32).
-fn clipped(mut polygon: Vec<PixelPosition>, light_area: &LightArea) -> Vec<PixelPosition> {
+fn clipped(polygon: Vec<PixelPosition>, light_area: &LightArea) -> Vec<PixelPosition> {
     let [left, right] = [light_area.columns.start as f64 - 0.5, light_area.columns.end as f64 - 0.5];
     let [bottom, top] = [light_area.rows.start as f64 - 0.5, light_area.rows.end as f64 - 0.5];
     // Distances from the four sides, positive inside.
-    let sides: [&dyn Fn(&PixelPosition) -> f64; 4] =
-        [&|at| at.x - left, &|at| right - at.x, &|at| at.y - bottom, &|at| top - at.y];
+    let sides: [&dyn Fn([f64; 2]) -> f64; 4] =
+        [&|[x, _]| x - left, &|[x, _]| right - x, &|[_, y]| y - bottom, &|[_, y]| top - y];
+    let mut corners: Vec<[f64; 2]> = polygon.into_iter().map(|corner| [corner.x, corner.y]).collect();
     for inside in sides {
         let mut part = Vec::new();
-        for (index, to) in polygon.iter().enumerate() {
-            let from = &polygon[(index + polygon.len() - 1) % polygon.len()];
-            let (before, after) = (inside(from), inside(to));
-            if (before < 0.0) != (after < 0.0) {
-                let share = before / (before - after);
-                part.push(PixelPosition { x: from.x + share * (to.x - from.x), y: from.y + share * (to.y - from.y) });
-            }
-            if after >= 0.0 {
-                part.push(*to);
-            }
-        }
-        polygon = part;
+        clip(&corners, inside, |corner| part.push(corner));
+        corners = part;
     }
-    polygon
+    corners.into_iter().map(|[x, y]| PixelPosition { x, y }).collect()
 }
 
-fn split(cells: &[&Cell], polygons: &mut Vec<Vec<PixelPosition>>) {
+fn split_at_bends(cells: &[&Cell], polygons: &mut Vec<Vec<PixelPosition>>) {
     let (Some(first), Some(last)) = (cells.first(), cells.last()) else { return };
     let (from, to) = (first.middle(), last.middle());
     let bend = cells.iter().map(|cell| distance_from_line(cell.middle(), from, to)).fold(0.0, f64::max);
     let widest = cells.iter().map(|cell| cell.radius_pix).fold(0.0, f64::max);
     if bend > (BEND_SHARE * widest).max(LEAST_BEND_PIX) {
         let (before, after) = cells.split_at(cells.len() / 2);
-        split(before, polygons);
-        split(after, polygons);
+        split_at_bends(before, polygons);
+        split_at_bends(after, polygons);
         return;
     }
     let circle = |cell: &Cell| {
-        let radius = cell.radius_pix / (std::f64::consts::PI / CIRCLE_POINTS as f64).cos();
+        let radius = (cell.radius_pix + STRAIGHT_PIX) / (std::f64::consts::PI / CIRCLE_POINTS as f64).cos();
         cell.ends.into_iter().flat_map(move |end| {
             (0..CIRCLE_POINTS).map(move |point| {
                 let (sin, cos) = (std::f64::consts::TAU * point as f64 / CIRCLE_POINTS as f64).sin_cos();
@@ -197,17 +199,20 @@ fn hull(mut points: Vec<PixelPosition>) -> Vec<PixelPosition> {
     };
     let mut corners = chain(&mut points.iter().copied());
     corners.extend(chain(&mut points.iter().rev().copied()));
-    let mut index = 0;
-    while index < corners.len() && corners.len() > 4 {
-        let count = corners.len();
-        let (before, after) = (corners[(index + count - 1) % count], corners[(index + 1) % count]);
-        if distance_from_line(corners[index], before, after) < STRAIGHT_PIX {
-            corners.remove(index);
-        } else {
-            index += 1;
+    let mut kept: Vec<PixelPosition> = Vec::new();
+    // First corner after the last one that is kept.
+    let mut first = 0;
+    for (index, corner) in corners.iter().enumerate() {
+        let next = corners[(index + 1) % corners.len()];
+        let is_straight = |last: &PixelPosition| {
+            corners[first..=index].iter().all(|one| distance_from_line(*one, *last, next) < STRAIGHT_PIX)
+        };
+        if !kept.last().is_some_and(is_straight) {
+            kept.push(*corner);
+            first = index + 1;
         }
     }
-    corners
+    kept
 }
 
 #[cfg(test)]
@@ -276,5 +281,34 @@ mod tests {
         };
         let cells: Vec<Cell> = (0..8).map(|step| bent(f64::from(step))).collect();
         assert!(polygons(&cells, &LightArea::whole(100, 100)).len() > 1);
+    }
+
+    #[test]
+    fn verif_polygons_contain_all_pixels_of_narrow_corridors() {
+        let whole = LightArea::whole(300, 300);
+        // An arc that bends by less than a pixel, so that it has one polygon with many corners.
+        let at = |step: i32| {
+            let share = f64::from(step) / 40.0;
+            (20.0 + 250.0 * share, 30.0 + 140.0 * share + 0.9 * (std::f64::consts::PI * share).sin())
+        };
+        for radius in [0.5, 0.7, 1.0, 1.3, 2.0, 3.0] {
+            let part = |step: i32| Cell {
+                times_s: [f64::from(step), f64::from(step + 1)],
+                ..cell([at(step), at(step + 1)], radius)
+            };
+            let cells: Vec<Cell> = (0..40).map(part).collect();
+            let outlines = polygons(&cells, &whole);
+            assert!(outlines.iter().all(|outline| outline.len() < 40), "corners are omitted");
+            let is_inside = |x: f64, y: f64, outline: &[PixelPosition]| {
+                let sides = outline.iter().zip(outline.iter().cycle().skip(1));
+                sides.into_iter().all(|(a, b)| (b.x - a.x) * (y - a.y) - (b.y - a.y) * (x - a.x) >= 0.0)
+            };
+            for (row, columns) in Area::of_cells(&cells, &whole).runs() {
+                for column in columns.clone() {
+                    let is_contained = outlines.iter().any(|one| is_inside(column as f64, *row as f64, one));
+                    assert!(is_contained, "radius {radius}: pixel {column} {row}");
+                }
+            }
+        }
     }
 }

@@ -28,7 +28,7 @@ const LEAST_S: f64 = 1e-6;
 
 /// Track of a satellite with its errors.
 #[derive(Copy, Clone)]
-pub struct ErringTrack<'a> {
+pub struct UncertainTrack<'a> {
     /// Direction and distance, km, at a predicted time, seconds after the shutter opened.
     pub sight: &'a (dyn Fn(f64) -> (Direction<Gcrs>, f64) + Sync),
     /// First and last predicted time at which the satellite may be seen while the shutter is open.
@@ -95,7 +95,7 @@ pub struct LocalLight {
     pub motion_pix_s: [f64; 2],
 }
 
-impl ErringTrack<'_> {
+impl UncertainTrack<'_> {
     /// Returns the first and the last time at which the satellite may be within `radius_rad` of a direction; `None` if
     /// it is never near.
     pub fn near_s(&self, middle: &Direction<Gcrs>, radius_rad: f64) -> Option<[f64; 2]> {

@@ -1,5 +1,6 @@
 //! Measured streaks, from the table that `measure` writes.
 
+use std::fmt;
 use std::path::Path;
 
 use hifitime::Epoch;
@@ -7,6 +8,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::super::chip::Chip;
 use super::super::error::StreaksError;
+use super::super::frame::TargetFrame;
 use crate::elements::{NoradId, parse_iso};
 use crate::frames::{Direction, Gcrs, seconds_between};
 use crate::input::TableRows;
@@ -16,6 +18,8 @@ const COLUMNS: &str = "a table of streakcast measure, with image, hdu, norad_id,
                        offset_sigma_pix, tilt_deg, late_s, late_sigma_s, seeing_arcsec and flags";
 /// Time between two positions that give the direction of a track, seconds.
 const STEP_S: f64 = 0.01;
+/// Time before and after the exposure at which a streak is still of the frame: rounding of the table, seconds.
+const ROUNDING_S: f64 = 0.01;
 
 /// Streak that was measured on one chip.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,7 +100,41 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Streaks
     Ok(streaks)
 }
 
+/// Reason why a measured streak is not used, although it is of a file with the name of the frame.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum UnusedReason {
+    /// Its time is not in the exposure.
+    OtherTime,
+    /// Its HDU is not a chip of the frame.
+    OtherHdu,
+    /// Its track does not reach the chip.
+    OffChip,
+    /// There is another streak of the same satellite on the chip.
+    Repeated,
+}
+
+impl fmt::Display for UnusedReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OtherTime => "mid_utc is not in the exposure",
+            Self::OtherHdu => "hdu is not one of the masked images",
+            Self::OffChip => "the track does not reach the image",
+            Self::Repeated => "there is another row of the satellite and the HDU",
+        })
+    }
+}
+
 impl MeasuredStreak {
+    /// Returns the reason if the streak cannot be of a frame with its file name.
+    pub(super) fn unused_in(&self, frame: &TargetFrame) -> Option<UnusedReason> {
+        let at_s = seconds_between(frame.opened, self.epoch);
+        if !(-ROUNDING_S..=frame.exposure_s + ROUNDING_S).contains(&at_s) {
+            return Some(UnusedReason::OtherTime);
+        }
+        let is_chip = frame.chips.iter().any(|target| target.chip.hdu == self.hdu);
+        (!is_chip).then_some(UnusedReason::OtherHdu)
+    }
+
     /// Returns true if the streak is in a file of this name.
     pub fn is_of(&self, frame: &Path) -> bool {
         Path::new(&self.image).file_name() == frame.file_name()

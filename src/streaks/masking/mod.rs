@@ -13,7 +13,7 @@ mod table;
 mod write;
 
 pub use area::Area;
-pub use measured::{MeasuredStreak, read_measured_streaks};
-pub use satellites::{FrameMask, MaskOptions, MaskedStreak, NotMasked, Omitted, StreakOrigin, mask_frame};
-pub use table::{corridor_table, omitted_table, region_file};
-pub use write::{MaskBit, PlaneChoice, mask_history, write_mask_file, write_mask_planes};
+pub use measured::{MeasuredStreak, UnusedReason, read_measured_streaks};
+pub use satellites::{FrameMask, LeftOutReason, LeftOutSatellite, MaskOptions, MaskedStreak, StreakOrigin, mask_frame};
+pub use table::{corridor_table, left_out_table, region_file};
+pub use write::{ChosenPlanes, MaskBit, PlaneChoice, mask_history, write_mask_file, write_mask_planes};

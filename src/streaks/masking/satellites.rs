@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hifitime::Epoch;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::super::chip::Chip;
@@ -12,13 +13,13 @@ use super::super::frame::{TargetFrame, noise_of_chip};
 use super::super::optics::Optics;
 use super::super::truth::{NoiseMap, SHARE_WITHOUT_NOISE};
 use super::area::{Area, polygons};
-use super::corridor::{Cell, ErringTrack, LocalLight};
+use super::corridor::{Cell, LocalLight, UncertainTrack};
 use super::light_width::LightWidth;
-use super::measured::MeasuredStreak;
+use super::measured::{MeasuredStreak, UnusedReason};
 use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::images::PixelPosition;
-use crate::orbit::{Lateness, LeftOut};
+use crate::orbit::Lateness;
 use crate::passes::{DelayedTrack, Exposure, ExposureInterval, Field, PassOptions, Sky};
 use crate::photometry::{Brightness, PhotometryOptions};
 
@@ -67,11 +68,12 @@ pub struct MaskedStreak {
     pub name: Arc<str>,
     /// Source of its position.
     pub origin: StreakOrigin,
-    /// Time at which the predicted track is nearest to the middle of the chip.
+    /// Time at which the satellite is nearest to the middle of the chip: the predicted time, with the measured delay if
+    /// there is one.
     pub epoch: Epoch,
     /// Age of the elements, days.
     pub element_age_days: f64,
-    /// Probability that the satellite is in the frame during the exposure; 1 for a measured streak.
+    /// Probability that the satellite is in the frame during the exposure; 1 if it was measured on a chip.
     pub probability: f64,
     /// Probability that the streak is in the corridor.
     pub coverage: f64,
@@ -93,12 +95,12 @@ pub struct MaskedStreak {
     pub polygons: Vec<Vec<Direction<Gcrs>>>,
 }
 
-/// Reason why a satellite is not masked.
+/// Reason why a satellite is left out of a mask.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NotMasked {
+pub enum LeftOutReason {
     /// Its brightest pixel is fainter than the threshold, at its bright magnitude.
     Faint {
-        /// Light of the brightest pixel, in multiples of the local noise.
+        /// Light of the brightest pixel of all chips, in multiples of the local noise.
         peak_to_noise: f64,
         /// Magnitude for which the light is computed.
         magnitude: f64,
@@ -111,15 +113,15 @@ pub enum NotMasked {
     NoElements,
 }
 
-/// Satellite that is not masked.
+/// Satellite that is left out of a mask.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Omitted {
+pub struct LeftOutSatellite {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Name in the element set; empty if it has none.
     pub name: Arc<str>,
     /// Reason.
-    pub reason: NotMasked,
+    pub reason: LeftOutReason,
 }
 
 /// Mask of a frame.
@@ -127,8 +129,10 @@ pub struct Omitted {
 pub struct FrameMask {
     /// Corridors, in the order of chips and times.
     pub streaks: Vec<MaskedStreak>,
-    /// Satellites that may be in the frame and are not masked, and those of unknown position.
-    pub omitted: Vec<Omitted>,
+    /// Satellites that may be in the frame and are left out, and those of unknown position.
+    pub left_out: Vec<LeftOutSatellite>,
+    /// Measured streaks that are not used.
+    pub unused: Vec<(MeasuredStreak, UnusedReason)>,
 }
 
 impl FrameMask {
@@ -140,7 +144,8 @@ impl FrameMask {
 
 /// Computes the corridors of the satellites in a frame, on all threads of the current pool.
 ///
-/// Streaks in `measured` replace the predictions of their satellites on their chips.
+/// Streaks in `measured` replace the predictions of their satellites on their chips, if their times are in the exposure
+/// and their tracks reach the chips.
 ///
 /// # Errors
 /// Passes cannot be computed, pixels cannot be read, or the image of a star cannot be drawn.
@@ -173,23 +178,16 @@ pub fn mask_frame(
     let elements = sky.elements();
     let mut of_satellite: BTreeMap<usize, Vec<&MeasuredStreak>> = BTreeMap::new();
     for streak in measured {
-        match elements.iter().position(|set| set.norad_id == streak.norad_id) {
-            Some(index) => of_satellite.entry(index).or_default().push(streak),
-            None => mask.omitted.push(Omitted {
-                norad_id: streak.norad_id,
-                name: streak.name.as_str().into(),
-                reason: NotMasked::NoElements,
-            }),
+        if let Some(reason) = streak.unused_in(frame) {
+            mask.unused.push((streak.clone(), reason));
+        } else if let Some(index) = elements.iter().position(|set| set.norad_id == streak.norad_id) {
+            of_satellite.entry(index).or_default().push(streak);
+            // A satellite that is found only by its measured streak is not masked as predicted alone.
+            probabilities.entry(index).or_insert(0.0);
+        } else {
+            let (norad_id, name) = (streak.norad_id, streak.name.as_str().into());
+            mask.left_out.push(LeftOutSatellite { norad_id, name, reason: LeftOutReason::NoElements });
         }
-    }
-    let is_measured = |left_out: &LeftOut| of_satellite.contains_key(&left_out.element_index);
-    mask.omitted.extend(found.left_out.iter().filter(|one| !is_measured(one)).map(|one| Omitted {
-        norad_id: one.norad_id,
-        name: elements[one.element_index].name.clone(),
-        reason: NotMasked::UnknownPosition(one.reason.to_string()),
-    }));
-    for index in of_satellite.keys() {
-        probabilities.entry(*index).or_insert(1.0);
     }
 
     let noise = frame
@@ -201,16 +199,27 @@ pub fn mask_frame(
         })
         .collect::<Result<Vec<_>, _>>()?;
     let interval = sky.exposure_interval(&exposure)?;
-    let masking = Masking { frame, exposure: &exposure, radius_rad, interval: &interval, noise: &noise, options };
-    let candidates: Vec<(usize, f64)> = probabilities.into_iter().collect();
-    let done = candidates.par_iter().map(|(element_index, probability)| {
+    let share = options.coverage.sqrt();
+    let sigmas = Lateness::gaussian(1.0).half_width_s(share);
+    let (exposure, interval, noise) = (&exposure, &interval, &noise[..]);
+    let masking = Masking { frame, exposure, radius_rad, interval, noise, options, share, sigmas };
+    let parts = probabilities.into_par_iter().map(|(element_index, probability)| {
         sky.watch().check()?;
-        let measured = of_satellite.get(element_index).map_or(&[][..], Vec::as_slice);
-        masking.satellite(*element_index, *probability, measured)
+        let measured = of_satellite.get(&element_index).map_or(&[][..], Vec::as_slice);
+        Ok((element_index, masking.satellite(element_index, probability, measured)?))
     });
-    for (streaks, reason) in done.collect::<Result<Vec<_>, StreaksError>>()? {
-        mask.streaks.extend(streaks);
-        mask.omitted.extend(reason);
+    let parts = parts.collect::<Result<BTreeMap<usize, FrameMask>, StreaksError>>()?;
+    let is_listed = |part: &FrameMask| !part.streaks.is_empty() || !part.left_out.is_empty();
+    let unknown = found.left_out.iter().filter(|one| !parts.get(&one.element_index).is_some_and(is_listed));
+    mask.left_out.extend(unknown.map(|one| LeftOutSatellite {
+        norad_id: one.norad_id,
+        name: elements[one.element_index].name.clone(),
+        reason: LeftOutReason::UnknownPosition(one.reason.to_string()),
+    }));
+    for part in parts.into_values() {
+        mask.streaks.extend(part.streaks);
+        mask.left_out.extend(part.left_out);
+        mask.unused.extend(part.unused);
     }
     mask.streaks.sort_by(|a, b| a.chip.cmp(&b.chip).then(a.epoch.cmp(&b.epoch)));
     Ok(mask)
@@ -227,6 +236,10 @@ struct Masking<'a> {
     /// Noise of each chip.
     noise: &'a [NoiseMap],
     options: &'a MaskOptions,
+    /// Probability with which the delay and the distance across the track are each covered, and the number of standard
+    /// deviations of a normal distribution that contain it.
+    share: f64,
+    sigmas: f64,
 }
 
 /// Light of a satellite at evenly spaced predicted times.
@@ -277,12 +290,47 @@ impl TrackLight {
     }
 }
 
-/// Corridor to be computed on one chip.
-struct Request<'a> {
+/// Satellite that may be near the frame.
+struct Satellite<'a> {
     element_index: usize,
-    chip: usize,
-    track: ErringTrack<'a>,
+    element_age_days: f64,
+    /// Direction and distance, km, at a predicted time, if it is late by a number of seconds.
+    sight: &'a Sight<'a>,
     range_km: f64,
+    light: &'a TrackLight,
+    /// Predicted track, and the probabilities that it is in the frame and that its corridor contains the streak.
+    predicted: UncertainTrack<'a>,
+    probability: f64,
+    coverage: f64,
+}
+
+type Sight<'a> = dyn Fn(f64, f64) -> (Direction<Gcrs>, f64) + Sync + 'a;
+
+/// Errors of the predicted position of a satellite.
+struct PositionErrors {
+    /// Distribution of the delay without satellites that have manoeuvred: these may be anywhere on their orbit, and are
+    /// not covered.
+    lateness: Lateness,
+    /// Share of satellites that have not manoeuvred.
+    not_manoeuvred: f64,
+    cross_track_km: f64,
+    /// Largest delay that is covered.
+    delay_s: f64,
+}
+
+impl PositionErrors {
+    /// Returns the distance across the track, with the shift by the delay, that contains a share of the errors.
+    fn across_rad(&self, sight: &Sight<'_>, time_s: f64, share: f64) -> f64 {
+        let (drift_rad_s, _) = drift(sight, time_s);
+        let sigma_rad = self.cross_track_km / sight(time_s, 0.0).1;
+        self.lateness.scaled(drift_rad_s).blurred(sigma_rad).half_width_s(share)
+    }
+}
+
+/// Corridor to be computed on one chip.
+struct CorridorRequest<'a> {
+    chip: usize,
+    track: UncertainTrack<'a>,
     optics: Optics,
     /// True if the streak was found in the pixels.
     is_found: bool,
@@ -291,196 +339,227 @@ struct Request<'a> {
 }
 
 impl Masking<'_> {
-    /// Returns the corridors of a satellite on all chips, and the reason if it is not masked although it may be in the
-    /// frame.
+    /// Returns the mask of one satellite, without corridors if it is left out or cannot be in the frame.
     fn satellite(
         &self,
         element_index: usize,
         probability: f64,
         measured: &[&MeasuredStreak],
-    ) -> Result<(Vec<MaskedStreak>, Option<Omitted>), StreaksError> {
-        let (sky, options) = (self.interval.sky(), self.options);
-        let elements = &sky.elements()[element_index];
-        let omitted = |reason: NotMasked| {
-            Ok((Vec::new(), Some(Omitted { norad_id: elements.norad_id, name: elements.name.clone(), reason })))
+    ) -> Result<FrameMask, StreaksError> {
+        let (sky, middle_s) = (self.interval.sky(), 0.5 * self.frame.exposure_s);
+        let left_out = |reason: LeftOutReason| {
+            let elements = &sky.elements()[element_index];
+            let one = LeftOutSatellite { norad_id: elements.norad_id, name: elements.name.clone(), reason };
+            FrameMask { left_out: vec![one], ..FrameMask::default() }
         };
-        let exposure_s = self.frame.exposure_s;
-        let Some(propagator) = self.interval.propagator(element_index) else { return Ok((Vec::new(), None)) };
-        let uncertainty = self.interval.uncertainty(element_index, propagator, 0.5 * exposure_s);
-        // Satellites that have manoeuvred may be anywhere on their orbit; they are not covered.
+        let Some(propagator) = self.interval.propagator(element_index) else { return Ok(FrameMask::default()) };
+        let uncertainty = self.interval.uncertainty(element_index, propagator, middle_s);
         let (lateness, not_manoeuvred) = uncertainty.lateness.without_manoeuvres();
-        let normal = Lateness::gaussian(1.0);
-        let share = options.coverage.sqrt();
-        let reach_s = lateness.half_width_s(share).min(Lateness::LONGEST_S);
-        let measured_s = measured.iter().filter_map(|streak| streak.late_s);
-        let longest_s = measured_s
-            .map(|(late_s, sigma_s)| late_s.abs() + normal.half_width_s(share) * sigma_s)
-            .fold(reach_s, f64::max);
+        let delay_s = lateness.half_width_s(self.share).min(Lateness::LONGEST_S);
+        let errors = PositionErrors { lateness, not_manoeuvred, cross_track_km: uncertainty.cross_track_km, delay_s };
+        let delays_s = measured.iter().filter_map(|streak| streak.late_s);
+        let longest_s = delays_s.map(|(late_s, sigma_s)| late_s.abs() + self.sigmas * sigma_s).fold(delay_s, f64::max);
         // Positions are computed for all times at which a delayed satellite was predicted. The motion of the site moves an
         // end of the streak by at most as much as the delay.
         let margin_s = 2.0 * longest_s + 1.0;
         let wide = Exposure {
             start: seconds_after(self.frame.opened, -margin_s),
-            duration_s: exposure_s + 2.0 * margin_s,
+            duration_s: self.frame.exposure_s + 2.0 * margin_s,
             ..self.exposure.clone()
         };
         let interval = sky.exposure_interval(&wide)?;
         let track = match interval.track(element_index, 0.0) {
             Ok(track) => track,
-            Err(error) => return omitted(NotMasked::UnknownPosition(error.to_string())),
+            Err(error) => return Ok(left_out(LeftOutReason::UnknownPosition(error.to_string()))),
         };
         let sight = |time_s: f64, late_s: f64| track.delayed(time_s + late_s + margin_s, late_s);
-        let predicted_sight = |time_s: f64| sight(time_s, 0.0);
-        let times_s = |late_s: [f64; 2]| [-late_s[1], exposure_s - late_s[0]];
-        let search_rad = self.radius_rad + MARGIN_RAD;
-        let rough = ErringTrack { sight: &predicted_sight, times_s: times_s([-reach_s, reach_s]), across_rad: 0.0 };
-        // Error across the track with the shift by the delay, for a share of the errors, at a time.
-        let across_rad = |time_s: f64, share: f64| {
-            let (drift_rad_s, _) = drift(&sight, time_s);
-            let sigma_rad = uncertainty.cross_track_km / sight(time_s, 0.0).1;
-            lateness.scaled(drift_rad_s).blurred(sigma_rad).half_width_s(share)
+        let on_time = |time_s: f64| sight(time_s, 0.0);
+        let Some((predicted, near_s, coverage)) = self.predicted(&errors, &sight, &on_time) else {
+            let reason = LeftOutReason::UnknownPosition("measured, but predicted far from the frame".into());
+            return Ok(if measured.is_empty() { FrameMask::default() } else { left_out(reason) });
         };
-        let nearest_s = nearest(&rough, &self.exposure.pointing);
-        let widest_rad = across_rad(nearest_s, share);
-        let wide = ErringTrack { across_rad: widest_rad, ..rough };
-        let Some(near_s) = wide.near_s(&self.exposure.pointing, search_rad) else {
-            let reason = "measured, but predicted far from the frame";
-            return if measured.is_empty() {
-                Ok((Vec::new(), None))
-            } else {
-                omitted(NotMasked::UnknownPosition(reason.into()))
-            };
+        let satellite = Satellite {
+            element_index,
+            element_age_days: self.interval.element_age_days(propagator, middle_s),
+            sight: &sight,
+            range_km: on_time(0.5 * (near_s[0] + near_s[1])).1,
+            light: &TrackLight::of(&track, margin_s, near_s, self.options),
+            predicted,
+            probability,
+            coverage,
         };
+        let (mask, reason) = self.on_chips(&satellite, measured)?;
+        // A satellite that is masked on one chip may be too faint for another.
+        Ok(match reason.filter(|_| mask.streaks.is_empty()) {
+            Some(reason) => FrameMask { unused: mask.unused, ..left_out(reason) },
+            None => mask,
+        })
+    }
+
+    /// Returns the predicted track with its errors, the times at which it may be near the frame, and the probability that
+    /// its corridor contains the streak; `None` if it does not lead near the frame.
+    fn predicted<'a>(
+        &self,
+        errors: &PositionErrors,
+        sight: &Sight<'_>,
+        on_time: &'a (dyn Fn(f64) -> (Direction<Gcrs>, f64) + Sync),
+    ) -> Option<(UncertainTrack<'a>, [f64; 2], f64)> {
+        let (exposure_s, share, pointing) = (self.frame.exposure_s, self.share, &self.exposure.pointing);
+        let times_s = |reach_s: f64| [-reach_s, exposure_s + reach_s];
+        let track = |reach_s, across_rad| UncertainTrack { sight: on_time, times_s: times_s(reach_s), across_rad };
+        let nearest_s = nearest(&track(errors.delay_s, 0.0), pointing);
+        let widest_rad = errors.across_rad(sight, nearest_s, share);
+        let near_s = track(errors.delay_s, widest_rad).near_s(pointing, self.radius_rad + MARGIN_RAD)?;
         // An end of the streak moves by the delay less the motion of the site along the track.
-        let reach_s = reach_s * (1.0 + drift(&sight, nearest_s).1.min(1.0));
+        let reach_s = errors.delay_s * (1.0 + drift(sight, nearest_s).1.min(1.0));
         // If no end of the streak can be in the frame, only the error across the track matters.
         let has_end = near_s[0] <= reach_s || near_s[1] >= exposure_s - reach_s;
-        let of_ends = if has_end { share.min(lateness.share(-reach_s, reach_s)) } else { 1.0 };
-        let across_share = if has_end { share } else { options.coverage };
-        let predicted = ErringTrack {
-            times_s: times_s([-reach_s, reach_s]),
-            across_rad: if has_end { widest_rad } else { across_rad(nearest_s, across_share) },
-            ..rough
+        let (across_rad, covered) = if has_end {
+            (widest_rad, share * share.min(errors.lateness.share(-errors.delay_s, errors.delay_s)))
+        } else {
+            (errors.across_rad(sight, nearest_s, self.options.coverage), self.options.coverage)
         };
-        let range_km = sight(nearest_s, 0.0).1;
-        let light = TrackLight::of(&track, margin_s, near_s, options);
-        if !light.points.iter().any(|point| point.is_lit) && measured.is_empty() {
-            return Ok((Vec::new(), None));
-        }
-        let is_given = options.width_arcsec.is_some();
-        let is_unknown = !is_given && light.points.iter().all(|point| point.brightness.is_none());
-        let (mut streaks, mut reason) = (Vec::new(), None);
-        for (index, target) in self.frame.chips.iter().enumerate() {
-            let scale = target.chip.scale;
-            let lit_rate = |time_s: f64, rate: f64| if light.is_lit(time_s) { rate } else { 0.0 };
-            let of_chip = measured.iter().find(|streak| streak.hdu == target.chip.hdu);
-            let of_chip = of_chip.and_then(|streak| {
-                let late_s = streak.late_s.map_or(0.0, |(late_s, _)| late_s);
-                Some((streak, streak.fitted(&target.chip, self.frame.opened, late_s, &sight)?))
-            });
-            let (late_s, across_rad, found) = match &of_chip {
-                Some((streak, fitted)) => {
-                    let sigmas = normal.half_width_s(share);
-                    let (late_s, error_s) =
-                        streak.late_s.map_or((0.0, reach_s), |(late_s, sigma_s)| (late_s, sigmas * sigma_s));
-                    let late_s = [late_s - error_s, late_s + error_s];
-                    let pixel_rad = (target.chip.pixel_scale_arcsec() / 3600.0).to_radians();
-                    let across_rad = ERROR_AT_ENDS * sigmas * streak.across_sigma_pix * pixel_rad;
-                    let brightest = |time_s: f64| match light.bright_mag(time_s) {
-                        // The light of a saturated streak is a lower limit.
-                        Some(magnitude) if streak.is_saturated => streak.rate.max(scale.rate(Some(magnitude))),
-                        _ => streak.rate,
-                    };
-                    let seeing_arcsec = streak.seeing_arcsec.unwrap_or(options.optics.seeing_arcsec);
-                    let request = Request {
-                        element_index,
-                        chip: index,
-                        track: ErringTrack { sight: fitted, times_s: times_s(late_s), across_rad },
-                        range_km,
-                        optics: Optics { seeing_arcsec, ..options.optics },
-                        is_found: true,
-                        rate: &|time_s| if is_given { 1.0 } else { brightest(time_s) },
-                    };
-                    (late_s, across_rad, self.corridor(&request)?)
+        Some((track(reach_s, across_rad), near_s, errors.not_manoeuvred * covered))
+    }
+
+    /// Returns the corridors of a satellite on all chips, measured or else predicted, and the reason why the prediction is
+    /// not masked on a chip.
+    fn on_chips(
+        &self,
+        satellite: &Satellite<'_>,
+        measured: &[&MeasuredStreak],
+    ) -> Result<(FrameMask, Option<LeftOutReason>), StreaksError> {
+        let (light, chips) = (satellite.light, 0..self.frame.chips.len());
+        let mut mask = FrameMask::default();
+        for &streak in measured {
+            let found = match chips.clone().find(|chip| self.frame.chips[*chip].chip.hdu == streak.hdu) {
+                Some(chip) if mask.streaks.iter().all(|one| one.chip != chip) => {
+                    self.measured_on(satellite, chip, streak)?.ok_or(UnusedReason::OffChip)
                 }
-                None if is_unknown => {
-                    reason = Some(NotMasked::UnknownMagnitude);
-                    continue;
-                }
-                None => {
-                    let request = Request {
-                        element_index,
-                        chip: index,
-                        track: predicted,
-                        range_km,
-                        optics: options.optics,
-                        is_found: false,
-                        rate: &|time_s| {
-                            lit_rate(time_s, if is_given { 1.0 } else { scale.rate(light.bright_mag(time_s)) })
-                        },
-                    };
-                    ([-reach_s, reach_s], predicted.across_rad, self.corridor(&request)?)
-                }
+                _ => Err(UnusedReason::Repeated),
             };
-            let Found { cells, peak_to_noise } = found;
-            let area = Area::of_cells(&cells, &target.chip.light_area);
-            let middle = target.chip.middle();
-            let nearest =
-                cells.iter().min_by(|a, b| middle.distance(a.middle()).total_cmp(&middle.distance(b.middle())));
-            let Some(nearest) = nearest.filter(|_| area.pixels() > 0) else {
-                if let (Some(peak_to_noise), None) = (peak_to_noise, &of_chip)
-                    && peak_to_noise < options.threshold
-                {
-                    let magnitude = light.points.iter().filter_map(|point| Some(point.brightness.as_ref()?.1));
-                    let magnitude = magnitude.fold(f64::INFINITY, f64::min);
-                    reason = Some(NotMasked::Faint { peak_to_noise, magnitude });
-                }
-                continue;
-            };
-            let widest_pix = cells.iter().map(|cell| cell.light_pix).fold(0.0, f64::max);
-            let on_sky = |polygon: Vec<PixelPosition>| -> Vec<Direction<Gcrs>> {
-                polygon.into_iter().filter_map(|corner| target.chip.wcs.to_sky(corner)).collect()
-            };
-            streaks.push(MaskedStreak {
-                chip: index,
-                norad_id: elements.norad_id,
-                name: elements.name.clone(),
-                origin: if of_chip.is_some() { StreakOrigin::Measured } else { StreakOrigin::Predicted },
-                epoch: seconds_after(self.frame.opened, nearest.time_s()),
-                element_age_days: self.interval.element_age_days(propagator, 0.5 * exposure_s),
-                probability: if of_chip.is_some() { 1.0 } else { probability },
-                coverage: if of_chip.is_some() { options.coverage } else { not_manoeuvred * of_ends * across_share },
-                late_s,
-                across_rad,
-                brightness: light.around(nearest.time_s())[0].brightness.clone().filter(|_| !is_given),
-                peak_to_noise,
-                width_arcsec: 2.0 * widest_pix * target.chip.pixel_scale_arcsec(),
-                polygons: polygons(&cells, &target.chip.light_area).into_iter().map(on_sky).collect(),
-                area,
-            });
+            match found {
+                Ok(one) => mask.streaks.push(one),
+                Err(reason) => mask.unused.push((streak.clone(), reason)),
+            }
         }
-        // A satellite that is masked on one chip may be too faint for another.
-        match reason.filter(|_| streaks.is_empty()) {
-            Some(reason) => omitted(reason),
-            None => Ok((streaks, None)),
+        let masked: Vec<usize> = mask.streaks.iter().map(|one| one.chip).collect();
+        if satellite.probability == 0.0 && masked.is_empty() || !light.points.iter().any(|point| point.is_lit) {
+            return Ok((mask, None));
         }
+        let is_given = self.options.width_arcsec.is_some();
+        if !is_given && light.points.iter().all(|point| point.brightness.is_none()) {
+            return Ok((mask, Some(LeftOutReason::UnknownMagnitude)));
+        }
+        let mut brightest: Option<f64> = None;
+        for chip in chips.filter(|chip| !masked.contains(chip)) {
+            let rate = |time_s: f64| match light.is_lit(time_s) {
+                false => 0.0,
+                true if is_given => 1.0,
+                true => self.frame.chips[chip].chip.scale.rate(light.bright_mag(time_s)),
+            };
+            let (track, optics) = (satellite.predicted, self.options.optics);
+            let request = CorridorRequest { chip, track, optics, is_found: false, rate: &rate };
+            let corridor = self.corridor(satellite, &request)?;
+            brightest = brightest.into_iter().chain(corridor.peak_to_noise).max_by(f64::total_cmp);
+            let one = self.masked(satellite, &request, corridor);
+            // A satellite that was measured on another chip is in the frame.
+            let probability = if masked.is_empty() { satellite.probability } else { 1.0 };
+            mask.streaks.extend(one.map(|one| MaskedStreak { probability, ..one }));
+        }
+        let magnitude = light.points.iter().filter_map(|point| Some(point.brightness.as_ref()?.1));
+        let magnitude = magnitude.fold(f64::INFINITY, f64::min);
+        let faint = brightest.filter(|peak_to_noise| *peak_to_noise < self.options.threshold);
+        Ok((mask, faint.map(|peak_to_noise| LeftOutReason::Faint { peak_to_noise, magnitude })))
+    }
+
+    /// Returns the corridor of a measured streak on a chip; `None` if it does not reach the chip.
+    fn measured_on(
+        &self,
+        satellite: &Satellite<'_>,
+        index: usize,
+        streak: &MeasuredStreak,
+    ) -> Result<Option<MaskedStreak>, StreaksError> {
+        let (options, chip, exposure_s) = (self.options, &self.frame.chips[index].chip, self.frame.exposure_s);
+        // Without a measured delay it is that of the prediction.
+        let (late_s, error_s) = streak
+            .late_s
+            .map_or((0.0, -satellite.predicted.times_s[0]), |(late_s, sigma_s)| (late_s, self.sigmas * sigma_s));
+        let Some(fitted) = streak.fitted(chip, self.frame.opened, late_s, satellite.sight) else { return Ok(None) };
+        let pixel_rad = (chip.pixel_scale_arcsec() / 3600.0).to_radians();
+        let track = UncertainTrack {
+            sight: &fitted,
+            times_s: [-late_s - error_s, exposure_s - late_s + error_s],
+            across_rad: ERROR_AT_ENDS * self.sigmas * streak.across_sigma_pix * pixel_rad,
+        };
+        let rate = |time_s: f64| match satellite.light.bright_mag(time_s) {
+            _ if options.width_arcsec.is_some() => 1.0,
+            // The light of a saturated streak is a lower limit.
+            Some(magnitude) if streak.is_saturated => streak.rate.max(chip.scale.rate(Some(magnitude))),
+            _ => streak.rate,
+        };
+        let seeing_arcsec = streak.seeing_arcsec.unwrap_or(options.optics.seeing_arcsec);
+        let optics = Optics { seeing_arcsec, ..options.optics };
+        let request = CorridorRequest { chip: index, track, optics, is_found: true, rate: &rate };
+        Ok(self.masked(satellite, &request, self.corridor(satellite, &request)?))
+    }
+
+    /// Returns the masked streak of a corridor; `None` if it contains no pixel of the chip.
+    fn masked(
+        &self,
+        satellite: &Satellite<'_>,
+        request: &CorridorRequest<'_>,
+        ChipCorridor { cells, peak_to_noise }: ChipCorridor,
+    ) -> Option<MaskedStreak> {
+        let chip = &self.frame.chips[request.chip].chip;
+        let area = Area::of_cells(&cells, &chip.light_area);
+        let away = |cell: &Cell| chip.middle().distance(cell.middle());
+        let nearest = cells.iter().min_by(|a, b| away(a).total_cmp(&away(b))).filter(|_| area.pixels() > 0)?;
+        let widest_pix = cells.iter().map(|cell| cell.light_pix).fold(0.0, f64::max);
+        let elements = &self.interval.sky().elements()[satellite.element_index];
+        let [from_s, to_s] = request.track.times_s;
+        let late_s = [self.frame.exposure_s - to_s, -from_s];
+        let (origin, probability, coverage) = if request.is_found {
+            (StreakOrigin::Measured, 1.0, self.options.coverage)
+        } else {
+            (StreakOrigin::Predicted, satellite.probability, satellite.coverage)
+        };
+        let brightness = satellite.light.around(nearest.time_s())[0].brightness.clone();
+        Some(MaskedStreak {
+            chip: request.chip,
+            norad_id: elements.norad_id,
+            name: elements.name.clone(),
+            origin,
+            epoch: seconds_after(self.frame.opened, nearest.time_s() + 0.5 * (late_s[0] + late_s[1])),
+            element_age_days: satellite.element_age_days,
+            probability,
+            coverage,
+            late_s,
+            across_rad: request.track.across_rad,
+            brightness: brightness.filter(|_| self.options.width_arcsec.is_none()),
+            peak_to_noise,
+            width_arcsec: 2.0 * widest_pix * chip.pixel_scale_arcsec(),
+            polygons: polygons(&cells, &chip.light_area).into_iter().map(|polygon| on_sky(chip, polygon)).collect(),
+            area,
+        })
     }
 
     /// Returns the cells of a corridor on a chip, and the light of the brightest pixel of the chip.
-    fn corridor(&self, request: &Request<'_>) -> Result<Found, StreaksError> {
+    fn corridor(&self, satellite: &Satellite<'_>, request: &CorridorRequest<'_>) -> Result<ChipCorridor, StreaksError> {
         let chip: &Chip = &self.frame.chips[request.chip].chip;
         let scale_arcsec = chip.pixel_scale_arcsec();
         if let Some(width_arcsec) = self.options.width_arcsec {
             let half_pix = 0.5 * width_arcsec / scale_arcsec;
             let cells = request.track.cells(chip, request.rate, half_pix, |_| Some(half_pix))?;
-            return Ok(Found { cells, peak_to_noise: None });
+            return Ok(ChipCorridor { cells, peak_to_noise: None });
         }
-        let radius_m = 0.5 * self.interval.sky().model(request.element_index).size_m();
-        let profile = request.optics.profile(request.range_km, radius_m, scale_arcsec, chip.pixel_aspect())?;
+        let radius_m = 0.5 * self.interval.sky().model(satellite.element_index).size_m();
+        let profile = request.optics.profile(satellite.range_km, radius_m, scale_arcsec, chip.pixel_aspect())?;
         let noise = &self.noise[request.chip];
         let (mut width, mut brightest) = (None, None);
         let half_width = |light: &LocalLight| {
             let [x, y] = light.motion_pix_s;
+            // The width depends little on the direction, so that that of the first cell suffices.
             let width: &LightWidth = width.get_or_insert_with(|| LightWidth::of(&profile, y.atan2(x)));
             // Light per pixel of length; a slow satellite is a point.
             let per_pixel = (light.rate / x.hypot(y)).min(light.rate * self.frame.exposure_s);
@@ -500,13 +579,25 @@ impl Masking<'_> {
             width.beyond_pix(level.min(most))
         };
         let cells = request.track.cells(chip, request.rate, profile.pixel_reach_pix(), half_width)?;
-        Ok(Found { cells, peak_to_noise: brightest })
+        Ok(ChipCorridor { cells, peak_to_noise: brightest })
     }
+}
+
+/// Returns the corners of a polygon on the sky, anticlockwise as seen by the observer (IVOA DALI 1.1, section 3.3.7). In
+/// mirrored images they are clockwise in pixels.
+fn on_sky(chip: &Chip, polygon: Vec<PixelPosition>) -> Vec<Direction<Gcrs>> {
+    let mut corners: Vec<_> = polygon.into_iter().filter_map(|corner| chip.wcs.to_sky(corner)).collect();
+    let next = corners.iter().cycle().skip(1);
+    let turn: Vector3<f64> = corners.iter().zip(next).map(|(a, b)| a.vector().cross(b.vector())).sum();
+    if corners.first().is_some_and(|first| turn.dot(first.vector()) > 0.0) {
+        corners.reverse();
+    }
+    corners
 }
 
 /// Returns the shift of a direction by the motion of the site during a delay of one second: across the track, radians,
 /// and along it as a fraction of the motion of the satellite in that time.
-fn drift(sight: &impl Fn(f64, f64) -> (Direction<Gcrs>, f64), time_s: f64) -> (f64, f64) {
+fn drift(sight: &Sight<'_>, time_s: f64) -> (f64, f64) {
     const STEP_S: f64 = 0.5;
     let at = |time_s: f64, late_s: f64| *sight(time_s, late_s).0.vector();
     let moved = (at(time_s + STEP_S, 0.0) - at(time_s - STEP_S, 0.0)) / (2.0 * STEP_S);
@@ -517,7 +608,7 @@ fn drift(sight: &impl Fn(f64, f64) -> (Direction<Gcrs>, f64), time_s: f64) -> (f
 }
 
 /// Returns the time at which a track is nearest to a direction, to about a second.
-fn nearest(track: &ErringTrack<'_>, direction: &Direction<Gcrs>) -> f64 {
+fn nearest(track: &UncertainTrack<'_>, direction: &Direction<Gcrs>) -> f64 {
     let [from_s, to_s] = track.times_s;
     let steps = (to_s - from_s).ceil().clamp(1.0, 10_000.0);
     let times_s = (0..=steps as usize).map(|step| from_s + (to_s - from_s) * step as f64 / steps);
@@ -525,8 +616,8 @@ fn nearest(track: &ErringTrack<'_>, direction: &Direction<Gcrs>) -> f64 {
     times_s.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(from_s)
 }
 
-/// Result of one corridor.
-struct Found {
+/// Corridor on one chip.
+struct ChipCorridor {
     cells: Vec<Cell>,
     peak_to_noise: Option<f64>,
 }

@@ -1,9 +1,9 @@
-//! Tables of corridors and of satellites that are not masked, and region files.
+//! Tables of corridors and of satellites that are left out, and region files.
 
 use std::fmt::{self, Write};
 
 use super::super::frame::TargetFrame;
-use super::satellites::{FrameMask, MaskedStreak, NotMasked, Omitted, StreakOrigin};
+use super::satellites::{FrameMask, LeftOutReason, LeftOutSatellite, MaskedStreak, StreakOrigin};
 use crate::frames::{Direction, Gcrs};
 use crate::output::{Column, Kind, Table, TableField, Value};
 
@@ -36,7 +36,7 @@ fn fields<'a>() -> Vec<TableField<Row<'a>>> {
             .into()
         }),
         TableField::new(
-            Column::time("mid_utc", "Time at which the track is nearest to the middle of the chip."),
+            Column::time("mid_utc", "Time at which the satellite is nearest to the middle of the chip."),
             |row| row.streak.epoch.into(),
         ),
         TableField::new(
@@ -88,7 +88,8 @@ fn fields<'a>() -> Vec<TableField<Row<'a>>> {
         TableField::new(
             text(
                 "s_region",
-                "Polygon of the corridor (STC-S, as in ObsCore): right ascension and declination, deg, ICRS.",
+                "Polygon of the corridor (STC-S, as in ObsCore): right ascension and declination, deg, ICRS, \
+                 anticlockwise on the sky.",
             ),
             |row| {
                 let mut region = "POLYGON ICRS".to_owned();
@@ -120,21 +121,21 @@ pub fn corridor_table(frame: &TargetFrame, image: &str, mask: &FrameMask) -> Tab
     Table::from_records(&fields(), rows(frame, image, mask))
 }
 
-/// Returns the satellites of a frame that are not masked, with the reasons.
-pub fn omitted_table(image: &str, omitted: &[Omitted]) -> Table {
+/// Returns the satellites that are left out of the mask of a frame, with the reasons.
+pub fn left_out_table(image: &str, left_out: &[LeftOutSatellite]) -> Table {
     let columns = vec![
         text("image", "File of the frame."),
         Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
         text("name", "Name of the satellite."),
-        text("reason", "Reason why it is not masked."),
+        text("reason", "Reason why it is left out."),
     ];
-    let row = |one: &Omitted| {
+    let row = |one: &LeftOutSatellite| {
         vec![image.into(), i64::from(one.norad_id.0).into(), Value::nonempty(&one.name), one.reason.to_string().into()]
     };
-    Table { columns, rows: omitted.iter().map(row).collect() }
+    Table { columns, rows: left_out.iter().map(row).collect() }
 }
 
-impl fmt::Display for NotMasked {
+impl fmt::Display for LeftOutReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Faint { peak_to_noise, magnitude } => {

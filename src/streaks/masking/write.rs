@@ -1,5 +1,6 @@
 //! Files with masks: a file of masks alone, or a copy of the frame with a bit added to its own mask planes.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::super::error::StreaksError;
@@ -8,14 +9,15 @@ use super::super::injection::{provenance_lines, reject_packed, reject_untiled};
 use super::area::Area;
 use super::satellites::{FrameMask, MaskOptions};
 use crate::images::{
-    Card, CardValue, FrameCopy, Header, ImageValues, ImagesError, NewImage, Pixels, PlaneKind, Rice, write_frame,
+    Bitpix, Card, CardValue, FrameCopy, Header, ImageValues, NewImage, Pixels, PlaneKind, Rice, write_frame,
 };
 use crate::output::Provenance;
 
 /// Rows of a mask plane that are read at once.
 const ROWS: usize = 256;
-/// Highest bit that is added, so that mask values of 32 bits stay positive.
-const HIGHEST_BIT: u32 = 30;
+/// Highest bit that is added: integers of 64 bits are computed in double precision, which is exact below 2⁵³.
+const HIGHEST_BIT: u32 = 52;
+const EXACT: f64 = 9_007_199_254_740_992.0;
 /// Beginnings of keywords of world coordinates.
 const COORDINATES: [&str; 20] = [
     "WCSAXES", "WCSNAME", "CTYPE", "CRVAL", "CRPIX", "CDELT", "CUNIT", "CROTA", "CD1_", "CD2_", "PC1_", "PC2_", "PV1_",
@@ -48,7 +50,7 @@ pub fn mask_history(provenance: &Provenance, mask: &FrameMask, options: &MaskOpt
     let mut lines = vec![format!(
         "streakcast {version} mask: {} corridors, {} satellites left out, coverage {}, threshold {} of the noise",
         mask.streaks.len(),
-        mask.omitted.len(),
+        mask.left_out.len(),
         options.coverage,
         options.threshold,
     )];
@@ -86,12 +88,8 @@ pub fn write_mask_file(
 }
 
 fn values(area: &Area, target: &TargetChip) -> Result<ImageValues, StreaksError> {
-    let columns = target.chip.columns;
-    let mut values = vec![0u8; target.chip.rows * columns];
-    for (row, range) in area.runs() {
-        values[row * columns + range.start..row * columns + range.end].fill(1);
-    }
-    ImageValues::new(columns, Pixels::U8(values))
+    let (rows, columns) = (target.chip.rows, target.chip.columns);
+    ImageValues::new(columns, Pixels::U8(area.values([rows, columns], [0, 1])))
         .ok_or_else(|| StreaksError::invalid(format!("HDU {}", target.chip.hdu), "empty", "at least one pixel"))
 }
 
@@ -109,30 +107,32 @@ fn coordinates(header: &Header) -> Vec<Card> {
 /// Each chip with a masked pixel must have one of the planes.
 ///
 /// # Errors
-/// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes; the bit
-/// does not exist in it; or the file cannot be written.
+/// A chip with a masked pixel has no plane, or the file cannot be written.
 pub fn write_mask_planes(
     frame: &TargetFrame,
     mask: &FrameMask,
-    (planes, bit): (&[PlaneChoice], &MaskBit),
+    planes: &ChosenPlanes,
     history: &[String],
     output: &Path,
 ) -> Result<(), StreaksError> {
     reject_packed(output)?;
     reject_untiled(frame, output)?;
-    let chosen = planes_of(frame, planes)?;
     let mut copy = FrameCopy::begin(&frame.file, output)?;
     for (index, target) in frame.chips.iter().enumerate() {
         let area = mask.area(index);
         let hdu = target.chip.hdu;
-        let Some((_, plane)) = chosen.iter().find(|(chip, _)| *chip == index) else {
+        let Some((_, plane)) = planes.of_chips.iter().find(|(chip, _)| *chip == index) else {
             if area.pixels() > 0 {
                 let what = format!("{}: mask plane of HDU {hdu}", frame.file.path().display());
                 return Err(StreaksError::invalid(what, "missing", allowed_planes(frame)));
             }
             continue;
         };
-        add_bit(&mut copy, frame, *plane, &area, bit)?;
+        add_bit(&mut copy, frame, *plane, &area, planes.bit)?;
+        if let Some(name) = &planes.new_name {
+            let number = CardValue::Integer(i64::from(planes.bit));
+            copy.set_card(*plane, &format!("MP_{name}"), &number, "bit: streak of a satellite")?;
+        }
         for line in history {
             copy.add_history(*plane, line)?;
         }
@@ -228,15 +228,9 @@ fn add_bit(
     frame: &TargetFrame,
     hdu: usize,
     area: &Area,
-    bit: &MaskBit,
+    number: u32,
 ) -> Result<(), StreaksError> {
-    let shown = frame.file.path().display();
-    let Some((_, most)) = frame.file.hdu(hdu)?.format.whole_range() else {
-        let what = format!("{shown}: HDU {hdu}: type of the pixels");
-        return Err(StreaksError::invalid(what, "not whole numbers without scale", "a mask of integers"));
-    };
-    let (number, is_new) = number_of(frame, hdu, bit, most)?;
-    let value = 2f64.powi(number as i32);
+    let value = 2f32.powi(number as i32);
     for runs in area.runs().chunk_by(|a, b| a.0 / ROWS == b.0 / ROWS) {
         let rows = runs[0].0..runs[runs.len() - 1].0 + 1;
         let (first, columns) = (rows.start, frame.file.image_size(hdu)?[1]);
@@ -244,74 +238,124 @@ fn add_bit(
         for (row, range) in runs {
             let of_row = &old[(row - first) * columns..][range.clone()];
             let is_set = |old: f64| old.is_nan() || (old as i64 >> number) & 1 == 1;
-            let added: Vec<f32> = of_row.iter().map(|old| if is_set(*old) { 0.0 } else { value as f32 }).collect();
+            let added: Vec<f32> = of_row.iter().map(|old| if is_set(*old) { 0.0 } else { value }).collect();
             copy.add(hdu, *row, range.start, added)?;
         }
-    }
-    if let (MaskBit::Named(name), true) = (bit, is_new) {
-        copy.set_card(
-            hdu,
-            &format!("MP_{name}"),
-            &CardValue::Integer(i64::from(number)),
-            "bit: streak of a satellite",
-        )?;
     }
     Ok(())
 }
 
-/// Returns the number of a bit, and whether the mask does not name it yet.
-fn number_of(frame: &TargetFrame, hdu: usize, bit: &MaskBit, most: f64) -> Result<(u32, bool), StreaksError> {
-    let what = format!("{}: HDU {hdu}: mask bit", frame.file.path().display());
-    let exists = |number: u32| number <= HIGHEST_BIT && 2f64.powi(number as i32) <= most;
-    let highest = (0..=HIGHEST_BIT).rfind(|number| exists(*number)).unwrap_or(0);
-    let number = match bit {
-        MaskBit::Number(number) => {
-            return if exists(*number) {
-                Ok((*number, false))
-            } else {
-                Err(StreaksError::invalid(what, number, format!("0 to {highest} in pixels of this type")))
+/// Mask planes of a frame and the bit that is set in them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChosenPlanes {
+    /// Indices of chips, and the HDUs of their planes.
+    of_chips: Vec<(usize, usize)>,
+    /// Number of the bit, the same in all planes.
+    bit: u32,
+    /// Name of the bit, if it is added to the headers.
+    new_name: Option<String>,
+}
+
+impl ChosenPlanes {
+    /// Finds the planes of a frame and the bit in them. A new name gets the first bit that no plane of the frame uses.
+    ///
+    /// # Errors
+    /// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes; the
+    /// bit does not exist in it; or pixels of 64 bits are outside ±2⁵³.
+    pub fn of(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, StreaksError> {
+        let of_chips = planes_of(frame, planes)?;
+        let shown = frame.file.path().display();
+        let (mut highest, mut names) = (HIGHEST_BIT, Vec::new());
+        for (_, hdu) in &of_chips {
+            let format = frame.file.hdu(*hdu)?.format;
+            let Some((_, most)) = format.whole_range() else {
+                let (what, given) =
+                    (format!("{shown}: HDU {hdu}: type of the pixels"), "not whole numbers without scale");
+                return Err(StreaksError::invalid(what, given, "a mask of integers"));
             };
+            highest = (0..=highest).rfind(|number| 2f64.powi(*number as i32) <= most).unwrap_or(0);
+            if let MaskBit::Number(number) = bit
+                && *number > highest
+            {
+                let (what, allowed) =
+                    (format!("{shown}: HDU {hdu}: mask bit"), format!("0 to {highest} in this plane"));
+                return Err(StreaksError::invalid(what, number, allowed));
+            }
+            if format.bitpix == Bitpix::I64 {
+                used_bits(frame, *hdu)?;
+            }
+            names.push((*hdu, bit_names(frame.file.header(*hdu)?)));
         }
-        MaskBit::Named(name) => name,
-    };
-    let header = frame.file.header(hdu)?;
-    let bits = |card: &Card| {
+        let name = match bit {
+            MaskBit::Number(number) => return Ok(Self { of_chips, bit: *number, new_name: None }),
+            MaskBit::Named(name) => name,
+        };
+        let invalid = |what: &str, given: String, allowed: String| {
+            Err(StreaksError::invalid(format!("{shown}: {what}"), given, allowed))
+        };
+        if let Some((hdu, _)) = names.iter().find(|(_, bits)| bits.is_empty()) {
+            let given = format!("{name:?}, but the mask names no bits (MP_ keywords)");
+            return invalid(&format!("HDU {hdu}: mask bit"), given, format!("the number of a bit, 0 to {highest}"));
+        }
+        let known: BTreeSet<u32> = names.iter().filter_map(|(_, bits)| bits.get(name).copied()).collect();
+        let without: Vec<_> = names.iter().filter(|(_, bits)| !bits.contains_key(name)).collect();
+        // A bit that no keyword names may still be set in pixels.
+        let mut taken = 0;
+        for (hdu, bits) in &without {
+            taken |=
+                bits.values().filter(|bit| **bit < i64::BITS).fold(used_bits(frame, *hdu)?, |all, bit| all | 1 << bit);
+        }
+        let is_free = |bit: &u32| *bit <= highest && taken >> bit & 1 == 0;
+        let number = match (known.len(), known.first().copied().filter(is_free)) {
+            (0, _) => (0..=highest).find(is_free),
+            (1, free) => free,
+            _ => None,
+        };
+        let Some(bit) = number else {
+            let given = match &known.iter().map(u32::to_string).collect::<Vec<_>>()[..] {
+                [] => "missing: all bits are used".to_owned(),
+                numbers => format!("{} in some mask planes", numbers.join(" and ")),
+            };
+            let allowed =
+                format!("one bit from 0 to {highest} that is free in all mask planes, or --bit with its number");
+            return invalid(&format!("bit MP_{name}"), given, allowed);
+        };
+        Ok(Self { of_chips, bit, new_name: (!without.is_empty()).then(|| name.clone()) })
+    }
+
+    /// Returns the number of the bit.
+    pub fn bit(&self) -> u32 {
+        self.bit
+    }
+}
+
+/// Returns the bits that the `MP_` keywords of a mask name, by their names in capital letters.
+fn bit_names(header: &Header) -> BTreeMap<String, u32> {
+    let bit = |card: &Card| {
         let keyword = card.keyword();
         let bit = u32::try_from(header.integer(&keyword)?).ok()?;
-        Some((keyword.strip_prefix("MP_")?.to_owned(), bit))
+        Some((keyword.strip_prefix("MP_")?.to_ascii_uppercase(), bit))
     };
-    let named: Vec<(String, u32)> = header.cards().iter().filter_map(bits).collect();
-    if let Some((_, known)) = named.iter().find(|(known, _)| known.eq_ignore_ascii_case(number)) {
-        return if exists(*known) {
-            Ok((*known, false))
-        } else {
-            Err(StreaksError::invalid(format!("{what} of MP_{number}"), known, format!("0 to {highest}")))
-        };
-    }
-    if named.is_empty() {
-        let given = format!("{number:?}, but the mask names no bits (MP_ keywords)");
-        return Err(StreaksError::invalid(what, given, format!("the number of a bit, 0 to {highest}")));
-    }
-    // A bit that no keyword names may still be set in pixels.
-    let used = used_bits(frame, hdu)?;
-    let free = (0..=highest).find(|bit| used >> bit & 1 == 0 && named.iter().all(|(_, other)| other != bit));
-    let free = free.ok_or_else(|| {
-        StreaksError::invalid(
-            format!("{what} for {number:?}"),
-            "missing",
-            "a mask with a free bit, or --bit with a number",
-        )
-    })?;
-    Ok((free, true))
+    header.cards().iter().filter_map(bit).collect()
 }
 
 /// Returns the bits that are set in any pixel of a plane.
-fn used_bits(frame: &TargetFrame, hdu: usize) -> Result<i64, ImagesError> {
+///
+/// # Errors
+/// Pixels cannot be read, or are not exact in double precision.
+fn used_bits(frame: &TargetFrame, hdu: usize) -> Result<i64, StreaksError> {
     let [rows, _] = frame.file.image_size(hdu)?;
+    let zero = frame.file.hdu(hdu)?.format.zero;
     let mut used = 0;
     for first in (0..rows).step_by(ROWS) {
         let values = frame.file.read_rows(hdu, first..(first + ROWS).min(rows))?;
-        used |= values.into_iter().filter(|value| !value.is_nan()).fold(0, |bits, value| bits | value as i64);
+        for value in values.into_iter().filter(|value| !value.is_nan()) {
+            if let Some(inexact) = [zero, value].into_iter().find(|value| value.abs() >= EXACT) {
+                let what = format!("{}: HDU {hdu}: BZERO or pixel of 64 bits", frame.file.path().display());
+                return Err(StreaksError::invalid(what, format!("{inexact:.0}"), "above -2^53 and below 2^53"));
+            }
+            used |= value as i64;
+        }
     }
     Ok(used)
 }

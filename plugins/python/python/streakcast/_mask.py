@@ -36,7 +36,7 @@ class StreakMask:
     #: One row per polygon of a corridor, with the columns of ``streakcast mask --polygons``: `~astropy.table.QTable` or
     #: dictionary of arrays.
     streaks: Table
-    #: Satellites that may be in the frame and are not masked, and those of unknown position, with the reasons.
+    #: Satellites that may be in the frame and are left out, and those of unknown position, with the reasons.
     left_out: Table
     #: Summary in one line.
     summary: str
@@ -70,11 +70,11 @@ class MaskQueries(MeasureQueries):
         scale: str | None = None,
         hdu: WholeLike | None = None,
         coverage: FloatLike = 0.95,
-        threshold: FloatLike = 1.0,
+        threshold: FloatLike | None = None,
         min_probability: FloatLike | None = None,
         width: str | Quantity | None = None,
         seeing: str | Quantity | None = None,
-        psf: str = "moffat",
+        psf: str | None = None,
         zero_point: FloatLike | None = None,
         zero_point_1s: FloatLike | None = None,
         band: str | None = None,
@@ -102,16 +102,18 @@ class MaskQueries(MeasureQueries):
             HDUs of the file to use, from 0; default: all images with world coordinates.
         coverage : float
             Probability that the streak of a satellite is in its corridor, 0.5 to 0.999.
-        threshold : float
-            Light is masked down to this multiple of the local noise of a pixel; fainter satellites are left out.
+        threshold : float, optional
+            Light is masked down to this multiple of the local noise of a pixel, default 1; fainter satellites are left
+            out.
         min_probability : float, optional
             Smallest probability of a crossing of satellites whose predicted track misses the frame; default 0.01.
         width : str or `~astropy.units.Quantity`, optional
-            Full width of the light of all streaks, instead of that from brightness, seeing and noise.
+            Full width of the light of all streaks, instead of that from brightness, seeing, zero point and noise;
+            excludes ``threshold``, ``seeing``, ``psf`` and zero points.
         seeing : str or `~astropy.units.Quantity`, optional
             FWHM of the image of a star, with its unit; default: that of the telescope.
-        psf : str
-            ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
+        psf : str, optional
+            ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``; default: ``moffat``.
         zero_point, zero_point_1s : float or `~astropy.units.Quantity`, optional
             Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second;
             default: from the header.
@@ -130,22 +132,22 @@ class MaskQueries(MeasureQueries):
         Raises
         ------
         StreakcastError
-            World coordinates, zero point, seeing or the time are missing, or a number is out of range.
+            World coordinates, zero point, seeing or the time are missing, a number is out of range, or arguments exclude
+            each other.
         TypeError
             A number is given as time without a scale, or an angle has no unit.
 
         Warns
         -----
         StreakcastWarning
-            More than half of a chip is masked, positions are unknown, chips were omitted, or element sets are old.
+            More than half of a chip is masked, positions are unknown, measured streaks are not used, chips were omitted, or
+            element sets are old.
         """
         if not hasattr(_core, "mask"):
             raise NotImplementedError("mask is not in this build: it needs CFITSIO, which does not build on Windows")
-        if zero_point is not None and zero_point_1s is not None:
-            raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
         request: dict[str, Json] = dict(
             hdu=_integers(hdu), coverage=finite_scalar(coverage, "", "coverage"),
-            threshold=finite_scalar(threshold, "", "threshold"), width=_angle(width, "width"),
+            threshold=_scalar(threshold, "", "threshold"), width=_angle(width, "width"),
             seeing=_angle(seeing, "seeing"), psf=psf, zero_point=_scalar(zero_point, "mag", "zero_point"),
             zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
         )  # fmt: skip

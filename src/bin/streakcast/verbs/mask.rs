@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 
-use anyhow::anyhow;
 use clap::Args;
 use streakcast::Watch;
 use streakcast::config::{Config, MaskConfig};
@@ -53,9 +52,6 @@ pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
         typed.mask.image.iter().cloned().chain(config.files()).chain(config.run.file.clone()).collect();
     let all: Vec<&PathBuf> = outputs.iter().chain(&typed.polygons).chain(&typed.regions).collect();
     check_distinct(&inputs, &all)?;
-    if outputs.is_empty() && !typed.mask.into.is_empty() {
-        return Err(anyhow!("missing output file; specify -o FILE"));
-    }
     let notices = begin(&config)?;
     let done = typed.mask.mask(&config, None, &outputs, &Watch::default())?;
     done.remarks.iter().for_each(|remark| notices.info(remark));
