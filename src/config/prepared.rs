@@ -115,12 +115,10 @@ impl LoadedInputs {
             provenance.state("shells", stated);
             // All requests of a UTC day use one epoch, so that a schedule and a single exposure of it have the same
             // satellites.
-            let satellites: Vec<ElementSet> =
-                self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)).collect();
+            elements.extend(self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)));
             let names: Vec<&str> =
                 self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
-            of_files.push(warnings::of_simulated(&names, satellites.len()));
-            elements.extend(satellites);
+            of_files.push(warnings::of_simulated(&names, elements.len() - from_files));
         }
         provenance.state("satellites", elements.len());
         provenance.state("earth_orientation", self.eop.describe());

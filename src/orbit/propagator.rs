@@ -420,14 +420,13 @@ pub(super) enum SearchedPropagator<'a> {
 impl SatelliteIndex {
     /// Initialises SGP4 for every element set, on all threads.
     pub fn new(elements: &[ElementSet], drag: DragModel) -> Self {
-        let propagated: Vec<ElementSet> = elements.par_iter().map(|set| drag.propagated(set)).collect();
-        Self::of_propagated(&propagated, drag)
+        let made = elements.par_iter().map(|set| Propagator::new(&drag.propagated(set))).collect();
+        Self::of_propagators(elements, made, drag)
     }
 
-    /// Initialises SGP4 for the elements of every [`OrbitModel`](super::OrbitModel), on all threads. They were computed
-    /// for this treatment of drag.
-    pub fn of_propagated(elements: &[ElementSet], drag: DragModel) -> Self {
-        let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
+    /// Creates an index of the propagators of satellites, `Err` where SGP4 could not be initialised. They were made from
+    /// the elements of an [`OrbitModel`](super::OrbitModel) with this treatment of drag.
+    pub fn of_propagators(elements: &[ElementSet], made: Vec<Result<Propagator, OrbitError>>, drag: DragModel) -> Self {
         let mut left_out = Vec::new();
         let propagators = made
             .into_iter()

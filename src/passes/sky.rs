@@ -391,8 +391,8 @@ fn orbits(
     factor: impl Fn(usize) -> f64,
 ) -> (SatelliteIndex, Vec<OrbitClass>) {
     let of = |set: &ElementSet| OrbitModel::of(set, others_of(&others.sets, set.norad_id), others.moment, drag);
-    let (propagated, classes): (Vec<ElementSet>, Vec<OrbitClass>) =
-        elements.par_iter().map(of).map(|model| (model.elements, model.class)).unzip();
+    let (made, classes): (Vec<_>, Vec<OrbitClass>) =
+        elements.par_iter().map(of).map(|model| (Propagator::new(&model.elements), model.class)).unzip();
     let classes = classes.into_iter().enumerate().map(|(index, class)| class.with_lateness_factor(factor(index)));
-    (SatelliteIndex::of_propagated(&propagated, drag), classes.collect())
+    (SatelliteIndex::of_propagators(elements, made, drag), classes.collect())
 }

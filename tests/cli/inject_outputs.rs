@@ -54,6 +54,11 @@ fn verif_links_are_followed_and_pipes_are_rejected() {
     let same: &[&str] = &["-o", &path(&folder, "store/frame.fits"), "--truth", &truth, "--trails", &truth];
     let (code, _, stderr) = run(&[&["inject", "--synthetic", &description], same, RANDOM]);
     assert!(code == 2 && stderr.contains("is also another output"), "{stderr}");
+    // An output below a file: the error of the system is stated.
+    let below = format!("{description}/frame.fits");
+    let (code, _, stderr) = run(&[&["inject", "--synthetic", &description, "-o", &below], RANDOM]);
+    assert_eq!(code, 2);
+    assert!(stderr.starts_with(&format!("error: cannot write {below}: ")) && stderr.contains("os error"), "{stderr}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use clap::Args;
 use streakcast::Watch;
 use streakcast::config::{Config, InjectionConfig, inject_frames};
@@ -14,7 +14,7 @@ use streakcast::streaks::{InjectedFrame, Injections};
 use crate::failure::Outcome;
 use crate::files::check_distinct;
 use crate::notices::Notices;
-use crate::output::{Format, Output, VerbResult, check_whole};
+use crate::output::{Format, Output, VerbResult, cannot_write, check_whole};
 use crate::output::{check, write_bytes};
 use crate::required::Required;
 use crate::screen::Style;
@@ -141,7 +141,7 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
 pub fn frame_outputs(output: &Path, images: &[PathBuf], count: usize) -> anyhow::Result<Vec<PathBuf>> {
     if count == 1 && !output.is_dir() {
         let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty());
-        folder.map_or(Ok(()), fs::create_dir_all).with_context(|| format!("--output {}", output.display()))?;
+        folder.map_or(Ok(()), fs::create_dir_all).map_err(|error| cannot_write(output, &error))?;
         return Ok(vec![output.to_owned()]);
     }
     if !output.is_dir() {
