@@ -12,14 +12,13 @@ use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
 use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
-use crate::images::{CountBasis, Detector, Header, ImageValues, ImagesError, Telescope};
+use crate::images::{CountBasis, Detector, ImagesError, Telescope};
 use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
-    ArrayFrame, ArrayInjected, ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky,
-    Injections, LightCurve, MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber,
-    SyntheticFrame, SyntheticPlan, Tumbling,
+    ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LightCurve, MaskPreset,
+    Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan, Tumbling,
 };
 use crate::watch::Watch;
 
@@ -68,25 +67,6 @@ pub fn inject_frames(
     injections.warnings.extend(prepared.warnings);
     injections.remarks.splice(0..0, remark);
     Ok(injections)
-}
-
-/// Adds streaks to an image in memory. `cards` are its header; `scratch` is a folder for temporary files.
-///
-/// # Errors
-/// [`ConfigError`].
-pub fn inject_into_array(
-    injection: &InjectionConfig,
-    config: &Config,
-    sky: Option<SkyOf<'_>>,
-    image: &ImageValues,
-    cards: &Header,
-    scratch: &Path,
-    watch: &Watch,
-) -> Result<ArrayInjected, ConfigError> {
-    let frame = ArrayFrame::new(image, cards, scratch)?;
-    let injection = InjectionConfig { image: vec![frame.input()], synthetic: None, ..injection.clone() };
-    let injections = inject_frames(&injection, config, sky, &[frame.output()], watch)?;
-    Ok(frame.finish(injections)?)
 }
 
 fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {

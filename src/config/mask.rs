@@ -16,12 +16,11 @@ use super::values::parse_angle_deg;
 use super::warnings::first_of;
 use crate::elements::NoradId;
 use crate::frames::seconds_after;
-use crate::images::{Header, ImageValues};
 use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
-    ArrayFrame, ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak,
-    PlaneChoice, StreakOrigin, StreaksError, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame,
-    mask_history, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
+    ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, PlaneChoice,
+    StreakOrigin, StreaksError, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
+    read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 use crate::watch::Watch;
 
@@ -267,25 +266,6 @@ impl MaskConfig {
             }),
         );
         Ok(Masks { frames: done, provenance, remarks, warnings })
-    }
-
-    /// Returns the masks of an image in memory, which is named `frame` in tables. `cards` are its header; `scratch` is a
-    /// folder for temporary files.
-    ///
-    /// # Errors
-    /// The errors of [`mask`](Self::mask).
-    pub fn mask_array(
-        &self,
-        config: &Config,
-        sky: Option<SkyOf<'_>>,
-        (image, cards): (&ImageValues, &Header),
-        scratch: &Path,
-        watch: &Watch,
-    ) -> Result<Masks, ConfigError> {
-        let file = ArrayFrame::new(image, cards, scratch)?;
-        let mut masks = Self { image: vec![file.input()], ..self.clone() }.mask(config, sky, &[], watch)?;
-        masks.frames.iter_mut().for_each(|one| one.image = "frame".to_owned());
-        Ok(masks)
     }
 
     fn check(&self) -> Result<(), ConfigError> {

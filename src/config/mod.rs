@@ -46,7 +46,7 @@ pub use identify_table::{TableStreak, streaks_of_table};
 #[cfg(all(feature = "fits", unix))]
 pub use injection::InjectionConfig;
 #[cfg(all(feature = "fits", unix))]
-pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
+pub use injection_plan::{SkyOf, inject_frames};
 pub use inputs::LoadedInputs;
 #[cfg(all(feature = "fits", unix))]
 pub use mask::{MaskConfig, MaskedFrame, Masks};

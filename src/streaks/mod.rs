@@ -36,8 +36,7 @@ pub use frame::{
 };
 #[cfg(all(feature = "fits", unix))]
 pub use injection::{
-    ArrayFrame, ArrayInjected, InjectedFrame, Injection, InjectionPlan, InjectionSky, Injections, Mark, RandomPlan,
-    SyntheticPlan,
+    InjectedFrame, Injection, InjectionPlan, InjectionSky, Injections, Mark, RandomPlan, SyntheticPlan,
 };
 #[cfg(all(feature = "fits", unix))]
 pub use light::{ChosenLight, ChosenStreak, ChosenStreaks, ChosenWidth};

@@ -7,6 +7,8 @@ mod engine;
 mod exposures;
 mod failure;
 #[cfg(unix)]
+mod frames;
+#[cfg(unix)]
 mod injection;
 mod learn;
 mod light;
@@ -34,6 +36,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sky_cache::setup_files, module)?)?;
     module.add_function(wrap_pyfunction!(exposures::utc_text, module)?)?;
     // Frames require CFITSIO, which cannot be built on Windows.
+    #[cfg(unix)]
+    module.add_function(wrap_pyfunction!(frames::write_frame, module)?)?;
+    #[cfg(unix)]
+    module.add_function(wrap_pyfunction!(frames::read_image, module)?)?;
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     #[cfg(unix)]

@@ -1,46 +1,31 @@
-//! Masks of the streaks of satellites in files and arrays.
-
-use std::path::Path;
+//! Masks of the streaks of satellites in files.
 
 use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use streakcast::config::{Config, MaskConfig, SkyOf};
-use streakcast::images::Header;
 
 use crate::columns::columns;
 use crate::failure;
-use crate::injection::{exception, values_of};
+use crate::injection::exception;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// Masks the file in the request, or an image, for which `scratch` is a folder for temporary files. Returns `masks`, a
-/// dictionary of boolean arrays by the numbers of their HDUs, `streaks` and `left_out` as columns, `summary`, `remarks`
-/// and `warnings`.
+/// Masks the file in the request. Returns `masks`, a dictionary of boolean arrays by the numbers of their HDUs, `streaks`
+/// and `left_out` as columns, `summary`, `remarks` and `warnings`.
 #[pyfunction]
-#[pyo3(signature = (request, setup, config, sky_cache, scratch, image=None, header=None))]
 pub fn mask<'py>(
     py: Python<'py>,
     request: &str,
     setup: &str,
     config: Option<&str>,
     sky_cache: Py<SkyCache>,
-    scratch: &str,
-    image: Option<Bound<'py, PyAny>>,
-    header: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let request: MaskConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
-    let image = image.map(|image| values_of(&image)).transpose()?;
-    let cards = Header::from_text(header.unwrap_or_default());
     let done = failure::without_lock(py, |watch| {
         let sky = |moment: Epoch| sky_cache.get().prepared(moment);
-        let sky = Some(&sky as SkyOf<'_>);
-        match &image {
-            None => request.mask(&setup, sky, &[], watch),
-            Some(image) => request.mask_array(&setup, sky, (image, &cards), Path::new(scratch), watch),
-        }
-        .map_err(exception)
+        request.mask(&setup, Some(&sky as SkyOf<'_>), &[], watch).map_err(exception)
     })?;
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let (result, masks) = (PyDict::new(py), PyDict::new(py));

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import astropy.coordinates
 import astropy.io.fits
+import astropy.nddata
 import astropy.table
 import astropy.time
 import astropy.units
@@ -25,8 +26,13 @@ PACKAGE = Path(streakcast.__file__).parent
 #: Names that the package imports only for type checks.
 NAMES = {
     "Client": distributed.Client,
+    "CompImageHDU": astropy.io.fits.CompImageHDU,
     "EarthLocation": astropy.coordinates.EarthLocation,
+    "HDUList": astropy.io.fits.HDUList,
     "Header": astropy.io.fits.Header,
+    "ImageHDU": astropy.io.fits.ImageHDU,
+    "NDData": astropy.nddata.NDData,
+    "PrimaryHDU": astropy.io.fits.PrimaryHDU,
     "QTable": astropy.table.QTable,
     "Quantity": astropy.units.Quantity,
     "SkyCoord": astropy.coordinates.SkyCoord,

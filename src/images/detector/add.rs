@@ -83,16 +83,16 @@ impl Detector {
         if let Some(saturation) = &self.saturation {
             saturated = self.fill_wells(frame, saturation, &mut changes);
         }
-        let measured: Vec<Change> = changes.par_iter().map(|change| self.signal_of(frame, *change)).collect();
+        changes.par_iter_mut().for_each(|change| *change = self.signal_of(frame, *change));
         let mut ghosts = Vec::new();
         if let Some(crosstalk) = &self.crosstalk {
-            for change in &measured {
+            for change in &changes {
                 crosstalk.spread(change.row, change.column, change.e, |row, column, e| {
                     ghosts.push(Change { row, column, e });
                 });
             }
         }
-        let mut all = measured;
+        let mut all = changes;
         all.append(&mut ghosts);
         // The sort is stable, so that sums depend only on the order of the amplifiers.
         all.sort_by_key(|change| (change.row, change.column));

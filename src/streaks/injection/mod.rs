@@ -1,16 +1,13 @@
 //! Injection of streaks into frames. [`InjectionPlan`] describes an injection; [`Injection`] opens the frames and runs
 //! it.
 //!
-//! `frames` opens or creates frames, `lights` finds the moving lights of a frame, `run` draws and writes them, and
-//! `array` injects streaks into images in memory.
+//! `frames` opens or creates frames, `lights` finds the moving lights of a frame, and `run` draws and writes them.
 
-mod array;
 mod frames;
 mod lights;
 mod plan;
 mod run;
 
-pub use array::{ArrayFrame, ArrayInjected};
 pub(super) use frames::reject_untiled;
 pub use lights::InjectionSky;
 pub(super) use lights::provenance_lines;

@@ -1,6 +1,6 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal, Optional, TypedDict, Union
+from typing import Literal, Optional, TypedDict, Union, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -100,17 +100,13 @@ class Masked(TypedDict):
     remarks: list[str]
     warnings: list[str]
 
-class _Injection(TypedDict):
+class InjectionResult(TypedDict):
     summary: str
     truth: list[Column]
     points: list[Column]
     trails: list[Column]
     bits: tuple[int, int]
     warnings: list[str]
-
-class InjectionResult(_Injection, total=False):
-    image: Pixels
-    mask: Optional[npt.NDArray[np.int32]]
 
 __version__: str
 
@@ -142,9 +138,6 @@ def mask(
     setup: str,
     config: Optional[str],
     sky_cache: SkyCache,
-    scratch: str,
-    image: Optional[Pixels] = None,
-    header: Optional[str] = None,
 ) -> Masked: ...
 def learn(
     setup: str,
@@ -197,9 +190,12 @@ def inject(
     config: Optional[str],
     sky_cache: Optional[SkyCache],
     output: str,
-    image: Optional[Pixels] = None,
-    header: Optional[str] = None,
 ) -> InjectionResult: ...
+def write_frame(path: str, images: list[tuple[str, Pixels, str]]) -> None: ...
+@overload
+def read_image(path: str, hdu: int, dtype: Literal["int32"]) -> Optional[npt.NDArray[np.int32]]: ...
+@overload
+def read_image(path: str, hdu: int, dtype: str) -> Optional[Pixels]: ...
 def forecast(requests: list[str], setup: str, config: Optional[str], sky_cache: SkyCache) -> Forecasted: ...
 def ephemeris(
     request: str, setup: str, config: Optional[str], sky_cache: SkyCache

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import json
+import mmap
 import os
-import re
-import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -14,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._quantities import aligned, count, finite_scalar, is_of, is_quantity, number, scalar
+from ._frames import Image, as_files, is_path, read_hdu_list
+from ._quantities import count, finite_scalar, is_quantity, number, scalar
 from ._setup import absolute, document
 from ._tables import TRUTH, Main, table_of
 from ._times import to_tai
@@ -22,6 +22,7 @@ from ._warnings import warn
 from .typing import (
     FloatArrayLike,
     FloatLike,
+    FrameLike,
     HeaderLike,
     Json,
     Options,
@@ -44,13 +45,14 @@ _POINTS = Main(("streak", "utc", "x_pix", "y_pix"), ("ra_deg", "dec_deg", "magni
 class Injected(NamedTuple):
     """Result of an injection."""
 
-    #: File that was written; `None` for an array.
+    #: File that was written; `None` for a frame in memory.
     path: Path | None
-    #: Image with streaks, in the data type of the input; `None` for a file.
+    #: Image with streaks, in the data type of the input; `None` for a file or HDU list.
     image: Pixels | None
-    #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file.
+    #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file or HDU
+    #: list.
     added: npt.NDArray[np.float32 | np.float64] | None
-    #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, whose masks are extensions.
+    #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file or HDU list, whose masks are extensions.
     mask: npt.NDArray[np.int32] | None
     #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` where light was added.
     mask_planes: dict[str, int]
@@ -62,10 +64,13 @@ class Injected(NamedTuple):
     trails: Table
     #: Summary in one line.
     summary: str
+    #: Frame with streaks in the form of the input: path of the output, `~astropy.io.fits.HDUList`, HDU,
+    #: `~astropy.nddata.NDData` or array.
+    frame: FrameLike
 
 
 def inject(
-    frame: PathLike | Pixels,
+    frame: FrameLike,
     output: PathLike | None = None,
     *,
     model: StreakModel | None = None,
@@ -101,15 +106,18 @@ def inject(
     pixels_only: bool = False,
     table: Output = "auto",
 ) -> Injected:
-    """Adds streaks to a FITS file or an array; the result is identical to that of ``streakcast inject``.
+    """Adds streaks to a FITS file or a frame in memory; the result is identical to that of ``streakcast inject``.
 
     Parameters
     ----------
-    frame : path or array
-        A FITS file (mosaics and compressed ones too), or an image ``(rows, columns)`` of ``float32, float64, uint8,
-        int16, uint16`` or ``int32``; row 0 is the first row in FITS order. The array is not modified.
+    frame : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU
+        A FITS file (mosaics and compressed ones too), its HDUs, one HDU with an image, a `~astropy.nddata.CCDData` or
+        other `~astropy.nddata.NDData` with world coordinates, or an image ``(rows, columns)`` of ``float32, float64,
+        uint8, int16, uint16`` or ``int32``; row 0 is the first row in FITS order. The frame is not modified. The unit of
+        an `~astropy.nddata.NDData` or `~astropy.units.Quantity` has precedence over BUNIT. The variance of the noise of
+        streaks is added to a standard deviation, variance or inverse variance in ``uncertainty``.
     output : path, optional
-        The file to write (atomically); required if ``frame`` is a file.
+        The file to write (atomically); required if ``frame`` is a path.
     model : StreakModel, optional
         Model whose satellites cross the frame; see `StreakModel.inject`. Without a model, streaks are random.
     header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
@@ -239,66 +247,77 @@ def inject(
 
     if not hasattr(_core, "inject"):
         raise NotImplementedError("inject is not in this build: it needs CFITSIO, which does not build on Windows")
-    if isinstance(frame, (str, os.PathLike)):
-        if output is None:
-            raise ValueError("missing output file; specify output=...")
-        if header is not None:
-            raise ValueError("header is given for a file; allowed: with an array (a file contains its header)")
-        if os.path.realpath(output) == os.path.realpath(frame):
-            raise ValueError(f"{os.fspath(output)} is the input; allowed: another output file")
-        result = _core.inject(
-            json.dumps(_without_none({**options, "image": [absolute(frame)]})), json.dumps(setup), config, sky_cache, absolute(output)
-        )
-    else:
-        if output is not None:
-            raise ValueError("output is given for an array; allowed: with a file (the image with streaks is returned)")
-        image: Pixels = np.asarray(frame)
-        if image.ndim != 2:
-            raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
-        if header is None and pixel_scale is None:
-            other = " (or pixel_scale=... for random streaks)" if is_random else ""
-            raise ValueError(f"missing header of the array; specify header=...{other}")
-        image = aligned(image, image.dtype.newbyteorder("="))
-        try:
-            result = _core.inject(
-                json.dumps(_without_none(options)), json.dumps(setup), config, sky_cache, tempfile.gettempdir(), image, _header_text(header)
-            )
-        except _core.StreakcastError as error:
-            raise type(error)(_without_path(str(error))) from None
+    if not is_path(frame) and output is not None:
+        raise ValueError("output is given for an array; allowed: with a file (the frame with streaks is returned)")
+    if is_path(frame) and output is None:
+        raise ValueError("missing output file; specify output=...")
+    if is_path(frame) and os.path.realpath(str(output)) == os.path.realpath(str(frame)):
+        raise ValueError(f"{output} is the input; allowed: another output file")
+    or_else = " (or pixel_scale=... for random streaks)" if is_random else ""
+    with as_files([frame], header, needs_header=pixel_scale is None, or_else=or_else) as files:
+        target = os.path.join(files.folder, "injected") if output is None else absolute(output)
+        request = json.dumps(_without_none({**options, "image": [*files.paths]}))
+        result = _core.inject(request, json.dumps(setup), config, sky_cache, target)
+        done = _done(files.images[0], target, output)
     for message in dict.fromkeys(result["warnings"]):
-        warn(_without_path(message))
-    injected_image = result.get("image")
-    mask = result.get("mask")
-    if injected_image is not None and mask is None and not pixels_only:
-        mask = np.zeros(injected_image.shape, dtype=np.int32)
+        warn(files.shown(message))
+    if done.image is not None and done.mask is None and not pixels_only:
+        done = done._replace(mask=np.zeros(done.image.shape, dtype=np.int32))
+    truth = result["truth"] if output is not None else [one for one in result["truth"] if one["name"] != "image"]
     streak_bit, injected_bit = result["bits"]
     return Injected(
         path=Path(output) if output is not None else None,
-        image=injected_image,
-        added=None if injected_image is None else _difference(injected_image, image),
-        mask=mask,
+        image=done.image,
+        added=done.added,
+        mask=done.mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
-        truth=table_of(result["truth"], table, main=TRUTH),
+        truth=table_of(truth, table, main=TRUTH),
         points=table_of(result["points"], table, main=_POINTS),
         trails=table_of(result["trails"], table),
         summary=result["summary"],
+        frame=done.frame,
     )
 
 
+class _Done(NamedTuple):
+    frame: FrameLike
+    image: Pixels | None = None
+    added: npt.NDArray[np.float32 | np.float64] | None = None
+    mask: npt.NDArray[np.int32] | None = None
+
+
+def _done(given: Image | None, target: str, output: PathLike | None) -> _Done:
+    """Returns the frame in the output file in the form in which it was given."""
+    if output is not None:
+        return _Done(Path(output))
+    if given is None:
+        return _Done(read_hdu_list(target))
+    # The output contains the planes of the input, and then the mask if there are streaks.
+    planes, before = given.planes(), given.pixels
+    image = _core.read_image(target, 0, before.dtype.name)
+    assert image is not None
+    variance = None if given.variance is None else _core.read_image(target, 2, given.variance.dtype.name)
+    mask = _core.read_image(target, len(planes), "int32")
+    return _Done(given.like(image, variance), image, _difference(image, before), mask)
+
+
 def _difference(after: Pixels, before: Pixels) -> npt.NDArray[np.float32 | np.float64]:
-    """Returns the difference of two images, which is exact also for unsigned integers."""
+    """Returns the difference of two images, which is exact also for unsigned integers.
+
+    Only changes are written: unlike those of `numpy.zeros`, which has huge pages, the other pages take no memory.
+    """
     wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
-    difference: npt.NDArray[np.float32 | np.float64] = np.subtract(after, before, dtype=wide)
+    pages = mmap.mmap(-1, after.size * np.dtype(wide).itemsize)
+    difference: npt.NDArray[np.float32 | np.float64] = np.ndarray(after.shape, wide, pages)
+    for row, (new, old) in enumerate(zip(after, before)):
+        # NaN pixels, which differ from themselves, stay NaN.
+        (changed,) = np.nonzero(new != old)
+        difference[row, changed] = np.subtract(new[changed], old[changed], dtype=wide)
     return difference
 
 
 def _without_none(options: Mapping[str, Json]) -> dict[str, Json]:
     return {key: value for key, value in options.items() if value is not None}
-
-
-def _without_path(message: str) -> str:
-    """Returns the message with `frame` instead of the temporary file of an array."""
-    return re.sub(re.escape(tempfile.gettempdir()) + r"/\.streakcast-\w+\.part/image", "frame", message)
 
 
 def _scalar(value: FloatLike | None, unit: str, what: str) -> float | None:
@@ -346,15 +365,3 @@ def _moment(value: TimeLike, scale: str | None) -> str:
     if np.shape(jd1) != ():
         raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one time")
     return _core.utc_text(float(jd1), float(jd2))
-
-
-def _header_text(header: object) -> str | None:
-    """Returns the header as text, one card per line."""
-    if header is None or isinstance(header, str):
-        return header
-    if is_of("astropy.wcs", "WCS", header):
-        header = getattr(header, "to_header")(relax=True)
-    if is_of("astropy.io.fits", "Header", header):
-        text: str = getattr(header, "tostring")(sep="\n", endcard=False, padding=False)
-        return text
-    raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, or a string of cards")

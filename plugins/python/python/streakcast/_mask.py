@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -12,16 +10,18 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._injection import _angle, _header_text, _integers, _scalar, _without_none, _without_path
+from ._frames import as_files
+from ._injection import _angle, _integers, _scalar, _without_none
 from ._measure import MeasureQueries
-from ._quantities import aligned, finite_scalar, scalar
-from ._setup import absolute, document
+from ._quantities import finite_scalar, scalar
+from ._setup import document
 from ._tables import Main, table_of
-from .typing import FloatLike, HeaderLike, Json, Options, Output, PathLike, Pixels, Table, TimeLike, WholeLike
+from .typing import FloatLike, FrameLike, HeaderLike, Json, Options, Output, PathLike, Table, TimeLike, WholeLike
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from astropy.nddata import NDData
     from astropy.units import Quantity
 
 _STREAKS = Main(("name", "probability", "pixels"), ("magnitude", "width_arcsec", "coverage"))
@@ -42,6 +42,8 @@ class StreakMask:
     summary: str
     #: Other remarks.
     remarks: tuple[str, ...]
+    #: `~astropy.nddata.NDData` or masked array whose mask contains the streaks too; `None` for frames of other forms.
+    frame: NDData | np.ma.MaskedArray[tuple[int, int], np.dtype[np.generic]] | None
 
     @property
     def mask(self) -> npt.NDArray[np.bool_]:
@@ -62,7 +64,7 @@ class MaskQueries(MeasureQueries):
 
     def mask(
         self,
-        frame: PathLike | Pixels,
+        frame: FrameLike,
         *,
         header: HeaderLike | None = None,
         start: TimeLike | None = None,
@@ -88,8 +90,8 @@ class MaskQueries(MeasureQueries):
 
         Parameters
         ----------
-        frame : path or array
-            A FITS file with world coordinates, or an image ``(rows, columns)``, as for `streakcast.inject`.
+        frame : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU
+            A FITS file with world coordinates, or a frame in memory, as for `streakcast.inject`.
         header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
             World coordinates of an array and the other keywords of its header; required for an array.
         start : time, optional
@@ -158,30 +160,15 @@ class MaskQueries(MeasureQueries):
         camera = {"telescope": telescope, "band": band, "min_probability": min_probability}
         setup = {**self._state["setup"], **document(camera)}
         sky_cache, _ = self._open()
-        if isinstance(frame, (str, os.PathLike)):
-            if header is not None:
-                raise ValueError("header is given for a file; allowed: with an array (a file contains its header)")
-            request["image"] = [absolute(frame)]
-            result = _core.mask(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache, "")
-        else:
-            image: Pixels = np.asarray(frame)
-            if image.ndim != 2:
-                raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
-            if header is None:
-                raise ValueError("missing header of the array; specify header=...")
-            image = aligned(image, image.dtype.newbyteorder("="))
-            try:
-                result = _core.mask(
-                    json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache,
-                    tempfile.gettempdir(), image, _header_text(header),
-                )  # fmt: skip
-            except _core.StreakcastError as error:
-                raise type(error)(_without_path(str(error))) from None
-        self._warn_once(sky_cache, [_without_path(message) for message in result["warnings"]])
+        with as_files([frame], header) as files:
+            request["image"] = [*files.paths]
+            result = _core.mask(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache)
+        self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
         return StreakMask(
             masks=result["masks"],
-            streaks=table_of(result["streaks"], table, main=_STREAKS),
-            left_out=table_of(result["left_out"], table),
+            streaks=table_of(files.named(result["streaks"]), table, main=_STREAKS),
+            left_out=table_of(files.named(result["left_out"]), table),
             summary=result["summary"],
-            remarks=tuple(_without_path(remark) for remark in result["remarks"]),
+            remarks=tuple(files.shown(remark) for remark in result["remarks"]),
+            frame=None if files.images[0] is None else files.images[0].masked(next(iter(result["masks"].values()))),
         )

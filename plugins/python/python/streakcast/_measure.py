@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
@@ -13,11 +12,12 @@ import numpy.typing as npt
 
 from . import _core
 from ._exposure_queries import ExposureQueries
+from ._frames import as_files, frames_of
 from ._injection import _angle, _integers, _scalar, _without_none
 from ._quantities import scalar
 from ._setup import absolute, document
 from ._tables import Main, arrays_of, table_of
-from .typing import FloatArray, FloatLike, Json, Options, Output, PathLike, Table, TimeLike, WholeArray, WholeLike
+from .typing import FloatArray, FloatLike, FrameLike, HeaderLike, Json, Options, Output, PathLike, Table, TimeLike, WholeArray, WholeLike
 
 if TYPE_CHECKING:
     from astropy.units import Quantity
@@ -58,8 +58,9 @@ class MeasureQueries(ExposureQueries):
 
     def measure(
         self,
-        frames: PathLike | Sequence[PathLike],
+        frames: FrameLike | Sequence[FrameLike],
         *,
+        header: HeaderLike | None = None,
         start: TimeLike | None = None,
         exposure: FloatLike | None = None,
         scale: str | None = None,
@@ -80,8 +81,12 @@ class MeasureQueries(ExposureQueries):
 
         Parameters
         ----------
-        frames : path or list of paths
-            FITS files with world coordinates, including mosaics and compressed ones.
+        frames : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU, or a list of them
+            FITS files with world coordinates, including mosaics and compressed ones, or frames in memory, as for
+            `streakcast.inject`. Pixels in ``mask`` of an `~astropy.nddata.NDData`, and those without a positive
+            variance, are not used.
+        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+            World coordinates of an array and the other keywords of its header; required for one array.
         start : time, optional
             Shutter opening; default: from the header.
         exposure : float or `~astropy.units.Quantity`, optional
@@ -135,9 +140,8 @@ class MeasureQueries(ExposureQueries):
             raise NotImplementedError("measure is not in this build: it needs CFITSIO, which does not build on Windows")
         if zero_point is not None and zero_point_1s is not None:
             raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
-        paths = [frames] if isinstance(frames, (str, os.PathLike)) else list(frames)
         request: dict[str, Json] = dict(
-            image=[absolute(path) for path in paths], hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
+            hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
             satellite_size=_scalar(satellite_size, "m", "satellite_size"),
             fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
             zero_point=_scalar(zero_point, "mag", "zero_point"),
@@ -150,17 +154,19 @@ class MeasureQueries(ExposureQueries):
         camera = {key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None}
         setup = {**self._state["setup"], **document(camera)}
         sky_cache, _ = self._open()
-        result = _core.measure(
-            json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache
-        )
-        self._warn_once(sky_cache, result["warnings"])
-        columns = arrays_of(result["measurements"])
+        several = frames_of(frames)
+        with as_files(several, header, what="frame" if len(several) == 1 else "frames") as files:
+            request["image"] = [*files.paths]
+            result = _core.measure(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache)
+        self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
+        measurements = files.named(result["measurements"])
+        columns = arrays_of(measurements)
         observed, predicted = columns["magnitude"], columns["predicted_magnitude"]
         is_saturated = np.array(["saturated" in flags for flags in columns["flags"]], dtype=np.bool_)
         is_usable = columns["calibrated"] & ~is_saturated & np.isfinite(observed) & np.isfinite(predicted)
         return Measurements(
-            table=table_of(result["measurements"], table, main=_MEASUREMENTS),
-            remarks=tuple(result["remarks"]),
+            table=table_of(measurements, table, main=_MEASUREMENTS),
+            remarks=tuple(files.shown(remark) for remark in result["remarks"]),
             learn_arguments=LearnArguments(
                 norad_id=columns["norad_id"][is_usable],
                 time=np.datetime_as_string(columns["mid_utc"][is_usable], timezone="UTC"),

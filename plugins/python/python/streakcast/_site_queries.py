@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
+from ._frames import as_files
 from ._results import Forecast, Identification, Overhead
 from ._quantities import count, finite_scalar, number, scalar
 from ._state import ModelState
@@ -19,6 +20,8 @@ from .typing import (
     EndsLike,
     FloatArrayLike,
     FloatLike,
+    FrameLike,
+    HeaderLike,
     Json,
     NightLike,
     Output,
@@ -294,7 +297,8 @@ class SiteQueries(ModelState):
         place: TargetLike | None = None,
         position_angle: FloatLike | None = None,
         length: FloatLike | None = None,
-        frame: PathLike | None = None,
+        frame: FrameLike | None = None,
+        header: HeaderLike | None = None,
         pixels: ArrayLike | None = None,
         origin: int = 1,
         hdu: int | None = None,
@@ -328,9 +332,11 @@ class SiteQueries(ModelState):
             Position angle of the streak at the midpoint, in either direction, from north through east, degrees.
         length : float or `~astropy.units.Quantity`, optional
             Length of the whole streak, degrees; used with ``place``.
-        frame : path
-            FITS file that contains the streak, with world coordinates and, if they are not given, the exposure times
-            (also for ``region`` and ``ends``).
+        frame : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU
+            FITS file or frame in memory, as for `streakcast.inject`, that contains the streak, with world coordinates
+            and, if they are not given, the exposure times (also for ``region`` and ``ends``).
+        header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
+            World coordinates of an array and the other keywords of its header; required for an array.
         pixels : two pairs
             Both ends in the frame, ``((x, y), (x, y))``.
         origin : {0, 1}
@@ -375,16 +381,20 @@ class SiteQueries(ModelState):
             A number is given as time without a scale.
         """
         scale = self._scale(scale)
-        request = streak_request(
-            ends=ends, times=times, place=place, position_angle=position_angle, length=length, frame=frame, pixels=pixels,
-            origin=origin, hdu=hdu, region=region, start=start, exposure=exposure, whole_streak=whole_streak,
-            place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
-        )  # fmt: skip
-        listed = count(top, "top", 1)
-        sky_cache, _ = self._open()
-        setup, config = json.dumps(self._state["setup"]), self._state["config"]
-        result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
-        self._warn_once(sky_cache, result["warnings"])
+        if frame is None and header is not None:
+            raise ValueError("header is given without frame; allowed: with an array as frame")
+        with as_files([] if frame is None else [frame], header) as files:
+            request = streak_request(
+                ends=ends, times=times, place=place, position_angle=position_angle, length=length,
+                frame=files.paths[0] if files.paths else None, pixels=pixels,
+                origin=origin, hdu=hdu, region=region, start=start, exposure=exposure, whole_streak=whole_streak,
+                place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
+            )  # fmt: skip
+            listed = count(top, "top", 1)
+            sky_cache, _ = self._open()
+            setup, config = json.dumps(self._state["setup"]), self._state["config"]
+            result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
+        self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
         return Identification(
             table_of(result["candidates"], output, main=CANDIDATES),
             table_of(result["streak"], output, main=STREAK),

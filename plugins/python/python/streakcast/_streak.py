@@ -24,7 +24,7 @@ def streak_request(
     place: TargetLike | None,
     position_angle: FloatLike | None,
     length: FloatLike | None,
-    frame: PathLike | None,
+    frame: str | None,
     pixels: ArrayLike | None,
     origin: int,
     hdu: int | None,
@@ -72,7 +72,7 @@ def streak_request(
     else:
         request["region"] = _path(region, "region")
     if frame is not None:
-        request["image"] = _path(frame, "frame")
+        request["image"] = frame
     if hdu is not None:
         if frame is None:
             raise ValueError("hdu is given without frame; allowed: with frame")

@@ -14,6 +14,7 @@ from ._state import State
 from ._times import to_tai
 from .typing import (
     FloatLike,
+    FrameLike,
     HeaderLike,
     InjectionOptions,
     Json,
@@ -22,7 +23,6 @@ from .typing import (
     ModelOptions,
     Options,
     PathLike,
-    Pixels,
     SiteLike,
     TimeLike,
 )
@@ -268,7 +268,7 @@ class StreakModel(MaskQueries):
 
     def inject(
         self,
-        frame: PathLike | Pixels,
+        frame: FrameLike,
         output: PathLike | None = None,
         *,
         header: HeaderLike | None = None,

@@ -2,7 +2,7 @@
 
 Names in quotation marks are classes of astropy, which is optional: `~astropy.time.Time`, `~astropy.units.Quantity`,
 `~astropy.coordinates.SkyCoord`, `~astropy.coordinates.EarthLocation`, `~astropy.table.QTable`,
-`~astropy.io.fits.Header` and `~astropy.wcs.WCS`.
+`~astropy.io.fits.Header`, `~astropy.io.fits.HDUList`, HDUs of images, `~astropy.nddata.NDData` and `~astropy.wcs.WCS`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import numpy.typing as npt
 
 if TYPE_CHECKING:
     from astropy.coordinates import EarthLocation, SkyCoord
-    from astropy.io.fits import Header
+    from astropy.io.fits import CompImageHDU, HDUList, Header, ImageHDU, PrimaryHDU
+    from astropy.nddata import NDData
     from astropy.table import QTable
     from astropy.time import Time
     from astropy.units import Quantity
@@ -32,6 +33,7 @@ __all__ = [
     "FloatArrayLike",
     "FloatLike",
     "FloatOrArray",
+    "FrameLike",
     "HeaderLike",
     "InjectionOptions",
     "Json",
@@ -117,6 +119,9 @@ BoolOrArray = Union[bool, npt.NDArray[np.bool_]]
 TextOrArray = Union[str, npt.NDArray[np.str_]]
 #: Image, rows and columns.
 Pixels = npt.NDArray[Union[np.float32, np.float64, np.uint8, np.int16, np.uint16, np.int32]]
+#: Frame: path of a FITS file, its HDUs, one HDU, an `NDData` (for example `CCDData`), or an array, also masked or with a
+#: unit.
+FrameLike = Union[PathLike, Pixels, "HDUList", "PrimaryHDU", "ImageHDU", "CompImageHDU", "NDData"]
 #: Point along a track: values by name; `None` if a value is missing.
 Sample = Mapping[str, Union[str, float, None]]
 #: Points along a track.

@@ -1,0 +1,335 @@
+"""Frames as files and back: the library reads paths; HDU lists, HDUs, `NDData` and arrays are written to temporary files.
+
+The result of an injection is returned in the form of the frame.
+"""
+
+from __future__ import annotations
+
+import copy
+import os
+import re
+import tempfile
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._quantities import aligned, is_of
+from ._setup import absolute
+from .typing import FrameLike, HeaderLike, PathLike, Pixels
+
+if TYPE_CHECKING:
+    from astropy.io.fits import Header
+    from astropy.nddata import NDData, NDUncertainty
+    from astropy.wcs import WCS
+
+    from ._core import Column
+
+#: Keywords of world coordinates, which those of a given `WCS` replace.
+_COORDINATES = re.compile(
+    r"WCSAXES|(CTYPE|CRVAL|CRPIX|CDELT|CUNIT|CROTA)\d+|(CD|PC|PV)\d+_\d+|LONPOLE|LATPOLE|RADE?C?SYS|EQUINOX"
+    r"|[AB]P?_(ORDER|DMAX|\d+_\d+)"
+)
+_HDUS = ("PrimaryHDU", "ImageHDU", "CompImageHDU")
+
+
+def is_path(frame: object) -> bool:
+    """Returns True for the path of a file."""
+    return isinstance(frame, (str, os.PathLike))
+
+
+def is_hdu_list(frame: object) -> bool:
+    """Returns True for a list of HDUs."""
+    return is_of("astropy.io.fits", "HDUList", frame)
+
+
+def frames_of(frames: FrameLike | Sequence[FrameLike]) -> list[FrameLike]:
+    """Returns one frame of any form, or several, as a list."""
+    is_one = is_path(frames) or is_hdu_list(frames) or _is_hdu(frames) or _is_nddata(frames) or hasattr(frames, "__array__")
+    return [cast("FrameLike", frames)] if is_one else list(cast("Sequence[FrameLike]", frames))
+
+
+def _is_hdu(frame: object) -> bool:
+    return any(is_of("astropy.io.fits", name, frame) for name in _HDUS)
+
+
+def _is_nddata(frame: object) -> bool:
+    return is_of("astropy.nddata", "NDData", frame)
+
+
+@dataclass(frozen=True)
+class Image:
+    """Image in memory: the pixels of an array, an HDU or an `NDData`, and what is known about them."""
+
+    #: The frame as it was given.
+    given: Any
+    pixels: Pixels
+    #: Header, one card per line.
+    cards: str
+    #: Values other than 0 mark bad pixels; `None` if no pixel is marked.
+    bad: npt.NDArray[np.uint8] | None = None
+    #: Variance of each pixel; `None` if it is unknown.
+    variance: Pixels | None = None
+
+    def planes(self) -> list[tuple[str, Pixels, str]]:
+        """Returns name, pixels and header of the image and of its companion planes, as in the files of Rubin."""
+        bad, variance = self.bad, self.variance
+        if bad is None and variance is None:
+            return [("", self.pixels, self.cards)]
+        found: list[tuple[str, Pixels, str]] = [("IMAGE", self.pixels, self.cards)]
+        found.append(("MASK", np.zeros(self.pixels.shape, np.uint8) if bad is None else bad, ""))
+        if variance is not None:
+            found.append(("VARIANCE", variance, ""))
+        return found
+
+    def like(self, pixels: Pixels, variance: Pixels | None) -> Any:
+        """Returns a frame of the same form with other pixels and, for an `NDData`, another variance."""
+        given = self.given
+        if _is_nddata(given):
+            return _new_nddata(given, pixels, _new_uncertainty(given.uncertainty, self.variance, variance), given.mask)
+        if _is_hdu(given):
+            return _new_hdu(given, pixels)
+        if isinstance(given, np.ma.MaskedArray):
+            return np.ma.MaskedArray(pixels, mask=given.mask)
+        return type(given)(pixels, given.unit, copy=False) if is_of("astropy.units", "Quantity", given) else pixels
+
+
+    def masked(self, streaks: npt.NDArray[np.bool_]) -> Any:
+        """Returns an `NDData` or masked array with the same pixels and more of them masked; `None` for other forms."""
+        given, mask = self.given, streaks if self.bad is None else streaks | (self.bad != 0)
+        if _is_nddata(given):
+            return _new_nddata(given, given.data, given.uncertainty, mask)
+        return np.ma.MaskedArray(given.data, mask=mask) if isinstance(given, np.ma.MaskedArray) else None
+
+
+@dataclass
+class Files:
+    """Files of frames."""
+
+    #: Folder of temporary files; empty if all frames are paths.
+    folder: str = ""
+    #: Path of the file of each frame.
+    paths: list[str] = field(default_factory=list)
+    #: Image of each frame; `None` for paths and HDU lists.
+    images: list[Image | None] = field(default_factory=list)
+
+    def shown(self, text: str) -> str:
+        """Returns a message with the names of frames instead of the paths of temporary files."""
+        return text.replace(self.folder + os.sep, "") if self.folder else text
+
+    def named(self, columns: Sequence[Column]) -> Sequence[Column]:
+        """Replaces the paths of temporary files in the columns of a table."""
+        for column in columns:
+            if column["kind"] == "text" and column["name"] == "image":
+                column["values"] = [self.shown(value) for value in column["values"]]
+        return columns
+
+
+@contextmanager
+def as_files(
+    frames: Sequence[FrameLike],
+    header: HeaderLike | None = None,
+    *,
+    what: str = "frame",
+    needs_header: bool = True,
+    or_else: str = "",
+) -> Iterator[Files]:
+    """Writes the frames that are not paths to temporary files, which exist inside the context.
+
+    Errors name these frames ``what``, with an index if there are several, instead of the temporary file. ``header`` is
+    that of the only frame, which is an array. ``or_else`` states what may replace a missing header.
+    """
+    files = Files()
+    if all(is_path(frame) for frame in frames):
+        if header is not None:
+            raise ValueError("header is given for a file; allowed: with an array (a file contains its header)")
+        files.paths = [absolute(frame) for frame in frames if isinstance(frame, (str, os.PathLike))]
+        files.images = [None] * len(frames)
+        yield files
+        return
+    with tempfile.TemporaryDirectory(prefix="streakcast-") as folder:
+        files.folder = folder
+        try:
+            for index, frame in enumerate(frames):
+                name = what if len(frames) == 1 else f"{what}[{index}]"
+                path, image = os.path.join(folder, name), None
+                if isinstance(frame, (str, os.PathLike)):
+                    path = absolute(frame)
+                elif is_hdu_list(frame):
+                    if header is not None:
+                        raise ValueError("header is given for an HDUList; allowed: with an array (an HDUList contains it)")
+                    getattr(frame, "writeto")(path, output_verify="ignore")
+                else:
+                    image = _image_of(frame, header, name, needs_header, or_else)
+                    _core.write_frame(path, [(plane, _native(pixels), cards) for plane, pixels, cards in image.planes()])
+                files.paths.append(path)
+                files.images.append(image)
+            yield files
+        except _core.StreakcastError as error:
+            raise type(error)(files.shown(str(error))) from None
+
+
+def read_hdu_list(path: PathLike) -> Any:
+    """Returns the HDUs of a file, in memory."""
+    from astropy.io import fits
+
+    with fits.open(path, memmap=False, lazy_load_hdus=False) as hdus:
+        for hdu in hdus:
+            # Reads the data, because the file is temporary.
+            hdu.data
+    return hdus
+
+
+def _native(pixels: Pixels) -> Pixels:
+    return aligned(pixels, pixels.dtype.newbyteorder("="))
+
+
+def _image_of(frame: object, header: HeaderLike | None, what: str, needs_header: bool, or_else: str) -> Image:
+    """Returns the image of an array, an HDU or an `NDData`."""
+    known: dict[str, Any] = {}
+    data: Any = frame
+    if _is_nddata(frame) or _is_hdu(frame):
+        if header is not None:
+            raise ValueError(f"header is given for a {type(frame).__name__}, which contains it; allowed: with an array")
+        data = getattr(frame, "data")
+    if _is_nddata(frame):
+        cards = _text(_header_of(frame))
+        known = {"bad": _bad(getattr(frame, "mask"), np.shape(data)), "variance": _variance(getattr(frame, "uncertainty"))}
+    elif _is_hdu(frame):
+        if data is None:
+            raise ValueError(f"{what} is a {type(frame).__name__} without data; allowed: an HDU with an image")
+        cards = _text(getattr(frame, "header"))
+        if data.dtype.kind == "i" and (frame.header.get("BSCALE", 1) != 1 or frame.header.get("BZERO", 0) != 0):  # type: ignore[attr-defined]
+            raise ValueError(f"{what} was opened with do_not_scale_image_data; allowed: an HDU with scaled data")
+    else:
+        if header is None and needs_header:
+            _check_shape(np.shape(data), what)
+            raise ValueError(f"missing header of the array; specify header=...{or_else}")
+        cards = header_text(header) or ""
+        if isinstance(frame, np.ma.MaskedArray):
+            data, known = frame.data, {"bad": _bad(frame.mask, frame.shape)}
+        if is_of("astropy.units", "Quantity", data):
+            cards += f"\nBUNIT   = '{data.unit}'"
+    pixels: Pixels = np.asarray(data)
+    _check_shape(pixels.shape, what)
+    return Image(frame, pixels, cards, **known)
+
+
+def _check_shape(shape: tuple[int, ...], what: str) -> None:
+    if len(shape) != 2:
+        raise ValueError(
+            f"{what} has the shape {shape}; allowed: a path, or an array of rows and columns (also of an HDU or NDData)"
+        )
+
+
+def header_text(header: object) -> str | None:
+    """Returns a header as text, one card per line."""
+    if header is None or isinstance(header, str):
+        return header
+    if is_of("astropy.wcs", "WCS", header):
+        from astropy.io.fits import Header
+
+        return _text(_with_coordinates(Header(), header))
+    if is_of("astropy.io.fits", "Header", header):
+        return _text(header)
+    raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, or a string of cards")
+
+
+def _text(header: Any) -> str:
+    text: str = header.tostring(sep="\n", endcard=False, padding=False)
+    return text
+
+
+def _with_coordinates(header: Header, wcs: Any) -> Header:
+    """Returns a header with the keywords of world coordinates; other keywords of the header have precedence."""
+    if any(getattr(wcs, name) is not None for name in ("cpdis1", "cpdis2", "det2im1", "det2im2")):
+        raise ValueError("the world coordinates have lookup tables of distortion (CPDIS, D2IM); allowed: SIP or PV keywords")
+    for keyword in [keyword for keyword in header if _COORDINATES.fullmatch(keyword)]:
+        header.remove(keyword, ignore_missing=True, remove_all=True)
+    cards = wcs.to_header(relax=True)
+    for card in cards.cards:
+        # astropy adds an MJD, rounded to 10 ms, to each date.
+        date = card.keyword.replace("MJD-", "DATE-")
+        is_rounded = date != card.keyword and (date in cards or date in header)
+        if card.keyword not in header and not is_rounded:
+            header.append(card)
+    return header
+
+
+def _header_of(data: Any) -> Header:
+    """Returns the metadata, world coordinates and unit of an `NDData` as a header."""
+    from astropy.io.fits import Header
+
+    if isinstance(data.meta, Header):
+        header = data.meta.copy()
+    else:
+        header = Header()
+        with warnings.catch_warnings():
+            # Long names become HIERARCH cards.
+            warnings.simplefilter("ignore")
+            for name, value in data.meta.items():
+                try:
+                    header[str(name)] = value
+                except ValueError:
+                    # Not a value of a card, such as a table or an object.
+                    continue
+    if data.wcs is not None:
+        if not is_of("astropy.wcs", "WCS", data.wcs):
+            raise TypeError(f"wcs of the frame is {type(data.wcs).__name__}; allowed: an astropy.wcs.WCS")
+        header = _with_coordinates(header, data.wcs)
+    if data.unit is not None:
+        header["BUNIT"] = str(data.unit)
+    return header
+
+
+def _bad(mask: object, shape: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
+    """Returns 1 for the masked pixels; `None` if none is masked."""
+    if mask is None or mask is np.ma.nomask:
+        return None
+    return np.ascontiguousarray(np.broadcast_to(np.asarray(mask) != 0, shape)).view(np.uint8)
+
+
+def _variance(uncertainty: NDUncertainty | None) -> Pixels | None:
+    """Returns the variances that an uncertainty states; `None` if it is missing or of an unknown kind."""
+    if uncertainty is None or uncertainty.array is None:
+        return None
+    array = np.asarray(uncertainty.array)
+    to_variance = {"std": np.square, "var": np.positive, "ivar": np.reciprocal}.get(uncertainty.uncertainty_type)
+    if to_variance is None:
+        return None
+    with np.errstate(divide="ignore"):
+        variance: Pixels = to_variance(array.astype(np.float32 if array.dtype.itemsize <= 4 else np.float64))
+    return variance
+
+
+def _new_uncertainty(
+    uncertainty: NDUncertainty | None, before: Pixels | None, after: Pixels | None
+) -> NDUncertainty | None:
+    """Returns the uncertainty with other variances."""
+    if uncertainty is None or before is None or after is None:
+        return uncertainty
+    is_changed = (before != after) & np.isfinite(after)
+    array, kind = np.array(uncertainty.array), uncertainty.uncertainty_type
+    array[is_changed] = {"std": np.sqrt, "var": np.positive, "ivar": np.reciprocal}[kind](after[is_changed])
+    return type(uncertainty)(array, unit=uncertainty.unit, copy=False)
+
+
+def _new_nddata(given: Any, pixels: Pixels, uncertainty: NDUncertainty | None, mask: object) -> NDData:
+    """Returns an `NDData` with the world coordinates, metadata and unit of the given one."""
+    others = {name: getattr(given, name) for name in ("flags", "psf") if getattr(given, name, None) is not None}
+    new: NDData = type(given)(
+        pixels, uncertainty=uncertainty, mask=mask, wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
+    )
+    return new
+
+
+def _new_hdu(given: Any, pixels: Pixels) -> Any:
+    """Returns an HDU of the same class with other pixels."""
+    options = ("compression_type", "tile_shape", "quantize_level", "quantize_method", "dither_seed", "hcomp_scale", "hcomp_smooth")
+    same = {name: getattr(given, name) for name in options if getattr(given, name, None) is not None}
+    return type(given)(pixels, given.header.copy(), **same)

@@ -1,0 +1,284 @@
+"""Frames in all forms give the results of their files: paths, HDU lists, HDUs, `NDData` and arrays."""
+
+import copy
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import streakcast
+
+fits = pytest.importorskip("astropy.io.fits")
+from astropy import units as u  # noqa: E402
+from astropy.nddata import (  # noqa: E402
+    CCDData,
+    InverseVariance,
+    NDData,
+    StdDevUncertainty,
+    UnknownUncertainty,
+    VarianceUncertainty,
+)
+from astropy.wcs import WCS, DistortionLookupTable  # noqa: E402
+from astropy.wcs.wcsapi import SlicedLowLevelWCS  # noqa: E402
+
+from conftest import START  # noqa: E402
+from test_injection import SIZE, header, pixels  # noqa: E402
+
+#: Random streaks; the same for each form of a frame.
+STREAKS = dict(random_streaks=3, magnitude=(4, 6), seeing="1arcmin", seed=8)
+
+
+@pytest.fixture(scope="module")
+def model():
+    return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", epoch=START)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return streakcast.inject(pixels("float32"), header=header(), **STREAKS)
+
+
+def header_of_image():
+    """Returns a header without the keywords of world coordinates, which are in the WCS of an `NDData`."""
+    cards = header()
+    for keyword in WCS(cards).to_header():
+        if keyword not in ("DATE-OBS", "TIMESYS"):
+            cards.remove(keyword, ignore_missing=True)
+    return cards
+
+
+def ccd(data=None, **more):
+    image = pixels("float32") if data is None else data
+    return CCDData(image, **{"unit": "adu", "wcs": WCS(header()), "meta": header_of_image(), **more})
+
+
+@pytest.mark.parametrize("kind", [fits.PrimaryHDU, fits.ImageHDU, fits.CompImageHDU])
+@pytest.mark.parametrize("dtype", ["float32", "uint16"])
+def test_an_hdu_is_injected_as_its_array(tmp_path, kind, dtype):
+    given = kind(pixels(dtype), header())
+    array = streakcast.inject(pixels(dtype), header=header(), **STREAKS)
+    done = streakcast.inject(given, **STREAKS)
+    assert type(done.frame) is kind and done.frame.header["MAGZP"] == 25.0
+    for image in (done.image, done.frame.data):
+        assert image.dtype == np.dtype(dtype)
+        np.testing.assert_array_equal(image, array.image)
+    np.testing.assert_array_equal(given.data, pixels(dtype))
+    np.testing.assert_array_equal(done.mask, array.mask)
+    # An HDU that was read from a file has big-endian pixels.
+    given.writeto(tmp_path / "frame.fits")
+    with fits.open(tmp_path / "frame.fits") as file:
+        again = streakcast.inject(file[-1], **STREAKS)
+    done.frame.writeto(tmp_path / "injected.fits")
+    # Compression of floating-point numbers rounds them to a part of the noise, 20.
+    tolerance = 10.0 if kind is fits.CompImageHDU and dtype == "float32" else 0.0
+    for image in (again.image, fits.getdata(tmp_path / "injected.fits", -1)):
+        is_changed = np.asarray(image, "f8") - array.image
+        assert np.mean(np.abs(is_changed) > tolerance) <= (0.0 if tolerance == 0.0 else 0.01)
+
+
+def test_an_hdu_list_is_injected_as_its_file(tmp_path):
+    hdus = fits.HDUList([fits.PrimaryHDU(), fits.ImageHDU(pixels("float32"), header(), name="SCI"), fits.ImageHDU(pixels("float32"), name="ERR")])
+    hdus.writeto(tmp_path / "frame.fits")
+    written = streakcast.inject(tmp_path / "frame.fits", tmp_path / "out.fits", **STREAKS)
+    done = streakcast.inject(hdus, **STREAKS)
+    assert isinstance(done.frame, fits.HDUList) and done.path is None and done.image is None
+    assert written.frame == tmp_path / "out.fits"
+    with fits.open(tmp_path / "out.fits") as file:
+        assert [hdu.name for hdu in done.frame] == [hdu.name for hdu in file] == ["PRIMARY", "SCI", "ERR", "MASK", "STREAKS", "STREAK_POINTS"]
+        for one, other in zip(done.frame, file):
+            assert (one.data is None and other.data is None) or one.data.tobytes() == other.data.tobytes()
+        assert "streakcast-" not in str(done.frame["SCI"].header)
+    assert "image" not in done.truth.colnames and len(done.truth) == len(written.truth) == 3
+    # The result is in memory, can be changed, and can be given again.
+    done.frame["SCI"].data += 1
+    assert len(streakcast.inject(done.frame, hdu=1, **STREAKS).truth) == 3
+
+
+def test_ccddata_keeps_mask_meta_and_coordinates(expected):
+    mask = np.zeros((SIZE, SIZE), bool)
+    mask[:3] = True
+    given = ccd(mask=mask)
+    done = streakcast.inject(given, **STREAKS)
+    assert type(done.frame) is CCDData and done.frame.unit == u.adu
+    # The WCS formats its numbers again.
+    np.testing.assert_allclose(done.frame.data, expected.image, rtol=0.02)
+    np.testing.assert_array_equal(done.frame.mask, mask)
+    assert dict(done.frame.meta) == dict(given.meta) and done.frame.wcs.wcs.compare(given.wcs.wcs)
+    np.testing.assert_array_equal(given.data, pixels("float32"))
+    np.testing.assert_array_equal(done.image, done.frame.data)
+    assert done.mask.shape == (SIZE, SIZE) and (done.mask != 0).sum() > 1000
+    # Metadata that are not cards are kept and not used.
+    plain = streakcast.inject(NDData(pixels("float32"), wcs=WCS(header()), meta={**header_of_image(), "steps": [given], "a": {}}), **STREAKS)
+    np.testing.assert_array_equal(plain.frame.data, done.image)
+    assert type(plain.frame) is NDData and "steps" in plain.frame.meta
+
+
+@pytest.mark.parametrize("kind", [StdDevUncertainty, VarianceUncertainty, InverseVariance])
+def test_the_noise_of_streaks_is_added_to_the_uncertainty(kind):
+    error = np.full((SIZE, SIZE), 20.0, "float32")
+    given = ccd(uncertainty=StdDevUncertainty(error).represent_as(kind))
+    before = np.array(given.uncertainty.array)
+    done = streakcast.inject(given, **STREAKS)
+    assert type(done.frame.uncertainty) is kind
+    variance = done.frame.uncertainty.represent_as(VarianceUncertainty).array
+    # A count is 2 electrons: its variance is 1/2.
+    np.testing.assert_allclose(variance - 400.0, np.maximum(done.added, 0) / 2.0, rtol=1e-3, atol=0.1)
+    is_unchanged = done.added == 0
+    np.testing.assert_array_equal(done.frame.uncertainty.array[is_unchanged], before[is_unchanged])
+    np.testing.assert_array_equal(given.uncertainty.array, before)
+    unknown = streakcast.inject(ccd(uncertainty=UnknownUncertainty(error)), **STREAKS).frame.uncertainty
+    np.testing.assert_array_equal(unknown.array, error)
+
+
+def test_masked_arrays_and_quantities_are_returned_as_such(expected):
+    mask = np.eye(SIZE, dtype=bool)
+    masked = streakcast.inject(np.ma.MaskedArray(pixels("float32"), mask), header=header(), **STREAKS).frame
+    np.testing.assert_array_equal(masked.mask, mask)
+    np.testing.assert_array_equal(masked.data, expected.image)
+    counts = streakcast.inject(pixels("float32") * u.adu, header=header(), **STREAKS).frame
+    assert counts.unit == u.adu
+    np.testing.assert_array_equal(counts.value, expected.image)
+    # Light in electrons has twice the variance of light in counts of 2 electrons.
+    electrons = streakcast.inject(ccd(unit="electron"), **STREAKS)
+    assert electrons.frame.unit == u.electron and (electrons.image != expected.image).any()
+    assert expected.frame is expected.image
+
+
+def injected_by(model, exposure=30.0):
+    """Returns a frame with the streaks of satellites, and its array."""
+    done = model.inject(pixels("float32"), header=header(), seeing="1arcmin", exposure=exposure)
+    return done.image
+
+
+def forms(image):
+    """Returns a frame in all forms, with the arguments that it needs."""
+    return {
+        "array": (image, {"header": header()}),
+        "ccd": (ccd(image), {}),
+        "nddata": (NDData(image, wcs=WCS(header()), meta=dict(header_of_image())), {}),
+        "primary": (fits.PrimaryHDU(image, header()), {}),
+        "image": (fits.ImageHDU(image, header()), {}),
+        "hdus": (fits.HDUList([fits.PrimaryHDU(image, header())]), {}),
+    }
+
+
+def test_measurements_and_masks_are_those_of_the_file(model, tmp_path):
+    image, path = injected_by(model), tmp_path / "frame.fits"
+    fits.PrimaryHDU(image, header()).writeto(path)
+    measured, masked = model.measure(path, seeing="1arcmin").table, model.mask(path, seeing="1arcmin")
+    assert measured["detected"].any() and masked.mask.any()
+    for name, (frame, options) in forms(image).items():
+        table = model.measure(frame, seeing="1arcmin", **options).table
+        assert set(table["image"]) == {"frame"}, name
+        np.testing.assert_array_equal(table["norad_id"], measured["norad_id"], err_msg=name)
+        np.testing.assert_allclose(table["magnitude"], measured["magnitude"], atol=1e-3 * u.mag, err_msg=name)
+        mask = model.mask(frame, seeing="1arcmin", **options)
+        assert (mask.mask != masked.mask).mean() < 1e-3 and set(mask.streaks["image"]) == {"frame"}, name
+    bad = np.zeros(image.shape, bool)
+    bad[:5] = True
+    of_ccd = model.mask(ccd(image, mask=bad), seeing="1arcmin")
+    np.testing.assert_array_equal(of_ccd.frame.mask, of_ccd.mask | bad)
+    np.testing.assert_array_equal(of_ccd.frame.data, image)
+    of_array = model.mask(np.ma.MaskedArray(image, bad), header=header(), seeing="1arcmin").frame
+    np.testing.assert_array_equal(of_array.mask, masked.mask | bad)
+    assert masked.frame is None
+    several = model.measure([path, ccd(image), fits.PrimaryHDU(image, header())], seeing="1arcmin").table
+    assert sorted(set(several["image"])) == sorted([str(path), "frames[1]", "frames[2]"])
+    assert len(several) == 3 * len(measured)
+
+
+def test_masked_pixels_are_not_measured(model):
+    image = injected_by(model)
+    whole = model.measure(ccd(image), seeing="1arcmin")
+    is_found = np.asarray(whole.table["detected"])
+    assert is_found.any()
+    # A mask of more than half of the pixels is not used.
+    bad = model.mask(ccd(image), width="20arcmin").mask
+    assert 0 < bad.mean() < 0.5
+    for more in ({"mask": bad}, {"uncertainty": StdDevUncertainty(np.where(bad, 0.0, 20.0))}):
+        assert not np.asarray(model.measure(ccd(image, **more), seeing="1arcmin").table["detected"]).any()
+    masked = np.ma.MaskedArray(image, bad)
+    assert not np.asarray(model.measure(masked, header=header(), seeing="1arcmin").table["detected"]).any()
+    some = model.measure(ccd(image, uncertainty=VarianceUncertainty(np.ones((SIZE, SIZE)))), seeing="1arcmin")
+    np.testing.assert_array_equal(some.table["detected"], is_found)
+
+
+def test_streaks_in_all_forms_of_a_frame_are_identified(model):
+    image = injected_by(model)
+    truth = model.inject(pixels("float32"), header=header(), seeing="1arcmin").truth
+    row = int(np.argmax(truth["length_pix"]))
+    ends = [[truth[f"{axis}{end}_pix"][row].value for axis in "xy"] for end in (1, 2)]
+    for name, (frame, options) in forms(image).items():
+        found = model.identify(frame=frame, pixels=ends, top=3, **options).candidates
+        assert found["norad_id"][0] == truth["norad_id"][row], name
+
+
+def test_invalid_frames_are_named(model):
+    image = pixels("float32")
+    table_wcs = WCS(header())
+    table_wcs.cpdis1 = DistortionLookupTable(np.zeros((2, 2), "float32"), (1, 1), (1, 1), (1, 1))
+    raw = fits.PrimaryHDU(pixels("int16"), header())
+    raw.header["BZERO"] = 100.0
+    for error, frame, options, message in [
+        (ValueError, fits.PrimaryHDU(), {}, "frame is a PrimaryHDU without data; allowed: an HDU with an image"),
+        (ValueError, fits.PrimaryHDU(np.zeros((2, 3, 4), "f4"), header()), {}, r"frame has the shape \(2, 3, 4\); allowed: a path, or an array"),
+        (ValueError, ccd(), {"header": header()}, "header is given for a CCDData, which contains it; allowed: with an array"),
+        (ValueError, fits.HDUList([fits.PrimaryHDU(image, header())]), {"header": header()}, "header is given for an HDUList"),
+        (ValueError, ccd(wcs=None), {}, "^frame: HDU 0: no celestial coordinates"),
+        (TypeError, NDData(image, wcs=SlicedLowLevelWCS(WCS(header()), np.s_[:, :])), {}, "wcs of the frame is .*; allowed: an astropy.wcs.WCS"),
+        (ValueError, ccd(wcs=table_wcs), {}, "lookup tables of distortion"),
+        (ValueError, raw, {}, "do_not_scale_image_data"),
+        (TypeError, ccd(image.astype("int64")), {}, "allowed: two axes of float32"),
+        (ValueError, fits.HDUList([fits.PrimaryHDU()]), {}, "frame"),
+        (ValueError, None, {}, r"frame has the shape \(\)"),
+    ]:
+        for verb in (streakcast.inject, model.mask, model.measure):
+            more = STREAKS if verb is streakcast.inject else {"seeing": "1arcmin"}
+            if frame is None and verb == model.measure:
+                continue
+            with pytest.raises(error, match=message):
+                verb(frame, **options, **more)
+    with pytest.raises(ValueError, match="output is given for an array"):
+        streakcast.inject(ccd(), "x.fits", **STREAKS)
+    with pytest.raises(ValueError, match="header is given without frame"):
+        model.identify(place=(1, 2), position_angle=3, header=header())
+
+
+MEMORY = """
+import resource, sys
+import numpy as np
+import streakcast
+
+size = int(sys.argv[1])
+cards = "\\n".join([
+    "CTYPE1  = 'RA---TAN'", "CTYPE2  = 'DEC--TAN'", "CRVAL1  = 10.0", "CRVAL2  = 10.0", "CRPIX1  = 1.0", "CRPIX2  = 1.0",
+    "CDELT1  = -0.0001", "CDELT2  = 0.0001", "EXPTIME = 30.0", "DATE-OBS= '2026-08-14T23:29:05'", "MAGZP   = 25.0", "GAIN    = 2.0",
+])
+streaks = dict(random_streaks=1, magnitude=8, seeing="1arcsec", header=cards)
+streakcast.inject(np.zeros((50, 50), "float32"), **streaks)
+image = np.full((size, size), 100, "float32")
+peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+before = peak()
+done = streakcast.inject(image, **streaks)
+assert len(done.truth) and done.mask.any() and done.added.any()
+print((peak() - before) / image.nbytes)
+"""
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ru_maxrss has this unit on Linux")
+def test_an_injection_needs_the_memory_of_two_other_arrays():
+    done = subprocess.run([sys.executable, "-c", MEMORY, "5000"], capture_output=True, text=True, check=True)
+    # The result is one array; mask and added values take memory only near the streaks. A copy in double precision would
+    # need two more arrays.
+    assert float(done.stdout) < 3.0, done.stdout
+
+
+def test_frames_are_not_changed(model):
+    given = ccd(mask=np.zeros((SIZE, SIZE), bool), uncertainty=StdDevUncertainty(np.ones((SIZE, SIZE))))
+    before = copy.deepcopy(given)
+    for verb, options in ((streakcast.inject, STREAKS), (model.mask, {"seeing": "1arcmin"}), (model.measure, {"seeing": "1arcmin"})):
+        verb(given, **options)
+        np.testing.assert_array_equal(given.data, before.data)
+        np.testing.assert_array_equal(given.uncertainty.array, before.uncertainty.array)
+        assert dict(given.meta) == dict(before.meta)
