@@ -36,6 +36,7 @@ pub use error::FramesError;
 pub use instant::{FIRST_YEAR, LAST_YEAR, is_covered, parse_instant, parse_moment};
 pub use orientation::{Orientation, OrientationTable, eme2000_to_gcrs};
 pub(crate) use sampled::Sampled;
+pub(crate) use time::tai_ns;
 pub use time::{
     epoch_from_jd, epoch_from_mjd, leap_seconds_known_until, mjd_utc, seconds_after, seconds_between, tt_jd, ut1_jd,
     utc_jd,

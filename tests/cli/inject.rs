@@ -397,6 +397,23 @@ fn verif_faint_light_is_not_rounded_away() {
 }
 
 #[test]
+fn verif_light_is_rounded_by_another_pattern_in_each_frame() {
+    let folder = TempDir::new().unwrap();
+    // Pixels are 16-bit integers; the peak of the streak is below one count.
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1"]);
+    let output = path(&folder, "out.fits");
+    let rounded = |start: &str| {
+        let streak = ["--random-streaks", "1", "--magnitude", "12.5", "--streak-rate-deg-s", "0.5"];
+        let more = ["--seeing", "4arcsec", "--no-noise", "--seed", "3", "--start", start, "--quiet"];
+        done(&[&["inject", "--image", &plain, "-o", &output], &streak, &more]);
+        values(&output, 0)
+    };
+    let [first, same, later] = ["2026-08-14T23:29:05Z", "2026-08-14T23:29:05Z", "2026-08-14T23:30:05Z"].map(rounded);
+    assert_eq!(first, same);
+    assert_ne!(first, later);
+}
+
+#[test]
 fn verif_resolved_panels_are_two_light_sources() {
     let folder = TempDir::new().unwrap();
     let rows = wide(&folder, &[]);

@@ -43,20 +43,19 @@ impl Dither {
     }
 }
 
-/// Returns a random fraction of the step between two values of a pixel, from -1/2 to 1/2 of the step.
+/// Returns a random number from -1/2 to 1/2 for a pixel, as a fraction of the step between two of its values.
 ///
 /// If this is added before rounding, light of less than half a step is not always rounded to zero: the right fraction
-/// of the pixels increases by a whole step. The number differs from pixel to pixel and is the same in every run.
-pub(super) fn between_steps(pixel: usize, step: f64) -> f64 {
-    if step == 0.0 {
-        return 0.0;
-    }
-    // SplitMix64 (Steele, Lea & Flood 2014) of the pixel's number.
-    let mut z = (pixel as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    let share = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-    (share - 0.5) * step
+/// of the pixels increases by a whole step. The number differs from pixel to pixel and with the seed.
+pub(super) fn between_steps(seed: u64, pixel: usize) -> f64 {
+    // SplitMix64 (Steele, Lea & Flood 2014): the seed is mixed first, so that adjacent seeds are not shifted sequences.
+    let mixed = |mut z: u64| {
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    };
+    let z = mixed(seed).wrapping_add((pixel as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    (mixed(z) >> 11) as f64 / (1u64 << 53) as f64 - 0.5
 }
 
 #[cfg(test)]
@@ -71,6 +70,26 @@ mod tests {
         assert_eq!(dither.of_tile(1).next(), Some(f64::from(dither.numbers[(dither.numbers[0] * 500.0) as usize])));
         // The next start follows the end of the table.
         assert_eq!(dither.of_tile(3).count_up_to(20_000), 20_000);
+    }
+
+    #[test]
+    fn verif_rounding_differs_between_seeds_and_is_uniform() {
+        let pixels = 10_000;
+        let shares = |seed: u64| -> Vec<f64> { (0..pixels).map(|pixel| between_steps(seed, pixel)).collect() };
+        let [first, second] = [0, 1].map(shares);
+        assert_eq!(first, shares(0));
+        // Uniform numbers have mean 0 and variance 1/12; 5 sigma of their means.
+        let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / pixels as f64;
+        let limit = 5.0 / (12.0 * pixels as f64).sqrt();
+        for shares in [&first, &second] {
+            assert!(shares.iter().all(|share| (-0.5..0.5).contains(share)));
+            assert!(mean(&mut shares.iter().copied()).abs() < limit);
+        }
+        // Correlation with the other seed, also after a shift by up to 10 pixels.
+        for shift in 0..10 {
+            let product = mean(&mut first.iter().skip(shift).zip(&second).map(|(a, b)| a * b));
+            assert!(product.abs() < limit / 12.0f64.sqrt(), "{shift}: {product}");
+        }
     }
 
     trait CountUpTo: Iterator + Sized {

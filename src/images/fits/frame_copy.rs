@@ -44,6 +44,7 @@ pub struct FrameCopy<'a> {
     output: AtomicFile,
     headers: BTreeMap<usize, Header>,
     light: BTreeMap<usize, Deltas<'a>>,
+    seed: u64,
     appended: Vec<NewHdu<'static>>,
 }
 
@@ -66,15 +67,21 @@ impl<'a> FrameCopy<'a> {
             output: AtomicFile::new(target).map_err(ImagesError::io(target))?,
             headers: BTreeMap::new(),
             light: BTreeMap::new(),
+            seed: 0,
             appended: Vec::new(),
         })
+    }
+
+    /// Sets the seed of the random numbers by which light between two steps is rounded; 0 if it is not called.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.seed = seed;
     }
 
     /// Adds light, as physical values, to pixels of one row, beginning at `first_column`.
     ///
     /// Light that is added several times to one pixel is summed, and stored once by [`finish`](FrameCopy::finish). If
     /// pixels are quantised (integers, quantised tiles), light between two steps is rounded up or down with a random
-    /// number that is fixed for each pixel, so that the sum over many pixels is correct for faint light, too. Sums are
+    /// number for each pixel and [seed](FrameCopy::set_seed), so that the sum over many pixels is correct for faint light, too. Sums are
     /// limited to the range of the type. A blank pixel (NaN, or BLANK of integers) is not changed.
     ///
     /// In compressed images, tiles with added light are compressed again with the same algorithm, scale and dither.
@@ -145,7 +152,7 @@ impl<'a> FrameCopy<'a> {
             if let HduKind::CompressedImage(_) = info.kind {
                 let header = entry_of(&mut self.headers, &self.source, hdu)?;
                 let path = scratch.path().join(format!("tiles-{hdu}.fits"));
-                let (of_hdu, tiles) = repack(self.source.path(), info, header, light, &path)?;
+                let (of_hdu, tiles) = repack(self.source.path(), info, header, (light, self.seed), &path)?;
                 changed.insert(hdu, of_hdu);
                 repacked.insert(hdu, tiles);
             }
@@ -197,7 +204,10 @@ impl<'a> FrameCopy<'a> {
                 (Some(tiles), _) => copy_range(&input::open(&tiles.path)?, output, tiles.data.clone())?,
                 (None, Some(light)) => {
                     input.seek(SeekFrom::Start(data.start))?;
-                    changed.insert(hdu, write_changed(&mut input.take(info.data_length), output, info, light)?);
+                    changed.insert(
+                        hdu,
+                        write_changed(&mut input.take(info.data_length), output, info, (light, self.seed))?,
+                    );
                 }
                 (None, None) => copy_range(input, output, data)?,
             }
@@ -261,8 +271,13 @@ fn has_sums(header: &Header) -> bool {
     header.contains("CHECKSUM") || header.contains("DATASUM")
 }
 
-/// Writes the data of an uncompressed image with light added.
-fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light: &Deltas<'_>) -> io::Result<Changed> {
+/// Writes the data of an uncompressed image with light added; `seed` is that of the rounding.
+fn write_changed(
+    input: &mut impl Read,
+    mut output: &File,
+    info: &HduInfo,
+    (light, seed): (&Deltas<'_>, u64),
+) -> io::Result<Changed> {
     let (format, size) = (info.format, info.format.bitpix.bytes());
     let mut changed = Changed::default();
     let mut bytes = vec![0; CHUNK.min(info.data_length as usize)];
@@ -287,7 +302,7 @@ fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light
         } else {
             light.each(pixels, |pixel, sum| {
                 let old = format.physical(format.raw(bytes, pixel - first));
-                let new = old + sum + between_steps(pixel, format.step());
+                let new = old + sum + between_steps(seed, pixel) * format.step();
                 changed.set(old, new, |new| format.put(bytes, pixel - first, new));
             });
         }

@@ -46,8 +46,8 @@ pub(super) struct Repacked {
     pub data: Range<u64>,
 }
 
-/// Pixel that is changed: its index in the tile, its index in the image, and the added light.
-type Touched = (usize, usize, f64);
+/// Pixel that is changed: its index in the tile, its random number for rounding, and the added light.
+type Touched = (usize, f64, f64);
 
 /// Quantisation of floating-point pixels.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -73,7 +73,7 @@ struct Quantised {
 }
 
 /// Adds light to a compressed image: writes a table with the recompressed tiles to a separate file at `scratch`, and
-/// updates `header`.
+/// updates `header`. `seed` is that of the rounding.
 ///
 /// # Errors
 /// [`ImagesError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and of the
@@ -82,7 +82,7 @@ pub(super) fn repack(
     source: &Path,
     info: &HduInfo,
     header: &mut Header,
-    light: &Deltas<'_>,
+    (light, seed): (&Deltas<'_>, u64),
     scratch: &Path,
 ) -> Result<(Changed, Repacked), ImagesError> {
     let failed = |problem: String| ImagesError::Tiles { path: source.to_owned(), hdu: info.index, problem };
@@ -98,7 +98,7 @@ pub(super) fn repack(
     }
     let quantisation = quantisation(info, header, &table).map_err(failed)?;
     let (mut packed, mut lossless) = (BTreeMap::new(), BTreeMap::new());
-    for (number, touched) in touched_tiles(&table, light) {
+    for (number, touched) in touched_tiles(&table, light, seed) {
         if table.holds(COMPRESSED, number) {
             packed.insert(number, touched);
         } else if table.holds(GZIPPED, number) {
@@ -137,7 +137,7 @@ pub(super) fn repack(
 }
 
 /// Returns the pixels to which light is added, by tile.
-fn touched_tiles(table: &TileTable, light: &Deltas<'_>) -> BTreeMap<usize, Vec<Touched>> {
+fn touched_tiles(table: &TileTable, light: &Deltas<'_>, seed: u64) -> BTreeMap<usize, Vec<Touched>> {
     let [sides, tile] = table.sizes();
     let across = sides[0].div_ceil(tile[0]);
     let mut touched: BTreeMap<usize, Vec<Touched>> = BTreeMap::new();
@@ -146,7 +146,7 @@ fn touched_tiles(table: &TileTable, light: &Deltas<'_>) -> BTreeMap<usize, Vec<T
         let (tile_row, tile_column) = (row / tile[1], column / tile[0]);
         let width = tile[0].min(sides[0] - tile_column * tile[0]);
         let index = row % tile[1] * width + column % tile[0];
-        touched.entry(tile_row * across + tile_column).or_default().push((index, pixel, sum));
+        touched.entry(tile_row * across + tile_column).or_default().push((index, between_steps(seed, pixel), sum));
     });
     touched
 }
@@ -304,10 +304,10 @@ where
 {
     let mut numbers: Vec<T> = image.read_region(file, ranges)?;
     let before = changed.pixels;
-    for &(index, pixel, sum) in touched {
+    for &(index, share, sum) in touched {
         let number = numbers[index].to_f64();
         let old = format.physical(number, index);
-        changed.set(old, old + sum + between_steps(pixel, format.step()), |new| {
+        changed.set(old, old + sum + share * format.step(), |new| {
             let (stored, is_clipped) = match format.stored(new, index) {
                 Stored::Exact(stored) => (stored, false),
                 Stored::Clipped(stored) => (stored, true),

@@ -8,6 +8,7 @@ use super::super::truth::{
     MaskPlanes, NoiseMap, TruthRow, changed_spans, mask_spans, points_table, truth_rows, truth_table,
 };
 use super::target_frame::{TargetChip, TargetFrame};
+use crate::frames::tai_ns;
 use crate::images::{
     AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, ImageValues, ImagesError, Patch,
     Pixels, Quantisation, Saturation, TableColumn,
@@ -65,6 +66,8 @@ pub fn inject(
     watch: &Watch,
 ) -> Result<Injected, StreaksError> {
     let mut copy = FrameCopy::begin(&frame.file, output)?;
+    // Frames of different times have different patterns of rounding also with the same seed.
+    copy.set_seed(options.seed ^ tai_ns(frame.opened) as u64);
     let mut report = Injected { clipped_counts: vec![0.0; streaks.len()], ..Injected::default() };
     let mut masks = Vec::new();
     for target in &frame.chips {
