@@ -119,12 +119,17 @@ impl Config {
     /// # Errors
     /// A name is unknown, or a file is invalid.
     pub fn constellations(&self) -> Result<Vec<Constellation>, ConfigError> {
-        let (mut bundled, mut own) = (Vec::new(), Vec::new());
+        let (mut bundled, mut own): (Vec<Constellation>, _) = (Vec::new(), Vec::new());
         for name in &self.shells {
             if is_file_name(name) {
                 own.extend(parse_file("shells", Path::new(name), Constellation::from_toml)?);
             } else {
-                bundled.extend(Constellation::by_name_or_set(name)?);
+                // A constellation and a set that contains it, or two such sets, have it once.
+                for one in Constellation::by_name_or_set(name)? {
+                    if !bundled.iter().any(|other| other.name == one.name) {
+                        bundled.push(one);
+                    }
+                }
             }
         }
         Constellation::number_own(own.iter_mut())?;

@@ -470,6 +470,13 @@ mod tests {
     }
 
     #[test]
+    fn a_constellation_that_is_named_twice_counts_once() {
+        let start = utc("2024-08-14T00:30:00Z");
+        let config = Config { shells: vec!["oneweb".to_owned(), "OneWeb".to_owned()], ..shells("") };
+        assert_eq!(config.prepare(start, start).unwrap().sky.elements().len(), 6372);
+    }
+
+    #[test]
     fn a_cached_sky_has_warnings_for_other_times() {
         let start = utc("2026-07-08T20:00:00Z");
         let (_folder, mut config) = with_bad_checksums(1);

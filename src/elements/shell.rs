@@ -113,7 +113,10 @@ impl Shells {
             satellites_per_plane: shell.satellites_per_plane,
             phasing: shell.phasing,
             node_spread_deg: shell.node_spread_deg,
-            node_offset_deg: (shell.node_offset_deg + shift_deg) % 360.0,
+            node_offset_deg: match shell.node_local_time_h {
+                Some(_) => 0.0,
+                None => (shell.node_offset_deg + shift_deg) % 360.0,
+            },
             node_local_time_h: shell.node_local_time_h.map(|hours| (hours + shift_deg / 15.0) % 24.0),
             phase_offset_deg: shell.phase_offset_deg,
             planes_assumed: shell.planes_assumed,
@@ -145,7 +148,7 @@ fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Er
         type Value = Vec<f64>;
 
         fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-            formatter.write_str("a number or a list of numbers")
+            formatter.write_str("a number or a list of numbers, at least one")
         }
 
         fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<Vec<f64>, E> {
@@ -161,7 +164,7 @@ fn numbers<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Er
             while let Some(number) = list.next_element()? {
                 numbers.push(number);
             }
-            Ok(numbers)
+            if numbers.is_empty() { Err(serde::de::Error::invalid_length(0, &self)) } else { Ok(numbers) }
         }
     }
     deserializer.deserialize_any(Numbers)
@@ -395,6 +398,10 @@ fn parse(text: &str, first_id: u32, block: u32) -> Result<(Vec<Constellation>, V
     }
     let (mut all, mut used) = (Vec::with_capacity(count), 0);
     for mut entry in file.constellation {
+        if all.iter().any(|other: &Constellation| other.name == entry.name) {
+            let message = format!("constellation {:?} is twice in the file; allowed: different names", entry.name);
+            return Err(ElementsError::ShellSyntax(message));
+        }
         if let Some(name) = entry.shells_of.take() {
             entry.shell = midway(&all, &name, &entry)?;
         }
@@ -427,6 +434,13 @@ fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells
 
 fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> {
     for (at, shell) in entry.shell.iter().enumerate() {
+        if shell.node_local_time_h.is_some() && shell.node_offset_deg != 0.0 {
+            return Err(ElementsError::ShellSyntax(format!(
+                "constellation {:?}, shell {}: node_local_time_h and node_offset_deg exclude each other; specify one of them",
+                entry.name,
+                at + 1
+            )));
+        }
         let altitudes = shell.altitude_km.iter().map(|&km| ("altitude_km", km, 120.0..=40_000.0, "120 to 40000 km"));
         let inclinations =
             shell.inclination_deg.iter().map(|&deg| ("inclination_deg", deg, 0.0..=180.0, "0 to 180 deg"));
@@ -496,6 +510,13 @@ mod tests {
             shell("altitude_km = 550, inclination_deg = 53, planes = 0, satellites_per_plane = 1").contains("planes")
         );
         assert!(shell("altitude = 550").contains("unknown field `altitude`"));
+        let good = "inclination_deg = 53, planes = 1, satellites_per_plane = 1";
+        assert!(shell(&format!("altitude_km = [], {good}")).contains("a list of numbers, at least one"));
+        let both = format!("altitude_km = 550, node_local_time_h = 18, node_offset_deg = 77, {good}");
+        assert!(shell(&both).contains("node_local_time_h and node_offset_deg exclude each other"));
+        let one = format!("[[constellation]]\nname = \"x\"\nshell = [{{ altitude_km = 550, {good} }}]\n");
+        let twice = Constellation::from_toml(&one.repeat(2)).unwrap_err().to_string();
+        assert!(twice.contains("\"x\" is twice in the file"), "{twice}");
         assert_starts(
             &Constellation::by_name("starling").unwrap_err().to_string(),
             "unknown shells \"starling\": expected one of starlink-gen1, starlink-gen2, oneweb, kuiper, qianfan, guowang, starlink-gen2-remaining",

@@ -13,7 +13,8 @@
 //! are unequal, neighbouring states may be so close together that the second term is large, or all on one side of the
 //! time, so that the first term is large. Then states with larger distances in time are also tried, and those with the
 //! least sum are used. An interval with a longer step, or with a sum above 20 m for δ = 1 m, is a gap, across which
-//! nothing is interpolated.
+//! nothing is interpolated. So is an interval whose polynomial contains a wrong position: one that differs by more than
+//! 100 m, and more than the two terms explain, from the polynomial through its eight neighbours.
 //!
 //! The velocities of the file are not used: in the public Starlink ephemerides they differ from the derivative of the
 //! positions by 4.5 m/s after the second day, which would be an error of 0.3 km at the ends of a Hermite polynomial.
@@ -41,6 +42,8 @@ const LONGEST_STEP_RAD: f64 = TAU / 20.0;
 const LARGEST_ERROR_KM: f64 = 0.02;
 /// Error of the interpolation below which no other states are tried, km.
 const SMALL_ERROR_KM: f64 = 0.004;
+/// Largest difference of a position from the polynomial through its neighbours, km, beside the error of that polynomial.
+const LARGEST_DIFFERENCE_KM: f64 = 0.1;
 /// Error of the positions in a file, km: the rounding of the coarsest files, a metre.
 const STATE_ERROR_KM: f64 = 0.001;
 /// Least times between the states of the polynomial, tried in this order, as fractions of the step that contains the
@@ -267,6 +270,7 @@ enum Variance {
 /// Returns the states of the polynomial between each state and the next one; `None` for gaps.
 fn chosen_nodes(times_s: &[f64], positions: &[Vector3<f64>]) -> Vec<Option<[u32; NODES]>> {
     let is_gap = |step: usize| step_rad(times_s, positions, step, step + 1) > LONGEST_STEP_RAD;
+    let wrong: Vec<bool> = (0..times_s.len()).map(|state| is_wrong(times_s, positions, state)).collect();
     let mut chosen = Vec::with_capacity(times_s.len() - 1);
     let mut part = 0..0;
     for step in 0..times_s.len() - 1 {
@@ -277,9 +281,22 @@ fn chosen_nodes(times_s: &[f64], positions: &[Vector3<f64>]) -> Vec<Option<[u32;
             part = start..end;
         }
         let is_inside = part.contains(&step) && step + 1 < part.end && part.len() >= NODES;
-        chosen.push(if is_inside { best_nodes(times_s, positions, &part, step) } else { None });
+        let nodes = if is_inside { best_nodes(times_s, positions, &part, step) } else { None };
+        chosen.push(nodes.filter(|nodes| !nodes.iter().any(|node| wrong[*node as usize])));
     }
     chosen
+}
+
+/// Returns true if the position of a state differs from the polynomial through its eight neighbours by more than their
+/// errors. The neighbours of a wrong position may differ too, because their polynomials contain it.
+fn is_wrong(times_s: &[f64], positions: &[Vector3<f64>], state: usize) -> bool {
+    let Some(latest) = times_s.len().checked_sub(NODES + 1) else { return false };
+    let first = state.saturating_sub(NODES / 2).min(latest);
+    let nodes: [usize; NODES] = std::array::from_fn(|node| first + node + usize::from(first + node >= state));
+    let of_nodes = (nodes.map(|node| times_s[node]), nodes.map(|node| positions[node]));
+    let (expected, _) = lagrange(of_nodes.0, of_nodes.1, times_s[state]);
+    let allowed_km = LARGEST_DIFFERENCE_KM + error_at_km(times_s, positions, &nodes, times_s[state]);
+    (positions[state] - expected).norm() > allowed_km
 }
 
 /// Returns the angle about the Earth's centre between two states: the larger of the angle between their directions and
@@ -352,31 +369,33 @@ fn spaced_nodes(times_s: &[f64], part: &Range<usize>, step: usize, spacing_s: f6
 
 /// Returns the largest error of the polynomial through some states at three times within a step, km.
 fn error_km(times_s: &[f64], positions: &[Vector3<f64>], nodes: &[usize; NODES], step: usize) -> f64 {
+    let at = |share: f64| times_s[step] + share * (times_s[step + 1] - times_s[step]);
+    let errors_km = [0.25, 0.5, 0.75].map(|share| error_at_km(times_s, positions, nodes, at(share)));
+    errors_km.into_iter().fold(0.0, f64::max)
+}
+
+/// Returns the error of the polynomial through some states at a time, km.
+fn error_at_km(times_s: &[f64], positions: &[Vector3<f64>], nodes: &[usize; NODES], time_s: f64) -> f64 {
     let rate_rad_s = nodes.windows(2).map(|pair| {
         let [from, to] = [pair[0], pair[1]];
         step_rad(times_s, positions, from, to) / (times_s[to] - times_s[from])
     });
     let rate_rad_s = rate_rad_s.fold(0.0, f64::max);
-    let radius_km = positions[step].norm().max(positions[step + 1].norm());
-    let error_at = |share: f64| {
-        let time_s = times_s[step] + share * (times_s[step + 1] - times_s[step]);
-        // r ω⁸ / 8! · Π |t - tᵢ|, with 8! = 40320
-        let neglected = nodes
-            .iter()
-            .fold(radius_km / 40_320.0, |product, node| product * rate_rad_s * (time_s - times_s[*node]).abs());
-        // Σ |ℓᵢ(t)|
-        let amplification: f64 = nodes
-            .iter()
-            .map(|node| {
-                let others = nodes.iter().filter(|other| *other != node);
-                others.fold(1.0, |product, other| {
-                    product * ((time_s - times_s[*other]) / (times_s[*node] - times_s[*other])).abs()
-                })
+    let radius_km = nodes.iter().map(|node| positions[*node].norm()).fold(0.0, f64::max);
+    // r ω⁸ / 8! · Π |t - tᵢ|, with 8! = 40320
+    let neglected =
+        nodes.iter().fold(radius_km / 40_320.0, |product, node| product * rate_rad_s * (time_s - times_s[*node]).abs());
+    // Σ |ℓᵢ(t)|
+    let amplification: f64 = nodes
+        .iter()
+        .map(|node| {
+            let others = nodes.iter().filter(|other| *other != node);
+            others.fold(1.0, |product, other| {
+                product * ((time_s - times_s[*other]) / (times_s[*node] - times_s[*other])).abs()
             })
-            .sum();
-        neglected + STATE_ERROR_KM * amplification
-    };
-    [0.25, 0.5, 0.75].map(error_at).into_iter().fold(0.0, f64::max)
+        })
+        .sum();
+    neglected + STATE_ERROR_KM * amplification
 }
 
 /// Returns the UTC seconds between two epochs, leap seconds not counted, as SGP4 counts its minutes.

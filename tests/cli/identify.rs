@@ -286,6 +286,11 @@ fn streaks_of_tables_and_detectors_are_identified() {
     for table in [&astride, &findsat] {
         assert_eq!(identified(table, &["--image", &frame]), [("7".to_owned(), ids[0])]);
     }
+    // A frame in which the detector found nothing is no error.
+    std::fs::write(&astride, format!("{names}\n")).unwrap();
+    let (code, table, error) =
+        run(&[&["identify", "--streaks", &astride, "--image", &frame, "--format", "csv"], &satellites]);
+    assert_eq!((code, records(&table).len()), (1, 1), "{error}");
     for (text, words) in [
         (format!("{names}\n 7 10.00\n"), "line 2: number of cells is 2; allowed: 16"),
         (format!("{names}\n{}\n", cells.replace(&format!("{x1:.2}"), "abc")), "line 2: x1_pix is 'abc'; allowed"),

@@ -444,3 +444,30 @@ fn exposures_outside_the_ephemerides_of_the_telescope_are_invalid() {
         }
     }
 }
+
+/// A wrong position in the ephemeris of the telescope makes the times around it unknown.
+#[test]
+fn no_position_is_interpolated_from_a_wrong_state() {
+    let mut random = Random(17);
+    let own = synthetic(600_000_000, &mut random, 15.09, 0.001);
+    let start = midnight();
+    // The state after 1200 s.
+    for (error_km, is_wrong) in [(0.0, false), (0.05, false), (0.5, true), (5.0, true), (300.0, true)] {
+        let mut ephemeris = (*oem(&own, start, 60.0, 41)[0]).clone();
+        ephemeris.states[20].position_km[1] += error_km;
+        let sky = seen_from(swarm(&mut random, 20), &[Arc::new(ephemeris)]);
+        for (after_s, is_near) in [(300.0, false), (1100.0, true), (1190.0, true), (1300.0, true), (2000.0, false)] {
+            let exposure = Exposure {
+                id: String::new(),
+                start: seconds_after(start, after_s),
+                duration_s: 30.0,
+                pointing: Direction::from_lon_lat_rad(1.0, 0.5),
+                rotation_rad: 0.0,
+            };
+            let field = Field::circle(0.1).expect("a field");
+            let found = sky.field_passes(&[exposure], &field, &PassOptions::default());
+            let is_unknown = matches!(found, Err(SkyError::Observer { .. }));
+            assert_eq!(is_unknown, is_wrong && is_near, "{error_km} km, after {after_s} s");
+        }
+    }
+}

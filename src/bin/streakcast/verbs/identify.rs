@@ -15,8 +15,7 @@ use streakcast::identify::{
     CandidateRow, Identified, IdentifyOptions, Offset, candidate_table, identify_streak, streak_table,
 };
 #[cfg(unix)]
-use streakcast::output::{Column, Kind, Value};
-use streakcast::output::{Section, Table, counted};
+use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
@@ -221,13 +220,13 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
             (frame, last, count) = (Some(key), Some(done), count + 1);
         }
     }
-    let Some(mut done) = last else {
-        return Err(anyhow!("the tables of --streaks have no streak; allowed: 1 streak or more"));
+    // A detector may have found no streak.
+    let (mut provenance, include_dark) = match last {
+        Some(done) => (done.prepared.provenance, done.options.include_dark),
+        None => (Provenance::new(), typed.include_dark || config.include_dark.unwrap_or(false)),
     };
     let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
-    done.prepared
-        .provenance
-        .state("options", json!({ "streaks": tables, "include_dark": done.options.include_dark, "top": typed.top }));
+    provenance.state("options", json!({ "streaks": tables, "include_dark": include_dark, "top": typed.top }));
     output.write(
         &VerbResult {
             sections: vec![
@@ -235,7 +234,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
                 Section { name: "left_out", table: &left_out },
             ],
             main: &candidates,
-            provenance: &done.prepared.provenance,
+            provenance: &provenance,
             style: Style { columns: OF_TABLES, bold_row: None },
         },
         &notices,
