@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("dark for {:.1} h; {} passes", result.night.dark_s() / 3600.0, result.found.passes.len());
 
     // 3. Each pass: first, highest and last visible point, and its brightness.
-    for row in result.rows(&sky, None).take(5) {
+    for row in result.rows(&sky).take(5) {
         let Some(seen) = &row.pass.visible else { continue };
         println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
         for (what, point) in [("from", &seen.begin), ("over", &seen.highest), ("to", &seen.end)] {

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let result = forecast(&sky, &request, &Selection::default())?;
 
     // 2. Charts are drawn from columns.
-    let tracks: Vec<SkyTrack> = result.rows(&sky, None).map(|row| track(row.name(), &row.pass.samples)).collect();
+    let tracks: Vec<SkyTrack> = result.rows(&sky).map(|row| track(row.name(), &row.pass.samples)).collect();
     let over = sky_chart(&SkyChart {
         local: None,
         site: Some(&site),

@@ -349,6 +349,7 @@ macro_rules! questions {
             /// Returns this configuration, with `base` for all questions that it does not answer. For example, `mpc`
             /// replaces the coordinates of `base`.
             pub fn over(mut self, base: Config) -> Config {
+                self = self.at_height_of(&base);
                 let given = self.given();
                 let mut questions = Self::QUESTIONS.iter();
                 $(if questions.next().is_some_and(|question| !question.is_answered_by(&given)) {
@@ -387,6 +388,16 @@ const LARGEST_BYTES: u64 = 1_000_000;
 const MAX_THREADS: usize = 1024;
 
 impl Config {
+    /// Returns the configuration with the site of `base` if only its height is given.
+    fn at_height_of(mut self, base: &Config) -> Self {
+        const SITE: [&str; 7] = ["site", "mpc", "lat", "lon", "observer_elements", "observer_norad", "limb_height_km"];
+        let given = self.given();
+        if self.site.height.is_some() && !SITE.iter().any(|key| given.contains(key)) {
+            self.site = SiteConfig { height: self.site.height, ..base.site.clone() };
+        }
+        self
+    }
+
     /// Returns the accepted keys of a configuration file, except for the tables of verbs.
     pub fn keys() -> impl Iterator<Item = &'static str> {
         Self::QUESTIONS.iter().flat_map(|question| question.keys).copied()

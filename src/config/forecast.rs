@@ -9,9 +9,10 @@ use super::document::norad_id;
 use super::error::ConfigError;
 use crate::constants::DAY_S;
 use crate::elements::Generation;
-use crate::forecast::{ForecastRequest, Selection};
+use crate::forecast::{ForecastRequest, PassOrder, Selection};
 use crate::frames::{parse_instant, parse_moment, seconds_between};
 use crate::output::format_utc;
+use crate::photometry::clear_sky_extinction_mag;
 use crate::schedule::night_of;
 
 /// Longest time range of one request, days.
@@ -110,9 +111,18 @@ pub struct ForecastConfig {
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten))]
     pub range: TimeRangeConfig,
-    /// Only passes with a peak brighter than this, in the band of --band
+    /// Only passes that are probably brighter than this, in the band of --band
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Filters"))]
     pub max_mag: Option<f64>,
+    /// With --max-mag: smallest probability of being brighter, 0 to 1; with 0 all passes are listed
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", default_value_t = 0.5, help_heading = "Filters"))]
+    pub min_p_brighter: f64,
+    /// Magnitudes above the atmosphere, and the same limit in twilight as by night [default: clear air, or --extinction]
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Filters"))]
+    pub no_atmosphere: bool,
+    /// Order of the passes: time, or brightness (the most probably visible first) [default: brightness with --max-mag]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ORDER", value_parser = ["time", "brightness"], help_heading = "Output"))]
+    pub sort: Option<String>,
     /// Altitude of rise and set, degrees
     #[cfg_attr(
         feature = "cli",
@@ -148,6 +158,9 @@ impl Default for ForecastConfig {
         Self {
             range: TimeRangeConfig::default(),
             max_mag: None,
+            min_p_brighter: 0.5,
+            no_atmosphere: false,
+            sort: None,
             min_altitude: 10.0,
             min_culmination: 0.0,
             sun_altitude_deg: Some(-6.0),
@@ -161,10 +174,11 @@ impl Default for ForecastConfig {
 impl ForecastConfig {
     /// Checks the values and converts them to a request and a selection of satellites. Passes in the shadow are included
     /// if `self` or `config` includes them. `default_samples` is the number of points along each pass if neither of them
-    /// sets it.
+    /// sets it. Without an extinction in `config`, that of clear air at the height of the site is applied.
     ///
     /// # Errors
-    /// A generation is unknown, a number is out of range, or the errors of [`time_range`].
+    /// A generation or the order is unknown, a number is out of range, an extinction is given with `no_atmosphere`, or
+    /// the errors of [`time_range`].
     pub fn resolve(
         &self,
         config: &Config,
@@ -172,6 +186,23 @@ impl ForecastConfig {
     ) -> Result<(ForecastRequest, Selection), ConfigError> {
         let selection = self.selection.resolve()?;
         let (start, end) = self.range.resolve(config)?;
+        let mut photometry = config.photometry()?;
+        if self.no_atmosphere {
+            if photometry.extinction_mag_per_airmass.is_some() {
+                return Err(ConfigError::invalid(
+                    "no-atmosphere and extinction exclude each other; specify one of them",
+                ));
+            }
+        } else if photometry.extinction_mag_per_airmass.is_none()
+            && let Ok(site) = config.site()
+        {
+            photometry.extinction_mag_per_airmass = Some(clear_sky_extinction_mag(photometry.band, site.height_m));
+        }
+        let by_brightness = if self.max_mag.is_some() { PassOrder::Brightness } else { PassOrder::Time };
+        let order = self.sort.as_deref().map_or(Ok(by_brightness), |name| {
+            PassOrder::by_name(name)
+                .ok_or_else(|| ConfigError::invalid(format!("invalid sort '{name}'; allowed: time, brightness")))
+        })?;
         let request = ForecastRequest {
             start,
             end,
@@ -179,9 +210,12 @@ impl ForecastConfig {
             min_altitude_rad: self.min_altitude.to_radians(),
             min_culmination_rad: self.min_culmination.to_radians(),
             max_magnitude: self.max_mag,
+            min_probability: self.min_p_brighter,
+            twilight: !self.no_atmosphere,
+            order,
             include_dark: self.include_dark || config.include_dark.unwrap_or(false),
             samples: self.samples.or(config.samples).unwrap_or(default_samples),
-            photometry: config.photometry()?,
+            photometry,
         };
         request.check()?;
         Ok((request, selection))

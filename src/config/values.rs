@@ -295,6 +295,9 @@ pub fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64
             (diameter_mm, None) => (2.0 * (0.5 * diameter_mm / focal_mm).atan().to_degrees(), None),
         });
     }
+    if LENGTH_UNITS.iter().any(|(unit, _)| text.trim_end().ends_with(unit)) {
+        return Err(invalid(what, text, "the size of a sensor with the focal length, for example 23.5x15.6mm@400mm"));
+    }
     width_and_height(text, |angle| parse_angle_deg(what, angle))
 }
 

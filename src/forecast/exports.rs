@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use hifitime::Epoch;
+use hifitime::{Epoch, TimeScale, Unit};
 
-use super::pass_table::{PassRow, compass, utc_offset};
+use super::pass_table::{PassRow, clock, compass, known_step_s, utc_offset};
 use crate::frames::seconds_after;
 use crate::geometry::Site;
 use crate::output::{Provenance, csv_cell, format_utc};
@@ -32,9 +32,10 @@ pub struct EmptyNight<'a> {
 /// `utc_offset_s` returns local time minus UTC at a time, seconds.
 ///
 /// Lines end in CR LF and are folded at 75 bytes (section 3.1), and text is escaped (section 3.3.11). The UID of an
-/// event does not depend on `made`. An event starts at the last whole second before the visible part begins, and ends
-/// at the first one after it ends. A calendar must have at least one component (section 3.6): if `empty` is given, the
-/// night is written as one transparent event with the reason.
+/// event does not depend on `made`. An event starts at the last whole step before the visible part begins, and ends at
+/// the first one after it ends; the step is 1 s, 10 s or 1 min, whichever is next above the error of the times. A
+/// calendar must have at least one component (section 3.6): if `empty` is given, the night is written as one transparent
+/// event with the reason.
 pub fn calendar<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -43,7 +44,6 @@ pub fn calendar<'a>(
     empty: Option<EmptyNight<'_>>,
     utc_offset_s: impl Fn(Epoch) -> f64,
 ) -> String {
-    let point = |what: &str, point: &TrackPoint| point_text(what, point, utc_offset_s(point.epoch));
     let mut text = String::new();
     let mut line = |content: String| fold(&mut text, &content);
     line("BEGIN:VCALENDAR".into());
@@ -53,6 +53,10 @@ pub fn calendar<'a>(
     line("METHOD:PUBLISH".into());
     for row in rows {
         let Some(seen) = &row.pass.visible else { continue };
+        let step_s = known_step_s(row.pass.along_track_sigma_s);
+        let step = step_s * Unit::Second;
+        let utc = |epoch: Epoch| epoch.to_time_scale(TimeScale::UTC);
+        let point = |what: &str, point: &TrackPoint| point_text(what, point, utc_offset_s(point.epoch), step_s);
         let light = row.peak().and_then(|peak| peak.brightness.as_ref());
         let magnitude = light.map_or("no magnitude".to_owned(), |light| {
             format!("mag {:.1} \u{b1} {:.1}", light.magnitude.0, light.sigma_mag)
@@ -60,21 +64,25 @@ pub fn calendar<'a>(
         line("BEGIN:VEVENT".into());
         line(format!("UID:{}-{}@streakcast", row.pass.norad_id, stamp(row.pass.culmination.epoch)));
         line(format!("DTSTAMP:{}", stamp(made)));
-        line(format!("DTSTART:{}", stamp(seen.begin.epoch)));
-        line(format!("DTEND:{}", stamp(seconds_after(seen.end.epoch, 1.0))));
+        line(format!("DTSTART:{}", stamp(utc(seen.begin.epoch).floor(step))));
+        line(format!("DTEND:{}", stamp(utc(seen.end.epoch).ceil(step))));
         line(format!("SUMMARY:{}", escaped(&format!("{} {magnitude}", row.name()))));
         let ends_by = match row.ends_by() {
             Some("end") => "end of the forecast",
             other => other.unwrap_or_default(),
         };
-        let mut facts = vec![
+        let mut facts: Vec<String> = row.peak().map(|peak| point("brightest", peak)).into_iter().collect();
+        facts.extend([
             point("starts", &seen.begin),
             point("highest", &seen.highest),
             format!("{} ({ends_by})", point("ends", &seen.end)),
-        ];
-        facts.extend(row.peak().map(|peak| point("brightest", peak)));
+        ]);
+        facts.extend(
+            row.pass.p_brighter.map(|p| format!("brighter than the limit with probability {:.0} %", 100.0 * p)),
+        );
         facts.extend(light.map(|light| format!("magnitude from {}", light.source)));
-        facts.push(format!("elements {:.1} days old", row.pass.element_age_days));
+        let (age_days, sigma_s) = (row.pass.element_age_days, row.pass.along_track_sigma_s);
+        facts.push(format!("elements {age_days:.1} days old, times \u{b1} {sigma_s:.1} s"));
         line(format!("DESCRIPTION:{}", escaped(&facts.join("\n"))));
         line(format!("LOCATION:{}", escaped(&site.name)));
         line(format!("GEO:{:.6};{:.6}", site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees()));
@@ -105,12 +113,12 @@ pub fn calendar<'a>(
     text
 }
 
-fn point_text(what: &str, point: &TrackPoint, utc_offset_s: f64) -> String {
+fn point_text(what: &str, point: &TrackPoint, utc_offset_s: f64, step_s: f64) -> String {
     let (altitude_rad, azimuth_rad) = (point.altitude_rad.unwrap_or(f64::NAN), point.azimuth_rad.unwrap_or(f64::NAN));
-    let clock = format_utc(seconds_after(point.epoch, utc_offset_s), 0);
+    let clock = clock(point.epoch, utc_offset_s, step_s);
     let zone = utc_offset(utc_offset_s);
     let direction = compass(azimuth_rad);
-    format!("{what} {} {zone}, altitude {:.0}\u{b0}, {direction}", &clock[11..19], altitude_rad.to_degrees())
+    format!("{what} {clock} {zone}, altitude {:.0}\u{b0}, {direction}", altitude_rad.to_degrees())
 }
 
 /// Formats a time as `20240814T003000Z`; fractions of a second are dropped.

@@ -21,6 +21,6 @@ pub use exports::{AngleType, EmptyNight, calendar, score_report, tdm};
 pub use outlook::{Forecast, Night, forecast, night_table};
 pub use pass_table::{PassColumns, PassRow, compass, light_curve_table, pass_table, readable_table};
 pub use reproduce::{HU2022, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table};
-pub use request::ForecastRequest;
+pub use request::{ForecastRequest, PassOrder};
 pub use selection::{Selected, Selection};
 pub use statistics::{SkyCount, SkyCounts, StatisticsRequest, sky_counts, statistics_table};

@@ -1,16 +1,18 @@
 //! Forecast of a night: dark intervals, visible passes, and the reason if there are no passes.
 
+use std::cmp::Ordering;
+
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ForecastError;
 use super::pass_table::PassRow;
-use super::request::ForecastRequest;
+use super::request::{ForecastRequest, PassOrder};
 use super::selection::Selection;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::orbit::{LeftOut, OrbitError};
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
-use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
+use crate::passes::{BrightnessLimit, Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
 
 /// Sampling interval of the Sun's altitude, seconds; the altitude changes by at most 0.25° in this time.
@@ -102,45 +104,48 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
         return Err(ForecastError::EmptySelection { satellites, selection: selection.description() });
     }
     let night = Night::over(sky, request.start, request.end, request.max_sun_altitude_rad)?;
-    let found = sky.visible_passes(
+    let mut found = sky.visible_passes(
         &VisibleRequest {
             start: request.start,
             end: request.end,
             dark: night.dark.clone(),
             min_altitude_rad: request.min_altitude_rad,
             min_culmination_rad: request.min_culmination_rad,
-            max_magnitude: request.max_magnitude,
+            limit: request.max_magnitude.map(|magnitude| BrightnessLimit {
+                magnitude,
+                min_probability: request.min_probability,
+                twilight: request.twilight,
+            }),
             include_dark: request.include_dark,
             samples: request.samples,
             photometry: request.photometry,
         },
         &|element_index| selected.contains(&sky.elements()[element_index]),
     )?;
+    if request.order == PassOrder::Brightness {
+        // The sort is stable: passes that are equally bright stay in the order of time.
+        found.passes.sort_by(|a, b| {
+            b.p_brighter.partial_cmp(&a.p_brighter).unwrap_or(Ordering::Equal).then_with(|| {
+                let magnitude =
+                    |pass: &VisiblePass| pass.peak_brightness().map_or(f64::INFINITY, |light| light.magnitude.0);
+                magnitude(a).total_cmp(&magnitude(b))
+            })
+        });
+    }
     Ok(Forecast { night, found })
 }
 
 impl Forecast {
-    /// Returns the rows of the passes for tables. `sky` is that of the forecast, `limit_mag` the limit of `p_brighter`.
-    pub fn rows<'a>(&'a self, sky: &'a Sky, limit_mag: Option<f64>) -> impl Iterator<Item = PassRow<'a>> {
+    /// Returns the rows of the passes for tables. `sky` is that of the forecast.
+    pub fn rows<'a>(&'a self, sky: &'a Sky) -> impl Iterator<Item = PassRow<'a>> {
         let (range, dark) = ((self.night.start, self.night.end), self.night.dark.as_slice());
         let elements = sky.elements();
-        self.found.passes.iter().map(move |pass| PassRow {
-            pass,
-            elements: &elements[pass.element_index],
-            limit_mag,
-            range,
-            dark,
-        })
+        self.found.passes.iter().map(move |pass| PassRow { pass, elements: &elements[pass.element_index], range, dark })
     }
 
     /// Returns a warning if brightest points are outside the fitted ranges of the models.
     pub fn fitted_range_warning(&self) -> Option<String> {
-        let lights: Vec<_> = self
-            .found
-            .passes
-            .iter()
-            .filter_map(|pass| pass.visible.as_ref()?.peak.as_ref()?.brightness.as_ref())
-            .collect();
+        let lights: Vec<_> = self.found.passes.iter().filter_map(VisiblePass::peak_brightness).collect();
         let outside = lights.iter().filter(|light| !light.in_fitted_range).count();
         (outside > 0).then(|| {
             let (is, their) = if outside == 1 { ("is", "its sigma is") } else { ("are", "their sigmas are") };
@@ -180,7 +185,9 @@ impl Forecast {
         }
         if let Some(limit) = request.max_magnitude.filter(|_| count.too_faint > 0) {
             let is = verb(count.too_faint, "is", "are");
-            reasons.push(format!("{} {is} predicted fainter than mag {limit}", passes(count.too_faint)));
+            let least = 100.0 * request.min_probability;
+            let passes = passes(count.too_faint);
+            reasons.push(format!("{passes} {is} brighter than mag {limit} with a probability below {least:.0} %"));
         }
         let unknown = self.unknown();
         if unknown > 0 {
@@ -211,7 +218,7 @@ impl Forecast {
             parts.push(format!("{} shown", passes(shown)));
         }
         if let Some(limit) = max_magnitude.filter(|_| hidden > 0) {
-            parts.push(format!("{} omitted as fainter than mag {limit}", passes(hidden)));
+            parts.push(format!("{} omitted as probably fainter than mag {limit}", passes(hidden)));
         }
         let parts = (!parts.is_empty()).then(|| parts.join(", "))?;
         Some(format!(
@@ -246,7 +253,7 @@ const NIGHT_COLUMNS: [Column; 13] = [
         "expected_brighter",
         "",
         2,
-        "Expected number of visible passes brighter than the magnitude limit, those omitted as too faint included; empty without a limit.",
+        "Expected number of visible passes brighter than the magnitude limit: the sum of p_brighter, those omitted as too faint included; empty without a limit.",
     ),
 ];
 

@@ -1,7 +1,7 @@
 //! Tables of passes: one row for each pass, one row for each point of a light curve, and a readable table in local time
 //! for observers.
 
-use hifitime::Epoch;
+use hifitime::{Epoch, TimeScale, Unit};
 
 use crate::elements::ElementSet;
 use crate::frames::{seconds_after, seconds_between};
@@ -18,8 +18,6 @@ pub struct PassRow<'a> {
     pub pass: &'a VisiblePass,
     /// Element set of the satellite.
     pub elements: &'a ElementSet,
-    /// Magnitude limit of the forecast, for the column `p_brighter`.
-    pub limit_mag: Option<f64>,
     /// Start and end of the forecast.
     pub range: (Epoch, Epoch),
     /// Dark intervals of the forecast.
@@ -30,7 +28,7 @@ const P_BRIGHTER: Column = Column::real(
     "p_brighter",
     "",
     4,
-    "Probability of being brighter than the magnitude limit at the brightest visible point.",
+    "Probability of being brighter than the magnitude limit at some visible point; in twilight the limit is brighter.",
 );
 
 impl<'a> PassRow<'a> {
@@ -42,11 +40,6 @@ impl<'a> PassRow<'a> {
     /// Returns the brightest point; `None` if the pass has no magnitude.
     pub fn peak(&self) -> Option<&'a TrackPoint> {
         self.pass.visible.as_ref()?.peak.as_ref()
-    }
-
-    /// Returns the probability that the satellite is brighter than the limit.
-    fn p_brighter(&self) -> Value {
-        self.limit_mag.map(|limit_mag| self.pass.probability_brighter_than(limit_mag)).into()
     }
 
     /// Returns the event that begins the visible part: `rise`, `shadow`, `dusk`, or `start` (of the forecast).
@@ -180,6 +173,15 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             ),
             |row| row.pass.position_source.to_string().into(),
         ),
+        field(
+            Column::real(
+                "along_track_sigma_s",
+                "s",
+                4,
+                "One sigma of all times of the pass: the lateness of the satellite.",
+            ),
+            |row| row.pass.along_track_sigma_s.into(),
+        ),
     ]
 }
 
@@ -268,7 +270,7 @@ pub fn pass_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, columns: Pass
     let PassColumns { p_brighter, more, samples } = columns;
     let mut fields = pass_fields();
     if p_brighter {
-        fields.push(TableField::new(P_BRIGHTER, PassRow::p_brighter));
+        fields.push(TableField::new(P_BRIGHTER, |row| row.pass.p_brighter.into()));
     }
     if more {
         fields.extend(more_fields());
@@ -362,11 +364,14 @@ pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Tab
     table
 }
 
-const READABLE_COLUMNS: [Column; 16] = [
+const READABLE_COLUMNS: [Column; 21] = [
     Column::new("date", Kind::Text, "Local date at the start of the visible part."),
     Column::new("satellite", Kind::Text, "Name of the satellite."),
     Column::real("magnitude", "mag", 1, "Magnitude at the brightest point."),
     Column::real("sigma", "mag", 1, "One sigma of the magnitude."),
+    Column::new("brightest", Kind::Text, "Local time of the brightest visible point."),
+    Column::new("brightest_altitude", Kind::Text, "Altitude of the brightest visible point."),
+    Column::new("brightest_azimuth", Kind::Text, "Compass direction of the brightest visible point."),
     Column::new("start", Kind::Text, "Local time at which the visible part begins."),
     Column::new("start_altitude", Kind::Text, "Altitude at the start of the visible part."),
     Column::new("start_azimuth", Kind::Text, "Compass direction at the start of the visible part."),
@@ -381,19 +386,22 @@ const READABLE_COLUMNS: [Column; 16] = [
         Kind::Text,
         "Event at the end of the visible part: set, shadow (of the solid Earth), dawn, or end (of the time range).",
     ),
+    Column::real("along_track_sigma_s", "s", 1, "One sigma of the times."),
+    Column::real("element_age_days", "d", 1, "Time of culmination minus epoch of the elements."),
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("mag_source", Kind::Text, "Source of the magnitude."),
 ];
 
-/// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of start,
-/// highest point and end. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part
-/// is listed from rise to set. With a magnitude limit, the last column is the probability of being brighter.
+/// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of the
+/// brightest point, start, highest point and end. Times are rounded to 1 s, 10 s or 1 min, whichever is next above their
+/// error. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is listed from
+/// rise to set. With a magnitude limit, the last column is the probability of being brighter.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: impl Fn(Epoch) -> f64) -> Table {
     let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
     let cells = |row: PassRow<'_>| {
-        has_limit |= row.limit_mag.is_some();
+        has_limit |= row.pass.p_brighter.is_some();
         let mut cells = readable_cells(&row, &utc_offset_s);
-        cells.extend(row.limit_mag.is_some().then(|| row.p_brighter()));
+        cells.extend(row.pass.p_brighter.map(Value::from));
         cells
     };
     let rows = rows.into_iter().map(cells).collect();
@@ -409,9 +417,10 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Ve
         Some(seen) => (Some(&seen.begin), &seen.highest, Some(&seen.end)),
         None => (pass.rise.as_ref(), &pass.culmination, pass.set.as_ref()),
     };
+    let step_s = known_step_s(pass.along_track_sigma_s);
     let clock = |epoch: Epoch| {
         let offset_s = utc_offset_s(epoch);
-        let clock = local(epoch, offset_s).1;
+        let clock = clock(epoch, offset_s, step_s);
         if is_repeated(epoch, utc_offset_s) { format!("{clock} {}", utc_offset(offset_s)) } else { clock }
     };
     let three = |point: Option<&TrackPoint>| -> [Value; 3] {
@@ -424,15 +433,17 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Ve
     };
     let light = row.peak().and_then(|peak| peak.brightness.as_ref());
     let first = begin.unwrap_or(highest).epoch;
-    let date = local(first, utc_offset_s(first)).0;
+    let date = format_utc(seconds_after(first, utc_offset_s(first)), 0).chars().take(10).collect::<String>();
     let mut cells: Vec<Value> = vec![
         date.into(),
         row.name().into(),
         light.map(|light| light.magnitude.0).into(),
         light.map(|light| light.sigma_mag).into(),
     ];
-    cells.extend([begin, Some(highest), end].into_iter().flat_map(three));
+    cells.extend([row.peak(), begin, Some(highest), end].into_iter().flat_map(three));
     cells.push(row.ends_by().unwrap_or("not visible").into());
+    cells.push(pass.along_track_sigma_s.into());
+    cells.push(pass.element_age_days.into());
     cells.push(i64::from(pass.norad_id.0).into());
     cells.push(light.map(|light| light.source.to_string()).into());
     cells
@@ -459,10 +470,17 @@ pub(super) fn utc_offset(utc_offset_s: f64) -> String {
     }
 }
 
-/// Returns the local date and time of day as text.
-fn local(epoch: Epoch, utc_offset_s: f64) -> (String, String) {
-    let text = format_utc(seconds_after(epoch, utc_offset_s), 0);
-    (text.chars().take(10).collect(), text.chars().skip(11).take(8).collect())
+/// Returns the step to which times are rounded whose error is `sigma_s`: 1 s, 10 s or 1 min.
+pub(super) fn known_step_s(sigma_s: f64) -> f64 {
+    [1.0, 10.0].into_iter().find(|step_s| sigma_s <= *step_s).unwrap_or(60.0)
+}
+
+/// Returns the local time of day as text, rounded to `step_s`; without seconds if this is a minute.
+pub(super) fn clock(epoch: Epoch, utc_offset_s: f64, step_s: f64) -> String {
+    // Steps are counted from the start of the time scale, so that only those of UTC are whole minutes of its clock.
+    let local = seconds_after(epoch.to_time_scale(TimeScale::UTC), utc_offset_s).round(step_s * Unit::Second);
+    let length = if step_s < 60.0 { 8 } else { 5 };
+    format_utc(local, 0).chars().skip(11).take(length).collect()
 }
 
 /// Returns the nearest of the 16 compass points, for example `NNE`, for an azimuth in radians.
@@ -518,7 +536,21 @@ mod tests {
     #[test]
     fn clocks_ahead_of_utc_turn_the_date() {
         let epoch = Epoch::from_gregorian_utc(2022, 1, 21, 23, 30, 0, 600_000_000);
-        assert_eq!(local(epoch, 3600.0), ("2022-01-22".to_owned(), "00:30:01".to_owned()));
-        assert_eq!(local(epoch, -4.5 * 3600.0), ("2022-01-21".to_owned(), "19:00:01".to_owned()));
+        assert_eq!(clock(epoch, 3600.0, 1.0), "00:30:01");
+        assert_eq!(clock(epoch, -4.5 * 3600.0, 1.0), "19:00:01");
+    }
+
+    #[test]
+    fn times_are_rounded_to_the_step_above_their_error() {
+        let epoch = Epoch::from_gregorian_utc(2026, 4, 25, 19, 7, 46, 600_000_000);
+        let rounded = |sigma_s: f64| clock(epoch, 7200.0, known_step_s(sigma_s));
+        assert_eq!(
+            [0.3, 1.0, 1.1, 10.0, 12.0, 900.0].map(rounded),
+            ["21:07:47", "21:07:47", "21:07:50", "21:07:50", "21:08", "21:08"]
+        );
+        let in_tai = |sigma_s: f64| clock(epoch.to_time_scale(TimeScale::TAI), 7200.0, known_step_s(sigma_s));
+        assert_eq!([0.3, 5.0, 12.0].map(in_tai), ["21:07:47", "21:07:50", "21:08"]);
+        let midnight = Epoch::from_gregorian_utc(2026, 4, 25, 23, 59, 56, 0);
+        assert_eq!(clock(midnight, 0.0, 10.0), "00:00:00");
     }
 }

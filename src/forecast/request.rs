@@ -12,6 +12,27 @@ const LONGEST_DAYS: f64 = 31.0;
 /// Largest number of sampled points along one pass.
 const MOST_SAMPLES: usize = 10_000;
 
+/// Order of the passes of a forecast.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub enum PassOrder {
+    /// By the time at which they become visible.
+    #[default]
+    Time,
+    /// By the probability of being brighter than the limit, the most probable first; then by magnitude and time.
+    /// Without a limit, the brightest first.
+    Brightness,
+}
+
+impl PassOrder {
+    /// Names of the orders, with the orders.
+    pub const NAMES: [(&str, Self); 2] = [("time", Self::Time), ("brightness", Self::Brightness)];
+
+    /// Returns the order with this name: `time` or `brightness`.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::NAMES.into_iter().find(|(known, _)| *known == name).map(|(_, order)| order)
+    }
+}
+
 /// Request for the passes of a night or another time range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForecastRequest {
@@ -25,8 +46,14 @@ pub struct ForecastRequest {
     pub min_altitude_rad: f64,
     /// Smallest altitude at culmination, radians.
     pub min_culmination_rad: f64,
-    /// Faintest peak magnitude. If it is set, passes without a magnitude are omitted.
+    /// Magnitude limit by night. If it is set, only passes that are probably brighter are listed.
     pub max_magnitude: Option<f64>,
+    /// Smallest probability of being brighter than the limit, [0, 1]; with 0 all passes are listed.
+    pub min_probability: f64,
+    /// If true, the limit is that of [`twilight_limit_mag`](crate::photometry::twilight_limit_mag) in twilight.
+    pub twilight: bool,
+    /// Order of the passes.
+    pub order: PassOrder,
     /// If true, passes in the Earth's shadow and in daylight are included.
     pub include_dark: bool,
     /// Number of sampled points along each pass from rise to set; may be 0.
@@ -36,7 +63,8 @@ pub struct ForecastRequest {
 }
 
 impl ForecastRequest {
-    /// Creates a request from `start` to `end` for passes above 10 deg with the Sun below -6 deg, of any magnitude.
+    /// Creates a request from `start` to `end` for passes above 10 deg with the Sun below -6 deg, of any magnitude, in
+    /// the order of time. Magnitudes are those above the atmosphere, and limits are the same in twilight as by night.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self {
             start,
@@ -45,6 +73,9 @@ impl ForecastRequest {
             min_altitude_rad: 10.0_f64.to_radians(),
             min_culmination_rad: 0.0,
             max_magnitude: None,
+            min_probability: 0.5,
+            twilight: false,
+            order: PassOrder::Time,
             include_dark: false,
             samples: 0,
             photometry: PhotometryOptions::default(),
@@ -81,6 +112,9 @@ impl ForecastRequest {
         }
         if let Some(magnitude) = self.max_magnitude.filter(|magnitude| !(-30.0..=40.0).contains(magnitude)) {
             return out_of_range("max-mag", magnitude, " mag", "-30 to 40 mag");
+        }
+        if !(0.0..=1.0).contains(&self.min_probability) {
+            return out_of_range("min-p-brighter", self.min_probability, "", "0 to 1");
         }
         if self.samples > MOST_SAMPLES {
             return out_of_range("samples", self.samples as f64, "", "0 to 10000");

@@ -86,7 +86,8 @@ pub enum FramesError {
     NoLeapSecond(String),
     /// The time has no scale.
     #[error(
-        "time '{given}' has no time scale; allowed: a time that ends in Z (UTC), or any time with --time-scale utc, tai or tt \
+        "time '{given}' has no time scale; allowed: a time that ends in Z (UTC) or in an offset of local \
+         time (+02:00), or any time with --time-scale utc, tai or tt \
          (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)", given = Quoted::new(.0)
     )]
     NoScale(String),

@@ -79,6 +79,11 @@ impl PassEvaluator<'_> {
         })
     }
 
+    /// Returns the brightness, with a sigma that does not include the error of the position.
+    pub fn brightness(&self, time_s: f64) -> Option<Brightness> {
+        self.light(time_s)?.2
+    }
+
     fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
         let (state, observer, _) = self.line.aspect_at(time_s);
         self.light_at(time_s, &state.position, &observer)
@@ -201,11 +206,7 @@ impl PassEvaluator<'_> {
     /// Returns the brightest point, with a given number of steps in the first search.
     pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
         self.photometry?;
-        let magnitude = |time_s: f64| {
-            self.light(time_s)
-                .and_then(|(_, _, brightness)| brightness)
-                .map_or(f64::INFINITY, |light| light.magnitude.0)
-        };
+        let magnitude = |time_s: f64| self.brightness(time_s).map_or(f64::INFINITY, |light| light.magnitude.0);
         let best = times(enter_s, exit_s, steps)
             .map(|time_s| (time_s, magnitude(time_s)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -247,6 +248,6 @@ impl PassEvaluator<'_> {
 }
 
 /// Returns `steps + 1` evenly spaced times.
-fn times(from_s: f64, to_s: f64, steps: usize) -> impl Iterator<Item = f64> {
+pub(super) fn times(from_s: f64, to_s: f64, steps: usize) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |step| from_s + (to_s - from_s) * step as f64 / steps as f64)
 }

@@ -54,4 +54,4 @@ pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 pub use track::{Chord, Pass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
-pub use visible_passes::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest};
+pub use visible_passes::{BrightnessLimit, NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest};

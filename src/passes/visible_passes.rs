@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::above_horizon::{AboveHorizon, HorizonSearch, Sample, Treatment};
 use super::error::{SkyError, check_epoch};
-use super::evaluator::PassEvaluator;
+use super::evaluator::{PassEvaluator, times};
 use super::intervals::intervals_where;
 use super::scene::Scene;
 use super::sky::Sky;
@@ -19,7 +19,7 @@ use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError, PositionSource};
-use crate::photometry::{MagnitudeSource, PhotometryOptions};
+use crate::photometry::{Brightness, MagnitudeSource, PhotometryOptions, twilight_limit_mag};
 
 /// Time by which the search extends before and after the night, seconds, for passes that began before it or end after
 /// it. Low satellites rise and set within this time.
@@ -43,14 +43,26 @@ pub struct VisibleRequest {
     pub min_altitude_rad: f64,
     /// Lowest altitude of the culmination, radians.
     pub min_culmination_rad: f64,
-    /// Faintest peak magnitude; `None` for no limit. With a limit, passes without a magnitude are excluded.
-    pub max_magnitude: Option<f64>,
+    /// Selection by brightness; `None` for passes of any brightness.
+    pub limit: Option<BrightnessLimit>,
     /// If true, passes in the Earth's shadow and in daylight are included.
     pub include_dark: bool,
     /// Number of points from rise to set, evenly spaced in time; 0 for none.
     pub samples: usize,
     /// Band, magnitude system and extinction.
     pub photometry: PhotometryOptions,
+}
+
+/// Selection of passes by the probability of being brighter than a limit.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct BrightnessLimit {
+    /// Magnitude limit by night.
+    pub magnitude: f64,
+    /// Smallest probability of being brighter than the limit, [0, 1]. Passes with a smaller one are excluded; with 0,
+    /// none is.
+    pub min_probability: f64,
+    /// If true, the limit is that of [`twilight_limit_mag`] while it is twilight.
+    pub twilight: bool,
 }
 
 /// Part of a pass in which the satellite is visible.
@@ -97,17 +109,19 @@ pub struct VisiblePass {
     pub position_source: PositionSource,
     /// Time from the epoch of the elements to the culmination, days.
     pub element_age_days: f64,
+    /// One sigma of the times of the pass, seconds: the error along the track at the age of the elements.
+    pub along_track_sigma_s: f64,
+    /// Probability of being brighter than the limit at some point of the visible part, [0, 1]: the largest of its
+    /// points. 0 without a visible part or without light; `None` without a limit.
+    pub p_brighter: Option<f64>,
     /// Points from rise to set; empty if [`VisibleRequest::samples`] is 0.
     pub samples: Vec<TrackPoint>,
 }
 
 impl VisiblePass {
-    /// Probability of being brighter than an apparent magnitude at the brightest visible point; 0 without a visible
-    /// part or without light.
-    pub fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
-        let peak = self.visible.as_ref().and_then(|seen| seen.peak.as_ref());
-        let light = peak.and_then(|peak| peak.brightness.as_ref());
-        light.map_or(0.0, |light| light.probability_brighter_than(limit_mag))
+    /// Returns the brightness at the brightest visible point; `None` without a visible part or without light.
+    pub fn peak_brightness(&self) -> Option<&Brightness> {
+        self.visible.as_ref()?.peak.as_ref()?.brightness.as_ref()
     }
 }
 
@@ -117,7 +131,7 @@ pub struct NotShown {
     /// Passes that are above the lowest altitude while the site is dark, but are in the Earth's shadow during that
     /// time. Passes during which the site is never dark are not counted.
     pub in_shadow: usize,
-    /// Passes fainter than the limit, or without a magnitude.
+    /// Passes with less than the minimum probability of being brighter than the limit.
     pub too_faint: usize,
     /// Passes in `too_faint` whose magnitude comes only from a prior, because the satellite's brightness is unknown.
     pub too_faint_by_prior: usize,
@@ -134,8 +148,8 @@ pub struct VisiblePasses {
     pub not_shown: NotShown,
     /// Number of satellites searched.
     pub satellites: usize,
-    /// Expected number of visible passes that are brighter than the limit at their peaks: the sum of the probabilities,
-    /// including those of passes excluded as too faint. `None` without a limit.
+    /// Expected number of visible passes that are brighter than the limit: the sum of [`VisiblePass::p_brighter`],
+    /// including that of passes excluded as too faint. `None` without a limit.
     pub expected_brighter: Option<f64>,
     /// Satellites without a position at some time of the search.
     pub left_out: Vec<LeftOut>,
@@ -195,7 +209,7 @@ impl Sky {
         let all = selected.par_iter().with_min_len(TOGETHER).map(of_one).collect::<Result<Vec<_>, SkyError>>()?;
         let mut visible = VisiblePasses {
             satellites: selected.len(),
-            expected_brighter: request.max_magnitude.map(|_| 0.0),
+            expected_brighter: request.limit.map(|_| 0.0),
             ..VisiblePasses::default()
         };
         visible.left_out.extend(self.left_out().iter().filter(|one| is_selected(one.element_index)).cloned());
@@ -205,8 +219,8 @@ impl Sky {
         }) {
             match one {
                 Outcome::Pass(pass) => {
-                    if let (Some(sum), Some(limit)) = (visible.expected_brighter.as_mut(), request.max_magnitude) {
-                        *sum += pass.probability_brighter_than(limit);
+                    if let (Some(sum), Some(p_brighter)) = (visible.expected_brighter.as_mut(), pass.p_brighter) {
+                        *sum += p_brighter;
                     }
                     visible.passes.push(*pass);
                 }
@@ -343,28 +357,27 @@ impl Search<'_> {
         if culmination.altitude_rad.is_some_and(|altitude_rad| altitude_rad < self.request.min_culmination_rad) {
             return Ok(Some(Outcome::TooLow));
         }
-        let steps = ((end_s - begin_s) / LIGHT_STEP_S).ceil().clamp(4.0, MOST_LIGHT_STEPS) as usize;
+        let steps = light_steps(end_s - begin_s, 4.0);
         let illumination = |time_s: f64| evaluator.illumination(time_s);
         let full = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) == Illumination::Sunlit);
         let lit = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s).is_lit());
         let bright = intervals_where(begin_s, end_s, steps, |time_s| evaluator.is_outside_geometric_shadow(time_s));
         let lit_by_night = both(&lit, &span.dark_s);
-        let visible = if lit_by_night.is_empty() {
-            None
-        } else {
-            let bright_by_night = both(&bright, &span.dark_s);
-            let seen = if bright_by_night.is_empty() { &lit_by_night } else { &bright_by_night };
-            visibility(&evaluator, seen, above.top_s)
-        };
+        let bright_by_night = both(&bright, &span.dark_s);
+        let seen_s = if bright_by_night.is_empty() { lit_by_night } else { bright_by_night };
+        let visible = if seen_s.is_empty() { None } else { visibility(&evaluator, &seen_s, above.top_s) };
         let light = visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref());
         if visible.is_none() && !self.request.include_dark {
             return Ok(Some(Outcome::InShadow));
         }
-        if let Some(limit) = self.request.max_magnitude
-            && light.is_none_or(|light| light.magnitude.0 > limit)
+        let p_brighter = self.request.limit.map(|limit| {
+            let peak = visible.as_ref().and_then(|seen| seen.peak.as_ref());
+            peak.map_or(0.0, |peak| self.probability_brighter(&evaluator, &seen_s, peak, &limit))
+        });
+        if let (Some(limit), Some(p_brighter)) = (self.request.limit, p_brighter)
+            && p_brighter < limit.min_probability
         {
             let by_prior = light.is_some() && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
-            let p_brighter = light.map_or(0.0, |light| light.probability_brighter_than(limit));
             return Ok(Some(Outcome::TooFaint { by_prior, p_brighter }));
         }
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| evaluator.point(time_s));
@@ -381,10 +394,48 @@ impl Search<'_> {
             visible,
             position_source: horizon.propagator.position_source(),
             element_age_days: self.sky.element_age_days(element_index, culminates),
+            along_track_sigma_s: evaluator.uncertainty.along_track_s,
+            p_brighter,
             samples: evaluator.samples(begin_s, end_s, self.request.samples),
             culmination,
         }))))
     }
+
+    /// Returns the largest probability of being brighter than the limit in the intervals `seen_s`. Away from the
+    /// brightest point it can be larger than there: the limit is brighter in twilight, and the distribution of
+    /// magnitudes is wider outside the fitted geometry.
+    fn probability_brighter(
+        &self,
+        evaluator: &PassEvaluator<'_>,
+        seen_s: &[(f64, f64)],
+        peak: &TrackPoint,
+        limit: &BrightnessLimit,
+    ) -> f64 {
+        let limit_mag = |time_s: f64| {
+            if !limit.twilight {
+                return limit.magnitude;
+            }
+            let sun_rad = self.observer.sun_altitude_rad(&self.scene.orientation, &self.scene.sun, time_s);
+            twilight_limit_mag(limit.magnitude, sun_rad)
+        };
+        let of = |time_s: f64, light: &Brightness| light.probability_brighter_than(limit_mag(time_s));
+        // The sigma of the best point includes the error of the position only in the second evaluation.
+        let roughly = |time_s: f64| Some((time_s, of(time_s, &evaluator.brightness(time_s)?)));
+        let best = seen_s
+            .iter()
+            .flat_map(|&(from_s, until_s)| times(from_s, until_s, light_steps(until_s - from_s, 8.0)))
+            .filter_map(roughly)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .and_then(|(time_s, _)| Some(of(time_s, evaluator.point(time_s)?.brightness.as_ref()?)));
+        let peak_s = seconds_between(self.scene.start, peak.epoch);
+        let at_peak = peak.brightness.as_ref().map(|light| of(peak_s, light));
+        best.into_iter().chain(at_peak).fold(0.0, f64::max)
+    }
+}
+
+/// Returns the number of steps of a search for brightness over a time.
+fn light_steps(span_s: f64, fewest: f64) -> usize {
+    (span_s / LIGHT_STEP_S).ceil().clamp(fewest, MOST_LIGHT_STEPS) as usize
 }
 
 /// Returns the visible part, from the start of the first to the end of the last interval of `seen`, with the brightest
@@ -399,10 +450,7 @@ fn visibility(evaluator: &PassEvaluator<'_>, seen: &[(f64, f64)], top_s: f64) ->
     let brightness = |point: &TrackPoint| point.brightness.as_ref().map_or(f64::INFINITY, |light| light.magnitude.0);
     let peak = seen
         .iter()
-        .filter_map(|&(from_s, until_s)| {
-            let steps = ((until_s - from_s) / LIGHT_STEP_S).ceil().clamp(8.0, MOST_LIGHT_STEPS) as usize;
-            evaluator.peak_in_steps(from_s, until_s, steps)
-        })
+        .filter_map(|&(from_s, until_s)| evaluator.peak_in_steps(from_s, until_s, light_steps(until_s - from_s, 8.0)))
         .min_by(|a, b| brightness(a).total_cmp(&brightness(b)));
     Some(Visibility { begin: evaluator.point(seen.first()?.0)?, highest, end: evaluator.point(seen.last()?.1)?, peak })
 }

@@ -1,5 +1,6 @@
 //! From viewing geometry to magnitude: reflection laws, panels, phase functions, and brightness models by name.
 
+mod atmosphere;
 mod band;
 pub mod brdf;
 mod bright_objects;
@@ -19,6 +20,7 @@ pub mod radiation;
 mod standard_magnitudes;
 pub(crate) mod two_panel;
 
+pub use atmosphere::{clear_sky_extinction_mag, twilight_limit_mag};
 pub use band::{Band, MagSystem};
 pub use bright_objects::{BrightObject, BrightObjects};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};

@@ -5,11 +5,13 @@ use std::fs;
 use crate::common::cli::{SKY, done, json, path, published_constellation, records, run};
 use serde_json::Value;
 
-const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days,position_source";
+const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days,position_source,along_track_sigma_s";
 const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
 /// Twenty planes of a constellation, which have visible passes in the evening and in the morning.
 const PLANES: &[&str] = &["--name", "S1 P2", "S1 P6"];
 
+/// Tolerance of probabilities, which have four decimals.
+const P_DECIMALS: f64 = 5e-5;
 /// Tolerance of peak magnitudes, which have three decimals.
 const MAGNITUDE_DECIMALS: f64 = 5e-4;
 
@@ -106,22 +108,56 @@ fn verif_filters_omit_only_the_specified_passes() {
     let all = all["passes"].as_array().unwrap();
     let keep = |holds: &dyn Fn(&Value) -> bool| all.iter().filter(|pass| holds(pass)).cloned().collect::<Vec<_>>();
     let found = |more: &[&str]| json(&[NIGHT, SKY, PLANES, more]);
-    // The limit is between two printed magnitudes, so that rounding has no effect.
-    let bright = found(&["--max-mag", "5.4995"]);
-    let expected = keep(&|pass| pass["peak_magnitude"].as_f64().is_some_and(|magnitude| magnitude <= 5.4995));
-    assert!(!expected.is_empty() && expected.len() < all.len());
-    let (mut shown, mut sum) = (bright["passes"].as_array().unwrap().clone(), 0.0);
-    for pass in &mut shown {
-        let p_brighter = pass.as_object_mut().unwrap().remove("p_brighter").unwrap();
-        assert!((0.3..=1.0).contains(&number(&p_brighter)), "{p_brighter} {pass}");
-        sum += number(&p_brighter);
+    // With a probability of 0, all passes are listed, and the sum of their probabilities is the expected number.
+    let any = found(&["--max-mag", "5.5", "--min-p-brighter", "0", "--sort", "time"]);
+    let p_of = |pass: &Value| number(&pass["p_brighter"]);
+    let without = |pass: &Value| {
+        let mut pass = pass.clone();
+        pass.as_object_mut().unwrap().remove("p_brighter");
+        pass
+    };
+    let with_p = any["passes"].as_array().unwrap();
+    assert_eq!(&with_p.iter().map(without).collect::<Vec<_>>(), all);
+    let (sum, expected) = (with_p.iter().map(p_of).sum::<f64>(), number(&any["night"][0]["expected_brighter"]));
+    assert!((sum - expected).abs() < P_DECIMALS * all.len() as f64 + 0.01 && sum > 5.0, "{sum} {expected}");
+    // By default, the passes that are probably brighter are listed, the most probable first.
+    let bright = found(&["--max-mag", "5.5"]);
+    let shown = bright["passes"].as_array().unwrap();
+    assert!(!shown.is_empty() && shown.len() < all.len());
+    assert!(shown.windows(2).all(|pair| p_of(&pair[0]) >= p_of(&pair[1])));
+    let probable: Vec<_> = with_p.iter().filter(|pass| p_of(pass) >= 0.5).cloned().collect();
+    let by_time = found(&["--max-mag", "5.5", "--sort", "time"]);
+    assert_eq!(by_time["passes"].as_array().unwrap(), &probable);
+    assert_eq!(shown.len(), probable.len());
+    assert_eq!(bright["night"][0]["passes_too_faint"].as_u64().unwrap() as usize, all.len() - shown.len());
+    assert_eq!(number(&bright["night"][0]["expected_brighter"]), expected);
+    // Extinction makes all of them fainter, most near the horizon, and is the same for an explicit value. Twilight makes
+    // some of them improbable.
+    let above = found(&["--max-mag", "5.5", "--min-p-brighter", "0", "--sort", "time", "--no-atmosphere"]);
+    let above = above["passes"].as_array().unwrap();
+    let magnitude = |pass: &Value| pass["peak_magnitude"].as_f64();
+    for (one, other) in with_p.iter().zip(above) {
+        let lost = magnitude(one).zip(magnitude(other)).map(|(below, above)| below - above);
+        assert!(lost.is_none_or(|lost| (0.1..1.5).contains(&lost)), "{one} {other}");
+        assert!(p_of(one) <= p_of(other), "{one} {other}");
     }
-    assert_eq!(shown, expected);
-    let omitted = all.len() - expected.len();
-    assert_eq!(bright["night"][0]["passes_too_faint"].as_u64().unwrap() as usize, omitted);
-    // Passes that are fainter than the limit may still be brighter with a probability of up to about a half.
-    let expected = number(&bright["night"][0]["expected_brighter"]);
-    assert!((sum..sum + 0.6 * omitted as f64).contains(&expected), "{expected} {sum}");
+    let coefficient = number(&any["provenance"]["extinction_mag_per_airmass"]);
+    let given = found(&["--extinction", &coefficient.to_string()]);
+    let peaks = |passes: &Value| passes.as_array().unwrap().iter().map(magnitude).collect::<Vec<_>>();
+    let differ =
+        |a: &Option<f64>, b: &Option<f64>| a.zip(*b).is_some_and(|(a, b)| (a - b).abs() > MAGNITUDE_DECIMALS * 4.0);
+    assert!(!peaks(&given["passes"]).iter().zip(&peaks(&any["passes"])).any(|(a, b)| differ(a, b)));
+    let at_dusk = |sun: &str| {
+        let passes =
+            found(&["--max-mag", "5.5", "--min-p-brighter", "0", "--extinction", "0", "--sun-altitude-deg", sun]);
+        number(&passes["night"][0]["expected_brighter"])
+    };
+    assert!(
+        at_dusk("-3") - at_dusk("-5") < 0.3 * (at_dusk("-9") - at_dusk("-15")),
+        "{} {}",
+        at_dusk("-3"),
+        at_dusk("-5")
+    );
     let high = found(&["--min-culmination", "40"]);
     let expected = keep(&|pass| number(&pass["max_altitude_deg"]) >= 40.0);
     assert!(!expected.is_empty() && expected.len() < all.len());
@@ -194,12 +230,15 @@ fn verif_a_night_without_darkness_has_a_reason() {
     assert!(night["dark_from_utc"].is_null() && number(&night["lowest_sun_altitude_deg"]) > 11.0);
     // The reason is also printed for a dark night without bright passes.
     let (_, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--max-mag", "-8", "--format", "csv"]]);
-    assert!(stderr.contains("no passes: ") && stderr.contains("are predicted fainter than mag -8"), "{stderr}");
+    assert!(
+        stderr.contains("no passes: ") && stderr.contains("are brighter than mag -8 with a probability below 50 %"),
+        "{stderr}"
+    );
 }
 
 #[test]
 fn verif_documents() {
-    let sky = [SKY, PLANES, &["--max-mag", "6"]].concat();
+    let sky = [SKY, PLANES, &["--max-mag", "6", "--no-atmosphere"]].concat();
     let answer = json(&[NIGHT, &sky]);
     let passes = answer["passes"].as_array().unwrap();
     let calendar = done(&[NIGHT, &sky, &["--format", "ics", "--alarm", "5min"]]);
@@ -244,6 +283,13 @@ fn verif_documents() {
     }
 
     let report = done(&[NIGHT, &sky, &["--format", "score"]]);
+    // Without an extinction, these formats have magnitudes above the atmosphere.
+    let implied = done(&[NIGHT, SKY, PLANES, &["--max-mag", "6", "--format", "score"]]);
+    assert_eq!(report, implied);
+    // Calendars have age and lateness.
+    let described = unfolded.lines().filter(|line| line.starts_with("DESCRIPTION:brightest ")).count();
+    assert_eq!(described, passes.len());
+    assert!(unfolded.contains("elements 0.") && unfolded.contains(" days old\\, times \u{b1} 0."), "{unfolded}");
     let rows = records(&report);
     assert_eq!(rows.len() - 1, passes.len());
     assert_eq!((rows[0].len(), &rows[0][0], &rows[0][26]), (27, "satellite_name", "mpc_code"));
@@ -268,7 +314,8 @@ fn verif_documents() {
 #[test]
 fn verif_priors_are_reported() {
     let elements = crate::common::golden_dir().join("elements/sample.3le").display().to_string();
-    let arguments = ["forecast", "--elements", &elements, "--lat", "35", "--lon", "10", "--format", "csv"];
+    let arguments =
+        ["forecast", "--elements", &elements, "--lat", "35", "--lon", "10", "--format", "csv", "--no-atmosphere"];
     let time = ["--start", "2026-03-18T00:00:00Z", "--end", "2026-03-23T00:00:00Z"];
     let prior = |more: &[&str]| {
         let (code, stdout, stderr) = run(&[&arguments, &time, more]);
@@ -291,13 +338,18 @@ fn verif_priors_are_reported() {
     peaks.sort_by(f64::total_cmp);
     let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
     let (_, warning, _) = prior(&["--max-mag", &limit]);
-    let expected = format!("{} shown, 1 pass omitted as fainter than mag {limit})", passes(count - 1));
+    let expected = format!("{} shown, 1 pass omitted as probably fainter than mag {limit})", passes(count - 1));
     assert!(warning.as_ref().is_some_and(|warning| warning.contains(&expected)), "{warning:?}: {expected}");
     let (_, warning, stderr) = prior(&["--max-mag", "-9"]);
     assert!(
-        warning.is_some_and(|warning| warning.contains(&format!("({count} passes omitted as fainter than mag -9)")))
+        warning.is_some_and(
+            |warning| warning.contains(&format!("({count} passes omitted as probably fainter than mag -9)"))
+        )
     );
-    assert!(stderr.contains("no passes: ") && stderr.contains("are predicted fainter than mag -9"), "{stderr}");
+    assert!(
+        stderr.contains("no passes: ") && stderr.contains("are brighter than mag -9 with a probability below 50 %"),
+        "{stderr}"
+    );
     // Satellites with a model are not reported.
     let (code, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--format", "csv"]]);
     assert!(code == 0 && !stderr.contains("prior"), "{stderr}");
@@ -328,7 +380,7 @@ fn messages_use_the_singular_for_one() {
     assert!(stderr.contains("1 pass of 1 satellite"), "{stderr}");
     let (_, _, stderr) =
         run(&[NIGHT, &SKY[..4], PLANES, &["--min-culmination", &just_below, "--max-mag", "-9", "--format", "csv"]]);
-    assert!(stderr.contains("1 pass is predicted fainter than mag -9"), "{stderr}");
+    assert!(stderr.contains("1 pass is brighter than mag -9 with a probability below 50 %"), "{stderr}");
 }
 
 #[test]
@@ -344,6 +396,12 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (&["--night", "2024-08-14", "--min-altitude", "NaN"], &["min-altitude is NaN"]),
         (&["--night", "2024-08-14", "--sun-altitude-deg", "-100"], &["sun-altitude-deg is -100 deg", "-90 to 90 deg"]),
         (&["--night", "2024-08-14", "--max-mag", "99"], &["max-mag is 99 mag", "-30 to 40 mag"]),
+        (&["--night", "2024-08-14", "--min-p-brighter", "2"], &["min-p-brighter is 2", "0 to 1"]),
+        (&["--night", "2024-08-14", "--sort", "size"], &["invalid value 'size'", "time, brightness"]),
+        (
+            &["--night", "2024-08-14", "--no-atmosphere", "--extinction", "0.1"],
+            &["no-atmosphere and extinction exclude each other"],
+        ),
         (&["--night", "2024-08-14", "--samples", "1000000"], &["samples is 1000000", "0 to 10000"]),
         (&["--night", "2024-08-14", "--generation", "starlink"], &["generation 'starlink'", "starlink-v2mini"]),
         (
@@ -441,7 +499,7 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
     for line in ["SUMMARY:No visible satellite pass over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
-    assert!(calendar.contains("fainter than mag -8"), "{calendar}");
+    assert!(calendar.contains("brighter than mag -8"), "{calendar}");
     // The extension of the file name determines the format, in upper or lower case.
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "NIGHT.ICS");
@@ -454,7 +512,7 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
     assert_eq!(run(&[&unseen, SKY, &["--format", "tdm"]]).0, 2);
     let (code, stdout, stderr) = run(&[NIGHT, SKY, PLANES, empty, &["--format", "tdm"]]);
     assert!(code == 2 && stdout.is_empty(), "{stdout}");
-    assert!(stderr.contains("fainter than mag -8") && stderr.contains("needs at least one"), "{stderr}");
+    assert!(stderr.contains("brighter than mag -8") && stderr.contains("needs at least one"), "{stderr}");
 }
 
 #[test]

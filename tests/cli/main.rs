@@ -53,6 +53,7 @@ mod settings;
 mod shorthands;
 mod space_observer;
 mod statistics;
+mod tips;
 mod unknown;
 #[cfg(unix)]
 mod user_files;

@@ -112,7 +112,7 @@ fn valid_forecast_against_heavens_above() {
     println!("{compared} passes, {} computed: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
     // Every visible pass found here satisfies the criteria of Heavens-Above.
-    for row in computed.rows(&sky, None) {
+    for row in computed.rows(&sky) {
         let Some(visible) = &row.pass.visible else { continue };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);
     }

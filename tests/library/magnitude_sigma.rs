@@ -17,7 +17,7 @@ fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<VisiblePass> {
         dark: Vec::new(),
         min_altitude_rad: 0.3,
         min_culmination_rad: 0.3,
-        max_magnitude: None,
+        limit: None,
         include_dark: true,
         samples: 0,
         photometry: PhotometryOptions::default(),

@@ -37,7 +37,7 @@ fn verif_satellites_that_are_up_have_risen_and_not_set() {
         dark: Vec::new(),
         min_altitude_rad: lowest_rad,
         min_culmination_rad: lowest_rad,
-        max_magnitude: None,
+        limit: None,
         include_dark: true,
         samples: 0,
         photometry: PhotometryOptions::default(),

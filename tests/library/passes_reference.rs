@@ -46,7 +46,7 @@ fn passes(elements: ElementSet, site: Site, start: Epoch, days: f64, min_altitud
         dark: Vec::new(),
         min_altitude_rad: min_altitude_deg.to_radians(),
         min_culmination_rad: min_altitude_deg.to_radians(),
-        max_magnitude: None,
+        limit: None,
         include_dark: true,
         samples: 0,
         photometry: PhotometryOptions::default(),

@@ -76,7 +76,7 @@ impl Nights {
         let sky = &prepared.sky;
         prepared.check_known(request.start, request.end).map_err(failure::unknown)?;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
-        let rows = found.rows(sky, request.max_magnitude);
+        let rows = found.rows(sky);
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();
         let columns =
             PassColumns { p_brighter: request.max_magnitude.is_some(), more: true, samples: request.samples > 0 };

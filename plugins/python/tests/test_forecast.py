@@ -149,7 +149,7 @@ def test_several_nights_and_forms(sky):
     # Without passes the table has columns but no rows, and the table of nights contains a reason.
     none = sky.forecast(NIGHT, norad=900000539, max_mag=-8)
     assert len(none.passes) == 0 and "peak_magnitude" in none.passes.colnames
-    assert "fainter than mag -8" in none.nights["why_empty"][0]
+    assert "brighter than mag -8" in none.nights["why_empty"][0]
 
 
 def test_the_old_method_gives_the_same_passes(sky):

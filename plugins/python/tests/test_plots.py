@@ -130,7 +130,7 @@ def test_a_light_curve_of_samples(model, tmp_path):
 
 @pytest.mark.parametrize("output", ["qtable", "dict"])
 def test_a_forecast_over_the_sky_and_in_time(model, output):
-    passes = model.forecast("2026-08-14", max_mag=5.1, min_culmination=86, samples=41, output=output).passes
+    passes = model.forecast("2026-08-14", max_mag=5.1, atmosphere=False, min_culmination=86, samples=41, output=output).passes
     svg = rendered_svg(plots.sky_chart(passes, title="A night"))
     assert "A night" in svg and "rise UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
     assert "The 22 brightest" not in svg and len(passes["name"]) == 14
@@ -140,7 +140,7 @@ def test_a_forecast_over_the_sky_and_in_time(model, output):
     curve = rendered_svg(plots.light_curve(passes["samples"][0], title="A pass"))
     # A pass from rise to set has no field.
     assert "in the field" not in curve and "magnitude, ±1σ" in curve
-    many = model.forecast("2026-08-14", max_mag=5, min_culmination=75, samples=3, output=output).passes
+    many = model.forecast("2026-08-14", max_mag=5, atmosphere=False, min_culmination=75, samples=3, output=output).passes
     assert f"The 22 brightest of {len(many['name'])} passes" in rendered_svg(plots.sky_chart(many))
     none = model.forecast("2026-08-14", max_mag=-8, samples=3, output=output).passes
     # A night without passes gives an empty plot.

@@ -74,7 +74,7 @@ def rows_of(table):
 
 
 def forecast(sky, **changes):
-    found = sky.forecast("2026-08-14", output="dict", **{"max_mag": 5.0, "min_culmination": 86.0, **changes})
+    found = sky.forecast("2026-08-14", output="dict", **{"max_mag": 5.0, "atmosphere": False, "min_culmination": 86.0, **changes})
     return rows_of(found.passes), found.nights
 
 

@@ -22,7 +22,7 @@ SKY = dict(mpc="X05", shells="starlink-gen1", telescope="rubin", limit_mag=7)
 def tables():
     """Returns tables of all kinds by name."""
     model = streakcast.StreakModel(**SKY)
-    forecast = model.forecast("2026-08-14", max_mag=5, min_culmination=86, samples=3)
+    forecast = model.forecast("2026-08-14", max_mag=5.1, min_culmination=86, samples=3)
     identified = model.identify(place=TARGET, position_angle=8.7, start=START, exposure=30.0)
     injected = model.inject(
         np.zeros((100, 100), "float32"), header=frame_header(), start=START, exposure=30.0, zero_point=25.0, seeing="10arcmin"

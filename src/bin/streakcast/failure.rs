@@ -1,10 +1,12 @@
 //! Exit codes, and errors on one line of standard error.
 
+use std::cmp::Ordering;
 use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
-use clap::Command;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Arg, Command};
 
 use crate::output::cannot_print;
 use streakcast::message::{bounded, printable};
@@ -71,8 +73,35 @@ pub fn usage_message(error: &clap::Error, command: Command, place: Option<&str>)
         let allowed = verb.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name);
         message += &format!("; allowed: {}", allowed.collect::<Vec<_>>().join(", "));
     }
+    if error.kind() == ErrorKind::UnknownArgument
+        && let Some(ContextValue::String(argument)) = error.get(ContextKind::InvalidArg)
+        && let Some(tip) = tip(argument, &verb)
+    {
+        message = format!("{}; tip: {tip}", message.split("; tip: ").next().unwrap_or_default());
+    }
     let place = place.map(|place| format!("{place}: ")).unwrap_or_default();
     format!("{place}{} (see {path} --help)", message.trim_start_matches("error: "))
+}
+
+/// Returns what may be meant by an unknown argument of a verb; `None` if nothing is similar.
+fn tip(argument: &str, verb: &Command) -> Option<String> {
+    /// Smallest similarity of the names of flags: with the same first letter, which is rarely wrong, and with another one.
+    const SIMILAR: [f64; 2] = [0.7, 0.8];
+    let names = || verb.get_arguments().filter(|arg| !arg.is_hide_set()).filter_map(Arg::get_long);
+    let Some(name) = argument.strip_prefix("--") else {
+        let is_file = !argument.starts_with('-') && (argument.contains('.') || Path::new(argument).exists());
+        let takes_elements = is_file && names().any(|name| name == "elements");
+        return takes_elements.then(|| format!("a file of element sets is given by --elements {argument}"));
+    };
+    let likeness = |known: &str| (known.chars().next() == name.chars().next(), strsim::jaro_winkler(known, name));
+    let is_similar = |known: &&str| {
+        let (same_first, similarity) = likeness(known);
+        similarity > if same_first { SIMILAR[0] } else { SIMILAR[1] }
+    };
+    let mut similar: Vec<&str> = names().filter(is_similar).collect();
+    similar.sort_by(|a, b| likeness(b).partial_cmp(&likeness(a)).unwrap_or(Ordering::Equal));
+    let listed: Vec<String> = similar.iter().take(2).map(|known| format!("--{known}")).collect();
+    (!listed.is_empty()).then(|| format!("similar: {}", listed.join(", ")))
 }
 
 /// Prints help and version on standard output, and a usage error on one line of standard error. `place` is the file and

@@ -420,10 +420,20 @@ const VERBS: &[VerbHelp] = &[
 /// Adds required flags and examples to the help of all verbs.
 pub fn complete(command: Command) -> Command {
     // Lines are not wrapped, so that examples can be copied.
-    VERBS.iter().fold(command.term_width(0), |command, help| {
+    VERBS.iter().fold(with_negative_numbers(command).term_width(0), |command, help| {
         let names: Vec<&str> = help.path.split(' ').collect();
         at(command, &names, help)
     })
+}
+
+/// Accepts negative numbers as values of all flags.
+fn with_negative_numbers(command: Command) -> Command {
+    let command = command.mut_args(|arg| {
+        let takes_values =
+            arg.get_action().takes_values() && arg.get_num_args().is_none_or(|count| count.takes_values());
+        if arg.get_long().is_some() && takes_values { arg.allow_negative_numbers(true) } else { arg }
+    });
+    command.mut_subcommands(with_negative_numbers)
 }
 
 /// Adds the help to the subcommand with these names, if it is part of this build.

@@ -210,7 +210,7 @@ fn main() -> ExitCode {
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Setup(typed) => verbs::setup::run(typed),
-        Verb::Doctor(typed) => verbs::doctor::run(*typed),
+        Verb::Doctor(typed) => verbs::doctor::run(*typed, &command),
         Verb::Statistics(typed) => verbs::statistics::run(*typed),
         Verb::Reproduce(typed) => verbs::reproduce::run(typed),
         Verb::Sites(typed) => verbs::lists::sites(&typed),

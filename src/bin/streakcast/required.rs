@@ -3,6 +3,10 @@
 use anyhow::anyhow;
 use streakcast::config::Config;
 
+/// Inputs that a home file can have.
+const SATELLITES: &str = "satellites";
+const SITE: &str = "site";
+
 /// List of required inputs that are neither on the command line nor in the configuration file.
 pub struct Required<'a> {
     config: &'a Config,
@@ -27,13 +31,13 @@ impl<'a> Required<'a> {
     /// Requires element sets or a simulated constellation.
     pub fn satellites(self) -> Self {
         let is_given = self.config.has_satellites();
-        self.input(is_given, "satellites", "--elements FILE or --shells NAME, for example starlink-gen1")
+        self.input(is_given, SATELLITES, "--elements FILE or --shells NAME, for example starlink-gen1")
     }
 
     /// Requires a site, or a telescope in orbit.
     pub fn site(self) -> Self {
         let is_given = self.config.has_viewpoint();
-        self.input(is_given, "site", "--site NAME, --mpc CODE, or --lat and --lon")
+        self.input(is_given, SITE, "--site NAME, --mpc CODE, or --lat and --lon")
     }
 
     /// Requires a field of view.
@@ -69,12 +73,14 @@ impl<'a> Required<'a> {
     /// # Errors
     /// One error that lists all missing inputs.
     pub fn check(self) -> anyhow::Result<()> {
+        let is_of_home = self.missing.iter().any(|(what, _)| [SATELLITES, SITE].contains(what));
+        let setup = if is_of_home { "; streakcast setup writes them once into a home file" } else { "" };
         match self.missing.as_slice() {
             [] => Ok(()),
-            [(what, flags)] => Err(anyhow!("missing {what}; specify {flags}")),
+            [(what, flags)] => Err(anyhow!("missing {what}; specify {flags}{setup}")),
             several => {
                 let listed: Vec<String> = several.iter().map(|(what, flags)| format!("{what} ({flags})")).collect();
-                Err(anyhow!("missing: {}", listed.join(", ")))
+                Err(anyhow!("missing: {}{setup}", listed.join(", ")))
             }
         }
     }

@@ -19,6 +19,7 @@ use streakcast::config::{Config, Question};
 use streakcast::input::{is_stream, read_to_string, toml_line};
 use toml::{Table, Value};
 
+use crate::failure::usage_message;
 use crate::local_time::local_time;
 
 /// Flags whose value is a name, or a file with the extension `.toml` or `.json`.
@@ -131,6 +132,46 @@ pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> a
         given.extend(of_table.into_iter().chain(of_top));
     }
     Ok(all)
+}
+
+/// Returns the errors of the values in a file's tables of verbs, each with table and line. Only values that the parser of
+/// the command line checks are checked.
+///
+/// # Errors
+/// Same as [`insert`].
+pub fn value_errors(root: &Command, file: &Path) -> anyhow::Result<Vec<String>> {
+    let text = read_to_string(file).unwrap_or_default();
+    let keys: Table = text.parse().unwrap_or_default();
+    let mut paths = Vec::new();
+    verbs_of(root, &keys, &mut Vec::new(), &mut paths);
+    let mut errors = Vec::new();
+    for path in paths {
+        let mut words: Vec<OsString> = vec![root.get_name().into()];
+        words.extend(path.iter().map(OsString::from));
+        words.extend(["--config".into(), file.as_os_str().to_owned()]);
+        let words = insert(root, words, None)?;
+        // Missing flags and the like are not errors of the file.
+        if let Err(error) = root.clone().try_get_matches_from(words.words.iter())
+            && let Some(place) = words.place_of(&error)
+        {
+            let message = usage_message(&error, root.clone(), Some(place));
+            errors.push(message.split(" (see ").next().unwrap_or_default().to_owned());
+        }
+    }
+    Ok(errors)
+}
+
+/// Adds the names of the verbs that have a table, with those of the verbs that contain them.
+fn verbs_of(verb: &Command, table: &Table, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
+    for inner in verb.get_subcommands() {
+        let Some(Value::Table(table)) = find(table, inner.get_name()) else { continue };
+        path.push(inner.get_name().to_owned());
+        if argument(inner, "config").is_some() {
+            found.push(path.clone());
+        }
+        verbs_of(inner, table, path, found);
+        path.pop();
+    }
 }
 
 /// File of keys, for errors.

@@ -165,4 +165,23 @@ mod tests {
         assert!(finding.remedy.contains("--lon=-70.7494"), "{finding:?}");
         assert_eq!(severity(&site(-70.7494), "site"), Severity::Fine);
     }
+
+    #[test]
+    fn swapped_coordinates_of_a_known_site_are_found() {
+        let site =
+            |lat: f64, lon: f64| health(&format!("lat = {lat}\nlon = {lon}\nheight = 100"), "2026-11-25T00:00:00Z");
+        for (lat, lon, remedy) in [
+            (-70.7494, -30.2446, "--lat=-30.2446 --lon=-70.7494"),
+            (-70.7494, 329.7554, "--lat=-30.2446 --lon=-70.7494"),
+            (0.0962, 51.7743, ""),
+        ] {
+            let found = site(lat, lon);
+            let warning = found.findings.iter().find(|one| one.severity == Severity::Warning && one.subject == "site");
+            match remedy {
+                "" => assert!(warning.is_none(), "{warning:?}"),
+                remedy => assert!(warning.is_some_and(|one| one.remedy.contains(remedy)), "{:?}", found.findings),
+            }
+        }
+        assert_eq!(severity(&site(-30.2446, -70.7494), "site"), Severity::Fine);
+    }
 }

@@ -44,6 +44,9 @@ class SiteQueries(ModelState):
         start: TimeLike | None = None,
         end: TimeLike | None = None,
         max_mag: FloatLike | None = None,
+        min_p_brighter: FloatLike = 0.5,
+        atmosphere: bool = True,
+        sort: str | None = None,
         min_altitude: FloatLike = 10.0,
         min_culmination: FloatLike = 0.0,
         max_sun_altitude: FloatLike | None = -6.0,
@@ -68,8 +71,15 @@ class SiteQueries(ModelState):
         start, end : time
             Time range instead of a night, at most 31 days.
         max_mag : float or `~astropy.units.Quantity`, optional
-            Omits passes whose predicted peak is fainter, and passes without a magnitude. It adds the column
-            ``p_brighter``, the probability of being brighter.
+            Omits passes that are probably fainter, and passes without a magnitude. It adds the column ``p_brighter``,
+            the probability of being brighter at some visible point.
+        min_p_brighter : float
+            Smallest probability of being brighter than ``max_mag``; with 0 all passes are listed.
+        atmosphere : bool
+            Whether magnitudes include extinction, that of the model's configuration or else of clear air, and the limit
+            is brighter in twilight.
+        sort : {"time", "brightness"}, optional
+            Order of the passes of a night: by time, or the most probably visible first (default with ``max_mag``).
         min_altitude : float or `~astropy.units.Quantity`
             Altitude at which a satellite rises and sets, degrees, without refraction; 0 to below 90.
         min_culmination : float or `~astropy.units.Quantity`
@@ -106,6 +116,8 @@ class SiteQueries(ModelState):
         """
         options: dict[str, Json] = dict(
             max_mag=None if max_mag is None else finite_scalar(max_mag, "mag", "max_mag"),
+            min_p_brighter=finite_scalar(min_p_brighter, "", "min_p_brighter"),
+            no_atmosphere=not atmosphere, sort=sort,
             min_altitude=finite_scalar(min_altitude, "deg", "min_altitude"),
             min_culmination=finite_scalar(min_culmination, "deg", "min_culmination"),
             sun_altitude_deg=None if max_sun_altitude is None else finite_scalar(max_sun_altitude, "deg", "max_sun_altitude"),

@@ -1,7 +1,7 @@
 //! `doctor`: setup check with remedies.
 
 use crate::arguments::OutputArguments;
-use clap::Args;
+use clap::{Args, Command};
 use std::path::Path;
 use std::path::PathBuf;
 use streakcast::config::{Config, RulesConfig, RunConfig};
@@ -22,6 +22,7 @@ use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::screen::Style;
 use crate::start::begin;
+use crate::verb_tables::value_errors;
 use streakcast::message::printable;
 
 #[derive(Args)]
@@ -51,9 +52,9 @@ const BAR: usize = 40;
 /// Age above which a cached file is reported, days.
 const STALE_DAYS: f64 = 3.0;
 
-pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
+pub fn run(typed: DoctorArguments, command: &Command) -> anyhow::Result<Outcome> {
     let flags = Config { rules: typed.rules, ..typed.config };
-    let settings = settings_findings(&flags)?;
+    let settings = settings_findings(&flags, command)?;
     let config = flags.with_file()?;
     let format = typed.output.format.as_deref().or(config.format.as_deref());
     // The default format is text, also if standard output is not a terminal.
@@ -116,8 +117,8 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
 }
 
 /// Returns a finding for each file of settings: the keys at its top that are used, those whose questions a layer above
-/// answers, and its tables of verbs.
-fn settings_findings(flags: &Config) -> anyhow::Result<Vec<Finding>> {
+/// answers, and its tables of verbs; and one for each invalid value in these tables.
+fn settings_findings(flags: &Config, command: &Command) -> anyhow::Result<Vec<Finding>> {
     const SUBJECT: &str = "settings";
     let mut above = flags.given();
     let mut findings = Vec::new();
@@ -143,6 +144,9 @@ fn settings_findings(flags: &Config) -> anyhow::Result<Vec<Finding>> {
             }
         }
         findings.push(Finding::fine(SUBJECT, finding));
+        let errors = value_errors(command, path)?;
+        findings
+            .extend(errors.into_iter().map(|error| Finding::new(Severity::Error, SUBJECT, error, "correct the value")));
         above.extend(given);
     }
     Ok(findings)

@@ -53,15 +53,24 @@ pub struct ForecastArguments {
 /// Default number of points of a light curve.
 const LIGHT_CURVE_SAMPLES: usize = 61;
 
-const BY_UTC: &[Shown] = &on_screen("start (UTC)", "highest (UTC)", "end (UTC)");
-const BY_LOCAL_TIME: &[Shown] = &on_screen("start (local)", "highest (local)", "end (local)");
+const BY_UTC: &[Shown] = &on_screen("brightest (UTC)", "start (UTC)", "highest (UTC)", "end (UTC)");
+const BY_LOCAL_TIME: &[Shown] = &on_screen("brightest (local)", "start (local)", "highest (local)", "end (local)");
 
-const fn on_screen(start: &'static str, highest: &'static str, end: &'static str) -> [Shown; 17] {
+const fn on_screen(
+    brightest: &'static str,
+    start: &'static str,
+    highest: &'static str,
+    end: &'static str,
+) -> [Shown; 22] {
     [
         shown("date", "date"),
         shown("satellite", "satellite"),
+        rounded("p_brighter", "P", 2),
         rounded("magnitude", "mag", 1),
         rounded("sigma", "sigma", 1),
+        shown("brightest", brightest),
+        shown("brightest_altitude", "alt"),
+        shown("brightest_azimuth", "az"),
         shown("start", start),
         shown("start_altitude", "alt"),
         shown("start_azimuth", "az"),
@@ -72,9 +81,10 @@ const fn on_screen(start: &'static str, highest: &'static str, end: &'static str
         shown("end_altitude", "alt"),
         shown("end_azimuth", "az"),
         shown("ends_by", "ends by"),
+        rounded("along_track_sigma_s", "late s", 1),
+        rounded("element_age_days", "age d", 1),
         shown("norad_id", "norad"),
         shown("mag_source", "source"),
-        rounded("p_brighter", "P brighter", 2),
     ]
 }
 
@@ -109,6 +119,9 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let zone = typed.zone.or_of(&config)?;
     let notices = begin(&config)?;
     let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
+    // Measured magnitudes, with which these formats are compared, are corrected for extinction.
+    let is_compared = matches!(document, Some(Document::TrackingData | Document::Score));
+    typed.forecast.no_atmosphere |= is_compared && config.extinction.is_none();
     let mut of_mean_time = typed.forecast.clone();
     match &zone {
         Some(zone) if of_mean_time.range.night.as_deref() != Some(TONIGHT) => {
@@ -146,7 +159,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let site = site_of(&prepared)?;
     let why_empty = found.why_empty(&prepared.sky, &request);
 
-    let rows = || found.rows(&prepared.sky, request.max_magnitude);
+    let rows = || found.rows(&prepared.sky);
     // The formats of `Document` contain only visible passes.
     let is_invisible = found.found.passes.iter().all(|pass| pass.visible.is_none());
     let invisible = || is_invisible.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
@@ -278,6 +291,8 @@ fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig,
             "min_altitude_deg": forecast.min_altitude,
             "min_culmination_deg": forecast.min_culmination,
             "max_mag": forecast.max_mag,
+            "min_p_brighter": request.min_probability,
+            "twilight": request.twilight,
             "generation": forecast.selection.generation,
             "name": forecast.selection.name,
             "norad": forecast.selection.norad,
@@ -300,11 +315,12 @@ fn summary(found: &Forecast, limit_mag: Option<f64>) -> String {
     let satellites: std::collections::BTreeSet<_> = passes.iter().map(|pass| pass.element_index).collect();
     let passes = counted(passes.len(), "pass", "passes");
     let shown = format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"));
+    let listed = found.found.passes.iter().filter_map(|pass| pass.p_brighter).sum::<f64>();
     match (limit_mag, found.found.expected_brighter) {
         (Some(limit_mag), Some(expected)) => {
-            let fainter = counted(found.found.not_shown.too_faint, "pass", "passes");
+            let others = counted(found.found.not_shown.too_faint, "less probable pass", "less probable passes");
             format!(
-                "{shown}; {fainter} predicted fainter than mag {limit_mag}; expected number brighter than mag {limit_mag}, with the errors of all predictions: {expected:.1}"
+                "{shown} probably brighter than mag {limit_mag} ({listed:.1} expected); with {others}, {expected:.1} are expected"
             )
         }
         _ => shown,

@@ -16,6 +16,9 @@ use crate::screen::{Shown, Style, rounded, shown};
 pub struct ListArguments {
     /// List only entries with this text in their name or code
     pub search: Option<String>,
+    /// Suppress notes
+    #[arg(long, short)]
+    pub quiet: bool,
     #[command(flatten)]
     pub output: OutputArguments,
 }
@@ -25,6 +28,9 @@ pub struct ShellArguments {
     /// List only constellations with this text in their name, or those of a TOML file
     #[arg(value_name = "SEARCH|FILE.toml")]
     pub search: Option<String>,
+    /// Suppress notes
+    #[arg(long, short)]
+    pub quiet: bool,
     #[command(flatten)]
     pub output: OutputArguments,
 }
@@ -74,6 +80,7 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             })
             .collect(),
     };
+    let notices = Notices::new(typed.quiet);
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
         &VerbResult {
             sections: vec![Section { name: "sites", table: &table }],
@@ -81,16 +88,16 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             provenance: &Provenance::new(),
             style: Style { columns: SITES_ON_SCREEN, bold_row: None },
         },
-        &Notices::new(false),
+        &notices,
     )?;
-    Ok(listed(&table, &typed.search, "site", "name or code"))
+    Ok(listed(&table, &typed.search, &notices, "site", "name or code"))
 }
 
 /// Returns the outcome of a list. If a search finds nothing, prints a message and returns the negative result.
-fn listed(table: &Table, search: &Option<String>, what: &str, names: &str) -> Outcome {
+fn listed(table: &Table, search: &Option<String>, notices: &Notices, what: &str, names: &str) -> Outcome {
     match search {
         Some(search) if table.rows.is_empty() => {
-            Notices::new(false).info(&format!("no {what} has '{search}' in its {names}"));
+            notices.info(&format!("no {what} has '{search}' in its {names}"));
             Outcome::No
         }
         _ => Outcome::Done,
@@ -167,6 +174,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             .chain(sets.iter().filter(|set| matches(&set.name)).map(row_of_set))
             .collect(),
     };
+    let notices = Notices::new(typed.quiet);
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
         &VerbResult {
             sections: vec![Section { name: "shells", table: &table }],
@@ -174,9 +182,9 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             provenance: &Provenance::new(),
             style: Style { columns: SHELLS_ON_SCREEN, bold_row: None },
         },
-        &Notices::new(false),
+        &notices,
     )?;
-    Ok(listed(&table, &typed.search, "constellation", "name"))
+    Ok(listed(&table, &typed.search, &notices, "constellation", "name"))
 }
 
 fn with_assumed_planes(constellation: &Constellation) -> usize {

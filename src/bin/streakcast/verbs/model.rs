@@ -52,6 +52,9 @@ pub struct ModelListArguments {
     /// Configuration file with additional models
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+    /// Suppress notes
+    #[arg(long, short)]
+    pub quiet: bool,
     #[command(flatten)]
     pub output: OutputArguments,
 }
@@ -109,7 +112,7 @@ fn list(typed: ModelListArguments) -> anyhow::Result<Outcome> {
     let library = library_of(typed.config.as_deref())?;
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     let names: Vec<&str> = library.names().collect();
-    write(&output, &table_of(&library, &names))
+    write(&output, &table_of(&library, &names), typed.quiet)
 }
 
 fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
@@ -119,10 +122,10 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(format, typed.list.output.output)?;
     if output.is_json() || format.is_none() {
         let text = model.file().map(ModelFile::to_json).unwrap_or_default();
-        output.write_text(&(text + "\n"), &Notices::new(false))?;
+        output.write_text(&(text + "\n"), &Notices::new(typed.list.quiet))?;
         return Ok(Outcome::Done);
     }
-    write(&output, &table_of(&library, &[typed.name.as_str()]))
+    write(&output, &table_of(&library, &[typed.name.as_str()]), typed.list.quiet)
 }
 
 /// Returns the bundled brightness models and those of a configuration file.
@@ -165,7 +168,7 @@ fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {
     }
 }
 
-fn write(output: &Output, table: &Table) -> anyhow::Result<Outcome> {
+fn write(output: &Output, table: &Table, quiet: bool) -> anyhow::Result<Outcome> {
     output.write(
         &VerbResult {
             sections: vec![Section { name: "models", table }],
@@ -173,7 +176,7 @@ fn write(output: &Output, table: &Table) -> anyhow::Result<Outcome> {
             provenance: &Provenance::new(),
             style: Style { columns: ON_SCREEN, bold_row: None },
         },
-        &Notices::new(false),
+        &Notices::new(quiet),
     )?;
     Ok(Outcome::Done)
 }

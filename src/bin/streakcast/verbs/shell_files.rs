@@ -4,13 +4,16 @@ use std::fs;
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use clap::{Args, Command};
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Command, ValueHint};
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Output, check, write_bytes};
+use crate::output::{FORMATS, Output, check, write_bytes};
+use streakcast::elements::{Constellation, Generation};
+use streakcast::photometry::Band;
 
 #[derive(Args)]
 pub struct CompletionsArguments {
@@ -31,11 +34,41 @@ pub struct ManArguments {
 
 /// Writes the completions of one shell to standard output.
 pub fn completions(typed: &CompletionsArguments, mut command: Command) -> anyhow::Result<Outcome> {
+    command = with_values(command);
     let mut script = Vec::new();
     generate(typed.shell, &mut command, "streakcast", &mut script);
     let script = String::from_utf8(script)?;
     Output::new(Some("csv"), None)?.write_text(&script, &Notices::new(false))?;
     Ok(Outcome::Done)
+}
+
+/// Adds the values of flags that have a short list of values, and hints for files.
+fn with_values(command: Command) -> Command {
+    const FILES: [&str; 4] = ["field", "policy", "model", "telescope"];
+    let values = |id: &str| -> Vec<&'static str> {
+        match id {
+            "format" => FORMATS.split(", ").collect(),
+            "band" => Band::ALL.map(Band::name).to_vec(),
+            "mag_system" => vec!["vega", "ab"],
+            "generation" => Generation::ALL.map(Generation::name).to_vec(),
+            "shadow" => vec!["atmosphere", "geometric"],
+            "time_scale" => vec!["utc", "tai", "tt"],
+            "angle_type" => vec!["radec", "azel"],
+            // The program ends after it has written the completions.
+            "shells" => Constellation::embedded().into_iter().map(|one| &*one.name.leak()).collect(),
+            _ => Vec::new(),
+        }
+    };
+    let command = command.mut_args(|arg| {
+        let (id, is_flag) = (arg.get_id().to_string(), arg.get_action().takes_values() && arg.get_long().is_some());
+        match values(&id).as_slice() {
+            [] if is_flag && FILES.contains(&id.as_str()) => arg.value_hint(ValueHint::FilePath),
+            [] => arg,
+            listed if is_flag => arg.value_parser(PossibleValuesParser::new(listed.to_vec())),
+            _ => arg,
+        }
+    });
+    command.mut_subcommands(with_values)
 }
 
 /// Writes one page for the program, for each verb, and for each of their subcommands: all pages or none.

@@ -119,6 +119,9 @@ pub struct PlotFieldArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
+    /// Draw only streaks with a peak brighter than this
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_mag: Option<f64>,
     #[command(flatten)]
     pub config: Config,
     #[command(flatten)]
@@ -162,6 +165,9 @@ pub struct PlotSkyChartArguments {
     /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
+    /// Suppress notes
+    #[arg(long, short)]
+    pub quiet: bool,
     #[command(flatten, next_help_heading = "Picture (required: -o)")]
     pub zone: ZoneArguments,
     #[command(flatten)]
@@ -282,6 +288,9 @@ pub struct PlotCornerArguments {
     /// Parameters to plot, 2 to 9; the first nine if omitted
     #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
     pub parameters: Vec<String>,
+    /// Suppress notes
+    #[arg(long, short)]
+    pub quiet: bool,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]

@@ -15,7 +15,7 @@ use crate::notices::Notices;
 const MOST: usize = 9;
 
 pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
-    let notices = Notices::new(false);
+    let notices = Notices::new(typed.quiet);
     // There is no data file: the chain file contains the data.
     let target = Target::of_table(&typed.picture)?;
     let (chain, about) = read_chain(&typed.chains)?;

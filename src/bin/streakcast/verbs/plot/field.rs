@@ -4,6 +4,7 @@ use anyhow::{anyhow, bail};
 use serde_json::Value;
 use streakcast::config::{Config, NameOrTable, Quantity};
 use streakcast::frames::{Direction, Gcrs, mjd_utc, parse_moment};
+use streakcast::output::counted;
 use streakcast::passes::Field;
 use streakcast::plot::{FARTHEST_FIELD_DEG, FieldChart, FieldStreak, Picture, field_chart};
 
@@ -28,6 +29,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     }
     let config = flags.with_file()?;
     let title = typed.title.title.as_deref();
+    let limit_mag = typed.limit_mag;
     if let Some(path) = &typed.from {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
@@ -37,7 +39,11 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
         })?;
         let field = stated_field(&config, &columns)?;
         field.as_ref().map_or(Ok(()), check_size)?;
-        target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?, &columns.provenance(), &notices)?;
+        target.write_picture(
+            &picture(&columns, &exposure, field.as_ref(), title, limit_mag)?,
+            &columns.provenance(),
+            &notices,
+        )?;
         return Ok(outcome(&columns));
     }
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
@@ -49,7 +55,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let columns = Columns::of(&table, &prediction.prepared.provenance);
     // The exposure is read from the provenance of the table, so that a file of the table gives the same picture.
     let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result does not state its exposure"))?;
-    let picture = picture(&columns, &exposure, Some(&field), title)?;
+    let picture = picture(&columns, &exposure, Some(&field), title, limit_mag)?;
     target.write(&picture, "passes", &table, &prediction.prepared.provenance, &prediction.notices)?;
     Ok(outcome(&columns))
 }
@@ -117,6 +123,7 @@ fn picture(
     pointing: &Pointing,
     field: Option<&Field>,
     title: Option<&str>,
+    limit_mag: Option<f64>,
 ) -> anyhow::Result<Picture> {
     let names = columns.texts("name")?;
     let ids = columns.texts("norad_id")?;
@@ -140,7 +147,12 @@ fn picture(
         magnitude: peak[k],
         sigma_mag: sigma[k],
     };
-    let streaks: Vec<FieldStreak> = (0..columns.len()).map(streak).collect();
+    let is_shown = |k: &usize| limit_mag.is_none_or(|limit_mag| peak[*k] <= limit_mag);
+    let streaks: Vec<FieldStreak> = (0..columns.len()).filter(is_shown).map(streak).collect();
+    let omitted = columns.len() - streaks.len();
+    let remark = limit_mag
+        .filter(|_| omitted > 0)
+        .map(|limit_mag| format!("{} fainter than mag {limit_mag} not drawn", counted(omitted, "streak", "streaks")));
     let degrees =
         |direction: &Direction<Gcrs>| [direction.longitude_rad().to_degrees(), direction.latitude_rad().to_degrees()];
     let outlines = field
@@ -158,5 +170,5 @@ fn picture(
         outlines: &outlines,
         streaks: &streaks,
     })?;
-    Ok(drawn.with_subtitle(&subtitle))
+    Ok(drawn.with_subtitle(&[Some(subtitle), remark].into_iter().flatten().collect::<Vec<_>>().join("; ")))
 }

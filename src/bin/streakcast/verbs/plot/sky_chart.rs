@@ -1,11 +1,10 @@
 //! `plot sky-chart`: plots passes of a forecast over the sky of their site.
 
-use streakcast::config::Config;
 use streakcast::plot::{Picture, SkyChart, SkyTrack, sky_chart};
 
 use super::arguments::PlotSkyChartArguments;
 use crate::failure::Outcome;
-use crate::start::begin;
+use crate::notices::Notices;
 
 use super::clock::Clock;
 use super::columns::Columns;
@@ -13,7 +12,7 @@ use super::curves::{Curve, SECTIONS, curves, shells_caption};
 use super::target::Target;
 
 pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
-    let notices = begin(&Config::default())?;
+    let notices = Notices::new(typed.quiet);
     let target = Target::of_table(&typed.picture)?;
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;

@@ -6,14 +6,22 @@ import { clock, fixed, moment } from "./words.js";
 
 const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_peak_sigma, 2)}`);
 
+/** Returns the time of an event, with the digits that the error of the position along the track allows. */
+const known = (pass, name) => {
+  const sigma = pass.along_track_sigma_s ?? Infinity;
+  const ms = moment(pass[name]);
+  if (sigma > 10) return clock(Math.round(ms / 60e3) * 60e3).slice(0, 5);
+  return clock(sigma > 1 ? Math.round(ms / 10e3) * 10e3 : ms, 0, sigma > 0.1 ? 0 : 1);
+};
+
 /** Columns on the page: heading, function that returns the text of a cell, and meaning. */
 const COLUMNS = [
   ["name", null, "Name in the element set; selects the track"],
   ["norad_id", (pass) => pass.norad_id, "NORAD catalogue number"],
   ["peak mag ± σ", sigma, "Brightest magnitude inside the field, with one sigma"],
   ["mag_source", (pass) => pass.mag_source ?? "–", "Brightness model"],
-  ["enter UTC", (pass) => clock(moment(pass.enter_utc), 0, 2), "Entry into the field"],
-  ["exit UTC", (pass) => clock(moment(pass.exit_utc), 0, 2), "Exit from the field"],
+  ["enter UTC", (pass) => known(pass, "enter_utc"), "Entry into the field"],
+  ["exit UTC", (pass) => known(pass, "exit_utc"), "Exit from the field"],
   ["ra °", (pass) => fixed(pass.mid_ra_deg, 4), "Right ascension at the middle of the pass, ICRS"],
   ["dec °", (pass) => fixed(pass.mid_dec_deg, 4), "Declination at the middle of the pass"],
   ["altitude °", (pass) => fixed(pass.altitude_deg, 1), "Altitude, without refraction"],
@@ -24,6 +32,7 @@ const COLUMNS = [
   ["rate °/s", (pass) => fixed(pass.angular_rate_deg_s, 3), "Angular speed"],
   ["light", (pass) => pass.illumination, "Sunlit, in the penumbra, or in the shadow, at the middle of the pass"],
   ["age d", (pass) => fixed(pass.element_age_days, 1), "Time since the epoch of the element set, days"],
+  ["late s", (pass) => fixed(pass.along_track_sigma_s, 1), "Error of the times, one sigma, seconds"],
   ["P", (pass) => fixed(pass.probability, 2), "Probability that the satellite crosses the field"],
 ];
 
