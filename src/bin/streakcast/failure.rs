@@ -93,7 +93,12 @@ fn tip(argument: &str, verb: &Command) -> Option<String> {
         let takes_elements = is_file && names().any(|name| name == "elements");
         return takes_elements.then(|| format!("a file of element sets is given by --elements {argument}"));
     };
-    let likeness = |known: &str| (known.chars().next() == name.chars().next(), strsim::jaro_winkler(known, name));
+    let likeness = |known: &str| {
+        // Jaro's similarity, with a tenth of the rest added for each common letter at the beginning (Winkler 1990).
+        let (jaro, common) = (strsim::jaro(known, name), known.chars().zip(name.chars()).take_while(|(a, b)| a == b));
+        let common = common.count().min(4);
+        (common > 0, jaro + 0.1 * common as f64 * (1.0 - jaro))
+    };
     let is_similar = |known: &&str| {
         let (same_first, similarity) = likeness(known);
         similarity > if same_first { SIMILAR[0] } else { SIMILAR[1] }
