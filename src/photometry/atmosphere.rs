@@ -10,8 +10,9 @@ const DAY_SKY_MAG_ARCSEC2: f64 = 3.6;
 
 /// Returns the extinction of clear air, mag per airmass.
 ///
-/// Rayleigh scattering, aerosols and ozone for visual observers: Green (1992, International Comet Quarterly 14, 55),
-/// scaled to the wavelength of the band.
+/// Rayleigh scattering, aerosols and ozone for visual observers: Green (1992, International Comet Quarterly 14, 55), as
+/// later programs quote it. The extension to other bands is ours: λ⁻⁴ for air, λ^-1.3 for aerosols, which gives Green's
+/// 0.120 mag at 0.51 µm, and ozone between 0.45 and 0.75 µm only.
 pub fn clear_sky_extinction_mag(band: Band, height_m: f64) -> f64 {
     // Effective wavelengths, micrometres: Bessell (2005, ARA&A 43, 293); LSST 2023 passbands; Gaia DR3.
     let wavelength_um: f64 = match band {
@@ -70,8 +71,9 @@ fn zenith_sky_mag_arcsec2(sun_altitude_rad: f64) -> f64 {
 
 /// Returns the magnitude of the faintest star that a practised eye sees against a sky.
 ///
-/// Schaefer (1993, Vistas in Astronomy 36, 311), after Hecht (1947): the threshold of the eye is C (1 + √(K b))² foot
-/// candles for a sky of b nanolamberts, with one pair of constants for rods and one for cones.
+/// Schaefer (1998, Sky & Telescope 95(5), 57), after Hecht (1947): the threshold of the eye is C (1 + √(K b))² foot candles
+/// for a sky of b nanolamberts, with one pair of constants for rods and one for cones. The constants are those of later
+/// programs that quote him, and b is from Krisciunas & Schaefer (1991, PASP 103, 1033).
 fn naked_eye_limit_mag(sky_mag_arcsec2: f64) -> f64 {
     // b = 34.08 exp(20.7233 - 0.92104 μ)
     let sky_nl = 34.08 * (20.7233 - 0.92104 * sky_mag_arcsec2).exp();
