@@ -130,7 +130,7 @@ def test_a_light_curve_of_samples(model, tmp_path):
 
 @pytest.mark.parametrize("output", ["qtable", "dict"])
 def test_a_forecast_over_the_sky_and_in_time(model, output):
-    passes = model.forecast("2026-08-14", max_mag=5.1, atmosphere=False, min_culmination=86, samples=41, output=output).passes
+    passes = model.forecast("2026-08-14", max_mag=5.1, atmosphere=False, sort="time", min_culmination=86, samples=41, output=output).passes
     svg = rendered_svg(plots.sky_chart(passes, title="A night"))
     assert "A night" in svg and "rise UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
     assert "The 22 brightest" not in svg and len(passes["name"]) == 14
