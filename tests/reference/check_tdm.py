@@ -24,7 +24,7 @@ from astropy.utils import iers
 from ccsds_ndm.models.ndmxml4 import AngleTypeType, Tdm
 from ccsds_ndm.ndm_io import NdmIo
 
-ARGUMENTS = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", "2024-08-14", "--quiet", "--max-mag"]
+ARGUMENTS = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", "2024-08-14", "--no-atmosphere", "--quiet", "--max-mag"]
 #: Magnitude limits of the passes compared at their ends and peaks, and of those compared along the whole pass.
 MANY, FEW = "5", "4.8"
 #: Half of the last digit of the table: angles in 0.001 deg, magnitudes in 0.001 mag; times to the microsecond.
