@@ -128,6 +128,18 @@ fn verif_times_width_size_and_light_curve_of_a_row() {
     assert!(width[2] > width[0] + 0.5, "{width:?}");
     assert_eq!(column(&truth, "size_m"), ["", "", "5.000", ""]);
     assert_eq!(column(&truth, "range_km"), ["", "", "400.000", ""]);
+    // Units that only the header of ECSV states.
+    let ecsv = "# %ECSV 1.0\n# ---\n# datatype:\n\
+                # - {name: x1, datatype: float64}\n# - {name: y1, datatype: float64}\n\
+                # - {name: x2, datatype: float64}\n# - {name: y2, datatype: float64}\n\
+                # - {name: magnitude, datatype: float64}\n\
+                # - {name: range, unit: m, datatype: float64}\n# - {name: size, unit: cm, datatype: float64}\n\
+                # - {name: enter, unit: min, datatype: float64}\n\
+                x1 y1 x2 y2 magnitude range size enter\n40 220 160 220 12 400000 500 0.25\n";
+    let (_, stated) = injected(&folder, ecsv, &[]);
+    assert_eq!(column(&stated, "size_m"), ["5.000"]);
+    assert_eq!(column(&stated, "range_km"), ["400.000"]);
+    assert_eq!(column(&stated, "enter_utc"), ["2000-01-01T12:00:15.000000Z"]);
     // ∫ 10^(-0.8 u) du from 0 to 1, with linear magnitudes between the points of the path.
     let fading = found(200..400, 150..300).0 / one;
     let exact = (1.0 - 10f64.powf(-0.8)) / (0.8 * std::f64::consts::LN_10);
@@ -137,10 +149,11 @@ fn verif_times_width_size_and_light_curve_of_a_row() {
 #[test]
 fn verif_the_truth_table_is_a_table_of_streaks() {
     let folder = TempDir::new().unwrap();
-    let table = "x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n40,60,160,60,12\n240,60,300,200,11\n";
+    let table = "id,x1_pix,y1_pix,x2_pix,y2_pix,magnitude\nA,40,60,160,60,12\nB,240,60,300,200,11\n";
     let (first, truth) = injected(&folder, table, &[]);
     let again = truth.iter().map(|row| row.iter().collect::<Vec<_>>().join(",")).collect::<Vec<_>>().join("\n");
-    let (second, _) = injected(&folder, &again, &[]);
+    let (second, names) = injected(&folder, &again, &[]);
+    assert_eq!(column(&names, "name"), ["A", "B"]);
     let difference = first.iter().zip(&second).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let peak = first.iter().copied().fold(0.0, f64::max);
     assert!(difference < 2e-3 * peak, "{difference} {peak}");

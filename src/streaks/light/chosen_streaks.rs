@@ -113,17 +113,21 @@ struct Columns {
 }
 
 /// Names of the columns besides those of the ends.
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 15] = [
     "magnitude",
     "peak",
     "range_km",
     "size_m",
+    "range",
+    "size",
     "fwhm_pix",
     "fwhm_arcsec",
     "enter_utc",
     "exit_utc",
     "enter_s",
     "exit_s",
+    "enter",
+    "exit",
     "light_curve",
 ];
 
@@ -133,12 +137,12 @@ impl Columns {
         let columns = Self {
             magnitude: find(&["magnitude"], &MAGNITUDES, [-20.0, 40.0])?,
             peak: find(&["peak"], &COUNTS, [f64::MIN_POSITIVE, 1e12])?,
-            range_km: find(&["range_km"], &KILOMETRES, [1.0, 1e9])?,
-            size_m: find(&["size_m"], &METRES, [0.0, 1000.0])?,
+            range_km: find(&["range_km", "range"], &KILOMETRES, [1.0, 1e9])?,
+            size_m: find(&["size_m", "size"], &METRES, [0.0, 1000.0])?,
             fwhm_pix: find(&["fwhm_pix"], &PIXELS, [0.1, 1000.0])?,
             fwhm_arcsec: find(&["fwhm_arcsec"], &ARCSECONDS, [1e-3, 36_000.0])?,
-            enter_s: find(&["enter_s"], &SECONDS, [-1e6, 1e6])?,
-            exit_s: find(&["exit_s"], &SECONDS, [-1e6, 1e6])?,
+            enter_s: find(&["enter_s", "enter"], &SECONDS, [-1e6, 1e6])?,
+            exit_s: find(&["exit_s", "exit"], &SECONDS, [-1e6, 1e6])?,
             enter_utc: rows.find("enter_utc"),
             exit_utc: rows.find("exit_utc"),
             curve: rows.find("light_curve"),
