@@ -38,6 +38,7 @@
 
 #[doc(hidden)]
 pub mod config;
+#[doc(hidden)]
 pub mod constants;
 pub mod elements;
 mod error;
@@ -72,6 +73,7 @@ mod watch;
 pub use elements::Satellites;
 pub use error::Error;
 pub use geometry::Site;
+pub use hifitime;
 pub use passes::{Exposure, Field, Pass, Sky};
 pub use schedule::{Policy, Verdict};
 pub use watch::{Interrupted, Watch};

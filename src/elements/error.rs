@@ -66,6 +66,7 @@ pub enum ElementsError {
     },
     /// The format is known, but no record is valid. Without this error, every exposure would be reported as clear.
     #[error("{file} ({format}) contains no valid element set{}", rejected_words(*.rejected, .first))]
+    #[doc(hidden)]
     NothingUsable {
         /// Name of the file as given.
         file: String,

@@ -21,17 +21,29 @@ mod tle;
 mod tle_fields;
 mod tle_file;
 
-pub use element_set::{ElementSet, NoradId, Origin, share_of_stale};
-pub use ephemeris::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
-pub(crate) use epoch::parse_iso;
+pub use element_set::{ElementSet, NoradId, Origin};
+pub use ephemeris::Ephemeris;
+pub(crate) use ephemeris::{EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
 pub use error::ElementsError;
-pub use generation::{Certainty, Generation, GenerationTable, STARLINK_TABLE_DATE};
-pub(crate) use history::others_of;
+pub use generation::Generation;
+pub(crate) use generation::STARLINK_TABLE_DATE;
 pub use history::{Chosen, History};
-pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
-pub(crate) use record::excerpt;
-pub use record::{ElementFormat, RejectReason, Rejected};
+pub use record::{RejectReason, Rejected};
 pub use satellites::{Keep, ReadOptions, Satellites};
-pub use shell::{Constellation, ConstellationSet, FIRST_SYNTHETIC_ID, Shell};
-pub use source::SourceFile;
+pub use shell::{Constellation, Shell};
 pub use tle_file::format_tle;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    ephemeris::CovarianceAxes,
+    generation::{Certainty, GenerationTable},
+    on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km},
+    record::ElementFormat,
+    shell::{ConstellationSet, FIRST_SYNTHETIC_ID},
+    source::SourceFile,
+};
+pub(crate) use epoch::parse_iso;
+pub(crate) use history::others_of;
+pub(crate) use record::excerpt;

@@ -66,6 +66,7 @@ pub struct Satellites {
     /// Rejected records, sorted by file and line.
     pub rejected: Vec<Rejected>,
     /// Files, in the given order.
+    #[doc(hidden)]
     pub sources: Vec<SourceFile>,
     /// Number of records removed as exact duplicates of others.
     pub duplicates: usize,

@@ -234,6 +234,7 @@ impl Constellation {
     }
 
     /// Returns the bundled sets of constellations.
+    #[doc(hidden)]
     pub fn embedded_sets() -> Vec<ConstellationSet> {
         parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|(_, sets)| sets).unwrap_or_default()
     }

@@ -50,6 +50,7 @@ pub struct FitUncertainty {
     /// curvature is singular.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Method by which the covariance was computed.
+    #[doc(hidden)]
     pub kind: CovarianceKind,
     /// Indices of free parameters at a bound.
     pub at_bound: Vec<usize>,

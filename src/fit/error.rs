@@ -242,5 +242,6 @@ pub enum FitError {
     },
     /// A row of a published set is invalid. Published sets are complete, so that every row must be valid.
     #[error("photometry {0}")]
+    #[doc(hidden)]
     CheckRow(DropExample),
 }

@@ -36,9 +36,10 @@ impl Parameter {
 pub trait Form: Sync {
     /// Returns the name for tables.
     fn name(&self) -> String;
-    /// Returns the parameters, in the order in which [`Prepared`] takes their values.
+    /// Returns the parameters, in the order in which `Prepared` takes their values.
     fn parameters(&self) -> Vec<Parameter>;
     /// Precomputes everything that depends only on the points.
+    #[doc(hidden)]
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared>;
 }
 

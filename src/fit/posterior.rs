@@ -55,6 +55,7 @@ pub struct Marginal {
     /// Standard deviation.
     pub sigma: f64,
     /// Number of steps after which samples are independent.
+    #[doc(hidden)]
     pub autocorrelation: AutocorrelationTime,
 }
 

@@ -21,6 +21,7 @@ pub struct FitSettings {
     /// Loss function of the residuals.
     pub loss: Loss,
     /// Rules that end a descent.
+    #[doc(hidden)]
     pub least_squares: LeastSquares,
 }
 
@@ -57,6 +58,7 @@ pub struct Fit {
     /// Final cost of each descent, in the order of the starting points.
     pub costs: Vec<f64>,
     /// Reason for which the best descent stopped.
+    #[doc(hidden)]
     pub stop: Stop,
     /// Uncertainty of the parameters.
     pub uncertainty: FitUncertainty,
@@ -116,11 +118,13 @@ impl Problem {
     }
 
     /// Returns the cost as a function of the free parameters.
+    #[doc(hidden)]
     pub fn objective(&self) -> Objective<'_> {
         Objective::new(&*self.prepared, self.parameters.clone(), self.free.clone(), &self.points, self.settings.loss)
     }
 
     /// Returns the form, prepared for the points that were kept.
+    #[doc(hidden)]
     pub fn prepared(&self) -> &dyn Prepared {
         &*self.prepared
     }
@@ -156,6 +160,7 @@ impl Problem {
     }
 
     /// Minimises the cost from one starting point of the free parameters.
+    #[doc(hidden)]
     pub fn descend(&self, start: &[f64]) -> Minimum {
         let objective = self.objective();
         let bounds = |end: fn(&Parameter) -> f64| objective.free_parameters().map(end).collect::<Vec<f64>>();
@@ -225,6 +230,7 @@ impl Fit {
 
     /// Replaces the covariance of all parameters, `(n_parameter, n_parameter)`. It remains `None` if the curvature is
     /// singular.
+    #[doc(hidden)]
     pub fn with_covariance(mut self, covariance: Vec<Vec<f64>>, kind: CovarianceKind) -> Self {
         if let Some(own) = &mut self.uncertainty.covariance {
             (*own, self.uncertainty.kind) = (covariance, kind);
@@ -234,6 +240,7 @@ impl Fit {
 
     /// Returns the weighted statistics of the residuals; `points` are the points that were given to the fit. `None` for a
     /// fit without points.
+    #[doc(hidden)]
     pub fn statistics(&self, points: &[FitPoint]) -> Option<ResidualStatistics> {
         let weights = self.kept.iter().map(|&index| points[index].weight);
         ResidualStatistics::weighted(self.residuals_mag.iter().copied().zip(weights))

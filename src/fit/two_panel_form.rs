@@ -33,8 +33,10 @@ const FIRST_EXPONENT: usize = 5;
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPanelForm {
     /// Sizes of the panels, and the panel offset that is used if it is not fitted.
+    #[doc(hidden)]
     pub shape: SatelliteShape,
     /// Values of the coefficients that are not fitted.
+    #[doc(hidden)]
     pub coefficients: Coefficients,
     /// Model of earthshine on the chassis.
     pub earthshine: Earthshine,

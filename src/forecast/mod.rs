@@ -15,12 +15,20 @@ mod request;
 mod selection;
 mod statistics;
 
-pub use ephemeris::{Ephemeris, EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
+pub use ephemeris::{Ephemeris, EphemerisRequest, EphemerisRow, ephemeris};
 pub use error::ForecastError;
-pub use exports::{AngleType, EmptyNight, calendar, score_report, tdm};
-pub use outlook::{Forecast, Night, forecast, night_table};
-pub use pass_table::{PassColumns, PassRow, compass, light_curve_table, pass_table, readable_table};
-pub use reproduce::{HU2022, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table};
+pub use outlook::{Forecast, Night, forecast};
 pub use request::{ForecastRequest, PassOrder};
-pub use selection::{Selected, Selection};
-pub use statistics::{SkyCount, SkyCounts, StatisticsRequest, sky_counts, statistics_table};
+pub use selection::Selection;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    ephemeris::ephemeris_table,
+    exports::{AngleType, EmptyNight, calendar, score_report, tdm},
+    outlook::night_table,
+    pass_table::{PassColumns, compass, light_curve_table, pass_table, readable_table},
+    reproduce::{HU2022, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table},
+    statistics::{SkyCount, StatisticsRequest, sky_counts, statistics_table},
+};

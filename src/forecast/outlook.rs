@@ -137,6 +137,7 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
 
 impl Forecast {
     /// Returns the rows of the passes for tables. `sky` is that of the forecast.
+    #[doc(hidden)]
     pub fn rows<'a>(&'a self, sky: &'a Sky) -> impl Iterator<Item = PassRow<'a>> {
         let (range, dark) = ((self.night.start, self.night.end), self.night.dark.as_slice());
         let elements = sky.elements();

@@ -50,7 +50,7 @@ pub struct ForecastRequest {
     pub max_magnitude: Option<f64>,
     /// Smallest probability of being brighter than the limit, [0, 1]; with 0 all passes are listed.
     pub min_probability: f64,
-    /// If true, the limit is that of [`twilight_limit_mag`](crate::photometry::twilight_limit_mag) in twilight.
+    /// If true, the limit in twilight is that of the same eye or instrument in a brighter sky.
     pub twilight: bool,
     /// Order of the passes.
     pub order: PassOrder,

@@ -74,6 +74,7 @@ fn has_words(name: &str, text: &str) -> bool {
 
 impl Selection {
     /// Returns the selected satellites of a catalogue.
+    #[doc(hidden)]
     pub fn among(&self, elements: &[ElementSet]) -> Selected {
         let named: HashSet<NoradId> = self.names.iter().flat_map(|text| named(text, elements)).collect();
         let is_selected = |set: &&ElementSet| {

@@ -170,6 +170,7 @@ impl EopTable {
     /// [`EopTable::status`] returns whether a time is covered.
     ///
     /// UT1 - TAI is interpolated and the leap seconds are added afterwards, so that no jump is spread over a day.
+    #[doc(hidden)]
     pub fn at(&self, epoch: Epoch) -> EarthOrientationParameters {
         let Some(seconds) = self.covered_s(epoch) else { return EarthOrientationParameters::ZERO };
         let after = self.rows.partition_point(|row| row.tai_s <= seconds).clamp(1, self.rows.len().max(2) - 1);
@@ -191,6 +192,7 @@ impl EopTable {
     }
 
     /// Returns whether the values at a time are measured, predicted, or outside the table.
+    #[doc(hidden)]
     pub fn status(&self, epoch: Epoch) -> EopStatus {
         let (Some(first), Some(last)) = (self.first(), self.last()) else { return EopStatus::NoTable };
         match self.covered_s(epoch) {

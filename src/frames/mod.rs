@@ -27,20 +27,31 @@ mod sampled;
 mod time;
 mod vector;
 
-pub use angles::{parse_declination_deg, parse_direction, parse_right_ascension_deg};
-pub use bright_stars::{BrightStar, bright_stars};
-pub use deep_sky::deep_sky_object;
-pub use earth_orientation::{EarthOrientationParameters, EopStatus, EopTable};
-pub use equatorial::{annual_aberration, gcrs_to_of_date, itrs_to_horizontal, without_annual_aberration};
+pub use earth_orientation::EopTable;
+pub(crate) use equatorial::itrs_to_horizontal;
 pub use error::FramesError;
-pub use instant::{FIRST_YEAR, LAST_YEAR, is_covered, parse_instant, parse_moment};
-pub use orientation::{Orientation, OrientationTable, eme2000_to_gcrs};
+pub use instant::parse_instant;
+pub(crate) use instant::{FIRST_YEAR, LAST_YEAR};
+pub(crate) use orientation::eme2000_to_gcrs;
+pub use orientation::{Orientation, OrientationTable};
+pub use time::{epoch_from_mjd, mjd_utc, seconds_after, seconds_between};
+pub(crate) use time::{leap_seconds_known_until, tt_jd};
+pub(crate) use vector::Acceleration;
+pub use vector::{Body, Direction, Frame, Gcrs, Horizontal, Itrs, Position, Rotation, Teme, Velocity};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    angles::{parse_declination_deg, parse_direction, parse_right_ascension_deg},
+    bright_stars::bright_stars,
+    deep_sky::deep_sky_object,
+    earth_orientation::{EarthOrientationParameters, EopStatus},
+    equatorial::{annual_aberration, gcrs_to_of_date, without_annual_aberration},
+    instant::{is_covered, parse_moment},
+    time::{epoch_from_jd, ut1_jd, utc_jd},
+    vector::OfDate,
+};
 pub(crate) use sampled::Sampled;
+#[cfg(all(feature = "fits", unix))]
 pub(crate) use time::tai_ns;
-pub use time::{
-    epoch_from_jd, epoch_from_mjd, leap_seconds_known_until, mjd_utc, seconds_after, seconds_between, tt_jd, ut1_jd,
-    utc_jd,
-};
-pub use vector::{
-    Acceleration, Body, Direction, Eme2000, Frame, Gcrs, Horizontal, Itrs, OfDate, Position, Rotation, Teme, Velocity,
-};

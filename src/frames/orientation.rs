@@ -43,6 +43,7 @@ impl Orientation {
     }
 
     /// Same as [`Orientation::at`], with given Earth orientation parameters.
+    #[doc(hidden)]
     pub fn from_parameters(epoch: Epoch, parameters: &EarthOrientationParameters) -> Self {
         let (ut1_day, ut1_fraction) = ut1_jd(epoch, parameters.ut1_minus_utc_s);
         let gmst_rad = sofars::erst::gmst82(ut1_day, ut1_fraction);

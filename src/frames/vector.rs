@@ -66,11 +66,18 @@ macro_rules! framed_vector {
 
         impl<F: Frame> $name<F> {
             /// Creates a vector from components that are already in this frame and unit.
+            #[doc(hidden)]
             pub fn from_vector(vector: Vector3<f64>) -> Self {
                 Self { vector, frame: PhantomData }
             }
 
             /// Returns the components in the axes of the frame.
+            pub fn components(&self) -> [f64; 3] {
+                self.vector.into()
+            }
+
+            /// Returns the components in the axes of the frame.
+            #[doc(hidden)]
             pub fn vector(&self) -> &Vector3<f64> {
                 &self.vector
             }
@@ -171,6 +178,7 @@ impl<F: Frame> Direction<F> {
 
     /// Returns the unit vectors towards increasing longitude and increasing latitude at this direction. At a pole they
     /// are those of longitude 0.
+    #[doc(hidden)]
     pub fn east_north(&self) -> (Vector3<f64>, Vector3<f64>) {
         let (sin_lon, cos_lon) = self.longitude_rad().sin_cos();
         let east = Vector3::new(-sin_lon, cos_lon, 0.0);
@@ -227,11 +235,12 @@ pub struct Rotation<A: Frame, B: Frame> {
 
 impl<A: Frame, B: Frame> Rotation<A, B> {
     /// Creates a rotation from an orthogonal matrix; row i holds the components in `A` of the i-th axis of `B`.
-    pub fn from_matrix(matrix: Matrix3<f64>) -> Self {
+    pub(crate) fn from_matrix(matrix: Matrix3<f64>) -> Self {
         Self { matrix, frames: PhantomData }
     }
 
     /// Returns the matrix; row i holds the components in `A` of the i-th axis of `B`.
+    #[doc(hidden)]
     pub fn matrix(&self) -> &Matrix3<f64> {
         &self.matrix
     }

@@ -29,9 +29,21 @@ mod viewing;
 
 pub use error::GeometryError;
 pub use limb::EarthLimb;
-pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, illumination, sunlit_by_100_km_rule};
+pub(crate) use shadow::KARMAN_LINE_KM;
+pub use shadow::{Illumination, ShadowModel, illumination};
+pub use site::{Observer, ObserverState, Site};
+pub use sun::SunState;
+pub use topocentric::{Aspect, aspect};
+pub use viewing::ViewingGeometry;
+pub(crate) use viewing::body_to_gcrs;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    shadow::{grazing_height_km, sunlit_by_100_km_rule},
+    site::ellipsoidal_height_km,
+    sun::SunTable,
+    topocentric::icrs_of_apparent,
+};
 pub(crate) use site::SAME_SITE_KM;
-pub use site::{Observer, ObserverState, Site, ellipsoidal_height_km};
-pub use sun::{SunState, SunTable};
-pub use topocentric::{Aspect, aspect, icrs_of_apparent};
-pub use viewing::{ViewingGeometry, body_to_gcrs};

@@ -14,7 +14,13 @@ mod table;
 
 pub use error::IdentifyError;
 pub use likelihood::{Candidate, Offset};
-pub use region::{FittedLine, fit_line, parse_regions};
 pub use search::{Identified, IdentifyOptions, identify_streak};
 pub use streak::{MeasuredStreak, Timing};
-pub use table::{CandidateRow, candidate_table, streak_table};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    region::{fit_line, parse_regions},
+    table::{CandidateRow, candidate_table, streak_table},
+};

@@ -77,6 +77,7 @@ pub enum ImagesError {
     /// The preview cannot be encoded as PNG.
     #[cfg(feature = "plot")]
     #[error("preview: {0}")]
+    #[doc(hidden)]
     EncodePreview(#[from] image::ImageError),
 }
 

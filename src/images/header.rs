@@ -12,6 +12,7 @@ pub struct Header {
 
 impl Header {
     /// Creates a header from cards.
+    #[doc(hidden)]
     pub fn from_cards(cards: Vec<Card>) -> Self {
         Self { cards }
     }
@@ -29,6 +30,7 @@ impl Header {
     }
 
     /// Returns the cards in order.
+    #[doc(hidden)]
     pub fn cards(&self) -> &[Card] {
         &self.cards
     }
@@ -49,6 +51,7 @@ impl Header {
     }
 
     /// Returns the first card with this keyword and a value.
+    #[doc(hidden)]
     pub fn card(&self, keyword: &str) -> Option<&Card> {
         self.position(keyword).map(|index| &self.cards[index])
     }
@@ -59,6 +62,7 @@ impl Header {
     }
 
     /// Returns the value of a keyword; a long text is joined from its CONTINUE cards.
+    #[doc(hidden)]
     pub fn value(&self, keyword: &str) -> Option<CardValue> {
         let index = self.position(keyword)?;
         let value = self.cards[index].value()?;
@@ -119,6 +123,7 @@ impl Header {
 
     /// Sets a keyword: replaces its card, or appends a card if the keyword is missing. If the comment is empty, the old
     /// comment is kept.
+    #[doc(hidden)]
     pub fn set(&mut self, keyword: &str, value: &CardValue, comment: &str) {
         let Some(span) = self.span(keyword) else {
             self.cards.extend(Card::with_value(keyword, value, comment));
@@ -137,6 +142,7 @@ impl Header {
     }
 
     /// Appends cards.
+    #[doc(hidden)]
     pub fn extend(&mut self, cards: impl IntoIterator<Item = Card>) {
         self.cards.extend(cards);
     }

@@ -22,34 +22,41 @@ mod telescope;
 mod telescope_streak;
 mod wcs;
 
-pub use card::{CARD_LENGTH, Card, CardValue};
-pub use detector::{
-    AddedLight, Amplifier, Bleeding, Crosstalk, Detector, NonLinearity, Quantisation, ReadoutCorner, Saturated,
-    Saturation, Vignetting,
-};
+pub(crate) use detector::AddedLight;
 pub use error::ImagesError;
-pub use exposure::{
-    Calibration, CountBasis, ExposureTime, HeaderValue, PixelUnit, SITE_KEYWORDS, ZeroPoint, site_from_headers,
-};
 #[cfg(all(feature = "fits", unix))]
-pub use fits::{
-    Bitpix, Cells, Changed, CompanionPlane, FrameCopy, FrameFile, FrameImages, HduInfo, HduKind, ImageValues, NewImage,
-    PixelFormat, Pixels, PlaneKind, Rice, TableColumn, write_frame, write_table,
-};
+pub use fits::FrameFile;
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use fits::{Changed, CompanionPlane, write_table};
 pub use header::Header;
 pub use light_area::LightArea;
-pub use magnitude_limit::MagnitudeLimit;
-pub use patch::{Patch, PatchRows, PatchSpan};
+pub use patch::Patch;
+pub(crate) use patch::PatchRows;
 pub use pixels::{PixelPosition, Plane};
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use streak_table::{StreakEnds, StreakRow, StreakTable};
+pub(crate) use telescope::{ARCSEC_PER_RAD, effective_magnitude, surface_brightness_mag_arcsec2};
+pub use telescope::{FieldOfView, Telescope};
+pub use wcs::Wcs;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    card::{Card, CardValue},
+    detector::{Bleeding, Detector, Quantisation, ReadoutCorner, Saturated, Saturation},
+    exposure::{Calibration, CountBasis, ExposureTime, PixelUnit, SITE_KEYWORDS, site_from_headers},
+    magnitude_limit::MagnitudeLimit,
+    streak_cost::{PossibleStreak, StreakCost},
+};
+#[cfg(all(feature = "fits", unix))]
+#[doc(hidden)]
+pub use fits::{
+    Bitpix, Cells, FrameCopy, FrameImages, HduKind, ImageValues, NewImage, Pixels, PlaneKind, Rice, TableColumn,
+    write_frame,
+};
 #[cfg(feature = "plot")]
+#[doc(hidden)]
 pub use preview::{Overlay, preview_png};
-pub use streak_cost::{PossibleStreak, StreakCost};
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use streak_table::Bounded;
-#[cfg(all(feature = "fits", unix))]
-pub use streak_table::{StreakEnds, StreakRow, StreakTable};
-pub use telescope::{
-    ARCSEC_PER_RAD, FieldOfView, Telescope, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
-    surface_brightness_mag_arcsec2, time_on_pixel_s,
-};
-pub use wcs::Wcs;

@@ -76,6 +76,7 @@ impl Patch {
     }
 
     /// Returns the rows that have pixels, in order.
+    #[doc(hidden)]
     pub fn iter(&self) -> impl Iterator<Item = PatchSpan<'_>> {
         self.spans.iter().enumerate().filter(|(_, (columns, _))| !columns.is_empty()).map(|(number, (columns, at))| {
             PatchSpan {
@@ -87,6 +88,7 @@ impl Patch {
     }
 
     /// Returns the pixels of one row; empty if the patch has none in this row.
+    #[doc(hidden)]
     pub fn row(&self, row: usize) -> PatchSpan<'_> {
         let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
         match span {

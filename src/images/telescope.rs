@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::error::ImagesError;
 use super::magnitude_limit::MagnitudeLimit;
 pub use super::telescope_streak::{
-    ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
-    surface_brightness_mag_arcsec2, time_on_pixel_s,
+    ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, surface_brightness_mag_arcsec2,
 };
 
 /// Speed on the sky of a satellite 550 km overhead, arcsec/s: √(μ / (R + h)) / h.
@@ -132,8 +131,8 @@ impl Telescope {
         magnitude + 2.5 * (width * angular_rate_arcsec_s / RATE_AT_550_KM_ARCSEC_S).log10()
     }
 
-    /// Returns the fraction of a field's pixels that are lost by masking one streak; see
-    /// [`expected_lost_pixel_fraction`].
+    /// Returns the fraction of a field's pixels that are lost by masking one streak, [0, 1]. Round ends
+    /// and the clipping at the edge of the field are neglected.
     pub fn lost_pixel_fraction(&self, streak_length_deg: f64, width_arcsec: f64, field_area_deg2: f64) -> f64 {
         expected_lost_pixel_fraction(streak_length_deg, self.mask_width_arcsec(width_arcsec), field_area_deg2)
     }

@@ -27,11 +27,6 @@ pub fn surface_brightness_mag_arcsec2(
     magnitude + 2.5 * (length_arcsec * width_arcsec).log10()
 }
 
-/// Returns the time in which the satellite crosses a pixel, seconds.
-pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f64 {
-    pixel_scale_arcsec / angular_rate_arcsec_s
-}
-
 /// Returns the fraction of a field's area that a band along the streak covers, [0, 1].
 ///
 /// The band is `masked_width_arcsec` wide and `streak_length_deg` long (the lit part within the field). Its
@@ -39,15 +34,6 @@ pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f
 /// the sum to 1; intersections are then counted twice.
 pub fn expected_lost_pixel_fraction(streak_length_deg: f64, masked_width_arcsec: f64, field_area_deg2: f64) -> f64 {
     (streak_length_deg * masked_width_arcsec / 3600.0 / field_area_deg2).clamp(0.0, 1.0)
-}
-
-/// Returns the brightest magnitude of satellites (V, overhead, on station) that SATCON1 recommends (2020,
-/// recommendation 5).
-///
-/// The limit is 7 mag up to 550 km and 7 + 2.5 log10(h / 550 km) above, because a higher satellite crosses pixels more
-/// slowly.
-pub fn satcon1_limit_mag(height_km: f64) -> f64 {
-    7.0 + 2.5 * (height_km / 550.0).max(1.0).log10()
 }
 
 #[cfg(test)]
@@ -64,7 +50,6 @@ mod tests {
         assert!((effective_magnitude(0.0, width, 2300.0, 30.0) - 10.8).abs() < 0.05, "{width}");
         // "The full width at half maximum of the trail is about 3 arcsec" (Tyson et al. 2020, abstract).
         assert!((width - 3.2).abs() < 0.05, "{width}");
-        assert!((time_on_pixel_s(0.2, 2300.0) - 87e-6).abs() < 0.5e-6);
     }
 
     #[test]
@@ -85,14 +70,6 @@ mod tests {
         // A satellite that hardly moves keeps its magnitude.
         assert_eq!(effective_magnitude(11.0, 2.0, 0.0, 30.0), 11.0);
         assert_eq!(effective_magnitude(11.0, 2.0, 1e-3, 30.0), 11.0);
-    }
-
-    #[test]
-    fn valid_satcon1_limits() {
-        assert_eq!(satcon1_limit_mag(340.0), 7.0);
-        assert_eq!(satcon1_limit_mag(550.0), 7.0);
-        // OneWeb at 1200 km: 7.85 mag.
-        assert!((satcon1_limit_mag(1200.0) - 7.85).abs() < 0.005);
     }
 
     #[test]

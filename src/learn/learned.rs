@@ -20,6 +20,7 @@ pub struct Learned {
     /// Content of the file.
     pub file: LearnedFile,
     /// Fits of the kinds with magnitudes.
+    #[doc(hidden)]
     pub fits: BTreeMap<Generation, KindFit>,
     /// Kinds whose satellites have no offsets of their own in the file, because such offsets do not improve the
     /// predictions of other passes.
@@ -169,34 +170,4 @@ pub fn kind_table(file: &LearnedFile) -> Table {
         ]
     };
     Table { columns: KINDS.to_vec(), rows: file.kinds.iter().map(cells).collect() }
-}
-
-const SATELLITES: [Column; 9] = [
-    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-    Column::new("kind", Kind::Text, "Kind of satellite."),
-    Column::new("passes", Kind::Integer, "Number of passes."),
-    Column::new("measurements", Kind::Integer, "Number of measurements."),
-    Column::new("first_utc", Kind::Text, "Time of the first measurement."),
-    Column::new("last_utc", Kind::Text, "Time of the last measurement."),
-    Column::real("offset_mag", "mag", 3, "Offset of the satellite; positive is fainter than the model."),
-    Column::real("offset_sigma_mag", "mag", 3, "One sigma of offset_mag."),
-    Column::real("sigma_mag", "mag", 3, "One sigma of a measurement in another pass."),
-];
-
-/// Returns a table with one row for each satellite of a learned file.
-pub fn satellite_table(file: &LearnedFile) -> Table {
-    let cells = |one: &LearnedSatellite| {
-        vec![
-            i64::from(one.norad_id).into(),
-            one.kind.name().into(),
-            one.passes.into(),
-            one.measurements.into(),
-            one.first_utc.clone().into(),
-            one.last_utc.clone().into(),
-            one.offset_mag.into(),
-            one.offset_sigma_mag.into(),
-            one.sigma_mag.into(),
-        ]
-    };
-    Table { columns: SATELLITES.to_vec(), rows: file.satellites.iter().map(cells).collect() }
 }

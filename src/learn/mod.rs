@@ -22,12 +22,22 @@ mod pass;
 #[cfg(feature = "fit")]
 mod residuals;
 
-pub use alarms::{Alarm, AlarmKind, Alarms, alarm_table, find_alarms, pass_differences};
+pub use alarms::{Alarm, AlarmKind, Alarms, find_alarms};
 pub use error::LearnError;
-pub use hierarchy::{KindFit, Prediction, fit_kind};
-pub use lateness::{MeasuredDelay, learn_lateness, read_delays};
-pub use learned::{Learned, kind_table, learn, satellite_table};
-pub use leave_out::{LeaveOutRow, leave_out_table, leave_passes_out};
+pub use lateness::MeasuredDelay;
+pub use learned::{Learned, learn};
 pub use pass::{Pass, PassPoint, group_passes};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    alarms::{alarm_table, pass_differences},
+    hierarchy::fit_kind,
+    lateness::read_delays,
+    learned::kind_table,
+    leave_out::{LeaveOutRow, leave_out_table, leave_passes_out},
+};
 #[cfg(feature = "fit")]
-pub use residuals::{LeftOutPoints, passes_of};
+#[doc(hidden)]
+pub use residuals::passes_of;

@@ -39,6 +39,7 @@ pub struct BodyMap {
     /// Grid of the directions.
     pub grid: Grid,
     /// Metadata of the map: model, options and geometry.
+    #[doc(hidden)]
     pub facts: Vec<Fact>,
     /// Values in the order of the grid. Regular grids begin with the direction straight below.
     pub points: Vec<BodyPoint>,
@@ -102,6 +103,7 @@ impl<'a> BodyView<'a> {
     }
 
     /// Returns the metadata of the view: model, options and geometry.
+    #[doc(hidden)]
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let mut facts = vec![

@@ -17,8 +17,14 @@ mod tables;
 
 pub use body::{BodyMap, BodyPoint, BodyView};
 pub use error::MapError;
-pub use grid::{DEFAULT_NSIDE, DEFAULT_STEP_DEG, Grid};
-pub use light::{Fact, FactValue};
-pub use lu2024_figures::{FigurePanel, PAPER_FIGURES, PaperFigure};
-pub use shadow_edge::ShadowEdgePoint;
+pub use grid::Grid;
 pub use sky::{Earth, SkyMap, SkyPoint, SkyView};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    grid::{DEFAULT_NSIDE, DEFAULT_STEP_DEG},
+    light::{Fact, FactValue},
+    lu2024_figures::{FigurePanel, PAPER_FIGURES, PaperFigure},
+};

@@ -24,6 +24,7 @@ impl SkyView<'_> {
     ///
     /// The edge is nearly a circle around the axis. On each of `count` great circles through the axis it is found by
     /// bisection. The result is empty if the shadow does not reach the height of the satellites.
+    #[doc(hidden)]
     pub fn shadow_edge(&self, count: usize) -> Vec<ShadowEdgePoint> {
         let to_sun = self.sun.vector().normalize();
         let aside = if to_sun.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };

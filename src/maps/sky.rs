@@ -80,6 +80,7 @@ pub struct SkyMap {
     /// Grid of the directions.
     pub grid: Grid,
     /// Metadata of the map: model, options and geometry.
+    #[doc(hidden)]
     pub facts: Vec<Fact>,
     /// Values in the order of the grid. Regular grids begin on the horizon.
     pub points: Vec<SkyPoint>,
@@ -177,6 +178,7 @@ impl<'a> SkyView<'a> {
     }
 
     /// Returns the metadata of the view: model, options and geometry.
+    #[doc(hidden)]
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let earth = match &self.earth {

@@ -38,17 +38,22 @@ mod width;
 mod zero_point;
 
 pub use background::Background;
-pub use cut::{StreakCut, streak_cut};
 pub use error::MeasureError;
 #[cfg(all(feature = "fits", unix))]
-pub use frame::{FrameMeasurements, FrameOptions, MeasuredPass, ZeroPoints, measure_frame};
+pub(crate) use frame::{FrameMeasurements, FrameOptions, ZeroPoints, measure_frame};
 pub use measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
-#[cfg(all(feature = "fits", unix))]
-pub use predict::{PredictOptions, Prediction, predictions};
-#[cfg(all(feature = "fits", unix))]
-pub use star_table::{CatalogueStar, StarTable};
 pub use streak::measure_streak;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
 #[cfg(all(feature = "fits", unix))]
-pub use table::{ScoreObserver, measurement_table, score_table};
-#[cfg(all(feature = "fits", unix))]
-pub use zero_point::{StarZeroPoint, star_zero_point};
+#[doc(hidden)]
+pub use self::{
+    frame::MeasuredPass,
+    predict::PredictOptions,
+    star_table::{CatalogueStar, StarTable},
+    table::{ScoreObserver, measurement_table, score_table},
+    zero_point::{StarZeroPoint, star_zero_point},
+};
+#[doc(hidden)]
+pub use cut::streak_cut;

@@ -16,15 +16,22 @@ mod station_keeping;
 mod test_elements;
 mod uncertainty;
 
-pub use arc::OrbitArc;
+pub(crate) use arc::OrbitArc;
 pub use ephemeris::PositionSource;
-pub use lateness::Lateness;
-pub use observer_orbit::ObserverOrbit;
-pub use orbit_model::OrbitModel;
-pub use propagator::{
-    DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex, elements_of_age,
-};
-pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
+pub(crate) use lateness::Lateness;
+pub(crate) use observer_orbit::ObserverOrbit;
+pub(crate) use propagator::{EphemerisCoverage, elements_of_age};
+pub use propagator::{LeftOut, OrbitError, Propagator};
+pub(crate) use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
 pub use state::State;
-pub use station_keeping::{DragModel, MeanMotion, StarlinkClass};
-pub use uncertainty::{LEAST_KNOWN_SHARE, OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
+pub(crate) use uncertainty::LEAST_KNOWN_SHARE;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    orbit_model::OrbitModel,
+    propagator::SatelliteIndex,
+    station_keeping::{DragModel, MeanMotion, StarlinkClass},
+    uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty},
+};

@@ -200,6 +200,7 @@ impl Propagator {
     /// Returns the errors of one sigma of the attached ephemeris at a time; `None` for SGP4.
     ///
     /// They are those of its covariance; where it has none, those of an element set with its epoch at the first state.
+    #[doc(hidden)]
     pub fn stated_uncertainty(&self, epoch: Epoch) -> Option<OrbitUncertainty> {
         let attached = self.ephemeris.as_ref()?;
         Some(attached.table.uncertainty_at(attached.seconds(self.minutes_since_epoch(epoch)), attached.class))
@@ -225,6 +226,7 @@ impl Propagator {
     ///
     /// # Errors
     /// As [`Propagator::new`].
+    #[doc(hidden)]
     pub fn with_drag(elements: &ElementSet, drag: DragModel) -> Result<Self, OrbitError> {
         Self::new(&drag.propagated(elements))
     }
@@ -414,7 +416,7 @@ pub(super) enum SearchedPropagator<'a> {
     /// One propagator for all exposures.
     One(&'a Propagator),
     /// An ephemeris for some exposures and SGP4, or another ephemeris, for others.
-    Several(&'a Propagator),
+    Several,
 }
 
 impl SatelliteIndex {
@@ -515,7 +517,7 @@ impl SatelliteIndex {
             Some([latest, ..]) if latest.covers(ends, longest_s + EPHEMERIS_MARGIN_S) => {
                 SearchedPropagator::One(latest)
             }
-            Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => SearchedPropagator::Several(sgp4),
+            Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => SearchedPropagator::Several,
             _ => SearchedPropagator::One(sgp4),
         }
     }

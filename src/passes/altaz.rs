@@ -21,6 +21,7 @@ impl Sky {
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's
     /// ephemeris.
+    #[doc(hidden)]
     pub fn sun_altaz(&self, epoch: Epoch) -> Result<AltAz, SkyError> {
         check_epoch(epoch)?;
         let scene = self.scene_without_windows(epoch, 0.0);
@@ -68,6 +69,7 @@ impl Sky {
     ///
     /// # Errors
     /// The errors of [`Sky::sun_altaz`].
+    #[doc(hidden)]
     pub fn pointing_altaz(&self, pointing: &Direction<Gcrs>, epoch: Epoch) -> Result<AltAz, SkyError> {
         check_epoch(epoch)?;
         let orientation = self.orientation_over(epoch, epoch).at_s(0.0);

@@ -25,7 +25,7 @@ impl Sky {
     /// # Errors
     /// [`SkyError::NoEphemeris`] for a time outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the
     /// elements of a telescope in orbit give no position.
-    pub fn with_measured(
+    pub(crate) fn with_measured(
         mut self,
         measured: &[MeasuredMagnitude],
         photometry: &PhotometryOptions,

@@ -55,6 +55,7 @@ impl Sky {
     /// # Errors
     /// [`SkyError`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
     /// ephemeris, or if the elements of a telescope in orbit give no position.
+    #[doc(hidden)]
     pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, SkyError> {
         exposure.check()?;
         let start = seconds_after(exposure.start, -MARGIN_S);

@@ -51,6 +51,7 @@ pub struct EphemerisPoint {
     /// Time less element epoch, days; negative if the elements are newer.
     pub element_age_days: f64,
     /// Uncertainty of the predicted position at this age.
+    #[doc(hidden)]
     pub uncertainty: OrbitUncertainty,
     /// False if the elements are so old that the position along the orbit, and its uncertainty, are unknown.
     pub is_known: bool,

@@ -210,6 +210,7 @@ impl Field {
 
     /// Places the field on the sky with its centre at `pointing`. `rotation_rad` is the position angle of its y axis,
     /// from north through east.
+    #[doc(hidden)]
     pub fn on_sky(&self, pointing: &Direction<Gcrs>, rotation_rad: f64) -> FieldOnSky<'_> {
         let (east, north) = pointing.east_north();
         let (sin, cos) = rotation_rad.sin_cos();

@@ -12,6 +12,7 @@ use crate::orbit::{OrbitError, Propagator};
 
 impl Sky {
     /// Returns how well the positions of all satellites are known at a time, in steps of six hours.
+    #[doc(hidden)]
     pub fn predictability(&self, epoch: Epoch) -> Arc<Predictability> {
         let number = window_number(epoch);
         if let Some(found) = self.predictabilities().find(number) {

@@ -34,6 +34,7 @@ pub enum LearnedError {
     },
     /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains line and column.
     #[error("learned file {origin}: {source}")]
+    #[doc(hidden)]
     Json {
         /// Name of the file.
         origin: String,
@@ -84,8 +85,10 @@ pub struct LearnedFile {
     /// Time of the last measurement, UTC.
     pub last_utc: String,
     /// Kinds of satellites.
+    #[doc(hidden)]
     pub kinds: Vec<LearnedKind>,
     /// Satellites with measured magnitudes.
+    #[doc(hidden)]
     pub satellites: Vec<LearnedSatellite>,
 }
 
@@ -179,6 +182,7 @@ const fn symmetric(share: f64, width: f64) -> NormalPart {
 
 impl LearnedFile {
     /// Creates a file of the supported schema from its content.
+    #[doc(hidden)]
     pub fn new(
         provenance: serde_json::Map<String, serde_json::Value>,
         [first_utc, last_utc]: [String; 2],
@@ -270,12 +274,13 @@ impl LearnedFile {
     }
 
     /// Returns the entry of a kind; `None` if it is not in the file.
+    #[doc(hidden)]
     pub fn of_kind(&self, kind: Generation) -> Option<&LearnedKind> {
         self.kinds.iter().find(|one| one.kind == kind)
     }
 
     /// Returns the correction of the magnitudes of a kind.
-    pub fn magnitude_of(&self, kind: Generation) -> Option<&LearnedMagnitude> {
+    pub(crate) fn magnitude_of(&self, kind: Generation) -> Option<&LearnedMagnitude> {
         self.of_kind(kind)?.magnitude.as_ref()
     }
 

@@ -35,23 +35,31 @@ mod track;
 mod viewpoint;
 mod visible_passes;
 
-pub use altaz::AltAz;
-pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
+pub(crate) use delayed_track::{DelayedTrack, Sighting};
 pub use ephemeris::EphemerisPoint;
 pub use error::SkyError;
 pub use exposure::Exposure;
-pub use field::{Field, FieldOnSky};
-pub use field_passes::{
-    CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
-};
-pub use intervals::intervals_where;
-pub(crate) use learned::LEARNED_ERRORS;
-pub use learned::{LearnedError, LearnedFile, LearnedKind, LearnedLateness, LearnedMagnitude, LearnedSatellite};
-pub use measured::{LONGEST_PASS_GAP_S, MeasuredError, MeasuredMagnitude, read_measured};
+pub use field::Field;
+pub use field_passes::{CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes};
+pub(crate) use intervals::intervals_where;
+pub use learned::{LearnedError, LearnedFile};
+pub(crate) use learned::{LearnedMagnitude, LearnedSatellite};
+pub(crate) use measured::{LONGEST_PASS_GAP_S, MeasuredError, read_measured};
 pub use models::ModelChoice;
-pub use predictability::Predictability;
+pub(crate) use predictability::Predictability;
 pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 pub use track::{Chord, Pass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
 pub use visible_passes::{BrightnessLimit, NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    altaz::AltAz,
+    delayed_track::ExposureInterval,
+    field_passes::{CountRequest, Counts, StreakCount},
+    learned::{LearnedKind, LearnedLateness},
+};
+pub(crate) use learned::LEARNED_ERRORS;

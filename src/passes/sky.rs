@@ -138,6 +138,7 @@ impl Sky {
 
     /// Returns the sky with another treatment of atmospheric drag. Satellites whose treatment changes are initialised
     /// again.
+    #[doc(hidden)]
     pub fn with_drag(self, drag: DragModel) -> Self {
         if drag == self.drag {
             return self;
@@ -168,6 +169,7 @@ impl Sky {
     }
 
     /// Returns the number of satellites by the source of their mean motion.
+    #[doc(hidden)]
     pub fn mean_motions(&self) -> BTreeMap<MeanMotion, usize> {
         let mut counts = BTreeMap::new();
         for class in &*self.classes {
@@ -177,7 +179,7 @@ impl Sky {
     }
 
     /// Returns the uncertainty that a prediction would have with one element set of the satellite.
-    pub fn uncertainty_of_one_set(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
+    pub(crate) fn uncertainty_of_one_set(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
         let alone = OrbitClass::of(&self.elements[element_index], self.drag);
         uncertainty(alone.with_lateness_factor(self.classes[element_index].lateness_factor), age_days)
     }
@@ -203,7 +205,7 @@ impl Sky {
 
     /// Returns the satellites with ephemerides, by the index of their element sets, and the part of the time between
     /// two epochs for which the ephemerides are used.
-    pub fn ephemeris_coverage(
+    pub(crate) fn ephemeris_coverage(
         &self,
         first: Epoch,
         last: Epoch,
@@ -212,6 +214,7 @@ impl Sky {
     }
 
     /// Returns the treatment of atmospheric drag in SGP4.
+    #[doc(hidden)]
     pub fn drag(&self) -> DragModel {
         self.drag
     }
@@ -251,6 +254,7 @@ impl Sky {
     }
 
     /// Returns the uncertainty (one sigma) of a satellite's predicted position when its elements have this age.
+    #[doc(hidden)]
     pub fn uncertainty(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
         uncertainty(self.classes[element_index], age_days)
     }

@@ -153,7 +153,7 @@ impl Sky {
     }
 
     /// Returns the brightness of a satellite at a point. Its uncertainty is that of the brightness model, without the
-    /// error of the elements. It is corrected by [measurements](Sky::with_measured) of the same pass. `None` in the
+    /// error of the elements. It is corrected by measurements of the same pass. `None` in the
     /// umbra and if the model gives no light.
     pub fn brightness(
         &self,

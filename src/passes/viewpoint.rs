@@ -64,6 +64,7 @@ impl OrbitingObserver {
     }
 
     /// Returns the NORAD catalogue number or the COSPAR designator. This object is not searched for.
+    #[doc(hidden)]
     pub fn object(&self) -> &EphemerisObject {
         &self.object
     }

@@ -61,7 +61,7 @@ pub struct BrightnessLimit {
     /// Smallest probability of being brighter than the limit, [0, 1]. Passes with a smaller one are excluded; with 0,
     /// none is.
     pub min_probability: f64,
-    /// If true, the limit is that of [`twilight_limit_mag`] while it is twilight.
+    /// If true, the limit in twilight is that of the same eye or instrument in a brighter sky.
     pub twilight: bool,
 }
 

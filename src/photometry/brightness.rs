@@ -77,6 +77,7 @@ pub struct Brightness {
     /// Earth's shadow.
     pub scatter_mag: f64,
     /// Distribution of the scatter, in units of `scatter_mag`.
+    #[doc(hidden)]
     pub error_distribution: ErrorDistribution,
     /// Source of the magnitude.
     pub source: MagnitudeSource,

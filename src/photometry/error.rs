@@ -19,6 +19,7 @@ pub enum PhotometryError {
     },
     /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains key, line and column.
     #[error("model file {origin}: {source}")]
+    #[doc(hidden)]
     ModelJson {
         /// Name of the file.
         origin: String,

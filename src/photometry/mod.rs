@@ -2,10 +2,12 @@
 
 mod atmosphere;
 mod band;
+#[doc(hidden)]
 pub mod brdf;
 mod bright_objects;
 mod brightness;
 mod diffuse;
+#[doc(hidden)]
 pub mod earthshine;
 mod error;
 mod error_distribution;
@@ -13,26 +15,36 @@ mod library;
 mod magnitude;
 mod model;
 mod model_file;
+#[doc(hidden)]
 pub mod panels;
 mod pass_update;
 mod phase;
+#[doc(hidden)]
 pub mod radiation;
 mod standard_magnitudes;
 pub(crate) mod two_panel;
 
-pub use atmosphere::{clear_sky_extinction_mag, twilight_limit_mag};
+pub(crate) use atmosphere::clear_sky_extinction_mag;
 pub use band::{Band, MagSystem};
-pub use bright_objects::{BrightObject, BrightObjects};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 pub use error::PhotometryError;
-pub use error_distribution::{ErrorDistribution, NormalPart};
 pub use library::ModelLibrary;
-pub use magnitude::{Magnitude, StandardMagnitude, airmass};
+pub(crate) use magnitude::airmass;
+pub use magnitude::{Magnitude, StandardMagnitude};
 pub use model::BrightnessModel;
-pub use model_file::{
-    Coefficients, GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, PhasePolynomial, Provenance, SatelliteShape,
-};
-pub use pass_update::{PassResidual, PassUpdate, pass_correlation};
-pub use phase::{DiffuseSphere, PhaseFunction, StandardObject};
+pub(crate) use pass_update::{PassResidual, PassUpdate};
 pub use standard_magnitudes::StandardMagnitudes;
-pub use two_panel::{Blocked, BodyAngles, ChassisAndSail, SatelliteModel, SatellitePositions, Terms};
+pub(crate) use two_panel::SatellitePositions;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    atmosphere::twilight_limit_mag,
+    bright_objects::BrightObjects,
+    error_distribution::{ErrorDistribution, NormalPart},
+    model_file::{Coefficients, GeometryRange, ModelFile, PANEL_OFFSET, Provenance, SatelliteShape},
+    pass_update::pass_correlation,
+    phase::{DiffuseSphere, StandardObject},
+    two_panel::{BodyAngles, ChassisAndSail, SatelliteModel},
+};

@@ -162,6 +162,7 @@ impl BrightnessModel {
     ///
     /// # Errors
     /// The errors of [`ModelFile::validate`].
+    #[doc(hidden)]
     pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, PhotometryError> {
         file.validate(origin)?;
         let needs = |key| PhotometryError::ModelKey {
@@ -260,6 +261,7 @@ impl BrightnessModel {
     ///
     /// Outside the fitted range the learned sigma is increased by the rule of the model. Standard magnitudes are those
     /// of the model.
+    #[doc(hidden)]
     pub fn with_learned(&self, offset_mag: f64, sigma_mag: f64, error_distribution: ErrorDistribution) -> Self {
         Self { offset_mag, sigma_mag, error_distribution, source: self.source.of_learned(), ..self.clone() }
     }
@@ -297,6 +299,7 @@ impl BrightnessModel {
     ///
     /// The values agree with [`Self::standard_magnitude`] to 1e-9 mag. Two-panel models are vectorised and take some 10
     /// ns per value on one core; other models are evaluated one direction at a time.
+    #[doc(hidden)]
     pub fn standard_magnitudes(&self, angles: &BodyAngles, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
             return standard_magnitudes(model, self.zero_mag(), Columns::Angles(angles), out);
@@ -312,7 +315,7 @@ impl BrightnessModel {
     /// Writes the magnitudes of [`Self::standard_magnitudes`] for satellites at many positions seen by one observer.
     ///
     /// NaN for a satellite at the observer's position or at the Earth's centre.
-    pub fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
+    pub(crate) fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
             return standard_magnitudes(model, self.zero_mag(), Columns::Positions(positions), out);
         }
@@ -429,6 +432,7 @@ impl BrightnessModel {
     }
 
     /// Returns the distribution of observed less predicted magnitudes, in units of sigma.
+    #[doc(hidden)]
     pub fn error_distribution(&self) -> &ErrorDistribution {
         &self.error_distribution
     }
@@ -440,6 +444,7 @@ impl BrightnessModel {
     }
 
     /// Returns the chassis and sail (solar array) of a two-panel model.
+    #[doc(hidden)]
     pub fn satellite(&self) -> Option<&SatelliteModel> {
         match &self.law {
             Law::TwoPanel(model) => Some(model),
@@ -448,6 +453,7 @@ impl BrightnessModel {
     }
 
     /// Returns the panels of a model of the kind `panels`.
+    #[doc(hidden)]
     pub fn assembly(&self) -> Option<&PanelAssembly> {
         match &self.law {
             Law::Panels(assembly) => Some(assembly),
@@ -483,6 +489,7 @@ impl BrightnessModel {
     }
 
     /// Returns the model file, if the model was made from one.
+    #[doc(hidden)]
     pub fn file(&self) -> Option<&ModelFile> {
         self.file.as_deref()
     }

@@ -42,6 +42,7 @@ impl BrightnessModel {
     ///
     /// The force depends only on the Sun's latitude above the plane of the chassis. Programs that need it at many times
     /// should compute it at some latitudes and interpolate, because one computation takes 0.1 to 0.2 s for two panels.
+    #[doc(hidden)]
     pub fn sunlight_force(&self, to_sun: &Direction<Body>) -> Option<SunlightForce> {
         if let Some(assembly) = self.assembly() {
             return Some(assembly.sunlight_force(to_sun.vector()));
@@ -56,6 +57,7 @@ impl BrightnessModel {
     /// `satellite` and `sun` are geocentric positions, `lit_fraction` is the fraction of the Sun's light that reaches
     /// the satellite, [0, 1], and `mass_kg` its mass. `None` for a model without panels, and for positions, fractions
     /// or masses that are not valid.
+    #[doc(hidden)]
     pub fn sunlight_acceleration(
         &self,
         satellite: &Position<Gcrs>,

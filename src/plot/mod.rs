@@ -36,23 +36,32 @@ mod sun_altitude;
 mod time_axis;
 mod tracks;
 
-pub use alarms::{AlarmChart, AlarmMark, alarm_chart};
-pub use blocking::blocking_picture;
-pub use corner::{Corner, corner};
-pub use counts_and_spread::{CountsAndSpread, counts_and_spread};
-pub use encode::{PictureFormat, data_url};
+pub use encode::PictureFormat;
 pub use error::PlotError;
-pub use field_chart::{FieldChart, FieldStreak, field_chart};
 pub use file_options::{FileOptions, PictureSize};
-pub use graticule::FARTHEST_FIELD_DEG;
 pub use light_curve::{LightCurve, light_curve};
-pub use maps::{LayerPanel, Layers, body_picture, layers, paper_picture, sky_picture};
+pub use maps::{body_picture, sky_picture};
 pub use night::{NightTimeline, night_timeline};
 pub use picture::Picture;
-pub use residuals::{PhaseCurve, ResidualHistogram, ResidualPanels, phase_curve, residual_histogram, residual_panels};
-pub use scale::{ColourScale, Quantity};
+pub use scale::Quantity;
 pub use sky_chart::{SkyChart, SkyTrack, sky_chart};
-pub use sky_rate::{EquatorialRate, SkyRate, equatorial_rate, sky_rate};
-pub use streak_cuts::{CutPanel, streak_cuts};
-pub use sun_altitude::{SunAltitude, sun_altitude};
 pub use time_axis::LocalClock;
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    alarms::{AlarmChart, AlarmMark, alarm_chart},
+    blocking::blocking_picture,
+    corner::{Corner, corner},
+    counts_and_spread::{CountsAndSpread, counts_and_spread},
+    encode::data_url,
+    field_chart::{FieldChart, FieldStreak, field_chart},
+    graticule::FARTHEST_FIELD_DEG,
+    maps::{LayerPanel, Layers, layers, paper_picture},
+    residuals::{PhaseCurve, ResidualHistogram, ResidualPanels, phase_curve, residual_histogram, residual_panels},
+    scale::ColourScale,
+    sky_rate::{EquatorialRate, SkyRate, equatorial_rate, sky_rate},
+    streak_cuts::{CutPanel, streak_cuts},
+    sun_altitude::{SunAltitude, sun_altitude},
+};

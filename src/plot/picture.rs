@@ -120,6 +120,7 @@ impl Picture {
     }
 
     /// Returns the colour scales, one for each quantity that has a colour bar; empty for charts of lines and points.
+    #[doc(hidden)]
     pub fn scales(&self) -> &[ColourScale] {
         &self.scales
     }

@@ -126,6 +126,7 @@ pub enum ScheduleError {
     },
     /// The unit of a column is unknown, or contradicts its name.
     #[error("schedule {path}: {source}")]
+    #[doc(hidden)]
     Unit {
         /// Path of the file.
         path: String,
@@ -145,6 +146,7 @@ pub enum ScheduleError {
     /// SQLite reported an error.
     #[cfg(feature = "sqlite")]
     #[error("schedule {path}: {source}")]
+    #[doc(hidden)]
     Sqlite {
         /// Path of the file.
         path: String,
@@ -200,6 +202,7 @@ pub enum ScheduleError {
     /// SQLite reported an error while the annotated copy was written.
     #[cfg(feature = "sqlite")]
     #[error("cannot write {path}: {source}")]
+    #[doc(hidden)]
     AnnotateSqlite {
         /// Path of the file.
         path: String,

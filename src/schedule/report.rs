@@ -51,6 +51,7 @@ pub struct FlagReport {
     /// Satellites whose position cannot be computed for at least one exposure.
     pub left_out: Vec<LeftOut>,
     /// Satellites that cross or may cross; one entry for each exposure and satellite.
+    #[doc(hidden)]
     pub may_cross: Vec<SatelliteAge>,
     /// Number of judged exposures that begin while the Sun's centre is above the horizon of the site.
     pub by_daylight: usize,

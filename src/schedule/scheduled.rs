@@ -45,6 +45,7 @@ pub struct ScheduleOptions {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// Format of the file.
+    #[doc(hidden)]
     pub format: ScheduleFormat,
     /// The rows in the order of the file.
     pub exposures: Vec<ScheduledExposure>,

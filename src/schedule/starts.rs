@@ -12,10 +12,8 @@ pub(super) const LATE_SIGMAS: f64 = 3.0;
 /// Typical angular rate of a satellite in low orbit, deg/s.
 const TYPICAL_RATE_DEG_S: f64 = 0.5;
 
-/// Returns the reason why the starts of an exposure without a crossing are unknown at a time; `None` if they are known
-/// ([`Predictability::reason_for_starts`]). A `min_probability` of the policy extends its margin by three sigmas.
-///
-/// [`Predictability::reason_for_starts`]: crate::passes::Predictability::reason_for_starts
+/// Returns the reason why the starts of an exposure without a crossing are unknown at a time; `None` if they are known.
+/// A `min_probability` of the policy extends its margin by three sigmas.
 pub fn reason_for_unknown_starts(
     sky: &Sky,
     field: &Field,

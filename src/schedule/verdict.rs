@@ -21,9 +21,8 @@ pub enum VerdictKind {
     /// A limit of the policy is exceeded: magnitude, with at least the probability of the policy, or cost of
     /// streaks.
     Avoid,
-    /// The positions of the satellites are unknown, because their elements are too old
-    /// ([`Predictability::is_unknown`](crate::passes::Predictability::is_unknown)), and no satellite of known position
-    /// exceeds a limit of the policy.
+    /// The positions of the satellites are unknown, because their elements are too old, and no satellite of
+    /// known position exceeds a limit of the policy.
     Unknown,
     /// The exposure is invalid: it has no valid time, pointing or length, or its pointing is below the horizon.
     Invalid,

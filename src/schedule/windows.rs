@@ -75,10 +75,8 @@ pub struct WindowReport {
 /// satellites. A blocking pass blocks from its entry to its exit, also while the satellite is faint or in shadow.
 ///
 /// Windows at times at which the positions of the satellites are unknown are omitted, and so are those of exposures of
-/// which nominal tracks predict less than half of the crossings ([`Predictability::reason_for_starts`]). A
-/// `min_probability` extends the margin by three sigmas.
-///
-/// [`Predictability::reason_for_starts`]: crate::passes::Predictability::reason_for_starts
+/// which nominal tracks predict less than half of the crossings. A `min_probability` extends the margin by three
+/// sigmas.
 ///
 /// The altitudes of target and Sun are sampled once a minute (every 10 s for the limb): a target above its limit for
 /// less than that may have no window.

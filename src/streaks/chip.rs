@@ -88,6 +88,7 @@ impl Chip {
     ///
     /// # Errors
     /// The times of the track do not increase, or a number is not finite.
+    #[doc(hidden)]
     pub fn paths(
         &self,
         track: &SkyTrack,

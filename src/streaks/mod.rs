@@ -25,37 +25,46 @@ mod truth;
 
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use background::BRIGHTEST_E;
-pub use background::{RandomStars, Star, background, flux_e};
-pub use chip::{Chip, ChipPath, circle_of, direction_on};
+pub use chip::{Chip, direction_on};
 pub use count_scale::CountScale;
 pub use drawn::{DrawnStreak, Shot, StreakPoint, draw_on_chip};
 pub use error::StreaksError;
 #[cfg(all(feature = "fits", unix))]
-pub use frame::{
-    FrameOverrides, InjectOptions, Injected, StarField, SyntheticFrame, SyntheticShot, TargetChip, TargetFrame, inject,
-};
+pub(crate) use frame::TargetChip;
 #[cfg(all(feature = "fits", unix))]
-pub use injection::{
-    InjectedFrame, Injection, InjectionPlan, InjectionSky, Injections, Mark, RandomPlan, SyntheticPlan,
-};
+pub(crate) use injection::{Injection, InjectionPlan, InjectionSky, RandomPlan, SyntheticPlan};
 #[cfg(all(feature = "fits", unix))]
-pub use light::{ChosenLight, ChosenStreak, ChosenStreaks, ChosenWidth};
+pub(crate) use light::ChosenStreaks;
 pub use light::{
-    Glint, LightCurve, Modulation, RandomStreaks, ResolvedPanels, SatelliteExposure, SatelliteLight, SkyPoint,
-    SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
+    Glint, LightCurve, Modulation, RandomStreaks, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling,
 };
 #[cfg(all(feature = "fits", unix))]
-pub use masking::{
-    Area, ChosenPlanes, FrameMask, LeftOutReason, LeftOutSatellite, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak,
-    PlaneChoice, StreakOrigin, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
-    read_measured_streaks, region_file, write_mask_file, write_mask_planes,
+pub(crate) use masking::{
+    ChosenPlanes, LeftOutReason, MaskBit, MeasuredStreak, PlaneChoice, StreakOrigin, UnusedReason, corridor_table,
+    left_out_table, mask_history, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 pub use optics::{Optics, SeeingForm};
-pub use psf::{Blur, RadialProfile, Seeing, draw_point};
-pub(crate) use psf::{PointLight, draw_points};
-pub use render::{PathNode, StreakPath, draw};
+pub use psf::Seeing;
+pub use render::{PathNode, StreakPath};
 pub use tracking::Tracking;
-pub use truth::{
-    MaskPlanes, MaskPreset, MaskSpan, NoiseMap, TruthRow, changed_spans, mask_spans, points_table, trail_table,
-    truth_rows, truth_table,
+pub use truth::{TruthRow, truth_rows};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    background::{RandomStars, Star, background, flux_e},
+    chip::circle_of,
+    light::{SatelliteLight, SkyPoint, satellites},
+    psf::{Blur, RadialProfile, draw_point},
+    render::draw,
+    truth::{MaskPlanes, MaskPreset, NoiseMap, changed_spans, mask_spans, points_table, trail_table, truth_table},
 };
+#[cfg(all(feature = "fits", unix))]
+#[doc(hidden)]
+pub use self::{
+    frame::{FrameOverrides, StarField, SyntheticFrame, SyntheticShot, TargetFrame},
+    injection::{InjectedFrame, Injections},
+    masking::{FrameMask, MaskOptions, MaskedStreak, mask_frame},
+};
+pub(crate) use psf::{PointLight, draw_points};

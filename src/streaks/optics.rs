@@ -54,6 +54,7 @@ impl Optics {
     ///
     /// # Errors
     /// The width of the image is outside the range that can be drawn.
+    #[doc(hidden)]
     pub fn profile(
         &self,
         range_km: f64,

@@ -12,6 +12,7 @@ use super::super::element_set::{ElementSet, NoradId};
 #[non_exhaustive]
 pub struct Ephemeris {
     /// Identifier of the satellite.
+    #[doc(hidden)]
     pub object: EphemerisObject,
     /// Name of the satellite; empty if omitted.
     pub name: Arc<str>,
@@ -20,13 +21,16 @@ pub struct Ephemeris {
     /// Creation time of the file; `None` if omitted.
     pub created: Option<Epoch>,
     /// Frame of positions and velocities.
+    #[doc(hidden)]
     pub frame: EphemerisFrame,
     /// Interval in which positions can be computed (USEABLE_START_TIME and USEABLE_STOP_TIME of an OEM); `None` for an
     /// end at which the first or last state is the limit. States outside serve only for the interpolation.
     pub usable: [Option<Epoch>; 2],
     /// States: at least eight, at increasing times within 366 days.
+    #[doc(hidden)]
     pub states: Vec<EphemerisState>,
     /// Covariances in time order; empty if omitted.
+    #[doc(hidden)]
     pub covariances: Vec<PositionCovariance>,
 }
 

@@ -125,7 +125,7 @@ pub struct Comparison {
     /// Number of geometries or measurements compared.
     pub n: usize,
     /// Mean of the model over these geometries or measurements, mag. For published means and phase functions it is that of
-    /// single magnitudes, which is [`MEDIAN_LESS_MEAN_SIGMAS`] brighter than the mean of the predicted medians.
+    /// single magnitudes, which is `MEDIAN_LESS_MEAN_SIGMAS` brighter than the mean of the predicted medians.
     pub model_mean_mag: Option<f64>,
     /// Standard deviation of the model over these geometries or measurements, mag.
     pub model_sd_mag: Option<f64>,
@@ -164,7 +164,7 @@ pub struct Comparison {
 /// * a published curve if, in addition, the RMS of the differences does not exceed the standard deviation of the
 ///   survey, because the survey scatters by as much about its own curve, and a model that depends on more angles than
 ///   the phase angle cannot follow the curve exactly;
-/// * measurements if the difference is at most twice its error, the ratio of sigmas is within [`SIGMA_RATIOS`], and the
+/// * measurements if the difference is at most twice its error, the ratio of sigmas is within `SIGMA_RATIOS`, and the
 ///   RMS is at most twice sigma. Measurements in grazing sunlight are compared separately with
 ///   the same tolerances. Each measurement is compared with the sigma that the program predicts for its geometry, and
 ///   weighted by the number of measurements of its group.

@@ -18,9 +18,6 @@ mod photometry;
 mod population;
 mod published;
 
-pub use comparison::{
-    Comparison, MEDIAN_LESS_MEAN_SIGMAS, ReferenceKind, SIGMA_RATIOS, SURVEY_ERROR_MAG, Sample, Verdict, compare,
-    comparison_table,
-};
+pub use comparison::{Comparison, ReferenceKind, SURVEY_ERROR_MAG, Sample, Verdict, compare, comparison_table};
 pub use photometry::{DataSet, Photometry, ReferenceMeasurement};
 pub use population::POPULATION;

@@ -6,8 +6,10 @@
 mod ensemble;
 mod least_squares;
 
-pub use ensemble::{AutocorrelationTime, Chain, LogProbability, autocorrelation_times, check_walkers};
-pub use least_squares::{LeastSquares, Minimum, NormalEquations, Stop};
+pub(crate) use ensemble::AutocorrelationTime;
+pub use ensemble::{Chain, LogProbability, autocorrelation_times, check_walkers};
+pub use least_squares::NormalEquations;
+pub(crate) use least_squares::{LeastSquares, Minimum, Stop};
 
 pub(super) use ensemble::Ensemble;
 pub(super) use least_squares::{minimise, minimise_in_box};

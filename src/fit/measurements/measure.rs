@@ -45,6 +45,7 @@ pub struct Measurements {
     /// Names of the groups. A group is a track if tracks are recorded, otherwise a satellite, a night or a file.
     pub groups: Vec<String>,
     /// Numbers of dropped rows by reason.
+    #[doc(hidden)]
     pub dropped: DropCounts,
 }
 

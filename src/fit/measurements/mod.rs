@@ -51,17 +51,23 @@ mod selection;
 mod triangle;
 mod untimed;
 
-pub use column_map::ColumnMap;
-pub use density_mode::{DensityMode, half_sample_mode, kernel_mode, kernel_sigma};
-pub use dropped::{DropCounts, DropExample, DropReason};
-pub use format::{BandMismatch, FilterCounts, Format};
-pub use identify::{
-    AcceptanceLimits, AssociationOptions, Candidate, TrackIdentification, associate, identification_table,
-    identify_tracks,
+pub(crate) use dropped::DropExample;
+pub use measure::{Measurement, Measurements};
+pub(crate) use record::{Record, Sighting};
+
+// Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for
+// code of other features.
+#[doc(hidden)]
+pub use self::{
+    column_map::ColumnMap,
+    density_mode::{DensityMode, half_sample_mode, kernel_mode, kernel_sigma},
+    dropped::{DropCounts, DropReason},
+    format::{FilterCounts, Format},
+    identify::{AcceptanceLimits, AssociationOptions, Candidate, associate, identification_table, identify_tracks},
+    measure::{measure, measure_each},
+    placement::{OrbitRadius, Placed, Placement, Placer, PositionSource},
+    reader::{PhotometryOptions, RecordReader},
+    record::{RecordSource, Records},
+    reduce::{Pixel, ReduceOptions, Reducer, Reduction, reduce},
+    selection::{Selection, StationInterval, Stations},
 };
-pub use measure::{Measurement, Measurements, measure, measure_each};
-pub use placement::{OrbitRadius, Placed, Placement, Placer, PositionSource};
-pub use reader::{PhotometryOptions, RecordReader};
-pub use record::{Record, RecordSource, Records, RecordsSource, Sighting};
-pub use reduce::{Pixel, ReduceOptions, Reducer, Reduction, reduce};
-pub use selection::{Selection, StationInterval, Stations};

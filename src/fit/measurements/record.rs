@@ -113,11 +113,11 @@ pub trait RecordSource {
 pub struct Records {
     /// Records in order.
     pub records: Vec<Record>,
-    /// Names of the groups; [`Record::group`] is an index into them.
+    /// Names of the groups; `Record::group` is an index into them.
     pub groups: Vec<String>,
-    /// Sites; [`Record::site`] is an index into them.
+    /// Sites; `Record::site` is an index into them.
     pub sites: Vec<Site>,
-    /// Names of the files; [`Record::file`] is an index into them.
+    /// Names of the files; `Record::file` is an index into them.
     pub files: Vec<String>,
     /// Numbers of dropped rows by reason.
     pub dropped: DropCounts,

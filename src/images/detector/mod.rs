@@ -13,8 +13,6 @@ mod vignetting;
 
 pub use add::AddedLight;
 pub use conversion::Quantisation;
-pub use crosstalk::{Amplifier, Crosstalk, ReadoutCorner};
-pub use non_linearity::NonLinearity;
+pub use crosstalk::ReadoutCorner;
 pub use saturation::{Bleeding, Saturated, Saturation};
 pub use settings::Detector;
-pub use vignetting::Vignetting;

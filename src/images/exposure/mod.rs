@@ -12,6 +12,6 @@ mod length;
 mod moment;
 mod observatory;
 
-pub use calibration::{Calibration, CountBasis, HeaderValue, PixelUnit, ZeroPoint};
+pub use calibration::{Calibration, CountBasis, PixelUnit};
 pub use exposure_time::ExposureTime;
 pub use observatory::{SITE_KEYWORDS, site_from_headers};

@@ -40,6 +40,7 @@ impl FrameFile {
     }
 
     /// Returns the HDUs in order.
+    #[doc(hidden)]
     pub fn hdus(&self) -> &[HduInfo] {
         &self.hdus
     }
@@ -53,6 +54,7 @@ impl FrameFile {
     ///
     /// # Errors
     /// The file does not have this HDU.
+    #[doc(hidden)]
     pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, ImagesError> {
         self.hdus.get(hdu).ok_or_else(|| {
             let what = format!("{}: HDU {hdu}", self.path.display());

@@ -103,6 +103,7 @@ impl FrameFile {
     ///
     /// # Errors
     /// An image that can be both a frame and a companion plane.
+    #[doc(hidden)]
     pub fn frame_images(&self) -> Result<FrameImages, ImagesError> {
         FrameImages::of(self)
     }

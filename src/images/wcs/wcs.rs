@@ -217,6 +217,7 @@ impl Wcs {
 
     /// Returns the header cards that describe an undistorted gnomonic frame (see [`tangent`](Wcs::tangent)); empty for
     /// other frames.
+    #[doc(hidden)]
     pub fn cards(&self) -> Vec<Card> {
         if self.distortion().is_some() || self.terms.projection != Projection::Tan || self.terms.longitude_axis != 0 {
             return Vec::new();

@@ -101,8 +101,6 @@ pub(super) struct Chunk {
 pub struct Window {
     start: Epoch,
     pub(super) span_s: f64,
-    /// Minutes from the epoch of each element set to the start of the window.
-    minutes: Vec<f64>,
     pub(super) chunks: Vec<Chunk>,
     /// Satellites that are not interpolated and always need SGP4: element index and largest delay searched, seconds.
     pub(super) always: Vec<(u32, f32)>,
@@ -139,43 +137,35 @@ impl Window {
         watch: &Watch,
     ) -> Result<Self, Interrupted> {
         let span_s = seconds_between(start, end).max(1.0);
-        let made: Vec<(f64, Kind)> = (0..index.len())
+        let made: Vec<Kind> = (0..index.len())
             .into_par_iter()
             .with_min_len(64)
             .map(|element_index| {
                 watch.check()?;
                 let propagator = match index.source_over(element_index, [start, end], MAX_WINDOW_S) {
-                    SearchedPropagator::Absent => return Ok((0.0, Kind::Absent)),
-                    SearchedPropagator::Several(sgp4) => return Ok((sgp4.minutes_since_epoch(start), Kind::Always)),
+                    SearchedPropagator::Absent => return Ok(Kind::Absent),
+                    SearchedPropagator::Several => return Ok(Kind::Always),
                     SearchedPropagator::One(propagator) => propagator,
                 };
                 let minutes = propagator.minutes_since_epoch(start);
                 if let Some(reason) = unknown(element_index).filter(|_| !propagator.has_ephemeris()) {
-                    return Ok((minutes, Kind::LeftOut(reason)));
+                    return Ok(Kind::LeftOut(reason));
                 }
                 let end_minutes = minutes + span_s / 60.0;
-                let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
+                Ok(match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
                         .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
                     // A satellite without a position at either end of the window is left out. If only one end has no
                     // position, SGP4 is evaluated at each time.
                     (Err(error), Err(_)) => Kind::LeftOut(error),
                     _ => Kind::Always,
-                };
-                Ok((minutes, kind))
+                })
             })
             .collect::<Result<_, Interrupted>>()?;
 
-        let mut window = Self {
-            start,
-            span_s,
-            minutes: made.iter().map(|(minutes, _)| *minutes).collect(),
-            chunks: Vec::new(),
-            always: Vec::new(),
-            left_out: Vec::new(),
-        };
+        let mut window = Self { start, span_s, chunks: Vec::new(), always: Vec::new(), left_out: Vec::new() };
         let mut entries = Vec::with_capacity(made.len());
-        for (element_index, (_, kind)) in made.into_iter().enumerate() {
+        for (element_index, kind) in made.into_iter().enumerate() {
             match kind {
                 Kind::Regular(entry) => entries.push(entry),
                 Kind::Always => window.always.push((element_index as u32, reach(element_index).along_track_s as f32)),
@@ -201,16 +191,6 @@ impl Window {
     /// Returns the start of the window.
     pub fn start(&self) -> Epoch {
         self.start
-    }
-
-    /// Returns the length of the window, seconds.
-    pub fn span_s(&self) -> f64 {
-        self.span_s
-    }
-
-    /// Returns the minutes from the epoch of a satellite's elements to the start of the window.
-    pub fn minutes_at_start(&self, element_index: usize) -> f64 {
-        self.minutes[element_index]
     }
 
     /// Returns the satellites that have no position at any time of the window.
@@ -374,9 +354,8 @@ mod tests {
                 for step in 0..=90 {
                     let time_s = MAX_WINDOW_S * f64::from(step) / 90.0;
                     let fraction = time_s / MAX_WINDOW_S;
-                    let truth = propagator
-                        .teme_state(window.minutes_at_start(element_index) + time_s / 60.0)
-                        .expect("in orbit");
+                    let truth =
+                        propagator.teme_state(propagator.minutes_since_epoch(start) + time_s / 60.0).expect("in orbit");
                     let normal = chunk.normal_at(lane, fraction);
                     let (interpolated, _) = phase.state(&normal, time_s, fraction);
                     let position = truth.position.vector();

@@ -55,6 +55,7 @@ impl Sky {
     ///
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise the errors of [`Sky::field_passes`].
+    #[doc(hidden)]
     pub fn streak_counts(&self, request: &CountRequest<'_>) -> Result<Counts, SkyError> {
         let mut counts = Counts::default();
         let options = PassOptions { photometry: request.photometry, ..PassOptions::default() };

@@ -8,10 +8,9 @@ mod panel_file;
 mod shapes;
 mod sunlight_force;
 
-pub use assembly::{Face, LitFace, PanelAssembly, Part};
-pub use attitude::{Attitude, PanelOffset};
-pub use panel_file::{
-    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
-};
-pub use shapes::{PanelPolygon, PlacedRectangle, Sphere, SpherePhase};
+pub use assembly::LitFace;
+pub use assembly::{Face, PanelAssembly};
+pub use panel_file::PanelsSpec;
+pub use panel_file::{AttitudeSpec, Coefficient, LawSpec};
+pub use shapes::{PanelPolygon, PlacedRectangle};
 pub use sunlight_force::SunlightForce;

@@ -227,7 +227,7 @@ mod tests {
 
     use super::*;
     use crate::photometry::brdf::{Brdf, Incidence, Lambert};
-    use crate::photometry::panels::Attitude;
+    use crate::photometry::panels::attitude::Attitude;
     use crate::photometry::{DiffuseSphere, StandardMagnitude};
 
     #[test]

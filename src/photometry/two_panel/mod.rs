@@ -7,9 +7,9 @@ mod satellite;
 
 pub use columns::{BodyAngles, SatellitePositions};
 pub(super) use columns::{Columns, standard_magnitudes};
-pub use equations::{Blocked, ChassisAndSail};
+pub use equations::ChassisAndSail;
 #[cfg(feature = "fit")]
 pub(crate) use equations::{Directions, LitPanels, magnitudes, slope_of_lobe, weighted_sum};
+pub use satellite::SatelliteModel;
 #[cfg(feature = "fit")]
 pub(crate) use satellite::chassis_earthshine;
-pub use satellite::{SatelliteModel, Terms};

@@ -13,4 +13,4 @@ pub use lights::InjectionSky;
 pub(super) use lights::provenance_lines;
 pub use plan::{InjectionPlan, RandomPlan, SyntheticPlan};
 pub(super) use run::reject_packed;
-pub use run::{InjectedFrame, Injection, Injections, Mark};
+pub use run::{InjectedFrame, Injection, Injections};

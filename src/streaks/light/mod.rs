@@ -16,7 +16,6 @@ mod source;
 pub use chosen_streaks::{ChosenLight, ChosenStreak, ChosenStreaks, ChosenWidth};
 pub use modulation::{Glint, LightCurve, Modulation, Tumbling};
 pub use random_streaks::{RandomStreaks, StreakNumber};
-pub use resolved::ResolvedPanels;
-pub use satellites::{SatelliteExposure, SatelliteLight, satellites};
+pub use satellites::{SatelliteLight, satellites};
 pub use sky_track::{SkyPoint, SkyTrack};
 pub use source::{Source, SourceName, SourcePart};

@@ -22,6 +22,7 @@ pub struct SkyPoint {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkyTrack {
     /// Points in order of time.
+    #[doc(hidden)]
     pub points: Vec<SkyPoint>,
 }
 
@@ -88,7 +89,11 @@ impl SkyTrack {
     /// Returns the time at which the light is nearest to the direction `target`, seconds after the shutter opened;
     /// `None` for a track without points. `seen` converts a point of the track to the frame of `target`, which may move
     /// with the telescope.
-    pub fn closest_s(&self, target: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
+    pub(crate) fn closest_s(
+        &self,
+        target: &Direction<Gcrs>,
+        seen: impl Fn(&SkyPoint) -> Direction<Gcrs>,
+    ) -> Option<f64> {
         let away = |index: usize| seen(&self.points[index]).separation_rad(target);
         let nearest = (0..self.points.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
         if nearest == 0 || nearest + 1 == self.points.len() {

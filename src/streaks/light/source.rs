@@ -68,6 +68,7 @@ impl Source {
     /// panels.
     ///
     /// The times of glints are relative to `middle_s`, seconds after the shutter opened.
+    #[doc(hidden)]
     pub fn parts(
         track: &SkyTrack,
         modulation: &Modulation,

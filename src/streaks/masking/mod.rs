@@ -12,8 +12,7 @@ mod satellites;
 mod table;
 mod write;
 
-pub use area::Area;
 pub use measured::{MeasuredStreak, UnusedReason, read_measured_streaks};
-pub use satellites::{FrameMask, LeftOutReason, LeftOutSatellite, MaskOptions, MaskedStreak, StreakOrigin, mask_frame};
+pub use satellites::{FrameMask, LeftOutReason, MaskOptions, MaskedStreak, StreakOrigin, mask_frame};
 pub use table::{corridor_table, left_out_table, region_file};
 pub use write::{ChosenPlanes, MaskBit, PlaneChoice, mask_history, write_mask_file, write_mask_planes};

@@ -7,6 +7,6 @@ mod table;
 
 #[cfg(all(feature = "fits", unix))]
 pub(super) use mask::SHARE_WITHOUT_NOISE;
-pub use mask::{MaskPlanes, MaskPreset, MaskSpan, changed_spans, mask_spans};
+pub use mask::{MaskPlanes, MaskPreset, changed_spans, mask_spans};
 pub use noise_map::NoiseMap;
 pub use table::{TruthRow, points_table, trail_table, truth_rows, truth_table};
