@@ -18,8 +18,8 @@ const TRACKS: u32 = 120;
 const POINTS: u32 = 50;
 const NOISE_MAG: f64 = 0.2;
 
-/// Returns simulated measurements of satellites at 550 km with a known model. For photometry in files, use
-/// `RecordReader` and `measure`.
+/// Returns simulated measurements of satellites at 550 km with a known model. Photometry
+/// in files is fitted by `streakcast fit run`.
 fn measurements(truth: &BrightnessModel) -> Measurements {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut measured = Measurements::default();
@@ -56,15 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} measurements", measured.points.len());
 
     // 2. The form of Lu (2024) with all seven coefficients free.
-    let file = truth.file().ok_or("a model without a file")?;
-    let (band, system) = truth.band();
-    let form = TwoPanelForm {
-        shape: file.shape.ok_or("no shape")?,
-        coefficients: file.coefficients.ok_or("no coefficients")?,
-        earthshine: Earthshine::Off,
-        blocking: true,
-        sun_magnitude: band.sun_magnitude(system),
-    };
+    let form = TwoPanelForm::from_model(&truth, Earthshine::Off).ok_or("a model without two panels")?;
     let points = points_of_measurements(&measured, &RawWeights::default());
     let problem = Problem::new(&form, &points, &FitSettings::free(&COEFFICIENTS))?;
     let fit = problem.solve()?;

@@ -6,11 +6,10 @@
 use std::error::Error;
 
 use streakcast::elements::Constellation;
-use streakcast::forecast::{ForecastRequest, Selection, compass, forecast};
+use streakcast::forecast::{ForecastRequest, Selection, forecast};
 use streakcast::frames::EopTable;
 use streakcast::frames::parse_instant;
 use streakcast::geometry::{Observer, Site};
-use streakcast::output::format_utc;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::night_of;
@@ -39,15 +38,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("dark for {:.1} h; {} passes", result.night.dark_s() / 3600.0, result.found.passes.len());
 
     // 3. Each pass: first, highest and last visible point, and its brightness.
-    for row in result.rows(&sky).take(5) {
-        let Some(seen) = &row.pass.visible else { continue };
-        println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
+    for pass in result.found.passes.iter().take(5) {
+        let Some(seen) = &pass.visible else { continue };
+        println!("{}", sky.elements()[pass.element_index].name);
         for (what, point) in [("from", &seen.begin), ("over", &seen.highest), ("to", &seen.end)] {
             println!("    {what:4} {}", point_text(point));
         }
-        for point in &row.pass.samples {
+        for point in &pass.samples {
             let magnitude = point.brightness.as_ref().map(|light| format!("{:.2}", light.magnitude.0));
-            println!("    {} {}", format_utc(point.epoch, 0), magnitude.as_deref().unwrap_or("dark"));
+            println!("    {} {}", point.epoch, magnitude.as_deref().unwrap_or("dark"));
         }
     }
     if let Some(why) = result.why_empty(&sky, &request) {
@@ -58,5 +57,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn point_text(point: &TrackPoint) -> String {
     let (altitude_rad, azimuth_rad) = (point.altitude_rad.unwrap_or(f64::NAN), point.azimuth_rad.unwrap_or(f64::NAN));
-    format!("{} {:3.0} deg {}", format_utc(point.epoch, 0), altitude_rad.to_degrees(), compass(azimuth_rad))
+    let (altitude_deg, azimuth_deg) = (altitude_rad.to_degrees(), azimuth_rad.to_degrees());
+    format!("{} altitude {altitude_deg:2.0} deg, azimuth {azimuth_deg:3.0} deg", point.epoch)
 }

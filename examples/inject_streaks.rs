@@ -1,16 +1,14 @@
-//! Injection of three random streaks into a synthetic chip of 2,000 by 2,000 pixels, with their truth table.
+//! Injection of three random streaks into a synthetic chip of 2,000 by 2,000 pixels, with their true parameters.
 //!
 //! `cargo run --example inject_streaks`
 
 use std::error::Error;
-use std::io::stdout;
 
 use streakcast::frames::Direction;
 use streakcast::images::{LightArea, Plane, Wcs};
-use streakcast::output::{Provenance, write_csv};
 use streakcast::streaks::{
-    Chip, CountScale, Modulation, Optics, RandomStreaks, SeeingForm, Shot, Source, SourceName, StreakNumber, Tracking,
-    direction_on, draw_on_chip, truth_rows, truth_table,
+    Chip, CountScale, Optics, RandomStreaks, SeeingForm, Shot, Source, SourceName, SourcePart, StreakNumber, Tracking,
+    direction_on, draw_on_chip,
 };
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -43,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             element_age_days: None,
             hdu: None,
             image_fwhm_arcsec: None,
-            parts: Source::parts(track, &Modulation::default(), 0.0, 1.0, None),
+            parts: vec![SourcePart { label: "whole", track: track.clone(), radius_m: 1.0 }],
         })
         .collect();
 
@@ -64,13 +62,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     streaks.iter().for_each(|streak| streak.patch.add_to(&mut plane));
     let brightest = plane.values().iter().copied().fold(0.0, f32::max);
-    println!("# {} streaks, brightest pixel {brightest:.0} counts", streaks.len());
-    // Without a saturation level no light is clipped.
-    let clipped = vec![0.0; streaks.len()];
-    write_csv(
-        &mut stdout().lock(),
-        &truth_table(&truth_rows(&streaks, &clipped, exposure_s, seed)),
-        &Provenance::new(),
-    )?;
+    println!("{} streaks, brightest pixel {brightest:.0} counts", streaks.len());
+    for streak in &streaks {
+        let Some(middle) = &streak.middle else { continue };
+        let (right_ascension, declination) = (middle.direction.longitude_rad(), middle.direction.latitude_rad());
+        println!(
+            "{}: {:.4} {:.4} deg, {:.0} pixels long, {:.1} arcsec/s, magnitude {:.2}",
+            streak.source.name,
+            right_ascension.to_degrees(),
+            declination.to_degrees(),
+            streak.length_pix,
+            streak.rate_arcsec_s,
+            streak.peak_magnitude.unwrap_or(f64::NAN)
+        );
+    }
     Ok(())
 }

@@ -40,7 +40,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let result = forecast(&sky, &request, &Selection::default())?;
 
     // 2. Charts are drawn from columns.
-    let tracks: Vec<SkyTrack> = result.rows(&sky).map(|row| track(row.name(), &row.pass.samples)).collect();
+    let passes = result.found.passes.iter();
+    let tracks: Vec<SkyTrack> =
+        passes.map(|pass| track(sky.elements()[pass.element_index].name.to_string(), &pass.samples)).collect();
     let over = sky_chart(&SkyChart {
         local: None,
         site: Some(&site),

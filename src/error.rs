@@ -81,5 +81,6 @@ pub enum Error {
     Learn(#[from] LearnError),
     /// Error in a configuration.
     #[error(transparent)]
+    #[doc(hidden)]
     Config(#[from] ConfigError),
 }

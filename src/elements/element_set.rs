@@ -59,6 +59,7 @@ pub struct ElementSet {
 /// Origin of an element set.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum Origin {
     /// Read from a file.
     Published,

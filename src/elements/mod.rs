@@ -1,5 +1,16 @@
 //! Element sets in all common formats, operator ephemerides, histories, simulated constellations, and satellite
 //! generations.
+//!
+//! ```
+//! use streakcast::elements::{Constellation, Keep, Satellites};
+//! use streakcast::frames::parse_instant;
+//!
+//! let epoch = parse_instant("2026-08-14T00:00:00Z", None)?;
+//! let oneweb = Constellation::by_name("oneweb")?;
+//! let satellites = Satellites::from_element_sets(oneweb.element_sets(epoch), Keep::default());
+//! assert_eq!(satellites.element_sets.len(), oneweb.satellites());
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod element_set;
 mod ephemeris;

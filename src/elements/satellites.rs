@@ -27,6 +27,7 @@ pub struct ReadOptions {
 
 /// Selection among several element sets of one object.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Keep {
     /// The element set with the latest epoch.
     #[default]

@@ -14,6 +14,40 @@
 //! - `model_of_fit`, `report`: model file and report of a fit
 //! - `inference`: numerical methods without astronomy
 //! - `checks`: comparison of models with published results
+//!
+//! ```
+//! use streakcast::fit::measurements::{Measurement, Measurements};
+//! use streakcast::fit::{FitSettings, Problem, RawWeights, TwoPanelForm, points_of_measurements};
+//! use streakcast::geometry::ViewingGeometry;
+//! use streakcast::photometry::{Earthshine, ModelLibrary, StandardMagnitude};
+//!
+//! // Measurements of a known model that are 0.2 mag too faint.
+//! let truth = ModelLibrary::embedded().find("starlink-v1.5")?;
+//! let mut measured = Measurements::default();
+//! measured.groups.push("track 1".to_owned());
+//! for step in 0..200 {
+//!     let (longitude, latitude) = (0.013 * f64::from(step), -1.3 + 0.003 * f64::from(step));
+//!     let geometry = ViewingGeometry::from_angles(-0.2, longitude, latitude, 900.0, 550.0).expect("a geometry");
+//!     let Some(magnitude) = truth.standard_magnitude(&geometry) else { continue };
+//!     measured.points.push(Measurement {
+//!         magnitude: StandardMagnitude(magnitude.0 + 0.2),
+//!         sigma_mag: Some(0.1),
+//!         geometry,
+//!         group: 0,
+//!         norad_id: None,
+//!         epoch: None,
+//!         grazing_height_km: None,
+//!         lit_fraction: 1.0,
+//!     });
+//! }
+//! let form = TwoPanelForm::from_model(&truth, Earthshine::Off).expect("two panels");
+//! let points = points_of_measurements(&measured, &RawWeights::default());
+//! let fit = Problem::new(&form, &points, &FitSettings::free(&["c2", "c4"]))?.solve()?;
+//! for parameter in &fit.parameters {
+//!     println!("{} {:.4}", parameter.name, parameter.value);
+//! }
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 #[doc(hidden)]
 pub mod checks;
@@ -47,9 +81,10 @@ pub use covariance::FitUncertainty;
 pub use error::FitError;
 pub use form::{Form, Parameter};
 pub use inference::Chain;
-pub use objective::Loss;
+pub use objective::{Loss, Objective};
+pub use paper_tests::COEFFICIENTS;
 pub use point::{FitPoint, RawWeights, points_of_measurements};
-pub use posterior::{Marginal, Posterior, PosteriorSettings, posterior};
+pub use posterior::{Marginal, Posterior, PosteriorSettings, draw, posterior};
 pub use solve::{Fit, FitSettings, Problem};
 pub use soundness::{Fault, PoorAxis, faults};
 pub use statistics::rms;
@@ -67,10 +102,10 @@ pub use self::{
     },
     model_of_fit::{ModelDescription, model_file, range_of},
     panels_form::PanelsForm,
-    paper_tests::{COEFFICIENTS, PaperTests, paper_tests},
+    paper_tests::{PaperTests, paper_tests},
     phase::{PhaseForm, SphereForm},
     point::points_of_pixels,
-    posterior::{ChainAbout, draw, read_chain, write_chain},
+    posterior::{ChainAbout, read_chain, write_chain},
     report::{Report, form_score_table, marginal_table, offset_table, paired_model_table, parameter_table},
     simulation::{Simulation, SimulationOptions, simulate},
     solve::weigh_groups,

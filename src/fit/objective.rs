@@ -12,6 +12,7 @@ use super::point::FitPoint;
 /// Loss function ρ(r) of a residual r in units of its error; ½ w ρ, with the weight w of the point, is the negative logarithm of a likelihood, up to a
 /// constant.
 #[derive(Copy, Clone, Debug, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Loss {
     /// ρ = r², for normal errors.
     #[default]

@@ -118,7 +118,6 @@ impl Problem {
     }
 
     /// Returns the cost as a function of the free parameters.
-    #[doc(hidden)]
     pub fn objective(&self) -> Objective<'_> {
         Objective::new(&*self.prepared, self.parameters.clone(), self.free.clone(), &self.points, self.settings.loss)
     }

@@ -34,6 +34,7 @@ const LEAST_CELLS: f64 = 2.0;
 
 /// One fault of a fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Fault {
     /// A descent stopped at its limit of evaluations or failed.
     NotConverged,

@@ -11,7 +11,7 @@ use super::log_nodes::LogNodes;
 use super::point::FitPoint;
 use super::two_panel_kernel::{EarthBlock, Evaluation, NODES, SLOPES, lit_panels};
 use crate::photometry::two_panel::{Directions, LitPanels, chassis_earthshine};
-use crate::photometry::{ChassisAndSail, Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
+use crate::photometry::{BrightnessModel, ChassisAndSail, Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
 /// Order of the coefficients, as in model files.
 const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
@@ -44,6 +44,22 @@ pub struct TwoPanelForm {
     pub blocking: bool,
     /// Magnitude of the Sun, which sets the zero point.
     pub sun_magnitude: f64,
+}
+
+impl TwoPanelForm {
+    /// Returns the form with the sizes, coefficients and band of a model, with blocking; `None` if the model has no two
+    /// panels.
+    pub fn from_model(model: &BrightnessModel, earthshine: Earthshine) -> Option<Self> {
+        let file = model.file()?;
+        let (band, system) = model.band();
+        Some(Self {
+            shape: file.shape?,
+            coefficients: file.coefficients?,
+            earthshine,
+            blocking: true,
+            sun_magnitude: band.sun_magnitude(system),
+        })
+    }
 }
 
 impl Form for TwoPanelForm {

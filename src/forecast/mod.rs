@@ -4,6 +4,20 @@
 //! `request` defines the request, `outlook` computes the night and its passes, `pass_table` and `exports` write the
 //! passes. `ephemeris` computes positions of selected satellites at given times. `statistics` counts lit satellites as
 //! a function of the Sun's altitude, `reproduce` compares with published numbers.
+//!
+//! ```
+//! use streakcast::forecast::{ForecastRequest, Selection, forecast};
+//! use streakcast::frames::{parse_instant, seconds_after};
+//! use streakcast::{Satellites, Site, Sky};
+//!
+//! let dusk = parse_instant("2026-08-14T23:00:00Z", None)?;
+//! let sky = Sky::new(Satellites::synthetic("starlink-gen1", dusk)?, Site::from_mpc("X05")?);
+//! let mut request = ForecastRequest::new(dusk, seconds_after(dusk, 600.0));
+//! request.min_culmination_rad = 60.0_f64.to_radians();
+//! let found = forecast(&sky, &request, &Selection::default())?.found;
+//! println!("{} passes", found.passes.len());
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod ephemeris;
 mod error;

@@ -14,6 +14,7 @@ const MOST_SAMPLES: usize = 10_000;
 
 /// Order of the passes of a forecast.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PassOrder {
     /// By the time at which they become visible.
     #[default]

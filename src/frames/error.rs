@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// Errors of times, angles and Earth orientation.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum FramesError {
     /// A name outside the table of deep-sky objects.
     #[error("unknown target '{name}'; {}", known_targets(similar), name = Quoted::new(.name))]

@@ -4,6 +4,7 @@ use crate::message::Quoted;
 
 /// Errors of sites: invalid coordinates and unknown names.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GeometryError {
     /// A coordinate outside its range.
     #[error("{what} of site {site:?} is {value} {unit}; allowed: {first} to {last} {unit}", site = Quoted::new(.site))]

@@ -6,6 +6,7 @@ use crate::passes::SkyError;
 
 /// Error in a measured streak, in a region file, or of the search.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum IdentifyError {
     /// A value is invalid.
     #[error("{what} is {given}; allowed: {allowed}")]

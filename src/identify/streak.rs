@@ -8,6 +8,7 @@ use crate::frames::{Direction, Gcrs};
 
 /// Relation between the time interval and the ends of a streak.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Timing {
     /// The satellite is at the first end at the start of the interval and at the second end at its end, so the
     /// direction of motion is known.

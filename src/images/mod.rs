@@ -1,4 +1,17 @@
 //! Frames: files, headers, world coordinates, detectors and telescopes. This module does not depend on satellites.
+//!
+//! ```
+//! use streakcast::frames::Direction;
+//! use streakcast::images::{PixelPosition, Wcs};
+//!
+//! // A chip of 2,000 rows and 1,000 columns with pixels of 0.5 arcsec, north up, centred on RA 60 and Dec -20 deg.
+//! let centre = Direction::from_lon_lat_rad(60.0_f64.to_radians(), -20.0_f64.to_radians());
+//! let wcs = Wcs::tangent(centre, 0.5, 0.0, 1000, 2000)?;
+//! let pixel: PixelPosition = wcs.to_pixel(centre).expect("on the chip's side of the sky");
+//! let back = wcs.to_sky(pixel).expect("on the sky");
+//! assert!(back.separation_rad(&centre) < 1e-9);
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod card;
 mod detector;

@@ -76,6 +76,7 @@ fn default_bright_mag() -> MagnitudeLimit {
 /// Part of the sky covered by an exposure, on the tangent plane. The x axis points east, the y axis north; degrees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum FieldOfView {
     /// A circle of this diameter.
     CircleDeg(f64),

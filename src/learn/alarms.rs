@@ -34,6 +34,7 @@ const MEDIAN_COUNT: f64 = 0.48;
 
 /// Kind of alarm.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum AlarmKind {
     /// The light of a pass is improbable.
     Brightness,

@@ -6,6 +6,7 @@ use crate::watch::Interrupted;
 
 /// Errors of learning from measurements.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum LearnError {
     /// No magnitude can be used.
     #[error("nothing to learn from: {reason}; allowed: {allowed}")]

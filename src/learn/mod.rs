@@ -11,6 +11,28 @@
 //!
 //! The learned file and its application are in [`passes`](crate::passes). docs/explanation/learning.md has the
 //! equations.
+//!
+//! ```
+//! use std::collections::BTreeMap;
+//!
+//! use streakcast::Watch;
+//! use streakcast::elements::{Generation, NoradId};
+//! use streakcast::frames::{parse_instant, seconds_after};
+//! use streakcast::learn::{PassPoint, group_passes, learn};
+//! use streakcast::passes::ModelChoice;
+//!
+//! // Three satellites that are 0.3 mag fainter than their model, each in eight nights.
+//! let start = parse_instant("2026-08-01T23:30:00Z", None)?;
+//! let point = |satellite: u32, night: u32| {
+//!     let epoch = seconds_after(start, 86_400.0 * f64::from(night));
+//!     let residual_mag = 0.3 + 0.1 * f64::from((satellite + night) % 3);
+//!     (NoradId(90_000 + satellite), Generation::OneWeb, PassPoint { epoch, residual_mag, sigma_mag: Some(0.05) })
+//! };
+//! let passes = group_passes((0..8).flat_map(|night| (1..=3).map(move |satellite| point(satellite, night))));
+//! let learned = learn(&passes, &BTreeMap::new(), &ModelChoice::default(), Default::default(), &Watch::default())?;
+//! println!("{}", learned.file.to_json());
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod alarms;
 mod error;

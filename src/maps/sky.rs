@@ -30,6 +30,7 @@ use super::light::{Fact, FactValue, MapPhotometry, rounded};
 
 /// Shape of the Earth for a map of the sky.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Earth {
     /// Sphere of radius 6378.137 km with the observer on its surface, as in Lu (2024).
     Sphere,

@@ -40,6 +40,7 @@ impl BodyMap {
     /// Returns a table with one row for each direction and the columns `observer_longitude_deg`,
     /// `observer_latitude_deg` and `standard_magnitude`; the table of a HEALPix map begins with the column
     /// `healpix_cell`.
+    #[doc(hidden)]
     pub fn table(&self) -> Table {
         let row = |(index, point): (usize, &super::BodyPoint)| {
             let numbers = [
@@ -56,6 +57,7 @@ impl BodyMap {
 impl SkyMap {
     /// Returns a table with one row for each direction and the columns `azimuth_deg`, `altitude_deg`, `range_km` and
     /// `magnitude`; the table of a HEALPix map begins with the column `healpix_cell`.
+    #[doc(hidden)]
     pub fn table(&self) -> Table {
         let row = |(index, point): (usize, &super::SkyPoint)| {
             let numbers = [

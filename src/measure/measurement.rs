@@ -72,6 +72,7 @@ impl Default for MeasureOptions {
 
 /// Remark about a measurement.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Flag {
     /// Pixels of the streak are saturated: the flux is a lower limit.
     Saturated,

@@ -11,6 +11,43 @@
 //! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
 //! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files
 //! without the pixels that `bad_pixels` finds in masks and variances, and `table` creates the output tables.
+//!
+//! ```
+//! use streakcast::images::{LightArea, PixelPosition, Plane};
+//! use streakcast::measure::{Background, MeasureOptions, PredictedStreak, StreakImage, measure_streak};
+//! use streakcast::streaks::{Optics, PathNode, SeeingForm, StreakPath};
+//!
+//! // A plane without a streak, and a predicted track across it: the result is an upper limit.
+//! let (plane, light_area) = (Plane::zeros(200, 300), LightArea::whole(200, 300));
+//! let background = Background::of(&plane, &light_area);
+//! let image = StreakImage {
+//!     plane: &plane,
+//!     background: &background,
+//!     light_area: &light_area,
+//!     exposure_s: 10.0,
+//!     electrons_per_unit: None,
+//!     saturation: None,
+//!     pixel_scale_arcsec: 1.0,
+//!     pixel_aspect: 1.0,
+//! };
+//! let at = |time_s: f64| PixelPosition { x: 30.0 * time_s, y: 100.0 };
+//! let nodes = [-2.0, 12.0].map(|time_s| PathNode::new(time_s, at(time_s), 1.0));
+//! let predicted = PredictedStreak {
+//!     path: StreakPath::new(nodes.to_vec())?,
+//!     drift_pix_s: [0.0; 2],
+//!     lateness_sigma_s: 0.1,
+//!     largest_delay_s: 1.0,
+//!     cross_sigma_pix: 1.0,
+//!     range_km: 600.0,
+//!     radius_m: 1.0,
+//!     radius_sigma_m: 0.0,
+//! };
+//! let optics =
+//!     Optics { form: SeeingForm::Gaussian, seeing_arcsec: 2.0, outer_radius_m: 0.5, inner_radius_m: 0.1 };
+//! let measured = measure_streak(&image, &predicted, &optics, &MeasureOptions::default())?;
+//! println!("{measured:?}");
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod background;
 #[cfg(all(feature = "fits", unix))]

@@ -451,6 +451,7 @@ fn lagrange(
 
 /// Source of the positions of a satellite. Displayed as `element set`, or as `ephemeris` and the name of the file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PositionSource {
     /// SGP4 with its element set.
     #[default]

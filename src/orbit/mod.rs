@@ -1,5 +1,19 @@
 //! Orbits: SGP4 for each element set, interpolated ephemerides, the errors of the predictions, and the search for
 //! satellites inside a cone.
+//!
+//! ```
+//! use streakcast::elements::Constellation;
+//! use streakcast::frames::{EopTable, Orientation, parse_instant};
+//! use streakcast::orbit::Propagator;
+//!
+//! let epoch = parse_instant("2026-08-14T23:36:25Z", None)?;
+//! let elements = Constellation::by_name("starlink-gen1")?.element_sets(epoch);
+//! let satellite = Propagator::new(&elements[0])?;
+//! let orientation = Orientation::at(epoch, &EopTable::embedded());
+//! let state = satellite.state(epoch, &orientation.teme_to_gcrs)?;
+//! assert!(state.position.norm_km() > 6700.0 && state.velocity.norm_km_s() > 7.0);
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod arc;
 mod ephemeris;

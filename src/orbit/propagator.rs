@@ -38,6 +38,7 @@ const EPHEMERIS_MARGIN_S: f64 = Lateness::LONGEST_S + 60.0;
 
 /// Reasons for a missing position.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum OrbitError {
     /// SGP4 cannot be initialised from these elements.
     #[error("satellite {norad_id}: SGP4 cannot be initialised from its elements: {reason}")]

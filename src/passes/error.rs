@@ -15,6 +15,7 @@ const YEARS: (i32, i32) = (1957, 2099);
 /// Error that stops a whole request. Satellites without a position do not stop a request; results list them as left
 /// out.
 #[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
 pub enum SkyError {
     /// The time is outside the years of the ephemeris of Sun and Earth.
     #[error("{epoch} is outside the years of the ephemeris of Sun and Earth; allowed: {} to {}", YEARS.0, YEARS.1)]

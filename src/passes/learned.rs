@@ -23,6 +23,7 @@ const LATENESS_FACTORS: [f64; 2] = [0.1, 10.0];
 
 /// Errors of a learned file.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum LearnedError {
     /// The file cannot be read.
     #[error("learned file {path}: {source}")]

@@ -8,6 +8,22 @@
 //! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
 //! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the
 //! corrections of `learned`; `corrections` corrects the magnitudes of a pass by those of `measured`.
+//!
+//! ```
+//! use streakcast::frames::parse_instant;
+//! use streakcast::passes::PassOptions;
+//! use streakcast::{Exposure, Field, Satellites, Site, Sky};
+//!
+//! let satellites = Satellites::synthetic("starlink-gen1", parse_instant("2026-08-14T00:00:00Z", None)?)?;
+//! let sky = Sky::new(satellites, Site::from_mpc("X05")?);
+//! let exposures = [Exposure::new("2026-08-14T23:36:25Z", 30.0, "14h53m36s", "-08d54m")?];
+//! let found = sky.field_passes(&exposures, &Field::circle_deg(3.5)?, &PassOptions::default())?;
+//! for pass in &found.by_exposure[0] {
+//!     println!("{} from {} to {}", pass.norad_id, pass.enter.epoch, pass.exit.epoch);
+//! }
+//! # assert!(!found.by_exposure[0].is_empty());
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod above_horizon;
 mod altaz;

@@ -10,6 +10,7 @@ use super::error::PhotometryError;
 
 /// A passband.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Band {
     /// Johnson B.
     B,
@@ -37,6 +38,7 @@ pub enum Band {
 
 /// Zero point of magnitudes.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum MagSystem {
     /// Vega has a magnitude of about 0.03.
     Vega,

@@ -13,6 +13,7 @@ use super::magnitude::Magnitude;
 /// a class of objects) or `prior` (unknown satellite). The name of a model is followed by ` (kind assumed)` if the kind
 /// of the satellite is assumed, and by ` (learned)` if offsets learned from measurements are applied.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum MagnitudeSource {
     /// A model with reflection laws, by name.
     Brdf(Arc<str>),

@@ -8,6 +8,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// Errors of model files, bands and tables of standard magnitudes. `origin` is the name of a model file.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum PhotometryError {
     /// A name that no model has.
     #[error("unknown model '{given}'; allowed: {known}", given = Quoted::new(.given))]

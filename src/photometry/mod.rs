@@ -1,4 +1,18 @@
 //! From viewing geometry to magnitude: reflection laws, panels, phase functions, and brightness models by name.
+//!
+//! ```
+//! use streakcast::geometry::ViewingGeometry;
+//! use streakcast::photometry::ModelLibrary;
+//!
+//! let model = ModelLibrary::embedded().find("starlink-v1.5")?;
+//! // Sun 20 deg below the satellite's horizon; observer at longitude 60 and latitude -50 deg of its body frame; range
+//! // 900 km, height 550 km.
+//! let [sun, longitude, latitude] = [-20.0_f64, 60.0, -50.0].map(f64::to_radians);
+//! let geometry = ViewingGeometry::from_angles(sun, longitude, latitude, 900.0, 550.0).expect("a valid geometry");
+//! let magnitude = model.standard_magnitude(&geometry).expect("the satellite is lit");
+//! println!("{:.2} mag at 1000 km", magnitude.0);
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod atmosphere;
 mod band;

@@ -24,6 +24,7 @@ const SOFTWARE: &str = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
 
 /// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PictureFormat {
     /// Pixels only.
     Png,

@@ -6,6 +6,26 @@
 //! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
 //! and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and
 //! `sun_altitude` for observers; `alarms` and `streak_cuts` for measurements.
+//!
+//! ```
+//! use streakcast::plot::{LightCurve, light_curve};
+//!
+//! let time_mjd: Vec<f64> = (0..60).map(|step| 61_266.98 + f64::from(step) / 86_400.0).collect();
+//! let magnitude: Vec<f64> = (0..60).map(|step| 6.0 - 0.02 * f64::from(step)).collect();
+//! let picture = light_curve(&LightCurve {
+//!     title: "A satellite that brightens",
+//!     caption: "",
+//!     time_mjd: &time_mjd,
+//!     magnitude: &magnitude,
+//!     sigma_mag: &[0.3; 60],
+//!     in_field: &[],
+//!     shutter: None,
+//!     limit_mag: Some(5.5),
+//!     local: None,
+//! })?;
+//! assert!(picture.to_svg()?.contains("brightens"));
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod alarms;
 mod axes;

@@ -4,6 +4,7 @@ use colorous::{CIVIDIS, RED_BLUE, VIRIDIS};
 
 /// Quantity shown by colours.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Quantity {
     /// Magnitudes, in viridis, with bright colours for bright satellites.
     Magnitude,

@@ -14,6 +14,7 @@ pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, 
 
 /// Error of a schedule or policy file. An invalid row of a schedule is not an error: the row is kept with the reason.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ScheduleError {
     /// The file cannot be opened or read.
     #[error("schedule {path}: {source}")]

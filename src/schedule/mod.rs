@@ -4,6 +4,25 @@
 //! exposures by the passes that cross them and a [`Policy`], and computes their next clear starts; `annotate` adds
 //! the results to the file. [`clear_windows`] computes the opening times for which an exposure of a target is clear.
 //! Rows that cannot be judged are kept, with the reason.
+//!
+//! ```
+//! use streakcast::frames::parse_instant;
+//! use streakcast::photometry::PhotometryOptions;
+//! use streakcast::schedule::{FlagRequest, ScheduledExposure, flag_exposures};
+//! use streakcast::{Exposure, Field, Policy, Satellites, Site, Sky};
+//!
+//! let satellites = Satellites::synthetic("starlink-gen1", parse_instant("2026-08-14T00:00:00Z", None)?)?;
+//! let sky = Sky::new(satellites, Site::from_mpc("X05")?);
+//! let exposure = Exposure::new("2026-08-14T23:36:25Z", 30.0, "14h53m36s", "-08d54m")?;
+//! let row = ScheduledExposure { id: "1".to_owned(), row: 0, band: None, exposure: Ok(exposure) };
+//! let (field, policy) = (Field::circle_deg(3.5)?, Policy::limit_mag(7.0));
+//! let photometry = PhotometryOptions::default();
+//! let request =
+//!     FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+//! let report = flag_exposures(&[&row], &request)?;
+//! println!("{}", report.flags[0]);
+//! # Ok::<(), streakcast::Error>(())
+//! ```
 
 mod annotate;
 mod best_start;

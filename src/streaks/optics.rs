@@ -6,6 +6,7 @@ use crate::streaks::{Blur, RadialProfile, Seeing, StreaksError};
 
 /// Shape of a star's image.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SeeingForm {
     /// A Gaussian.
     Gaussian,

@@ -6,6 +6,7 @@ use crate::frames::{Direction, Gcrs};
 
 /// Stars or moving target that the telescope follows during the exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub enum Tracking {
     /// The telescope follows the stars.
     #[default]

@@ -76,6 +76,7 @@ const POINTS: [Column; 9] = [
 
 impl Measurements {
     /// Returns a table with one row per measurement.
+    #[doc(hidden)]
     pub fn table(&self) -> Table {
         let rows = self.points.iter().map(|point| {
             vec![

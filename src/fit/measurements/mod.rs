@@ -32,6 +32,29 @@
 //! assert_eq!(dropped.total(), 1);
 //! # Ok::<(), streakcast::fit::FitError>(())
 //! ```
+//!
+//! ```
+//! use streakcast::fit::measurements::{Measurement, Measurements};
+//! use streakcast::fit::{RawWeights, points_of_measurements};
+//! use streakcast::geometry::ViewingGeometry;
+//! use streakcast::photometry::StandardMagnitude;
+//!
+//! let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.9, 900.0, 550.0).expect("a valid geometry");
+//! let point = Measurement {
+//!     magnitude: StandardMagnitude(6.3),
+//!     sigma_mag: Some(0.1),
+//!     geometry,
+//!     group: 0,
+//!     norad_id: None,
+//!     epoch: None,
+//!     grazing_height_km: None,
+//!     lit_fraction: 1.0,
+//! };
+//! let mut measured = Measurements::default();
+//! measured.groups.push("track 1".to_owned());
+//! measured.points.push(point);
+//! assert_eq!(points_of_measurements(&measured, &RawWeights::default()).len(), 1);
+//! ```
 
 mod blocks;
 mod column_map;

@@ -77,6 +77,7 @@ impl Illumination {
 
 /// Model of the Earth's shadow.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ShadowModel {
     /// The solid Earth without atmosphere.
     Geometric,

@@ -22,6 +22,7 @@ pub struct RandomStreaks {
 
 /// Number of streaks in a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum StreakNumber {
     /// Exactly this number of streaks, all of which touch the frame.
     Exactly(usize),

@@ -10,6 +10,7 @@ use crate::elements::NoradId;
 
 /// Name of a source.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum SourceName {
     /// A satellite.
     Satellite {

@@ -59,11 +59,9 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<ChosenFor
     let (band, system) = model.band();
     let sun_magnitude = band.sun_magnitude(system);
     let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
-    let form = match (file.shape, file.coefficients, &file.panels) {
-        (Some(shape), Some(coefficients), _) => {
-            FittedForm::TwoPanel(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
-        }
-        (_, _, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
+    let form = match (TwoPanelForm::from_model(&model, earthshine), &file.panels) {
+        (Some(form), _) => FittedForm::TwoPanel(form),
+        (None, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
         _ => {
             let allowed = "allowed: models of kind two_panel or panels (streakcast model list)";
             return Err(anyhow!("model {} has no parameters to fit; {allowed}", typed.model));
