@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tests `streakcast serve` in a browser, under load, and with schemathesis: `tests/serve.sh [--load SECONDS]`, or only in
-# a browser: `tests/serve.sh --browser`. Installs pinned versions of chromium (apt), playwright-core (npm) and
-# schemathesis (pip); prints what is skipped if that is not possible. `--install` only installs them. STREAKCAST is the
+# a browser: `tests/serve.sh --browser`. Installs pinned versions of chromium (apt), playwright-core and axe-core
+# (npm), and schemathesis (pip); prints what is skipped if that is not possible. `--install` only installs them. STREAKCAST is the
 # program (default: it is built), SERVE_PICTURES a folder for screenshots.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

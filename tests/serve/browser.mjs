@@ -6,7 +6,8 @@
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { once } from "node:events";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
@@ -266,6 +267,26 @@ async function hovered(page, selector, pattern) {
   assert.fail(`no ${pattern} over ${selector}: ${[...found].join(" | ")}`);
 }
 
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+/** Checks a page with all rules of axe (WCAG 2 A and AA, and best practices). */
+async function isAccessible(page, name) {
+  await page.evaluate(AXE);
+  const { violations } = await page.evaluate(() => window.axe.run());
+  const found = violations.map((one) => `${name}: ${one.id}: ${one.nodes.map((node) => `${node.target} ${node.failureSummary}`).join("; ")}`);
+  assert.deepEqual(found, []);
+}
+
+/** Number of pixels of the sky that differ from its background. */
+const painted = (page) =>
+  page.evaluate(() => {
+    const canvas = document.querySelector("#dome");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) if (data[at + 3] > 32 && data[at + 1] > 60) count += 1;
+    return count;
+  });
+
 const steps = [];
 async function step(name, work) {
   await work();
@@ -301,7 +322,7 @@ async function isAboveTheFold(page) {
 }
 
 /** A second server, without a schedule. */
-const bare = spawn(streakcast, ["serve", "--bind", "127.0.0.1:0", "--rate", "100000", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", "--limit-mag", "7", "--quiet"], { stdio: ["ignore", "pipe", "inherit"] });
+const bare = spawn(streakcast, ["serve", "--bind", "127.0.0.1:0", "--rate", "100000", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "2x1.5deg", "--limit-mag", "7", "--quiet"], { stdio: ["ignore", "pipe", "inherit"] });
 
 try {
   const [address] = await once(bare.stdout, "data");
@@ -483,7 +504,7 @@ try {
     const page = await open();
     // By coordinates, with the result of the schedule; by name, with a start of its own.
     const before = await seen(page);
-    await enter(page, "198.9 +7.7", "2026-08-14 23:29:05", 30);
+    await enter(page, "198.9 +7.7", "2026-08-14 23:29:05Z", 30);
     await agrees(page);
     assert.equal((await seen(page)).text, before.text);
     assert.equal(await page.textContent("#exposure-title"), "Exposure 198.9 +7.7");
@@ -500,7 +521,7 @@ try {
     assert.deepEqual(await seen(again), moved);
     assert.equal(await again.inputValue("#target"), "m 104");
     // An exposure on another night, and back to the schedule.
-    await enter(page, "M104", "2026-08-15 23:35:20", 45);
+    await enter(page, "M104", "2026-08-15 18:35:20", 45);
     assert.deepEqual(await page.$eval("#nights", (list) => [list.value, list.length]), ["2026-08-15", 2]);
     assert.equal(await page.textContent("#night-counts"), "2026-08-15, no exposure of a schedule");
     await page.selectOption("#nights", "2026-08-14");
@@ -509,8 +530,10 @@ try {
     assert.ok(!(await seen(page)).hash.includes("target"));
     // A rejected target does not change the result.
     refusing.add(page);
-    await enter(page, "M111", "now", 30);
-    assert.match(await page.textContent("#problem"), /^invalid target 'M111'; allowed: a Messier or Caldwell object/);
+    for (const target of ["M111", "12,5 30"]) {
+      await enter(page, target, "now", 30);
+      assert.match(await page.textContent("#problem"), new RegExp(`^invalid target '${target}'; allowed: a Messier or Caldwell object`));
+    }
     assert.equal((await seen(page)).text, before.text);
     await page.click("#after");
     await settled(page);
@@ -521,8 +544,8 @@ try {
   await step("without a schedule the page shows any target now", async () => {
     const page = await open("", { viewport: SMALL }, bareUrl);
     assert.equal((await seen(page)).text, "no exposure: enter a target");
-    assert.equal(await page.evaluate(() => document.activeElement.id), "target");
     assert.ok(await page.isHidden("#nights"));
+    assert.match(await page.textContent("#where"), /· field 2° × 1\.5° ·/);
     const now = () => Math.floor(Date.now() / 1e3) * 1e3;
     const began = now();
     // 47 Tucanae is always above the horizon of Rubin Observatory.
@@ -648,6 +671,7 @@ try {
     await page.keyboard.press("Shift+ArrowRight");
     await page.click("#red");
     await page.check("#sigma");
+    await page.check("#map");
     await page.fill("#height", "1200");
     await page.keyboard.press("Enter");
     await page.selectOption("#model", "oneweb");
@@ -672,6 +696,173 @@ try {
     const broken = await open("#night=1999-01-01&row=x&shift=NaN&model=%3Cscript%3E");
     assert.ok((await seen(broken)).text.includes("avoid"));
     for (const one of [page, again, broken]) await one.close();
+  });
+
+  await step("a slow response of one target never stands under the name of another", async () => {
+    const page = await open("", {}, bareUrl);
+    await enter(page, "1h -85d", "now", 60);
+    // All pairs of title and coordinates that the page shows.
+    await page.evaluate(() => {
+      window.pairs = new Set();
+      const add = () => window.pairs.add(`${document.querySelector("#exposure-title").textContent} = ${/\d\dh\d\dm/.exec(document.querySelector("#pointing").textContent)}`);
+      add();
+      for (const id of ["exposure-title", "pointing", "answer"]) new MutationObserver(add).observe(document.querySelector(`#${id}`), { childList: true, characterData: true, subtree: true });
+    });
+    const before = await seen(page);
+    const titleOf = () => page.textContent("#exposure-title");
+    let release;
+    const held = new Promise((resolve) => (release = resolve));
+    await page.route(/\/api\/v1\/exposure.*samples/, async (route) => {
+      await held;
+      await route.continue();
+    });
+    for (const target of ["7h -85d", "13h -85d"]) {
+      const sent = page.waitForRequest((request) => request.url().includes("/night?time_utc"));
+      await page.fill("#target", target);
+      await page.click("#entry button");
+      await sent;
+      // The previous exposure is shown with its name, and as outdated.
+      await page.waitForSelector("#exposure[aria-busy=true]");
+      assert.ok(await page.isVisible("#busy"));
+      assert.deepEqual([await titleOf(), (await seen(page)).text], ["Exposure 1h -85d", before.text]);
+    }
+    release();
+    await settled(page);
+    assert.deepEqual([await titleOf(), await page.getAttribute("#exposure", "aria-busy"), await page.isHidden("#busy")], ["Exposure 13h -85d", "false", true]);
+    const pairs = await page.evaluate(() => [...window.pairs]);
+    assert.ok(pairs.length >= 2 && pairs.every((pair) => /Exposure (\d+)h -85d = (\d\d)h00m/.exec(pair)?.slice(1).map(Number).reduce((a, b) => a === b)), pairs.join("; "));
+    await page.close();
+  });
+
+  await step("a start is typed in local time, and times have no milliseconds", async () => {
+    const page = await open();
+    // Without a time zone the clocks of the site are those of its longitude, 5 h behind UTC.
+    assert.match(await page.textContent("#start-label"), /local time \(UTC−5\)/);
+    for (const [text, utc] of [
+      ["18:35:20", "2026-08-14T23:35:20Z"],
+      ["2:10", "2026-08-15T07:10:00Z"],
+      ["2026-08-13 22:30", "2026-08-14T03:30:00Z"],
+      ["2026-08-14 23:35:20Z", "2026-08-14T23:35:20Z"],
+    ]) {
+      await enter(page, "M104", text, 45);
+      const { start, hash } = await seen(page);
+      assert.equal(start ?? new URLSearchParams(hash.slice(1)).get("start"), utc, text);
+    }
+    refusing.add(page);
+    const title = await page.textContent("#exposure-title");
+    for (const text of ["25:00", "18", "yesterday"]) {
+      await enter(page, "M31", text, 45);
+      assert.ok((await page.textContent("#problem")).startsWith(`Invalid start '${text}'; allowed: now, a local time`), text);
+      assert.equal(await page.textContent("#exposure-title"), title);
+    }
+    await page.close();
+    const night = await open();
+    const shown = await night.textContent("#exposure");
+    assert.ok(/opens 23:29:05 UTC, 18:29:05 local/.test(shown) && !/\d\.\d{3}|\d ms/.test(shown), shown);
+    await night.close();
+  });
+
+  await step("reasons name the satellites", async () => {
+    const page = await open();
+    const why = await page.textContent("#answer .why");
+    const { reasons, norad_ids } = flag((await seen(page)).start, 30);
+    assert.ok(reasons.length > 0 && norad_ids.every((norad) => why.includes(` (${norad}): `)), why);
+    assert.match(why, /^STARLINK-GEN1-/);
+    await page.close();
+  });
+
+  await step("back and forward restore targets, times and views", async () => {
+    const page = await open();
+    const title = () => page.textContent("#exposure-title");
+    const views = [];
+    const record = async () => {
+      await settled(page);
+      views.push([await title(), (await seen(page)).text, (await seen(page)).hash, await page.isChecked("#map")]);
+    };
+    await record();
+    await page.click("#after");
+    await record();
+    await enter(page, "M104", "18:35:20", 45);
+    await record();
+    // Several moves are one entry.
+    await page.focus("#bar");
+    await page.keyboard.press("ArrowRight");
+    await settled(page);
+    await page.keyboard.press("Shift+ArrowRight");
+    await record();
+    await page.check("#map");
+    await record();
+    assert.equal(new Set(views.map(String)).size, views.length);
+    for (let place = views.length - 2; place >= 0; place -= 1) {
+      await page.goBack();
+      await settled(page);
+      assert.deepEqual([await title(), (await seen(page)).text, (await seen(page)).hash, await page.isChecked("#map")], views[place]);
+    }
+    await page.goForward();
+    await page.goForward();
+    await settled(page);
+    assert.deepEqual([await title(), (await seen(page)).text, (await seen(page)).hash, await page.isChecked("#map")], views[2]);
+    await page.close();
+  });
+
+  await step("the sky has tracks of bright satellites, dots of the others, and no background by default", async () => {
+    const page = await open();
+    const without = (await colours(page)).find((one) => one.id === "dome").colours;
+    assert.ok(await page.isHidden("#height"));
+    const counts = [];
+    for (const limit of ["0", "14"]) {
+      await page.fill("#limit", limit);
+      await settled(page);
+      counts.push(await painted(page));
+    }
+    assert.ok(counts[0] < counts[1] / 3, counts.join(" and "));
+    await page.check("#map");
+    await settled(page);
+    assert.ok((await colours(page)).find((one) => one.id === "dome").colours > 2 * without);
+    assert.ok(await page.isVisible("#height"));
+    assert.match(await page.textContent("#dome-words"), /Behind them starlink-v1\.5 at 550 km/);
+    await page.close();
+  });
+
+  await step("the table of crossings fits 1440 px, or states that it scrolls", async () => {
+    const page = await open("", { viewport: { width: 1440, height: 900 } });
+    const width = () => page.$eval(".scroll", (one) => one.scrollWidth - one.clientWidth);
+    assert.deepEqual([await width(), await page.isHidden("#scrolls")], [0, true]);
+    const headings = await page.$$eval("#columns th", (list) => list.map((one) => one.textContent));
+    assert.deepEqual(headings.filter((one) => /[_σ]|\b(P|mag|d|s)$/.test(one.replace(/, (s|°\/s)$/, ""))), []);
+    await page.setViewportSize({ width: 390, height: 844 });
+    await page.waitForSelector("#scrolls", { state: "visible" });
+    assert.ok((await width()) > 0);
+    await page.close();
+  });
+
+  await step("print and the colours of the system", async () => {
+    const page = await open();
+    const ground = () => page.evaluate(() => getComputedStyle(document.documentElement).backgroundColor);
+    const dark = await colours(page);
+    await page.emulateMedia({ media: "print" });
+    await settled(page);
+    assert.equal(await ground(), "rgb(255, 255, 255)");
+    assert.ok((await page.isHidden("#go")) && (await page.isHidden("#entry")) && (await page.isVisible("#answer")));
+    assert.notDeepEqual(await colours(page), dark);
+    await isAccessible(page, "print");
+    if (pictures) await page.screenshot({ path: join(pictures, "serve-print.png"), fullPage: true });
+    await page.emulateMedia({ media: "screen" });
+    await settled(page);
+    assert.deepEqual(await colours(page), dark);
+    await page.emulateMedia({ forcedColors: "active" });
+    await settled(page);
+    await isAccessible(page, "forced colours");
+    // Lines and texts of the charts have the colours of the system.
+    const text = await page.evaluate(() => getComputedStyle(document.body).color.match(/\d+/g).map(Number));
+    const has = await page.evaluate(([red, green, blue]) => {
+      const canvas = document.querySelector("#field");
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      return data.some((_, at) => at % 4 === 0 && data[at] === red && data[at + 1] === green && data[at + 2] === blue && data[at + 3] === 255);
+    }, text);
+    assert.ok(has, `the field has no pixel of ${text}`);
+    if (pictures) await page.screenshot({ path: join(pictures, "serve-forced.png"), fullPage: true });
+    await page.close();
   });
 
   await step("a rejected exposure leaves no results of the previous one", async () => {
@@ -747,6 +938,8 @@ try {
           else if (id === "dome") assert.ok(cold > 1000, "the count of other light counts nothing");
         }
         assert.match(await page.evaluate(() => getComputedStyle(document.querySelector("button")).transitionDuration), /^0s/);
+        // Each landmark is unique, and texts have the contrast of WCAG AA, also under red light.
+        await isAccessible(page, `${width} px, ${light}`);
         if (pictures) await page.screenshot({ path: join(pictures, `serve-${width}-${light}.png`), fullPage: true });
         await page.close();
       });

@@ -33,11 +33,16 @@ fn parsed(target: &str) -> Option<Direction<Gcrs>> {
     })
 }
 
-/// Divides coordinates at a comma, at the sign of the declination, or at the only blank.
+/// Divides coordinates at a comma, at the sign of the declination, or at the only blank. Coordinates at a comma must have
+/// the same number of parts: in `12,5 30` and `12 30,5` the comma is a decimal one, which is an error on the command line.
 fn angles(text: &str) -> Option<(&str, &str)> {
+    if let Some((ra, dec)) = text.split_once(',') {
+        let parts = |text: &str| text.split_whitespace().count();
+        return (parts(ra) == parts(dec)).then_some((ra, dec));
+    }
     let at_sign = || text.rfind(['+', '-', '\u{2212}']).map(|place| text.split_at(place));
     let at_blank = || text.trim().split_once(' ').filter(|(_, dec)| !dec.trim().contains(' '));
-    text.split_once(',').or_else(at_sign).or_else(at_blank)
+    at_sign().or_else(at_blank)
 }
 
 #[cfg(test)]
@@ -55,6 +60,7 @@ mod tests {
             "12h34m-30d30m",
             "12:34:00 -30:30:00",
             "12 34 00 -30 30 00",
+            "12 34 00, -30 30 00",
             "12h34m00s \u{2212}30\u{b0}30\u{2032}",
         ] {
             let apart_rad = parsed(text).expect(text).separation_rad(&expected);
@@ -64,7 +70,7 @@ mod tests {
         for name in ["M31", "ngc 224", "IC-342"] {
             assert_eq!(parsed(name), deep_sky_object(name).ok(), "{name}");
         }
-        for text in ["", "M111", "188.5", "188.5 -95", "400 10", "12 34 56", "12h34m, 56d, 7", "nan nan", "<b>"] {
+        for text in ["", "M111", "188.5", "188.5 -95", "400 10", "12 34 56", "12h34m, 56d, 7", "nan nan", "<b>", "12,5 30", "12 30,5", "12,5 30,5", "12,5 +30"] {
             assert_eq!(parsed(text), None, "{text}");
         }
     }

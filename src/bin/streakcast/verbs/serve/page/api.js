@@ -11,7 +11,7 @@ export function unlock(text) {
   sessionStorage.setItem("token", text);
 }
 
-/** Sends a request without parameters that are null. Returns the document and the computing time of the server, ms. */
+/** Sends a request without parameters that are null, and returns the document. */
 export async function request(path, parameters = {}) {
   const query = new URLSearchParams(Object.entries(parameters).filter(([, value]) => value != null && value !== ""));
   const headers = token ? { Authorization: `Bearer ${token}` } : {};
@@ -26,8 +26,7 @@ export async function request(path, parameters = {}) {
   const document = type.includes("json") ? await response.json() : {};
   if (response.status === 401) throw new TokenRequired(document.detail);
   if (!response.ok) throw new Error(document.detail ?? `The server responded with status ${response.status}.`);
-  const timing = /dur=([\d.]+)/.exec(response.headers.get("Server-Timing") ?? "");
-  return { document, ms: timing ? Number(timing[1]) : null };
+  return document;
 }
 
 /** Sends one request at a time, and then only the latest waiting one, so that the page does not lag behind a drag. */

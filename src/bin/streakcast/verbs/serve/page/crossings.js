@@ -16,24 +16,24 @@ const known = (pass, name) => {
 
 /** Columns on the page: heading, function that returns the text of a cell, and meaning. */
 const COLUMNS = [
-  ["name", null, "Name in the element set; selects the track"],
-  ["norad_id", (pass) => pass.norad_id, "NORAD catalogue number"],
-  ["peak mag ± σ", sigma, "Brightest magnitude inside the field, with one sigma"],
-  ["mag_source", (pass) => pass.mag_source ?? "–", "Brightness model"],
-  ["enter UTC", (pass) => known(pass, "enter_utc"), "Entry into the field"],
-  ["exit UTC", (pass) => known(pass, "exit_utc"), "Exit from the field"],
-  ["ra °", (pass) => fixed(pass.mid_ra_deg, 4), "Right ascension at the middle of the pass, ICRS"],
-  ["dec °", (pass) => fixed(pass.mid_dec_deg, 4), "Declination at the middle of the pass"],
-  ["altitude °", (pass) => fixed(pass.altitude_deg, 1), "Altitude, without refraction"],
-  ["azimuth °", (pass) => fixed(pass.azimuth_deg, 1), "Azimuth from north through east"],
-  ["range km", (pass) => fixed(pass.range_km, 0), "Distance from the observer"],
-  ["angle °", (pass) => fixed(pass.min_separation_deg, 3), "Least distance from the field's centre"],
-  ["phase °", (pass) => fixed(pass.phase_angle_deg, 1), "Phase angle at the satellite, between Sun and observer"],
-  ["rate °/s", (pass) => fixed(pass.angular_rate_deg_s, 3), "Angular speed"],
+  ["satellite", null, "Name in the element set; selects the track"],
+  ["catalogue number", (pass) => pass.norad_id, "NORAD catalogue number"],
+  ["magnitude", sigma, "Brightest magnitude inside the field, with one sigma"],
+  ["magnitude from", (pass) => pass.mag_source ?? "–", "Brightness model"],
+  ["enters, UTC", (pass) => known(pass, "enter_utc"), "Entry into the field"],
+  ["leaves, UTC", (pass) => known(pass, "exit_utc"), "Exit from the field"],
+  ["right asc., °", (pass) => fixed(pass.mid_ra_deg, 3), "Right ascension at the middle of the pass, ICRS"],
+  ["declin., °", (pass) => fixed(pass.mid_dec_deg, 3), "Declination at the middle of the pass"],
+  ["altitude, °", (pass) => fixed(pass.altitude_deg, 1), "Altitude, without refraction"],
+  ["azimuth, °", (pass) => fixed(pass.azimuth_deg, 1), "Azimuth from north through east"],
+  ["distance, km", (pass) => fixed(pass.range_km, 0), "Distance from the observer"],
+  ["from centre, °", (pass) => fixed(pass.min_separation_deg, 2), "Least distance from the field's centre"],
+  ["phase angle, °", (pass) => fixed(pass.phase_angle_deg, 0), "Phase angle at the satellite, between Sun and observer"],
+  ["speed, °/s", (pass) => fixed(pass.angular_rate_deg_s, 2), "Angular speed"],
   ["light", (pass) => pass.illumination, "Sunlit, in the penumbra, or in the shadow, at the middle of the pass"],
-  ["age d", (pass) => fixed(pass.element_age_days, 1), "Time since the epoch of the element set, days"],
-  ["late s", (pass) => fixed(pass.along_track_sigma_s, 1), "Error of the times, one sigma, seconds"],
-  ["P", (pass) => fixed(pass.probability, 2), "Probability that the satellite crosses the field"],
+  ["elements' age, days", (pass) => fixed(pass.element_age_days, 1), "Time since the epoch of the element set"],
+  ["early or late, s", (pass) => fixed(pass.along_track_sigma_s, 1), "Error of the times, one sigma"],
+  ["probability", (pass) => fixed(pass.probability, 2), "Probability that the satellite crosses the field"],
 ];
 
 /** Columns of the CSV file: name, and function that returns the value. Positions are those of the middle of the pass. */
@@ -104,7 +104,8 @@ export function rows(body, passes, selected, choose) {
           button.addEventListener("click", () => choose(pass.norad_id));
           cell.append(button);
         }
-        if (name.startsWith("peak")) cell.style.color = css(pass.magnitude_peak);
+        // The colour of the track; as the colour of the text it would have too little contrast.
+        if (name === "magnitude") cell.style.textDecoration = `underline 2px ${css(pass.magnitude_peak)}`;
         row.append(cell);
       }
       return row;

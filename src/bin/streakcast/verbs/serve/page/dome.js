@@ -1,6 +1,6 @@
 // Sky over the site: zenith in the centre, north up, east left.
 
-import { css, isRed, ofMagnitude, theme } from "./colours.js";
+import { css, ofMagnitude, scheme, theme } from "./colours.js";
 import { between, contour } from "./contours.js";
 import { Backdrop, label, path, prepare } from "./canvas.js";
 import { closest, hover } from "./hover.js";
@@ -52,7 +52,8 @@ export class Dome {
     this.image = null;
   }
 
-  draw({ pointing, selected, passes, limit }) {
+  /** Draws the sky; `background` adds the map of magnitudes and the Earth's shadow. */
+  draw({ pointing, selected, passes, limit, background }) {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     const radius = Math.min(width, height) / 2 - 26;
@@ -64,14 +65,14 @@ export class Dome {
       return [x0 - reach * Math.sin(azimuth * DEG), y0 - reach * Math.cos(azimuth * DEG)];
     };
     const up = ([azimuth, altitude]) => (altitude >= 0 ? at(azimuth, altitude) : null);
-    this.backdrop.show(context, [this.dome, limit, selected, isRed()], (behind) => {
+    this.backdrop.show(context, [this.dome, limit, selected, background, scheme()], (behind) => {
       behind.save();
       behind.beginPath();
       behind.arc(x0, y0, radius, 0, 2 * Math.PI);
       behind.fillStyle = colours.shadow;
       behind.fill();
       behind.clip();
-      if (this.dome) {
+      if (this.dome && background) {
         behind.drawImage(this.map(), x0 - radius, y0 - radius, 2 * radius, 2 * radius);
         this.contours(behind, at, colours);
         this.shadow(behind, at, x0, y0, radius, colours);
@@ -103,9 +104,9 @@ export class Dome {
     }
   }
 
-  /** Returns the picture of the model's magnitudes, drawn once per response and colour scheme (dark or red light). */
+  /** Returns the picture of the model's magnitudes, drawn once per response and colour scheme. */
   map() {
-    const light = isRed();
+    const light = scheme();
     if (this.image && this.image.light === light) return this.image;
     const image = document.createElement("canvas");
     image.width = image.height = FINE;
@@ -193,22 +194,27 @@ export class Dome {
     }
   }
 
+  /** Draws satellites that are brighter than the limit as tracks, and the others as dots; without a limit all as tracks. */
   tracks(context, up, limit, selected, colours) {
-    // Hundreds of long tracks are drawn thin, so that the map stays visible.
-    const isCrowded = this.dome.satellites.length > 300;
-    this.lines = this.dome.satellites.map((satellite) => ({ satellite, points: satellite.track_deg.map(up) }));
-    for (const { satellite, points } of this.lines) {
-      const isFaint = limit != null && !(satellite.magnitude < limit);
+    this.lines = this.dome.satellites.map((satellite) => {
+      const isBright = limit == null || (satellite.magnitude != null && satellite.magnitude < limit) || satellite.norad_id === selected;
+      const points = satellite.track_deg.map(up);
+      return { satellite, isBright, points: isBright ? points : [points.findLast(Boolean)] };
+    });
+    // Hundreds of tracks are drawn thin.
+    const isCrowded = this.lines.filter((line) => line.isBright).length > 300;
+    // Tracks are drawn over dots.
+    for (const { satellite, isBright, points } of this.lines.toSorted((a, b) => a.isBright - b.isBright)) {
       const isChosen = satellite.norad_id === selected;
-      context.globalAlpha = isChosen ? 1 : isFaint ? (isCrowded ? 0.25 : 0.55) : isCrowded ? 0.8 : 1;
+      context.globalAlpha = isChosen ? 1 : isBright ? (isCrowded ? 0.8 : 1) : 0.6;
       context.strokeStyle = context.fillStyle = isChosen ? colours.mark : css(satellite.magnitude);
-      context.lineWidth = isChosen ? 4 : isFaint ? 1 : isCrowded ? 1.3 : 2.2;
+      context.lineWidth = isChosen ? 4 : isCrowded ? 1.3 : 2.2;
       path(context, points);
       context.stroke();
       const head = points.findLast(Boolean);
       if (head) {
         context.beginPath();
-        context.arc(...head, isFaint ? 1.4 : 2.6, 0, 2 * Math.PI);
+        context.arc(...head, isBright ? 2.6 : 1.4, 0, 2 * Math.PI);
         context.fill();
       }
     }

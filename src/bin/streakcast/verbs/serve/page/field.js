@@ -18,6 +18,16 @@ function project(ra, dec, centre) {
   return [(cos * Math.sin(difference)) / depth / DEG, (sin * cos0 - cos * sin0 * Math.cos(difference)) / depth / DEG];
 }
 
+/** Returns the size of a field in words: the diameter of a circle, width and height of a rectangle. */
+export function size(field) {
+  if (field.outlines_deg.length > 1) return `${field.outlines_deg.length} shapes`;
+  const degrees = (number) => String(Number(number.toFixed(2)));
+  const [outline] = field.outlines_deg;
+  const [width, height] = [0, 1].map((axis) => Math.max(...outline.map((place) => place[axis])) - Math.min(...outline.map((place) => place[axis])));
+  // A circle has many corners.
+  return outline.length > 12 ? `${degrees(2 * field.radius_deg)}° across` : `${degrees(width)}° × ${degrees(height)}°`;
+}
+
 export class Field {
   constructor(canvas, choose) {
     this.canvas = canvas;

@@ -1,7 +1,7 @@
 // State of the page in the address, after #.
 
 const NUMBERS = ["row", "length", "shift", "duration", "limit", "height", "satellite"];
-const WORDS = { target: /^.{1,100}$/, start: /^[\d:.TZ-]{1,40}$/, night: /^\d{4}-\d{2}-\d{2}$/, model: /^[\w.-]{1,100}$/, light: /^red$/, sigma: /^1$/ };
+const WORDS = { target: /^.{1,100}$/, start: /^[\d:.TZ-]{1,40}$/, night: /^\d{4}-\d{2}-\d{2}$/, model: /^[\w.-]{1,100}$/, light: /^red$/, sigma: /^1$/, map: /^1$/ };
 
 /** Reads the state from the address; unknown and invalid entries are ignored. */
 export function read(hash = location.hash) {
@@ -20,7 +20,7 @@ export function read(hash = location.hash) {
 /** Returns the state as text of the address. */
 export function text(state) {
   const entries = new URLSearchParams();
-  for (const name of ["night", "target", "start", ...NUMBERS, "model", "light", "sigma"]) {
+  for (const name of ["night", "target", "start", ...NUMBERS, "model", "light", "sigma", "map"]) {
     const value = state[name];
     if (value != null && value !== "" && !(name === "shift" && value === 0)) entries.set(name, String(value));
   }
@@ -28,9 +28,28 @@ export function text(state) {
 }
 
 let timer = 0;
+/** Kind of the change that is not in the address yet. */
+let waiting = null;
 
-/** Writes the state into the address, within the rate limit of browsers. */
-export function write(state) {
+/**
+ * Writes the state into the address, within the rate limit of browsers. A change with a `kind` is a new entry of the
+ * browser's history; several changes of the same kind in a row are one entry, except exposures.
+ */
+export function write(state, kind = null) {
   clearTimeout(timer);
-  timer = setTimeout(() => history.replaceState(null, "", text(state)), 120);
+  waiting = kind ?? waiting;
+  timer = setTimeout(() => {
+    const isSame = text(state) === location.hash;
+    const isNew = waiting && !isSame && (waiting === "exposure" || waiting !== history.state);
+    // The entry keeps the kind of the change that made it.
+    if (isNew) history.pushState(waiting, "", text(state));
+    else if (!isSame) history.replaceState(history.state, "", text(state));
+    waiting = null;
+  }, 120);
+}
+
+/** Discards a change that is not in the address yet, when the browser goes back or forward. */
+export function forget() {
+  clearTimeout(timer);
+  waiting = null;
 }

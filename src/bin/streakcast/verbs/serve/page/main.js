@@ -2,15 +2,15 @@
 
 import { TokenRequired, latest, request as send, unlock } from "./api.js";
 import * as link from "./link.js";
-import { light } from "./colours.js";
+import { light, onScheme } from "./colours.js";
 import { Night, legend } from "./night.js";
 import { Strip } from "./strip.js";
-import { Field } from "./field.js";
+import { Field, size } from "./field.js";
 import { Dome } from "./dome.js";
 import { Curve } from "./curve.js";
 import * as crossings from "./crossings.js";
 import { hover } from "./hover.js";
-import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./words.js";
+import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal, typed, zone } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
@@ -32,6 +32,12 @@ let detailed = null;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
+/** Number of selections of an exposure; responses to requests of earlier ones are dropped. */
+let choice = 0;
+/** Number of the last selection whose response is shown. */
+let shown = 0;
+/** Number of targets that were entered; an earlier one does not replace a later one. */
+let entries = 0;
 /** True while an exposure is dragged. */
 let isMoving = false;
 /** Timer of the pause of a drag. */
@@ -52,17 +58,17 @@ const curveChart = new Curve($("curve"));
 const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
   // The last response is not valid for this start.
-  if (parameters.place === state.place) nothing("unknown", "no response");
+  if (parameters.choice === choice) nothing("unknown", "no response");
 });
-const requestSky = latest("/api/v1/dome", ({ document }, parameters) => {
-  if (parameters.place === state.place) showDome(document, parameters === domeQuestion);
+const requestSky = latest("/api/v1/dome", (document, parameters) => {
+  if (parameters.choice === choice) showDome(document, parameters === domeQuestion);
 }, (error, parameters) => {
   failed(error, "dome");
-  if (parameters.place === state.place) showDome(null);
+  if (parameters.choice === choice) showDome(null);
 });
 
 /** Verdicts of the night for another limiting magnitude. */
-const requestVerdicts = latest("/api/v1/night", ({ document }) => {
+const requestVerdicts = latest("/api/v1/night", (document) => {
   if (document.night !== night.night || document.limit_mag !== limit()) return;
   problem("night", null);
   rows = rows.map((row, place) => ({ ...row, flag: document.flags[place] ?? null }));
@@ -71,8 +77,8 @@ const requestVerdicts = latest("/api/v1/night", ({ document }) => {
   drawNight();
 }, (error) => failed(error, "night"));
 
-/** Adds the index of the exposure to the parameters of a request, as a property that is not sent. */
-const withPlace = (parameters) => Object.defineProperty(parameters, "place", { value: state.place });
+/** Adds the number of the selection to the parameters of a request, as a property that is not sent. */
+const withChoice = (parameters) => Object.defineProperty(parameters, "choice", { value: choice });
 
 function failed(error, what) {
   if (error instanceof TokenRequired) {
@@ -105,27 +111,30 @@ async function copyAs(name, text) {
   toasting = setTimeout(() => ($("copied").hidden = true), 1800);
 }
 
-async function load(which) {
+/** Shows the night of a date, or the first one; `kind` is that of the entry in the browser's history (`link.write`). */
+async function load(which, kind = null) {
+  const entry = (entries += 1);
   const limits = { limit_mag: state.limit };
   try {
-    let { document } = await send("/api/v1/night", limits);
+    let document = await send("/api/v1/night", limits);
     // A link to a night that is not in this schedule shows the first night.
     const isKnown = !which || document.nights.some((one) => one.night === which);
     // Without a schedule the night is that of the link, or else the present one.
     const other = which ? { night: which } : { time_utc: iso(Date.now()) };
-    if (!document.nights.length) ({ document } = await send("/api/v1/night", { ...other, ...limits }));
+    if (!document.nights.length) document = await send("/api/v1/night", { ...other, ...limits });
     else if (!isKnown) delete state.row;
-    else if (which && which !== document.night) ({ document } = await send("/api/v1/night", { night: which, ...limits }));
+    else if (which && which !== document.night) document = await send("/api/v1/night", { night: which, ...limits });
+    if (entry !== entries) return;
     problem("night", null);
     problem("entry", null);
     begin(document);
   } catch (error) {
-    return failed(error, "night");
+    return entry === entries && failed(error, "night");
   }
   if (state.target && state.start) {
     // The entry is shown in the form.
     $("target").value = state.target;
-    $("start").value = state.start;
+    $("start").value = state.start.replace("T", " ");
     $("length").value = state.length ?? $("length").value;
     if (await enter(state.target, state.start, Number($("length").value), true)) return;
   }
@@ -133,13 +142,13 @@ async function load(which) {
   const worst = rows.findIndex((row) => row.flag.verdict === "avoid");
   const first = rows.findIndex((row) => row.start != null);
   if (place >= 0) choose(place, true);
-  else if (rows.length) choose(Math.max(worst, first, 0));
+  else if (rows.length) choose(Math.max(worst, first, 0), false, kind);
   else {
     state.place = undefined;
+    choice += 1;
     for (const id of ["strip", "before", "after", "reset"]) $(id).hidden = true;
     nothing("no exposure", "enter a target");
     drawNight();
-    $("target").focus();
   }
 }
 
@@ -158,26 +167,37 @@ function begin(document, entered = null) {
 
 /** Shows an exposure of any target; returns whether the server accepts it. `isRestored` keeps the state from the address. */
 async function enter(target, start_utc, duration_s, isRestored = false) {
+  const entry = (entries += 1);
+  setBusy(true);
   try {
-    const { document } = await send("/api/v1/exposure", { target, start_utc, duration_s });
+    const document = await send("/api/v1/exposure", { target, start_utc, duration_s });
     const nights = await send("/api/v1/night", { time_utc: start_utc, limit_mag: state.limit });
+    // Another target was entered meanwhile.
+    if (entry !== entries) return true;
     // The exposure has no row in the schedule, and its verdict is not in the night chart.
-    begin(nights.document, { ...document.exposures[0], start_utc, id: target, row: null, band: null, flag: null });
+    begin(nights, { ...document.exposures[0], start_utc, id: target, row: null, band: null, flag: null });
     Object.assign(state, { target, start: start_utc, length: duration_s });
     problem("entry", null);
     choose(rows.length - 1, isRestored);
     return true;
   } catch (error) {
+    if (entry !== entries) return true;
+    setBusy(choice !== shown);
     failed(error, "entry");
     return false;
   }
 }
 
+/** States that the shown exposure is not the selected one yet. The words appear after a moment (style sheet). */
+function setBusy(isBusy) {
+  $("exposure").setAttribute("aria-busy", String(isBusy));
+  $("busy").hidden = !isBusy;
+}
+
 function describe() {
   const { site } = night;
   const rests = night.provenance;
-  const field = night.field.outlines_deg.length > 1 ? `${night.field.outlines_deg.length} shapes` : `${fixed(2 * night.field.radius_deg, 2)}° across`;
-  $("where").textContent = `${site.name}${site.mpc_code ? ` (${site.mpc_code})` : ""} · field ${field} · ${rests.satellites} satellites${rests.shells ? " (simulated)" : ""} · ${night.band} (${night.mag_system})`;
+  $("where").textContent = `${site.name}${site.mpc_code ? ` (${site.mpc_code})` : ""} · field ${size(night.field)} · ${rests.satellites} satellites${rests.shells ? " (simulated)" : ""} · ${night.band} (${night.mag_system})`;
   // The night of an entered exposure may have no exposure of the schedule.
   const listed = night.nights.some((one) => one.night === night.night) ? night.nights : [...night.nights, { night: night.night, exposures: 0 }];
   $("nights").replaceChildren(...listed.map((one) => new Option(`${one.night} (${one.exposures})`, one.night, false, one.night === night.night)));
@@ -190,6 +210,8 @@ function describe() {
   $("model").replaceChildren(...night.models.map((name) => new Option(name, name, false, name === (state.model ?? "starlink-v1.5"))));
   $("height").value = state.height ?? 550;
   $("sigma").checked = state.sigma === "1";
+  showBackground();
+  $("start-label").textContent = `Start, local time (${zone(night.utc_offset_h)})`;
   const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
   const shells = (rests.shells ?? []).map((shell) => `${shell.name} (simulated)`);
   const several = rests.mean_motion;
@@ -233,11 +255,15 @@ function selectExposure(place) {
   choose(place);
 }
 
-/** Selects an exposure of the night; `isRestored` keeps its state from the address. */
-function choose(place, isRestored = false) {
+/**
+ * Selects an exposure of the night; `isRestored` keeps its state from the address. `kind` is that of the entry in the
+ * browser's history.
+ */
+function choose(place, isRestored = false, kind = isRestored ? null : "exposure") {
   const row = rows[place];
   if (!row) return;
   state.place = place;
+  choice += 1;
   $("strip").hidden = $("reset").hidden = false;
   $("before").hidden = $("after").hidden = rows.length < 2;
   state.row = row.row ?? undefined;
@@ -250,23 +276,25 @@ function choose(place, isRestored = false) {
   $("before").disabled = place === 0;
   $("after").disabled = place === rows.length - 1;
   $("reset").textContent = row.row == null ? "As entered" : "As scheduled";
-  $("exposure-title").textContent = `Exposure ${row.id}`;
   if (row.start == null) {
     nothing("invalid", row.flag.reasons.join("; "));
     showDome(null);
     for (const what of ["exposure", "dome"]) problem(what, null);
     nightChart.draw(place);
-    link.write(state);
+    link.write(state, kind);
     return;
   }
   state.duration ??= row.duration_s;
-  strip.show(row.start, state.shift, state.duration);
+  // Title and strip change with the response.
+  setBusy(true);
   request();
   requestDome();
+  link.write(state, kind);
 }
 
 function moved(shift, duration, isDone) {
-  if (rows[state.place]?.start == null) return;
+  // The strip of a previous exposure cannot be moved.
+  if (rows[state.place]?.start == null || choice !== shown) return;
   // A press without a move is not a drag yet.
   isMoving = !isDone && (shift !== state.shift || duration !== state.duration);
   state.shift = shift;
@@ -277,7 +305,9 @@ function moved(shift, duration, isDone) {
     resting = setTimeout(rested, REST_MS);
   }
   request();
-  if (isDone) requestDome();
+  if (!isDone) return;
+  requestDome();
+  link.write(state, "move");
 }
 
 /** Updates the whole page when the pointer pauses during a drag. */
@@ -302,7 +332,7 @@ function request() {
   const row = rows[state.place];
   if (row?.start == null) return;
   isAnswered = false;
-  question = withPlace({
+  question = withChoice({
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -312,7 +342,7 @@ function request() {
     limit_mag: state.limit,
     // Omitted during a drag, for a faster response: tracks, and crossings that are on the strip already.
     samples: isMoving ? null : SAMPLES,
-    around_s: isMoving && strip.isKnown() ? null : strip.span(),
+    around_s: isMoving && strip.isKnown() ? null : strip.span(state.duration),
   });
   requestExposure(question);
   if (!isMoving) showMove();
@@ -330,15 +360,19 @@ function drawNight() {
 
 function requestDome() {
   if (rows[state.place]?.start == null) return;
-  domeQuestion = withPlace({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+  domeQuestion = withChoice({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
   requestSky(domeQuestion);
 }
 
-function answered({ document, ms }, parameters) {
+function answered(document, parameters) {
   // Another exposure was selected meanwhile; its own response follows.
-  if (parameters.place !== state.place) return;
+  if (parameters.choice !== choice) return;
   problem("exposure", null);
   const row = rows[state.place];
+  if (shown !== choice) {
+    showTitle();
+    strip.show(row.start, state.shift, state.duration);
+  }
   answer = document;
   if (parameters.samples) detailed = document;
   const flag = document.flags[0];
@@ -350,21 +384,20 @@ function answered({ document, ms }, parameters) {
   strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null);
   const streaks = flag.n_streaks ? `${flag.n_streaks} streak${flag.n_streaks > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
-  const start = (name, delay_s, utc) => (delay_s != null ? ` · next ${name} start ${delay(delay_s)} (${clock(moment(utc), 0, 3)} UTC)` : ` · no ${name} start in time`);
+  const start = (name, delay_s, utc) => (delay_s != null ? ` · next ${name} start ${delay(delay_s)} (${clock(moment(utc) + 49, 0, 1)} UTC)` : ` · no ${name} start in time`);
   const isSame = flag.acceptable_delay_s === flag.delay_s;
   const acceptable = flag.verdict === "avoid" && !isSame ? start("acceptable", flag.acceptable_delay_s, flag.next_acceptable_start_utc) : "";
   const next = flag.verdict === "clear" ? "" : `${acceptable}${start("clear", flag.delay_s, then)}`;
   const lacks = document.left_out_count ? `${document.left_out_count} of ${night.provenance.satellites} satellites left out: their crossings are unknown.` : "";
-  const reasons = flag.reasons.join("; ");
+  const reasons = flag.reasons.map((reason) => named(reason, document)).join("; ");
   if (isUnjudged(flag)) showAnswer(flag.verdict, reasons, "", lacks);
   else showAnswer(flag.verdict, `${streaks}${next}`, [reasons, ageOf(flag)].filter(Boolean).join("; "), lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
   $("answer").dataset.startUtc = parameters.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
   $("go").dataset.delay = flag.delay_s ?? "";
-  $("timing").textContent = ms == null ? "" : `computed in ${ms.toFixed(1)} ms`;
   const [opens] = document.pointing;
-  $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
+  $("pointing").textContent = `opens ${clock(moment(opens.utc))} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(document.passes)?.norad_id;
   isAnswered = parameters === question && parameters.samples != null;
@@ -377,15 +410,30 @@ function answered({ document, ms }, parameters) {
   }
 }
 
+/** Shows the title of the selected exposure, with its results. */
+function showTitle() {
+  shown = choice;
+  setBusy(false);
+  $("exposure-title").textContent = rows[state.place] ? `Exposure ${rows[state.place].id}` : "Exposure";
+}
+
+/** Returns a reason with the name of its satellite before the catalogue number. */
+function named(reason, { passes, around }) {
+  const norad = /^(\d+): /.exec(reason)?.[1];
+  const name = norad && [...passes, ...around].find((pass) => pass.norad_id === Number(norad))?.name;
+  return name ? reason.replace(norad, `${name} (${norad})`) : reason;
+}
+
 /** Clears the page of an exposure without a result. */
 function nothing(verdict, words) {
+  showTitle();
   answer = detailed = null;
   isAnswered = true;
   showAnswer(verdict, words);
   delete $("answer").dataset.nextClearStartUtc;
   delete $("answer").dataset.startUtc;
   $("go").hidden = true;
-  $("timing").textContent = $("pointing").textContent = "";
+  $("pointing").textContent = "";
   strip.forget();
   strip.answer([], null, null);
   drawAnswer();
@@ -409,7 +457,7 @@ function showAnswer(verdict, words, why = "", lacks = "") {
 function selectSatellite(norad) {
   state.satellite = norad;
   drawAnswer();
-  link.write(state);
+  link.write(state, "satellite");
 }
 
 function drawAnswer() {
@@ -440,9 +488,12 @@ function drawDetails() {
   // During a drag these are the last complete results, shown as outdated.
   const passes = detailed?.passes ?? [];
   const chosen = passes.find((pass) => pass.norad_id === state.satellite) ?? brightest(passes);
-  curveChart.draw(chosen, limit());
+  // Empty panels are collapsed.
+  $("light-curve").hidden = !chosen;
+  if (chosen) curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
   crossings.rows($("crossings"), passesOf(detailed), chosen?.norad_id, selectSatellite);
+  showScroll();
   drawDome();
 }
 
@@ -452,7 +503,7 @@ function isNew(warning) {
 }
 
 function drawDome() {
-  domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: detailed?.passes, limit: limit() });
+  domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: detailed?.passes, limit: limit(), background: state.map === "1" });
   const dome = domeChart.dome;
   if (!dome) {
     $("dome-words").textContent = "";
@@ -460,12 +511,21 @@ function drawDome() {
   }
   const bright = dome.satellites.filter((one) => one.magnitude != null && limit() != null && one.magnitude < limit()).length;
   const few = limit() == null ? "" : `, ${bright} with a mean magnitude brighter than ${fixed(limit(), 1)}`;
-  $("dome-words").textContent = `${dome.satellites.length} sunlit satellites up${few}. Behind them ${dome.map.model} at ${dome.map.height_km} km; dashed: edge of the Earth's shadow there. Sun at azimuth ${fixed(dome.sun.azimuth_deg, 0)}° (⊙).`;
+  const tracks = limit() == null ? "" : " (tracks; the others are dots)";
+  const behind = state.map === "1" ? ` Behind them ${dome.map.model} at ${dome.map.height_km} km; dashed: edge of the Earth's shadow there.` : "";
+  $("dome-words").textContent = `${dome.satellites.length} sunlit satellites up${few}${tracks}.${behind} Sun at azimuth ${fixed(dome.sun.azimuth_deg, 0)}° (⊙).`;
   $("dome-words").textContent += dome.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
+}
+
+/** Shows whether the table of crossings is wider than the window. */
+function showScroll() {
+  const table = document.querySelector(".scroll");
+  $("scrolls").hidden = table.scrollWidth <= table.clientWidth;
 }
 
 function drawAll() {
   if (!night) return;
+  showScroll();
   legend($("scale"), $("bands"));
   drawNight();
   strip.draw();
@@ -478,14 +538,17 @@ $("limit").addEventListener("input", (event) => {
   request();
 });
 // The verdicts of a whole night take longer than that of an exposure, so they follow when the slider is released.
-$("limit").addEventListener("change", () => requestVerdicts({ night: night.night, limit_mag: state.limit }));
+$("limit").addEventListener("change", () => {
+  requestVerdicts({ night: night.night, limit_mag: state.limit });
+  link.write(state, "limit");
+});
 function showLimit() {
   $("limit-out").textContent = limit() == null ? "none" : `${fixed(limit(), 1)} mag`;
 }
 $("nights").addEventListener("change", async (event) => {
   state.shift = 0;
   for (const name of ["row", "duration", "satellite", "target", "start", "length"]) delete state[name];
-  await load(event.target.value);
+  await load(event.target.value, "exposure");
 });
 $("before").addEventListener("click", () => selectExposure(state.place - 1));
 $("after").addEventListener("click", () => selectExposure(state.place + 1));
@@ -496,19 +559,31 @@ $("go").addEventListener("click", () => {
   strip.show(rows[state.place].start, state.shift, state.duration);
   request();
   requestDome();
+  link.write(state, "move");
   $("answer").focus({ preventScroll: true });
+});
+/** Shows whether the sky has a background, and the settings of it. */
+function showBackground() {
+  $("map").checked = state.map === "1";
+  $("map-settings").hidden = state.map !== "1";
+}
+$("map").addEventListener("change", (event) => {
+  state.map = event.target.checked ? "1" : undefined;
+  showBackground();
+  drawDome();
+  link.write(state, "sky");
 });
 $("height").addEventListener("change", (event) => {
   const height = Number(event.target.value);
   if (!event.target.checkValidity() || !height) return problem("dome", "Height: 160 to 40000 km, whole tens.");
   state.height = height;
   requestDome();
-  link.write(state);
+  link.write(state, "sky");
 });
 $("model").addEventListener("change", (event) => {
   state.model = event.target.value;
   requestDome();
-  link.write(state);
+  link.write(state, "sky");
 });
 $("sigma").addEventListener("change", (event) => {
   state.sigma = event.target.checked ? "1" : undefined;
@@ -533,17 +608,33 @@ $("csv").addEventListener("click", async () => {
 });
 $("entry").addEventListener("submit", (event) => {
   event.preventDefault();
-  const text = $("start").value.trim();
-  // In whole seconds, as `--start now` of the command line.
-  const start = text === "now" ? iso(Date.now()).replace(/\.\d+/, "") : `${text.replace(" ", "T").replace(/Z$/, "")}Z`;
-  enter($("target").value.trim(), start, Number($("length").value));
+  enterTyped();
 });
+async function enterTyped() {
+  const entry = (entries += 1);
+  const [target, text, length] = [$("target").value.trim(), $("start").value.trim(), Number($("length").value)];
+  // In whole seconds, as `--start now` of the command line.
+  if (text === "now") return enter(target, iso(Math.floor(Date.now() / 1e3) * 1e3), length);
+  const isUtc = text.endsWith("Z");
+  const ms = typed(text.replace(/[Zz]$/, "").replace("T", " ").trim(), night.night);
+  if (Number.isNaN(ms)) return problem("entry", `Invalid start '${text}'; allowed: now, a local time such as 23:30 or 2026-08-14 23:30, or UTC with Z at its end.`);
+  if (isUtc) return enter(target, iso(ms), length);
+  try {
+    // The clocks may differ between this night and the shown one.
+    const other = await send("/api/v1/night", { time_utc: iso(ms - night.utc_offset_h * 3600e3) });
+    if (entry === entries) await enter(target, iso(ms - other.utc_offset_h * 3600e3), length);
+  } catch (error) {
+    failed(error, "entry");
+  }
+}
 $("unlock").addEventListener("submit", (event) => {
   event.preventDefault();
   unlock($("token").value.trim());
   load(state.night);
 });
-window.addEventListener("hashchange", () => {
+// Back and forward in the browser, and an edited address.
+window.addEventListener("popstate", () => {
+  link.forget();
   for (const name of Object.keys(state)) delete state[name];
   Object.assign(state, { shift: 0, ...link.read() });
   showLight();
@@ -564,6 +655,7 @@ setInterval(() => {
   redraw();
 }, RATIO_MS);
 
+onScheme(() => drawAll());
 showLight();
 crossings.heads($("columns"));
 for (const element of document.querySelectorAll("[data-hover]")) hover(element, () => element.dataset.hover);

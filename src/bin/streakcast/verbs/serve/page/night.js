@@ -1,6 +1,6 @@
 // Night chart: exposures as bars over the bands of twilight, UTC below and local time above.
 
-import { css, isRed, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
+import { css, scheme, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
 import { Backdrop, label, prepare, step } from "./canvas.js";
 import { hover } from "./hover.js";
 import { clock, fixed, hour, moment, zone } from "./words.js";
@@ -74,7 +74,7 @@ export class Night {
     const colours = theme();
     const left = MARGIN.left, right = width - MARGIN.right, top = MARGIN.top, bottom = height - MARGIN.bottom;
     const at = (ms) => left + ((ms - this.from) / (this.to - this.from)) * (right - left);
-    this.backdrop.show(context, [this.night, this.rows, isRed()], (behind) => {
+    this.backdrop.show(context, [this.night, this.rows, scheme()], (behind) => {
       for (let x = left; x < right; x += 1) {
         behind.fillStyle = colours[this.band(this.from + ((x - left) / (right - left)) * (this.to - this.from))];
         behind.fillRect(x, top, 1.5, bottom - top);

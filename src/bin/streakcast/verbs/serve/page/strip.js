@@ -61,9 +61,9 @@ export class Strip {
     this.known = null;
   }
 
-  /** Returns the length of the strip, seconds. */
-  span() {
-    return Math.min(1800, Math.max(240, Math.ceil(this.duration / 30) * 30 * 10));
+  /** Returns the length of the strip of an exposure, seconds. */
+  span(duration = this.duration) {
+    return Math.min(1800, Math.max(240, Math.ceil(duration / 30) * 30 * 10));
   }
 
   centre() {
@@ -189,7 +189,7 @@ export class Strip {
     this.bar.style.left = `${x}px`;
     this.bar.style.width = `${Math.max(4, end - x)}px`;
     this.handle.style.left = `${end}px`;
-    const opening = clock(this.base + this.shift * 1e3, 0, 1);
+    const opening = clock(this.base + this.shift * 1e3);
     this.bar.setAttribute("aria-valuenow", this.shift);
     this.bar.setAttribute("aria-valuemin", -86400);
     this.bar.setAttribute("aria-valuemax", 86400);

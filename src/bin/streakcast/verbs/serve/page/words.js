@@ -16,8 +16,20 @@ export function clock(ms, hours = 0, decimals = 0) {
 /** Returns a time of day like 23:30. */
 export const hour = (ms, hours = 0) => clock(ms, hours).slice(0, 5);
 
-/** Returns UTC in the format of the API. */
-export const iso = (ms) => new Date(ms).toISOString();
+/** Returns UTC in the format of the API, with milliseconds only if there are any. */
+export const iso = (ms) => new Date(ms).toISOString().replace(".000Z", "Z");
+
+/**
+ * Returns the time that a text means, ms since 1970 as of a clock: `23:30`, `23:30:05` or `2026-08-14 23:30`; NaN for
+ * another text. A time of day is in the night whose evening has the date `evening`, from noon to noon.
+ */
+export function typed(text, evening) {
+  const [, date, hour, minute, second = "0"] = /^(?:(\d{4}-\d\d-\d\d)[ T]+)?(\d{1,2}):(\d\d)(?::(\d\d(?:\.\d+)?))?$/.exec(text) ?? [];
+  if (!hour || hour > 23 || minute > 59 || second >= 60) return NaN;
+  const day = Date.parse(`${date ?? evening}T00:00:00Z`);
+  const isMorning = !date && hour < 12;
+  return day + (isMorning ? 86400e3 : 0) + hour * 3600e3 + minute * 60e3 + Math.round(second * 1e3);
+}
 
 /** Returns the name of a time zone like UTC−5 or UTC+5:30. */
 export function zone(hours) {
