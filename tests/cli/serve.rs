@@ -119,6 +119,43 @@ fn a_target_by_name_or_as_text_equals_its_coordinates() {
     }
 }
 
+/// The passes are those of `forecast`; the night is also found by a time in it, or by day before it.
+#[test]
+fn the_passes_of_a_night_equal_forecast() {
+    let server = shared();
+    let target = "/api/v1/forecast?max_mag=5&samples=5";
+    let response = server.json(&format!("{target}&night=2026-08-14"));
+    let satellites = ["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+    let night = ["--night", "2026-08-14", "--max-mag", "5", "--samples", "5"];
+    let forecast = command(&[&["forecast"], &satellites, &night]);
+    for section in ["night", "passes", "left_out"] {
+        let expected = if section == "night" { &forecast[section][0] } else { &forecast[section] };
+        assert_eq!(&response[section], expected, "{section}");
+    }
+    let passes = response["passes"].as_array().unwrap();
+    assert!(passes.len() > 3, "only {} passes", passes.len());
+    let events: Vec<&str> = response["calendar"].as_str().unwrap().split("BEGIN:VEVENT").skip(1).collect();
+    assert_eq!(events.len(), passes.len());
+    for (event, pass) in events.iter().zip(passes) {
+        assert!(event.contains(&format!("UID:{}-", pass["norad_id"])), "{event}");
+    }
+    for time in ["2026-08-14T20:00:00Z", "2026-08-15T04:00:00Z"] {
+        assert_eq!(server.json(&format!("{target}&time_utc={time}"))["passes"], response["passes"], "{time}");
+    }
+    // In the morning, the next night follows.
+    let next = server.json("/api/v1/forecast?max_mag=-5&time_utc=2026-08-15T13:00:00Z");
+    assert_eq!((&next["date"], &next["passes"], &next["calendar"]), (&json!("2026-08-15"), &json!([]), &Value::Null));
+    assert!(next["night"]["why_empty"].as_str().unwrap().contains("brighter than mag -5"), "{}", next["night"]);
+    for (query, parameter) in [
+        ("max_mag=5", "night"),
+        ("night=2026-08-14", "max_mag"),
+        ("max_mag=5&night=2026-08-14&time_utc=2026-08-14T20:00:00Z", "night"),
+    ] {
+        let problem = server.get(&format!("/api/v1/forecast?{query}"));
+        assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some(parameter)), "{query}");
+    }
+}
+
 #[test]
 fn a_server_without_a_schedule_judges_any_exposure() {
     let server = Server::start(&[SHARED, &["--limit-mag", "7"]].concat());

@@ -565,6 +565,71 @@ try {
     await page.close();
   });
 
+  await step("without a schedule the page opens on tonight's visible passes", async () => {
+    // Simulated Starlinks are rarely brighter than the default limit.
+    const page = await open("#bright=6", { viewport: { width: 1440, height: 900 }, acceptDownloads: true }, bareUrl);
+    const asked = [...requests].findLast((request) => request.includes("/api/v1/forecast?") && request.includes("max_mag=6"));
+    const { passes, calendar } = await (await fetch(asked)).json();
+    assert.ok(passes.length > 12, `${passes.length} passes`);
+    assert.equal(await page.textContent("#tonight-title"), `Tonight: ${passes.length} visible passes`);
+    const names = () => page.$$eval("#passes h3", (list) => list.map((one) => one.textContent));
+    assert.deepEqual(await names(), passes.slice(0, 12).map((pass) => pass.name));
+    assert.ok(passes.every((pass, place) => !place || pass.p_brighter <= passes[place - 1].p_brighter));
+    // Each pass has a chart, local times (5 h behind UTC) and the magnitude.
+    const drawn = await colours(page);
+    assert.equal(drawn.filter((one) => one.id === "" && one.colours > 6).length >= 12, true);
+    const local = (utc) => new Date(Date.parse(utc) - 5 * 3600e3).toISOString().slice(11, 16);
+    const first = await page.textContent("#passes li");
+    assert.ok(first.includes(`${local(passes[0].begin_utc)}:`) && first.includes(`mag ${passes[0].peak_magnitude.toFixed(1)} ± `), first);
+    // Panels of an exposure are collapsed.
+    for (const id of ["exposure", "night", "field", "dome", "light-curve", "crossings"]) assert.ok(await page.isHidden(`#${id}`), id);
+    await isAccessible(page, "tonight");
+    if (pictures) await page.screenshot({ path: join(pictures, "serve-tonight.png"), fullPage: true });
+    // Countdown to the beginning, and to the end.
+    const [begin, end] = [passes[0].begin_utc, passes[0].end_utc].map(Date.parse);
+    for (const [now, words] of [[begin - 5000e3, /^in 1 h 2[34] min$/], [begin - 245e3, /^in 4 min 0\d s$/], [end - 9.5e3, /^now, for \d+ s$/], [end + 1e3, /^over$/]]) {
+      await page.evaluate((now) => (Date.now = () => now), now);
+      await eventually(async () => assert.match(await page.textContent("#passes li strong"), words));
+    }
+    const saved = async (selector) => {
+      const [download] = await Promise.all([page.waitForEvent("download"), page.click(selector)]);
+      return [download.suggestedFilename(), readFileSync(await download.path(), "utf8")];
+    };
+    const [name, one] = await saved("#passes li button");
+    assert.match(name, new RegExp(`^pass-${passes[0].norad_id}-\\d{8}T\\d{4}Z\\.ics$`));
+    assert.ok(one.startsWith("BEGIN:VCALENDAR\r\n") && one.endsWith("END:VEVENT\r\nEND:VCALENDAR\r\n") && one.split("BEGIN:VEVENT").length === 2, one);
+    assert.ok(one.includes(`UID:${passes[0].norad_id}-`));
+    assert.equal((await saved("#calendar"))[1], calendar);
+    await page.click("#more");
+    assert.deepEqual(await names(), passes.slice(0, 24).map((pass) => pass.name));
+    await page.selectOption("#order", "time");
+    assert.deepEqual(await names(), passes.toSorted((a, b) => Date.parse(a.begin_utc) - Date.parse(b.begin_utc)).slice(0, 24).map((pass) => pass.name));
+    await settled(page);
+    // With a limit that no pass exceeds, the reason is stated.
+    await page.fill("#bright", "-4");
+    await page.keyboard.press("Tab");
+    await settled(page);
+    assert.match(await page.textContent("#tonight-words"), /no visible pass: .*\d+ passes are brighter than mag -4 with a probability below 50 %/);
+    assert.ok((await page.isHidden("#calendar")) && (await names()).length === 0);
+    await page.close();
+  });
+
+  await step("an example of a target is above the horizon", async () => {
+    const page = await open("", { viewport: SMALL }, bareUrl);
+    const example = page.locator("#examples button").first();
+    const name = await example.textContent();
+    await example.click();
+    await settled(page);
+    assert.equal(await page.textContent("#exposure-title"), `Exposure ${name}`);
+    assert.ok(Number(/altitude (\d+)°/.exec(await page.textContent("#pointing"))?.[1]) > 20);
+    // The passes are closed, so that the verdict is visible, and open again after going back.
+    assert.ok((await page.isHidden("#passes")) && (await page.isVisible("#answer")));
+    await page.goBack();
+    await settled(page);
+    assert.ok((await page.isVisible("#tonight-words")) && (await page.isHidden("#answer")));
+    await page.close();
+  });
+
   await step("the verdict is visible without scrolling at 390 px", async () => {
     const page = await open("", { viewport: SMALL });
     await isAboveTheFold(page);

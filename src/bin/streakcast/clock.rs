@@ -53,7 +53,7 @@ pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsSt
 pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config: &Config) -> anyhow::Result<()> {
     for night in nights {
         if night == TONIGHT {
-            *night = tonight(&config.site()?, now());
+            *night = night_at(&config.site()?, now());
         }
     }
     Ok(())
@@ -91,7 +91,8 @@ pub fn date_line_remark(night: Option<&str>, config: &Config) -> Option<String> 
     })
 }
 
-fn tonight(site: &Site, now: Epoch) -> String {
+/// Returns the date of the evening of the night at a time, or by day of the next night.
+pub fn night_at(site: &Site, now: Epoch) -> String {
     let observer = Observer::new(site.clone());
     let state = observer.state(&Orientation::at(now, &EopTable::embedded()));
     let is_day = state.sun_altitude_azimuth_rad(now).is_some_and(|(altitude, _)| altitude > 0.0);
@@ -138,7 +139,7 @@ mod tests {
             [(26, 2, "11-25"), (26, 14, "11-25"), (26, 16, "11-26"), (26, 23, "11-26"), (27, 6, "11-26")]
         {
             let now = Epoch::from_gregorian_utc_hms(2026, 11, day, hour, 0, 0);
-            assert_eq!(tonight(&site, now), format!("2026-{evening}"), "{now}");
+            assert_eq!(night_at(&site, now), format!("2026-{evening}"), "{now}");
         }
     }
 

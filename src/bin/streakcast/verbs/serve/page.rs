@@ -20,6 +20,7 @@ pub static FILES: &[(&str, &str, &[u8])] = &[
     ("/dome.js", SCRIPT, include_bytes!("page/dome.js")),
     ("/contours.js", SCRIPT, include_bytes!("page/contours.js")),
     ("/curve.js", SCRIPT, include_bytes!("page/curve.js")),
+    ("/tonight.js", SCRIPT, include_bytes!("page/tonight.js")),
     ("/crossings.js", SCRIPT, include_bytes!("page/crossings.js")),
 ];
 

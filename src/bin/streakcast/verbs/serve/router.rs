@@ -15,7 +15,7 @@ use streakcast::Watch;
 
 use super::filter::Token;
 use super::filter::{RequestFilter, has_body};
-use super::handlers::{dome, exposure, health, night, satchecker};
+use super::handlers::{dome, exposure, forecast, health, night, satchecker};
 use super::openapi::{JSON, Route};
 use super::problem::Problem;
 use super::query::Query;
@@ -65,6 +65,15 @@ pub static ROUTES: &[Route] = &[
         needs_token: true,
         handler: dome::handle,
         schema: dome::schema,
+    },
+    Route {
+        path: "/api/v1/forecast",
+        alias: None,
+        summary: "The visible passes of a night, the most probably visible first, and their calendar; as `forecast` of the command line.",
+        parameters: forecast::PARAMETERS,
+        needs_token: true,
+        handler: forecast::handle,
+        schema: forecast::schema,
     },
     Route {
         path: "/fov/satellite-passes/",

@@ -3,6 +3,7 @@
 mod document;
 pub mod dome;
 pub mod exposure;
+pub mod forecast;
 pub mod health;
 pub mod night;
 pub mod satchecker;

@@ -70,7 +70,21 @@ mod tests {
         for name in ["M31", "ngc 224", "IC-342"] {
             assert_eq!(parsed(name), deep_sky_object(name).ok(), "{name}");
         }
-        for text in ["", "M111", "188.5", "188.5 -95", "400 10", "12 34 56", "12h34m, 56d, 7", "nan nan", "<b>", "12,5 30", "12 30,5", "12,5 30,5", "12,5 +30"] {
+        for text in [
+            "",
+            "M111",
+            "188.5",
+            "188.5 -95",
+            "400 10",
+            "12 34 56",
+            "12h34m, 56d, 7",
+            "nan nan",
+            "<b>",
+            "12,5 30",
+            "12 30,5",
+            "12,5 30,5",
+            "12,5 +30",
+        ] {
             assert_eq!(parsed(text), None, "{text}");
         }
     }

@@ -20,15 +20,17 @@ const isForced = matchMedia("(forced-colors: active)");
  * ground).
  */
 export function scheme() {
-  if (isPrinted.matches) return "paper";
-  if (isForced.matches) return isLight(theme().ground) ? "paper" : "dark";
-  return document.documentElement.dataset.light === "red" ? "red" : "dark";
+  if (knownScheme) return knownScheme;
+  if (isPrinted.matches) knownScheme = "paper";
+  else if (isForced.matches) knownScheme = isLight(theme().ground) ? "paper" : "dark";
+  else knownScheme = document.documentElement.dataset.light === "red" ? "red" : "dark";
+  return knownScheme;
 }
 
 /** Calls `change` when the page is printed or shown on the screen again, and when the colours of the system change. */
 export function onScheme(change) {
   const changed = () => {
-    known = null;
+    known = knownScheme = null;
     change();
   };
   for (const query of [isPrinted, isForced]) query.addEventListener("change", changed);
@@ -51,7 +53,9 @@ export function css(magnitude, alpha = 1) {
   return `rgb(${red} ${green} ${blue} / ${alpha})`;
 }
 
+/** Colours and scheme, computed once, because a chart needs them for each of its parts. */
 let known = null;
+let knownScheme = null;
 
 /** Returns the colours of the style sheet by name, as rgb(). */
 export function theme() {
@@ -76,5 +80,5 @@ const isLight = (colour) => colour.match(/[\d.]+/g).slice(0, 3).reduce((sum, cha
 export function light(red) {
   if (red) document.documentElement.dataset.light = "red";
   else delete document.documentElement.dataset.light;
-  known = null;
+  known = knownScheme = null;
 }

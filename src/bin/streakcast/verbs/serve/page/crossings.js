@@ -2,17 +2,12 @@
 
 import { css } from "./colours.js";
 import { hover } from "./hover.js";
-import { clock, fixed, moment } from "./words.js";
+import { fixed, known, moment } from "./words.js";
 
 const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_peak_sigma, 2)}`);
 
 /** Returns the time of an event, with the digits that the error of the position along the track allows. */
-const known = (pass, name) => {
-  const sigma = pass.along_track_sigma_s ?? Infinity;
-  const ms = moment(pass[name]);
-  if (sigma > 10) return clock(Math.round(ms / 60e3) * 60e3).slice(0, 5);
-  return clock(sigma > 1 ? Math.round(ms / 10e3) * 10e3 : ms, 0, sigma > 0.1 ? 0 : 1);
-};
+const at = (pass, name) => known(moment(pass[name]), pass.along_track_sigma_s, 0, 1);
 
 /** Columns on the page: heading, function that returns the text of a cell, and meaning. */
 const COLUMNS = [
@@ -20,8 +15,8 @@ const COLUMNS = [
   ["catalogue number", (pass) => pass.norad_id, "NORAD catalogue number"],
   ["magnitude", sigma, "Brightest magnitude inside the field, with one sigma"],
   ["magnitude from", (pass) => pass.mag_source ?? "–", "Brightness model"],
-  ["enters, UTC", (pass) => known(pass, "enter_utc"), "Entry into the field"],
-  ["leaves, UTC", (pass) => known(pass, "exit_utc"), "Exit from the field"],
+  ["enters, UTC", (pass) => at(pass, "enter_utc"), "Entry into the field"],
+  ["leaves, UTC", (pass) => at(pass, "exit_utc"), "Exit from the field"],
   ["right asc., °", (pass) => fixed(pass.mid_ra_deg, 3), "Right ascension at the middle of the pass, ICRS"],
   ["declin., °", (pass) => fixed(pass.mid_dec_deg, 3), "Declination at the middle of the pass"],
   ["altitude, °", (pass) => fixed(pass.altitude_deg, 1), "Altitude, without refraction"],

@@ -1,7 +1,7 @@
 // State of the page in the address, after #.
 
-const NUMBERS = ["row", "length", "shift", "duration", "limit", "height", "satellite"];
-const WORDS = { target: /^.{1,100}$/, start: /^[\d:.TZ-]{1,40}$/, night: /^\d{4}-\d{2}-\d{2}$/, model: /^[\w.-]{1,100}$/, light: /^red$/, sigma: /^1$/, map: /^1$/ };
+const NUMBERS = ["row", "length", "shift", "duration", "limit", "height", "satellite", "bright"];
+const WORDS = { target: /^.{1,100}$/, start: /^[\d:.TZ-]{1,40}$/, night: /^\d{4}-\d{2}-\d{2}$/, model: /^[\w.-]{1,100}$/, light: /^red$/, sigma: /^1$/, map: /^1$/, order: /^time$/ };
 
 /** Reads the state from the address; unknown and invalid entries are ignored. */
 export function read(hash = location.hash) {
@@ -20,7 +20,7 @@ export function read(hash = location.hash) {
 /** Returns the state as text of the address. */
 export function text(state) {
   const entries = new URLSearchParams();
-  for (const name of ["night", "target", "start", ...NUMBERS, "model", "light", "sigma", "map"]) {
+  for (const name of ["night", "target", "start", ...NUMBERS, "model", "light", "sigma", "map", "order"]) {
     const value = state[name];
     if (value != null && value !== "" && !(name === "shift" && value === 0)) entries.set(name, String(value));
   }

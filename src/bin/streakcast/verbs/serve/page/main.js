@@ -8,9 +8,10 @@ import { Strip } from "./strip.js";
 import { Field, size } from "./field.js";
 import { Dome } from "./dome.js";
 import { Curve } from "./curve.js";
+import { Tonight, examples } from "./tonight.js";
 import * as crossings from "./crossings.js";
 import { hover } from "./hover.js";
-import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal, typed, zone } from "./words.js";
+import { clock, copy, delay, fixed, hour, hours, iso, moment, sexagesimal, typed, zone } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
@@ -20,6 +21,13 @@ const SAMPLES = 41;
  * updated.
  */
 const REST_MS = 150;
+/** Default magnitude limit of tonight's passes, and points along each pass. */
+const BRIGHT_MAG = 4;
+const PASS_SAMPLES = 25;
+/** Tonight's passes are requested for whole intervals of this length, ms, so that the server computes them once. */
+const TONIGHT_STEP_MS = 600e3;
+/** Number of examples of targets. */
+const EXAMPLES = 5;
 
 /** State in the address. */
 const state = { shift: 0, ...link.read() };
@@ -32,6 +40,7 @@ let detailed = null;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
+let tonightQuestion = null;
 /** Number of selections of an exposure; responses to requests of earlier ones are dropped. */
 let choice = 0;
 /** Number of the last selection whose response is shown. */
@@ -54,6 +63,7 @@ const strip = new Strip($("strip"), moved);
 const fieldChart = new Field($("field"), selectSatellite);
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
+const tonight = new Tonight($("passes"), $("more"));
 
 const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
@@ -76,6 +86,14 @@ const requestVerdicts = latest("/api/v1/night", (document) => {
   nightChart.show(night, rows);
   drawNight();
 }, (error) => failed(error, "night"));
+
+const requestForecast = latest("/api/v1/forecast", (document, parameters) => {
+  if (parameters === tonightQuestion) showTonight(document);
+}, (error, parameters) => {
+  if (parameters !== tonightQuestion) return;
+  setTonightBusy(false);
+  failed(error, "tonight");
+});
 
 /** Adds the number of the selection to the parameters of a request, as a property that is not sent. */
 const withChoice = (parameters) => Object.defineProperty(parameters, "choice", { value: choice });
@@ -219,6 +237,64 @@ function describe() {
   $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")}${late} · ${rests.frame}`;
   warn();
   legend($("scale"), $("bands"));
+  // Without a schedule, panels of an exposure are collapsed until a target is entered.
+  const isTonight = !night.nights.length;
+  $("main").toggleAttribute("data-empty", !rows.length);
+  $("tonight").hidden = !isTonight;
+  $("tonight").open = isTonight && !rows.length;
+  if (isTonight) requestTonight();
+  showExamples();
+}
+
+/** Requests tonight's passes; the shown ones stay if nothing has changed. */
+function requestTonight() {
+  const time_utc = iso(Math.floor(Date.now() / TONIGHT_STEP_MS) * TONIGHT_STEP_MS);
+  const parameters = { time_utc, max_mag: state.bright ?? BRIGHT_MAG, samples: PASS_SAMPLES };
+  $("bright").value = parameters.max_mag;
+  $("order").value = state.order ?? "";
+  tonight.order = state.order;
+  if (JSON.stringify(parameters) === JSON.stringify(tonightQuestion)) return tonight.sort(state.order);
+  tonightQuestion = parameters;
+  setTonightBusy(true);
+  requestForecast(parameters);
+}
+
+function setTonightBusy(isBusy) {
+  $("tonight").setAttribute("aria-busy", String(isBusy));
+  $("tonight-busy").hidden = !isBusy;
+}
+
+function showTonight(forecast) {
+  setTonightBusy(false);
+  problem("tonight", null);
+  const hours = night.utc_offset_h;
+  tonight.show(forecast, hours);
+  const of = forecast.night;
+  const number = tonight.passes.length;
+  const dark = of.dark_from_utc ? ` The Sun is below ${fixed(of.sun_altitude_limit_deg, 0)}° from ${hour(moment(of.dark_from_utc), hours)} to ${hour(moment(of.dark_until_utc), hours)}.` : "";
+  const found = number ? `${number} pass${number > 1 ? "es" : ""} probably brighter than mag ${tonightQuestion.max_mag}` : `no visible pass: ${of.why_empty}`;
+  const warnings = forecast.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
+  $("tonight-title").textContent = `Tonight: ${number} visible pass${number === 1 ? "" : "es"}`;
+  $("tonight-words").textContent = `Night of ${forecast.date}, local time (${zone(hours)}): ${found}.${dark}${warnings}`;
+  $("calendar").hidden = !number;
+  $("order-label").hidden = number < 2;
+}
+
+/** Shows well-known objects that are high now, as examples of targets. */
+function showExamples() {
+  $("examples").replaceChildren(
+    "High now: ",
+    ...examples(night.site, Date.now(), EXAMPLES).map((name) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = name;
+      button.addEventListener("click", () => {
+        $("target").value = name;
+        $("entry").requestSubmit();
+      });
+      return button;
+    }),
+  );
 }
 
 /** Shows the night's numbers of verdicts. */
@@ -525,6 +601,7 @@ function showScroll() {
 
 function drawAll() {
   if (!night) return;
+  tonight.draw();
   showScroll();
   legend($("scale"), $("bands"));
   drawNight();
@@ -606,6 +683,20 @@ $("link").addEventListener("click", async () => {
 $("csv").addEventListener("click", async () => {
   await copyAs("Crossings", crossings.csv(detailed?.passes ?? []));
 });
+$("bright").addEventListener("change", (event) => {
+  if (!event.target.checkValidity() || event.target.value === "") return problem("tonight", "Brighter than: -5 to 10 mag.");
+  state.bright = Number(event.target.value);
+  requestTonight();
+  link.write(state, "tonight");
+});
+$("order").addEventListener("change", (event) => {
+  state.order = event.target.value || undefined;
+  tonight.sort(state.order);
+  link.write(state, "tonight");
+});
+$("calendar").addEventListener("click", () => tonight.download(tonight.calendar, `passes-${night.night}`));
+$("tonight").addEventListener("toggle", () => tonight.draw());
+setInterval(() => tonight.tick(), 1000);
 $("entry").addEventListener("submit", (event) => {
   event.preventDefault();
   enterTyped();

@@ -13,6 +13,21 @@ export function clock(ms, hours = 0, decimals = 0) {
   return `${two(date.getUTCHours())}:${two(date.getUTCMinutes())}:${two(date.getUTCSeconds())}${fraction}`;
 }
 
+/** Returns a time of day with the digits that an error of the time allows: to 1 s, 10 s or 1 min. */
+export function known(ms, sigma_s, hours = 0, decimals = 0) {
+  const sigma = sigma_s ?? Infinity;
+  if (sigma > 10) return clock(Math.round(ms / 60e3) * 60e3, hours).slice(0, 5);
+  return clock(sigma > 1 ? Math.round(ms / 10e3) * 10e3 : ms, hours, sigma > 0.1 ? 0 : decimals);
+}
+
+/** Returns a length of time like 1 h 05 min, 12 min, or 4 min 05 s. */
+export function span(seconds) {
+  const whole = Math.max(0, Math.ceil(seconds));
+  const [h, min, s] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
+  if (h) return `${h} h ${two(min)} min`;
+  return min >= 10 ? `${min} min` : min ? `${min} min ${two(s)} s` : `${s} s`;
+}
+
 /** Returns a time of day like 23:30. */
 export const hour = (ms, hours = 0) => clock(ms, hours).slice(0, 5);
 
@@ -54,6 +69,15 @@ export function hours(degrees) {
 export function sexagesimal(degrees) {
   const minutes = Math.round(Math.abs(degrees) * 60);
   return `${degrees < 0 ? "−" : "+"}${two(Math.floor(minutes / 60))}°${two(minutes % 60)}′`;
+}
+
+/** Saves text as a file of the browser's downloads. */
+export function save(text, name, type) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
 }
 
 /** Copies text to the clipboard, with a fallback for pages that are not on loopback. Returns whether that succeeded. */

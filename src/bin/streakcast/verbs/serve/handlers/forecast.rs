@@ -1,0 +1,93 @@
+//! `/api/v1/forecast`: returns the visible passes of a night, as `forecast` of the command line, with their calendar.
+
+use hifitime::Epoch;
+use serde_json::{Value, json};
+use streakcast::config::ForecastConfig;
+use streakcast::forecast::{Forecast, Night, PassColumns, calendar, forecast, night_table, pass_table};
+use streakcast::passes::VisiblePasses;
+
+use super::super::super::passes::left_out_table;
+use super::super::problem::Problem;
+use super::super::query::{Kind, Parameter, Query, number, optional, required};
+use super::super::state::RequestState;
+use super::document::{
+    Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
+};
+use crate::clock::night_at;
+
+pub const PARAMETERS: &[Parameter] = &[
+    optional("night", Kind::Date, "The evening's local date; required without time_utc."),
+    optional(
+        "time_utc",
+        Kind::Moment,
+        "A time instead of the date: the night at this time, or by day the next one, as `tonight` of the command line.",
+    ),
+    required(
+        "max_mag",
+        number(-30.0, 40.0, " mag"),
+        "Only passes that are probably brighter than this, through clear air and in twilight.",
+    ),
+    optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each pass; default 0."),
+];
+
+pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
+    let night = match (query.text("night"), query.moment("time_utc")) {
+        (Some(_), Some(_)) => return Err(Problem::both("night", "time_utc")),
+        (Some(night), None) => night.to_owned(),
+        (None, Some(epoch)) => night_at(&state.site, epoch),
+        (None, None) => return Err(Problem::missing("night", "night or time_utc")),
+    };
+    let mut wanted = ForecastConfig {
+        max_mag: query.number("max_mag"),
+        samples: query.count("samples").or(Some(0)),
+        ..ForecastConfig::default()
+    };
+    wanted.range.night = Some(night.clone());
+    let invalid = |error: String| Problem::new(400, error);
+    let (request, selection) = wanted.resolve(&state.config, 0).map_err(|error| invalid(error.to_string()))?;
+    let found = forecast(state.sky(), &request, &selection).map_err(|error| invalid(error.to_string()))?;
+    let mut caveats = state.caveats_at(request.start, request.end, &found.found.left_out)?;
+    caveats.warnings.extend(found.prior_warning(state.sky(), request.max_magnitude));
+    caveats.warnings.extend(found.fitted_range_warning());
+
+    let columns = PassColumns { p_brighter: true, more: true, samples: request.samples > 0 };
+    let rows = || found.rows(state.sky());
+    let why_empty = found.why_empty(state.sky(), &request);
+    let utc_offset_s = |epoch| state.utc_offset_h(epoch) * 3600.0;
+    let mut document = Document::with_provenance(&state.provenance);
+    document.caveats(&caveats);
+    document.value("date", night);
+    document.record("night", &night_table(&found, why_empty.as_deref()));
+    document.table("passes", &pass_table(rows(), columns));
+    // The time of creation is that of the server's start, so that the same request has the same response.
+    let events = || calendar(rows(), &state.site, state.started, None, None, utc_offset_s);
+    document.value("calendar", why_empty.is_none().then(events));
+    document.table("left_out", &left_out_table(&found.found.left_out));
+    Ok(document.into_json())
+}
+
+pub fn schema() -> Value {
+    let columns = PassColumns { p_brighter: true, more: true, samples: true };
+    let mut passes = rows_schema(&pass_table([], columns).columns);
+    // This column is only present if the parameter is given.
+    if let Some(required) = passes["items"]["required"].as_array_mut() {
+        required.retain(|name| name != "samples");
+    }
+    let at = Epoch::from_mjd_utc(0.0);
+    let night =
+        Night { start: at, end: at, max_sun_altitude_rad: None, dark: vec![], lowest_sun_rad: 0.0, lowest_sun_at: at };
+    let nothing = Forecast { night, found: VisiblePasses::default() };
+    object_schema(&[
+        ("provenance", provenance_schema()),
+        ("warnings", warnings_schema()),
+        ("left_out_count", left_out_count_schema()),
+        ("date", json!({"type": "string", "description": "The evening's local date."})),
+        ("night", row_schema(&night_table(&nothing, None).columns)),
+        ("passes", passes),
+        (
+            "calendar",
+            json!({"type": ["string", "null"], "description": "iCalendar (RFC 5545) with one event for each visible pass; null without one."}),
+        ),
+        ("left_out", rows_schema(&left_out_table(&[]).columns)),
+    ])
+}
