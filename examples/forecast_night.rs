@@ -27,9 +27,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         &ModelChoice::new(&ModelLibrary::embedded())?,
     );
 
-    // 2. Request: passes brighter than magnitude 4.5 that reach 40 degrees, with five points along each.
+    // 2. Request: passes brighter than magnitude 5.5 that reach 40 degrees, with five points along each.
     let request = ForecastRequest {
-        max_magnitude: Some(4.5),
+        max_magnitude: Some(5.5),
         min_culmination_rad: 40.0_f64.to_radians(),
         samples: 5,
         ..ForecastRequest::new(from, to)
