@@ -120,14 +120,15 @@ pub struct Propagator {
     epoch: Epoch,
     norad_id: NoradId,
     /// Time of decay, and the same in minutes after the epoch of the elements.
-    decayed: Option<(Epoch, f64)>,
+    decayed: Option<Box<(Epoch, f64)>>,
     period_s: f64,
     eccentricity: f64,
     /// Largest plausible distance from the Earth's centre.
     farthest_km: f64,
-    /// Present for half-day and one-day orbits only.
-    resonance: Option<Resonance>,
-    ephemeris: Option<Attached>,
+    /// Present for half-day and one-day orbits only. Few satellites have this or an ephemeris, so that they take little
+    /// memory.
+    resonance: Option<Box<Resonance>>,
+    ephemeris: Option<Box<Attached>>,
 }
 
 impl fmt::Debug for Propagator {
@@ -163,14 +164,14 @@ impl Propagator {
         let period_s = DAY_S / elements.mean_motion_rev_day;
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for perturbations by Moon and Sun.
         let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
-        let resonance = Resonance::of(&constants);
+        let resonance = Resonance::of(&constants).map(Box::new);
         Ok(Self {
             constants,
             epoch: elements.epoch,
             norad_id: elements.norad_id,
             decayed: elements
                 .decayed
-                .map(|decayed| (decayed, (decayed - elements.epoch).to_unit(hifitime::Unit::Minute))),
+                .map(|decayed| Box::new((decayed, (decayed - elements.epoch).to_unit(hifitime::Unit::Minute)))),
             period_s,
             eccentricity: elements.eccentricity,
             farthest_km,
@@ -184,13 +185,13 @@ impl Propagator {
         let start_minutes = self.minutes_since_epoch(table.start());
         let attached =
             Attached { table: table.clone(), class, largest_errors: table.largest_errors(class), start_minutes };
-        Self { ephemeris: Some(attached), ..self.clone() }
+        Self { ephemeris: Some(Box::new(attached)), ..self.clone() }
     }
 
     /// Returns the source of the positions.
     pub fn position_source(&self) -> PositionSource {
         let of_file = |attached: &Attached| PositionSource::Ephemeris(attached.table.file().clone());
-        self.ephemeris.as_ref().map_or(PositionSource::ElementSet, of_file)
+        self.ephemeris.as_deref().map_or(PositionSource::ElementSet, of_file)
     }
 
     /// Returns true if positions are interpolated in an ephemeris.
@@ -331,7 +332,7 @@ impl Propagator {
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
     pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), OrbitError> {
-        if let Some((decayed, after)) = self.decayed
+        if let Some((decayed, after)) = self.decayed.as_deref().copied()
             && minutes > after
         {
             return Err(OrbitError::DecayedByDate { norad_id: self.norad_id, decayed });

@@ -2,7 +2,7 @@
 
 use super::cone::{ConePassage, ConeTest, Cones};
 use super::kepler::Phase;
-use super::plane::{ConeInShell, Planes};
+use super::plane::{ConeInShell, Planes, all_outside};
 use super::window::{CHUNK, Chunk, Window};
 use crate::frames::{Gcrs, Rotation, Teme};
 use crate::math::vectors::widest;
@@ -79,11 +79,12 @@ impl Window {
             let Some((near_km, far_km)) = in_shell.distances_km(chunk.lowest_km, chunk.highest_km, moved_km) else {
                 continue;
             };
-            let (near, far) = (near_km as f32, far_km as f32);
-            let limit = (moved_km + chunk.slop_km + 0.01) as f32;
-            let near_limit = limit + near * radius_rad as f32;
-            let far_limit = limit + far * radius_rad as f32;
-            let (ends, limits) = ([near, far], [near_limit, far_limit]);
+            let ends = [near_km, far_km];
+            let limits = ends.map(|distance_km| moved_km + chunk.slop_km + 0.01 + distance_km * radius_rad);
+            if all_outside(chunk, test.fraction(), observer, axis, ends, limits) {
+                continue;
+            }
+            let (ends, limits) = (ends.map(|km| km as f32), limits.map(|km| km as f32));
             let outside = widest(Planes { chunk, fraction: x, observer: &o, axis: &d, ends, limits });
             // Satellites that pass are collected without a branch for each, so that their phases can afterwards be read
             // in sequence.

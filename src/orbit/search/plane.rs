@@ -58,6 +58,26 @@ impl ConeInShell {
     }
 }
 
+/// Returns true if no orbit plane of a chunk passes through a cone, which the mean of their normals shows for most
+/// chunks. The arguments are those of [`Planes`].
+pub(super) fn all_outside(
+    chunk: &Chunk,
+    fraction: f64,
+    observer: &Vector3<f64>,
+    axis: &Vector3<f64>,
+    ends: [f64; 2],
+    limits: [f64; 2],
+) -> bool {
+    let [start, change] = &chunk.mean_normal;
+    let mean = start + change * fraction;
+    let [near, far] = ends.map(|distance_km| observer + axis * distance_km);
+    // |(n - n̄)·P| ≤ |n - n̄| |P| for each point P = O + ρ d of the axis.
+    let [near_limit, far_limit] =
+        [(near, limits[0]), (far, limits[1])].map(|(point, limit)| limit + chunk.spread * point.norm());
+    let (at_near, at_far) = (mean.dot(&near), mean.dot(&far));
+    (at_near > near_limit && at_far > far_limit) || (at_near < -near_limit && at_far < -far_limit)
+}
+
 /// Test of all orbit planes of a chunk against a cone between two distances ρ from the observer.
 pub(super) struct Planes<'a> {
     pub chunk: &'a Chunk,

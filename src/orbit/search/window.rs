@@ -8,8 +8,9 @@
 //! 1. **Plane.** A point of the cone's axis at distance ρ is `|n·O + ρ n·d|` away from the orbit plane, where n is the
 //!    normal of the plane, O the observer and d the axis. Other points of the cone differ from this by at most the
 //!    cone's width. The satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. The expression inside the bars is
-//!    linear in ρ, so it need only be computed at both ends. Satellites are sorted by shell and processed in chunks
-//!    that share ρ₁ and ρ₂. One or two in a hundred satellites pass this test.
+//!    linear in ρ, so it need only be computed at both ends. Satellites are sorted by shell and by plane, and processed
+//!    in chunks that share ρ₁ and ρ₂. The same test with the mean plane of a chunk and the largest distance from it
+//!    rejects most chunks as a whole. One or two in a hundred satellites pass this test.
 //! 2. **Side.** By their mean longitudes, nine in ten of the remaining satellites are on another side of the Earth.
 //! 3. **Phase.** For the rest, the interpolated elements give the velocity, and the position to some 20 km, and hence
 //!    the closest approach to the line of sight during the exposure. One or two in ten thousand satellites pass this
@@ -63,6 +64,12 @@ const TOO_ECCENTRIC: f64 = 0.9;
 const LONGITUDE_NOISE_RAD: f64 = 0.02;
 const RATE_NOISE: f64 = 0.01;
 
+/// Range of perigees that count as one shell when satellites are sorted, km; small against [`RADIUS_SLOP_KM`].
+const SHELL_KM: f64 = 10.0;
+
+/// Range of the polar component of the normals in which planes are sorted by their nodes.
+const BAND: f32 = 0.05;
+
 /// Number of satellites that share one shell in the plane test; a multiple of the number of f32 in the widest vector.
 pub(super) const CHUNK: usize = 64;
 
@@ -78,8 +85,8 @@ pub struct Reach {
 /// One satellite before it is sorted into a chunk.
 struct Entry {
     phase: Phase,
-    normal: Vector3<f64>,
-    normal_change: Vector3<f64>,
+    normal: [f32; 3],
+    normal_change: [f32; 3],
     lowest_km: f64,
     highest_km: f64,
     cross_track_km: f64,
@@ -91,8 +98,13 @@ pub(super) struct Chunk {
     pub lowest_km: f64,
     pub highest_km: f64,
     pub slop_km: f64,
-    pub normal: [[f32; CHUNK]; 3],
-    pub normal_change: [[f32; CHUNK]; 3],
+    /// Mean of the normals at the start of the window, and its change until the end.
+    pub mean_normal: [Vector3<f64>; 2],
+    /// Largest distance of a normal from the mean normal of the same time.
+    pub spread: f64,
+    /// Columns, apart from the numbers of the whole chunk, which are read for every search.
+    pub normal: Box<[[f32; CHUNK]; 3]>,
+    pub normal_change: Box<[[f32; CHUNK]; 3]>,
     pub phases: Vec<Phase>,
 }
 
@@ -111,7 +123,7 @@ pub struct Window {
 enum Kind {
     Regular(Box<Entry>),
     Always,
-    LeftOut(OrbitError),
+    LeftOut(Box<OrbitError>),
     Absent,
 }
 
@@ -149,7 +161,7 @@ impl Window {
                 };
                 let minutes = propagator.minutes_since_epoch(start);
                 if let Some(reason) = unknown(element_index).filter(|_| !propagator.has_ephemeris()) {
-                    return Ok(Kind::LeftOut(reason));
+                    return Ok(Kind::LeftOut(Box::new(reason)));
                 }
                 let end_minutes = minutes + span_s / 60.0;
                 Ok(match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
@@ -157,7 +169,7 @@ impl Window {
                         .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
                     // A satellite without a position at either end of the window is left out. If only one end has no
                     // position, SGP4 is evaluated at each time.
-                    (Err(error), Err(_)) => Kind::LeftOut(error),
+                    (Err(error), Err(_)) => Kind::LeftOut(Box::new(error)),
                     _ => Kind::Always,
                 })
             })
@@ -171,18 +183,23 @@ impl Window {
                 Kind::Always => window.always.push((element_index as u32, reach(element_index).along_track_s as f32)),
                 Kind::LeftOut(reason) => {
                     if let Some(propagator) = index.propagator(element_index) {
-                        window.left_out.push(LeftOut { norad_id: propagator.norad_id(), element_index, reason });
+                        window.left_out.push(LeftOut {
+                            norad_id: propagator.norad_id(),
+                            element_index,
+                            reason: *reason,
+                        });
                     }
                 }
                 Kind::Absent => {}
             }
         }
-        // Thin shells are sorted by height. Thick shells (eccentric orbits) follow, sorted by perigee, so that no chunk
-        // contains both kinds.
-        let key = |entry: &Entry| ((entry.highest_km - entry.lowest_km > 200.0), entry.lowest_km);
-        entries.sort_unstable_by(|a, b| {
-            let ((thick_a, low_a), (thick_b, low_b)) = (key(a), key(b));
-            thick_a.cmp(&thick_b).then(low_a.total_cmp(&low_b))
+        // Thin shells are sorted by height. Thick shells (eccentric orbits) follow, sorted by perigee, so that few chunks
+        // contain both kinds. Within a shell, satellites of similar inclinations are sorted by the node.
+        entries.par_sort_by_cached_key(|entry| {
+            let is_thick = entry.highest_km - entry.lowest_km > 200.0;
+            let [x, y, z] = entry.normal;
+            let (shell, band) = ((entry.lowest_km / SHELL_KM) as i32, (z / BAND).floor() as i32);
+            (is_thick, shell, band, (x.atan2(-y) * 1e6) as i32)
         });
         window.chunks = entries.chunks(CHUNK).map(|entries| chunk(entries.iter().map(|entry| &**entry))).collect();
         Ok(window)
@@ -244,8 +261,8 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
             swing_rad: (SWING_PER_ECCENTRICITY * eccentric) as f32,
             only_plane: dragged || eccentric > TOO_ECCENTRIC,
         },
-        normal: begin.normal,
-        normal_change: end.normal - begin.normal,
+        normal: begin.normal.map(|component| component as f32).into(),
+        normal_change: (end.normal - begin.normal).map(|component| component as f32).into(),
         // An error across the track may be radial, upwards or downwards.
         lowest_km: lowest_km - reach.cross_track_km,
         highest_km: highest_km + reach.cross_track_km,
@@ -258,8 +275,10 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
         lowest_km: f64::INFINITY,
         highest_km: 0.0,
         slop_km: 0.0,
-        normal: [[0.0; CHUNK]; 3],
-        normal_change: [[0.0; CHUNK]; 3],
+        mean_normal: [Vector3::zeros(); 2],
+        spread: 0.0,
+        normal: Box::new([[0.0; CHUNK]; 3]),
+        normal_change: Box::new([[0.0; CHUNK]; 3]),
         phases: Vec::with_capacity(entries.len()),
     };
     for (lane, entry) in entries.enumerate() {
@@ -267,11 +286,19 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
         chunk.highest_km = chunk.highest_km.max(entry.highest_km);
         chunk.slop_km = chunk.slop_km.max(PLANE_SLOP_RAD * entry.highest_km + entry.cross_track_km);
         for axis in 0..3 {
-            chunk.normal[axis][lane] = entry.normal[axis] as f32;
-            chunk.normal_change[axis][lane] = entry.normal_change[axis] as f32;
+            chunk.normal[axis][lane] = entry.normal[axis];
+            chunk.normal_change[axis][lane] = entry.normal_change[axis];
         }
         chunk.phases.push(entry.phase);
     }
+    let count = chunk.phases.len();
+    let normals_at = |fraction: f64| (0..count).map(move |lane| (lane, fraction));
+    let normal = |(lane, fraction)| chunk.normal_at(lane, fraction);
+    let [start, end] = [0.0, 1.0].map(|fraction| normals_at(fraction).map(normal).sum::<Vector3<f64>>() / count as f64);
+    // Normals and their mean are linear in time, so their distance is largest at one end.
+    let from = |mean: Vector3<f64>, fraction| normals_at(fraction).map(move |at| (normal(at) - mean).norm());
+    chunk.spread = from(start, 0.0).chain(from(end, 1.0)).fold(0.0, f64::max);
+    chunk.mean_normal = [start, end - start];
     chunk
 }
 
