@@ -257,16 +257,19 @@ impl PreparedSky {
         }
     }
 
-    /// Returns a warning if the positions of the satellites are unknown in a part of the time from `first` to `last`, in
-    /// steps of six hours; `None` if they are always known.
+    /// Returns a warning if the positions of the satellites are unknown in a part of the time from `first` to `last`,
+    /// which is tested every six hours: the stated time begins and ends at known positions. `None` if they are always
+    /// known.
     pub fn unknown_part_warning(&self, first: Epoch, last: Epoch) -> Option<String> {
         let steps = (seconds_between(first, last) / UNKNOWN_STEP_S).ceil() as usize;
         let epochs = (0..steps).map(|step| seconds_after(first, step as f64 * UNKNOWN_STEP_S)).chain([last]);
-        let unknown: Vec<(Epoch, String)> =
-            epochs.filter_map(|epoch| Some((epoch, self.sky.predictability(epoch).reason()?))).collect();
-        let ((begin, reason), (end, _)) = (unknown.first()?, unknown.last()?);
-        let (begin, end) = (format_utc(*begin, 0), format_utc(*end, 0));
-        Some(format!("{reason} from {begin} to {end}: passes in this time are missing"))
+        let tested: Vec<(Epoch, Option<String>)> =
+            epochs.map(|epoch| (epoch, self.sky.predictability(epoch).reason())).collect();
+        let (begin, reason) = tested.iter().enumerate().find_map(|(i, (_, reason))| Some((i, reason.as_ref()?)))?;
+        let end = tested.iter().rposition(|(_, reason)| reason.is_some())?;
+        let time = |index: usize| format_utc(tested[index].0, 0);
+        let (begin, end) = (time(begin.saturating_sub(1)), time((end + 1).min(tested.len() - 1)));
+        Some(format!("{reason} in all or part of the time from {begin} to {end}: passes in it are missing"))
     }
 }
 

@@ -23,7 +23,7 @@ pub struct EmptyNight<'a> {
     pub end: Epoch,
     /// Reason why no pass is visible, from [`Forecast::why_empty`](super::Forecast::why_empty).
     pub why: &'a str,
-    /// True if the passes of some satellites are unknown, because their elements are too old.
+    /// True if there may be visible passes, from [`Forecast::may_have_passes`](super::Forecast::may_have_passes).
     pub is_unknown: bool,
 }
 
@@ -32,8 +32,9 @@ pub struct EmptyNight<'a> {
 /// `utc_offset_s` returns local time minus UTC at a time, seconds.
 ///
 /// Lines end in CR LF and are folded at 75 bytes (section 3.1), and text is escaped (section 3.3.11). The UID of an
-/// event does not depend on `made`. An event starts at the last whole step before the visible part begins, and ends at
-/// the first one after it ends; the step is 1 s, 10 s or 1 min, whichever is next above the error of the times. A
+/// event depends neither on `made` nor on errors of a few seconds, so that a calendar from newer elements replaces the
+/// events. An event starts at the last whole step before the visible part begins, and ends at
+/// the first one after it ends; the step is 1 s, 10 s, 1 min or 10 min, whichever is next above the error of the times. A
 /// calendar must have at least one component (section 3.6): if `empty` is given, the night is written as one transparent
 /// event with the reason.
 pub fn calendar<'a>(
@@ -62,7 +63,9 @@ pub fn calendar<'a>(
             format!("mag {:.1} \u{b1} {:.1}", light.magnitude.0, light.sigma_mag)
         });
         line("BEGIN:VEVENT".into());
-        line(format!("UID:{}-{}@streakcast", row.pass.norad_id, stamp(row.pass.culmination.epoch)));
+        // No satellite culminates twice in half an hour.
+        let culmination = utc(row.pass.culmination.epoch).floor(30.0 * Unit::Minute);
+        line(format!("UID:{}-{}@streakcast", row.pass.norad_id, stamp(culmination)));
         line(format!("DTSTAMP:{}", stamp(made)));
         line(format!("DTSTART:{}", stamp(utc(seen.begin.epoch).floor(step))));
         line(format!("DTEND:{}", stamp(utc(seen.end.epoch).ceil(step))));

@@ -8,6 +8,7 @@ use super::error::ForecastError;
 use super::pass_table::PassRow;
 use super::request::{ForecastRequest, PassOrder};
 use super::selection::Selection;
+use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::orbit::{LeftOut, OrbitError};
@@ -89,7 +90,14 @@ pub struct Forecast {
     pub night: Night,
     /// Visible passes, and counts of the omitted passes.
     pub found: VisiblePasses,
+    /// Number of selected satellites whose times are uncertain by more than a minute in the middle of the night (one
+    /// sigma), and the largest of their sigmas, seconds.
+    pub late: (usize, f64),
 }
+
+/// Error of the times, seconds, above which a pass may be visible although the predicted one is not: the Earth's shadow
+/// moves along a pass of some minutes.
+const UNCERTAIN_S: f64 = 60.0;
 
 /// Computes all visible passes of the selected satellites. It uses all threads of the current thread pool.
 ///
@@ -132,7 +140,16 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
             })
         });
     }
-    Ok(Forecast { night, found })
+    let middle = seconds_after(request.start, 0.5 * seconds_between(request.start, request.end));
+    let elements = sky.elements().iter().enumerate().filter(|(_, set)| selected.contains(set));
+    let late = elements
+        .map(|(index, set)| {
+            let age_days = seconds_between(set.epoch, middle) / DAY_S;
+            if sky.is_known(index, age_days) { sky.uncertainty(index, age_days).along_track_s } else { 0.0 }
+        })
+        .filter(|sigma_s| *sigma_s > UNCERTAIN_S)
+        .fold((0, 0.0), |(count, largest_s), sigma_s| (count + 1, sigma_s.max(largest_s)));
+    Ok(Forecast { night, found, late })
 }
 
 impl Forecast {
@@ -146,12 +163,18 @@ impl Forecast {
 
     /// Returns a warning if brightest points are outside the fitted ranges of the models.
     pub fn fitted_range_warning(&self) -> Option<String> {
-        let lights: Vec<_> = self.found.passes.iter().filter_map(VisiblePass::peak_brightness).collect();
-        let outside = lights.iter().filter(|light| !light.in_fitted_range).count();
-        (outside > 0).then(|| {
-            let (is, their) = if outside == 1 { ("is", "its sigma is") } else { ("are", "their sigmas are") };
-            let passes = counted(lights.len(), "pass", "passes");
-            format!("{outside} of {passes} {is} brightest where no photometry was fitted; {their} larger")
+        let with_light = self.found.passes.iter().filter_map(|pass| Some((pass, pass.peak_brightness()?)));
+        let count = with_light.clone().count();
+        let outside: Vec<_> = with_light.filter(|(_, light)| !light.in_fitted_range).map(|(pass, _)| pass).collect();
+        (!outside.is_empty()).then(|| {
+            let (is, their) = if outside.len() == 1 { ("is", "its sigma is") } else { ("are", "their sigmas are") };
+            let passes = counted(count, "pass", "passes");
+            let expected: f64 = outside.iter().filter_map(|pass| pass.p_brighter).sum();
+            let expected = if expected > 0.0 { format!(" ({expected:.1} expected)") } else { String::new() };
+            format!(
+                "{} of {passes}{expected} {is} brightest where no photometry was fitted; {their} larger",
+                outside.len()
+            )
         })
     }
 
@@ -159,6 +182,17 @@ impl Forecast {
     pub fn unknown(&self) -> usize {
         let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
         self.found.left_out.iter().filter(is_unknown).count()
+    }
+
+    /// Returns true if the times of most satellites are uncertain by more than a minute.
+    fn is_uncertain(&self) -> bool {
+        2 * self.late.0 > self.found.satellites
+    }
+
+    /// Returns true if a night without visible passes may have some: the elements of some satellites are too old, or the
+    /// times of most satellites are uncertain.
+    pub fn may_have_passes(&self) -> bool {
+        self.unknown() > 0 || self.is_uncertain()
     }
 
     /// Returns the reason why no pass over the site is visible; `None` if there is one.
@@ -203,6 +237,13 @@ impl Forecast {
             };
             let when = if request.include_dark { String::new() } else { format!(" while it is dark at {site}") };
             reasons.push(format!("{of} above {lowest_deg:.1} deg{when} within the requested interval"));
+        }
+        if self.is_uncertain() {
+            let (count, largest_s) = self.late;
+            let are = if count == 1 { "is" } else { "are" };
+            let times =
+                format!("the times of {count} of {satellites} satellites {are} uncertain by up to {largest_s:.0} s");
+            reasons.push(format!("{times}, so that a pass may be visible"));
         }
         Some(reasons.join("; "))
     }

@@ -7,6 +7,7 @@ use crate::elements::ElementSet;
 use crate::frames::{seconds_after, seconds_between};
 use crate::output::{Column, Kind, Table, TableField, Value, format_utc};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
+use crate::photometry::Brightness;
 
 /// Largest difference between two times that are taken as the same event, seconds.
 const SAME_S: f64 = 0.01;
@@ -389,12 +390,16 @@ const READABLE_COLUMNS: [Column; 21] = [
     Column::real("along_track_sigma_s", "s", 1, "One sigma of the times."),
     Column::real("element_age_days", "d", 1, "Time of culmination minus epoch of the elements."),
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-    Column::new("mag_source", Kind::Text, "Source of the magnitude."),
+    Column::new(
+        "mag_source",
+        Kind::Text,
+        "Source of the magnitude; `not fitted here` if its geometry is outside that of the fit.",
+    ),
 ];
 
 /// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of the
-/// brightest point, start, highest point and end. Times are rounded to 1 s, 10 s or 1 min, whichever is next above their
-/// error. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is listed from
+/// brightest point, start, highest point and end. Times are rounded to 1 s, 10 s, 1 min or 10 min, whichever is next above
+/// their error. `utc_offset_s` returns local time minus UTC at a time, seconds. A pass without a visible part is listed from
 /// rise to set. With a magnitude limit, the last column is the probability of being brighter.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: impl Fn(Epoch) -> f64) -> Table {
     let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
@@ -445,7 +450,11 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: &impl Fn(Epoch) -> f64) -> Ve
     cells.push(pass.along_track_sigma_s.into());
     cells.push(pass.element_age_days.into());
     cells.push(i64::from(pass.norad_id.0).into());
-    cells.push(light.map(|light| light.source.to_string()).into());
+    let source = |light: &Brightness| {
+        let not_fitted = if light.in_fitted_range { "" } else { ", not fitted here" };
+        format!("{}{not_fitted}", light.source)
+    };
+    cells.push(light.map(source).into());
     cells
 }
 
@@ -470,9 +479,9 @@ pub(super) fn utc_offset(utc_offset_s: f64) -> String {
     }
 }
 
-/// Returns the step to which times are rounded whose error is `sigma_s`: 1 s, 10 s or 1 min.
+/// Returns the step to which times are rounded whose error is `sigma_s`: 1 s, 10 s, 1 min or 10 min.
 pub(super) fn known_step_s(sigma_s: f64) -> f64 {
-    [1.0, 10.0].into_iter().find(|step_s| sigma_s <= *step_s).unwrap_or(60.0)
+    [1.0, 10.0, 60.0].into_iter().find(|step_s| sigma_s <= *step_s).unwrap_or(600.0)
 }
 
 /// Returns the local time of day as text, rounded to `step_s`; without seconds if this is a minute.

@@ -73,6 +73,11 @@ fn has_words(name: &str, text: &str) -> bool {
 }
 
 impl Selection {
+    /// Returns true if every satellite is selected.
+    pub fn is_all(&self) -> bool {
+        self.generations.is_empty() && self.names.is_empty() && self.norad_ids.is_empty()
+    }
+
     /// Returns the selected satellites of a catalogue.
     #[doc(hidden)]
     pub fn among(&self, elements: &[ElementSet]) -> Selected {

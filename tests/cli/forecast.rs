@@ -256,6 +256,8 @@ fn verif_documents() {
     let of_place = done(&[NIGHT, &SKY[..2], PLANES, somewhere]);
     assert!(of_place.contains("LOCATION:latitude -30.245\\, longitude -70.749 deg\r\n"), "{of_place}");
     let mut ids = starting("UID:");
+    // The identifier does not change with the seconds of a prediction.
+    assert!(ids.iter().all(|id| id.ends_with("000Z@streakcast")), "{ids:?}");
     ids.dedup();
     assert_eq!(ids.len(), passes.len());
 

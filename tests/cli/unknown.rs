@@ -139,8 +139,8 @@ fn the_unknown_days_of_a_longer_request_are_named() {
     let range: &[&str] = &["--start", "2026-08-14T22:00:00Z", "--end", "2026-08-19T22:00:00Z"];
     let (code, _, stderr) = run(&[&["forecast", "--norad", "60001"], range, elements]);
     assert_eq!(code, 0, "{stderr}");
-    let warning = "days old: positions unknown from 2026-08-1";
-    assert!(stderr.contains(warning) && stderr.contains(" to 2026-08-19T22:00:00Z: passes in this time"), "{stderr}");
+    let warning = "days old: positions unknown in all or part of the time from 2026-08-1";
+    assert!(stderr.contains(warning) && stderr.contains(" to 2026-08-19T22:00:00Z: passes in it"), "{stderr}");
     // The target is observable in the nights of the known days and of the unknown ones.
     let target: &[&str] = &["--ra", "230", "--dec=-30", "--exposure", "10min", "--fov", "0.1deg"];
     let (code, stdout, stderr) = run(&[&["windows", "--format", "json"], range, elements, target]);
@@ -185,6 +185,47 @@ fn an_empty_forecast_names_old_elements() {
     let calendar = stdout.replace("\r\n ", "");
     assert!(calendar.contains("SUMMARY:Unknown satellite passes over"), "{stdout} {stderr}");
     assert!(calendar.contains("the elements of 1 of 2 satellites are too old to predict passes"), "{stdout}");
+}
+
+/// An empty night of satellites whose times are uncertain by minutes may have passes; the calendar says so. The error
+/// and the warning for old catalogues do not count satellites that are not selected.
+#[test]
+fn an_empty_forecast_of_late_satellites_is_uncertain() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = elements(&folder, "COSMOS-", 60.0, 1);
+    let night = ["forecast", "--night", "2026-08-14", "--mpc", "X05", "--elements", &file, "--norad", "60010"];
+    let (_, stdout, stderr) = run(&[&night, &["--max-mag=-5", "--format", "ics"]]);
+    let calendar = stdout.replace("\r\n ", "");
+    assert!(calendar.contains("SUMMARY:Unknown satellite passes over"), "{stdout} {stderr}");
+    let reason = "the times of 1 of 1 satellites is uncertain by up to 1";
+    assert!(calendar.contains(reason) && calendar.contains("so that a pass may be visible"), "{calendar}");
+
+    // All but the first satellite are too old.
+    let all_old = elements(&folder, "STARLINK-31", 60.0, 1);
+    let fresh = elements(&folder, "COSMOS-", 0.5, 1);
+    let one = fs::read_to_string(&fresh).unwrap().lines().take(3).collect::<Vec<_>>().join("\n");
+    let old: String = fs::read_to_string(&all_old).unwrap().lines().skip(3).map(|line| format!("{line}\n")).collect();
+    let file = path(&folder, "both.tle");
+    fs::write(&file, format!("{one}\n{old}")).unwrap();
+    let (code, _, stderr) =
+        run(&[&["forecast", "--night", "2026-08-14", "--mpc", "X05", "--elements", &file, "--norad", "60000"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(!stderr.contains("positions"), "{stderr}");
+}
+
+/// The night of a date is that of the site's civil date in `windows` as in `forecast`, beyond the date line too.
+#[test]
+fn nights_of_windows_and_forecast_are_the_same() {
+    let starts = |verb: &str, more: &[&str]| {
+        let site = ["--time-zone", "Pacific/Tongatapu", "--night", "2026-08-22", "--lat=-21.2", "--lon=-175.2"];
+        let answer = json(&[&[verb, "--shells", "starlink-gen1"], &site, more]);
+        answer["provenance"]["options"].to_string()
+    };
+    let windows = starts("windows", &["--target", "M7", "--fov", "0.5deg", "--exposure", "30s", "--limit-mag", "3"]);
+    let forecast = starts("forecast", &["--norad", "900000001"]);
+    // The Sun sets at 05:00 UTC on 22 August.
+    assert!(windows.contains("2026-08-22T") && forecast.contains("2026-08-22T"), "{windows} {forecast}");
+    assert!(!windows.contains("2026-08-24T"), "{windows}");
 }
 
 #[test]

@@ -59,12 +59,34 @@ pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config:
     Ok(())
 }
 
+/// Replaces the date of an evening by that of local mean time, and `tonight` by such a date. Returns a remark where the
+/// civil date may be another one and `zone` is omitted.
+///
+/// # Errors
+/// The site of the configuration is missing or invalid.
+pub fn set_night(
+    night: &mut Option<String>,
+    config: &Config,
+    zone: Option<&LocalTime>,
+) -> anyhow::Result<Option<String>> {
+    let remark = match zone {
+        Some(zone) if night.as_deref() != Some(TONIGHT) => {
+            set_civil_night(night, config, zone)?;
+            None
+        }
+        Some(_) => None,
+        None => date_line_remark(night.as_deref(), config).map(|remark| format!("{remark}; specify --time-zone")),
+    };
+    set_tonight(night, config)?;
+    Ok(remark)
+}
+
 /// Replaces the date of an evening by that of local mean time, by which nights are counted, where the civil date of a
 /// time zone differs from it by a day: beyond the date line, for example in Tonga.
 ///
 /// # Errors
 /// The site of the configuration is missing or invalid.
-pub fn set_civil_night(night: &mut Option<String>, config: &Config, zone: &LocalTime) -> anyhow::Result<()> {
+fn set_civil_night(night: &mut Option<String>, config: &Config, zone: &LocalTime) -> anyhow::Result<()> {
     let Some(text) = night.as_ref() else { return Ok(()) };
     // An invalid date is reported when the night is computed.
     let Ok(noon) = parse_instant(&format!("{text}T12:00:00Z"), None) else { return Ok(()) };

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
-use crate::clock::{TONIGHT, date_line_remark, set_civil_night, set_tonight};
+use crate::clock::{TONIGHT, set_night, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -123,18 +123,9 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let is_compared = matches!(document, Some(Document::TrackingData | Document::Score));
     typed.forecast.no_atmosphere |= is_compared && config.extinction.is_none();
     let mut of_mean_time = typed.forecast.clone();
-    match &zone {
-        Some(zone) if of_mean_time.range.night.as_deref() != Some(TONIGHT) => {
-            set_civil_night(&mut of_mean_time.range.night, &config, zone)?;
-        }
-        Some(_) => {}
-        None => {
-            if let Some(remark) = date_line_remark(typed.forecast.range.night.as_deref(), &config) {
-                notices.info(&format!("{remark}; specify --time-zone"));
-            }
-        }
+    if let Some(remark) = set_night(&mut of_mean_time.range.night, &config, zone.as_ref())? {
+        notices.info(&remark);
     }
-    set_tonight(&mut of_mean_time.range.night, &config)?;
     set_tonight(&mut typed.forecast.range.night, &config)?;
     let (request, selection) = of_mean_time.resolve(&config, default_samples)?;
     let (from, to) = (request.start, request.end);
@@ -142,7 +133,11 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let mut prepared = config.prepare(from, to)?;
     let selected = selection.among(prepared.sky.elements());
     notices.warn(&prepared.warnings_of(from, to, &|elements| selected.contains(elements)));
-    prepared.check_known(from, to)?;
+    // This error counts all satellites; `found` counts the selected ones.
+    let of_all = selection.is_all();
+    if of_all {
+        prepared.check_known(from, to)?;
+    }
     let found = forecast(&prepared.sky, &request, &selection)?;
     if found.found.passes.is_empty() && found.unknown() == found.found.satellites {
         return Err(anyhow!(
@@ -151,7 +146,9 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
         ));
     }
     notices.warn_left_out(&prepared, &found.found.left_out, from)?;
-    notices.warn(&prepared.unknown_part_warning(from, to));
+    if of_all || found.unknown() > 0 {
+        notices.warn(&prepared.unknown_part_warning(from, to));
+    }
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     notices.warn(&found.fitted_range_warning());
@@ -189,7 +186,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
                 start: request.start,
                 end: request.end,
                 why,
-                is_unknown: found.unknown() > 0,
+                is_unknown: found.may_have_passes(),
             });
             output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty, utc_offset_s), &notices)?;
         }

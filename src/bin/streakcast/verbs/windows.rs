@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
-use crate::clock::{TONIGHT, date_line_remark, set_tonight};
+use crate::clock::{TONIGHT, set_night};
 use anyhow::anyhow;
 use clap::Args;
 use hifitime::Epoch;
@@ -108,9 +108,9 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         })?,
     };
     let notices = begin(&config)?;
-    set_tonight(&mut range.night, &config)?;
-    if let Some(remark) = date_line_remark(range.night.as_deref(), &config) {
-        notices.info(&format!("{remark}; --start and --end specify the night in UTC"));
+    let zone = typed.zone.or_of(&config)?;
+    if let Some(remark) = set_night(&mut range.night, &config, zone.as_ref())? {
+        notices.info(&remark);
     }
     let (from, to) = range.resolve(&config)?;
     let plan = config.observation()?;
@@ -182,7 +182,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         }
     } else {
         let mut windows = window_table(&found);
-        if let Some(zone) = &typed.zone.or_of(&config)? {
+        if let Some(zone) = &zone {
             add_local_times(&mut windows, zone);
         }
         output.write(
