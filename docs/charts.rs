@@ -1,14 +1,16 @@
-//! Charts of a fit, drawn from invented data: `cargo run --example charts -- FOLDER` writes them as PNG and SVG.
+//! Charts of a fit and of a pass, drawn from invented data: `cargo run --example charts -- FOLDER` writes them as PNG and SVG.
 
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
+use streakcast::geometry::Site;
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    AlarmChart, AlarmMark, Corner, CountsAndSpread, CutPanel, LayerPanel, Layers, PhaseCurve, Quantity,
-    ResidualHistogram, ResidualPanels, alarm_chart, corner, counts_and_spread, layers, phase_curve, residual_histogram,
-    residual_panels, streak_cuts,
+    AlarmChart, AlarmMark, Corner, CountsAndSpread, CutPanel, FinderChart, LayerPanel, Layers, LightCurve, LocalClock,
+    PhaseCurve, Quantity, ResidualHistogram, ResidualPanels, SkyChart, SkyTrack, alarm_chart, corner,
+    counts_and_spread, finder_chart, layers, light_curve, phase_curve, residual_histogram, residual_panels, sky_chart,
+    streak_cuts,
 };
 
 /// Generator of reproducible pseudo-random numbers: the fractional parts of large multiples of sines.
@@ -166,7 +168,47 @@ fn main() -> Result<(), Box<dyn Error>> {
         }],
     )?;
 
+    // A pass from west to east, 70 degrees high, which ends in the Earth's shadow; the models do not describe its start.
+    let site = Site::new_deg("invented site", 48.0, 16.0, 200.0)?;
+    let share = |k: usize| k as f64 / 60.0;
+    let track = SkyTrack {
+        name: "Invented satellite".to_owned(),
+        time_mjd: (0..=60).map(|k| 61_000.8 + 0.004 * share(k)).collect(),
+        azimuth_deg: (0..=60).map(|k| 280.0 + 200.0 * share(k)).collect(),
+        altitude_deg: (0..=60).map(|k| 10.0 + 60.0 * (PI * share(k)).sin()).collect(),
+        magnitude: (0..=60).map(|k| if k > 45 { f64::NAN } else { 5.0 - 3.0 * share(k) }).collect(),
+        sigma_mag: (0..=60).map(|k| if k < 15 { 0.7 } else { 0.3 }).collect(),
+        time_sigma_s: 2.0,
+    };
+    let local = Some(LocalClock { ahead_of_utc_h: 1.0, name: "local time (UTC+1)".to_owned() });
+    let tracks = std::slice::from_ref(&track);
+    let site = Some(&site);
+    let sky =
+        sky_chart(&SkyChart { title: "Invented pass", caption: "Invented data.", tracks, local: local.clone(), site })?;
+    let finder = finder_chart(&FinderChart {
+        title: "Pass of an invented satellite",
+        caption: "Invented data.",
+        track: &track,
+        local: local.clone(),
+        site,
+    })?;
+    let brightness = light_curve(&LightCurve {
+        title: "Light curve of an invented satellite",
+        caption: "Invented data.",
+        time_mjd: &track.time_mjd,
+        magnitude: &track.magnitude,
+        sigma_mag: &track.sigma_mag,
+        in_fitted_range: &(0..=60).map(|k| k >= 15).collect::<Vec<bool>>(),
+        in_field: &[],
+        shutter: None,
+        limit_mag: None,
+        local,
+    })?;
+
     let pictures = [
+        ("sky", sky),
+        ("finder", finder),
+        ("curve", brightness),
         ("alarms", passes),
         ("cuts", cuts),
         ("corner", posterior),

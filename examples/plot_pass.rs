@@ -12,7 +12,7 @@ use streakcast::forecast::{ForecastRequest, Selection, forecast};
 use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
-use streakcast::passes::{ModelChoice, Sky, TrackPoint};
+use streakcast::passes::{ModelChoice, Sky, TrackPoint, VisiblePass};
 use streakcast::photometry::ModelLibrary;
 use streakcast::plot::{LightCurve, SkyChart, SkyTrack, light_curve, sky_chart};
 use streakcast::schedule::night_of;
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 2. Charts are drawn from columns.
     let passes = result.found.passes.iter();
     let tracks: Vec<SkyTrack> =
-        passes.map(|pass| track(sky.elements()[pass.element_index].name.to_string(), &pass.samples)).collect();
+        passes.map(|pass| track(sky.elements()[pass.element_index].name.to_string(), pass)).collect();
     let over = sky_chart(&SkyChart {
         local: None,
         site: Some(&site),
@@ -57,6 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         time_mjd: &first.time_mjd,
         magnitude: &first.magnitude,
         sigma_mag: &first.sigma_mag,
+        in_fitted_range: &[],
         in_field: &[],
         shutter: None,
         limit_mag: Some(6.0),
@@ -70,7 +71,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn track(name: String, points: &[TrackPoint]) -> SkyTrack {
+fn track(name: String, pass: &VisiblePass) -> SkyTrack {
+    let points = &pass.samples;
     let column = |value: fn(&TrackPoint) -> Option<f64>| points.iter().map(|p| value(p).unwrap_or(f64::NAN)).collect();
     SkyTrack {
         name,
@@ -79,5 +81,6 @@ fn track(name: String, points: &[TrackPoint]) -> SkyTrack {
         altitude_deg: column(|point| point.altitude_rad.map(f64::to_degrees)),
         magnitude: column(|point| point.brightness.as_ref().map(|light| light.magnitude.0)),
         sigma_mag: column(|point| point.brightness.as_ref().map(|light| light.sigma_mag)),
+        time_sigma_s: pass.along_track_sigma_s,
     }
 }

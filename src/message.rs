@@ -1,4 +1,4 @@
-//! Parts of messages, of bounded length: values of inputs, lists of names, and whole messages.
+//! Parts of messages, of bounded length: values of inputs, lists of names, and whole messages; the precision of times.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -76,6 +76,12 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     }
     let escaped = |c: char| if is_hidden(c) { c.escape_default().to_string() } else { c.to_string() };
     Cow::Owned(text.chars().map(escaped).collect())
+}
+
+/// Returns the step to which times are rounded whose error is `sigma_s`: 1 s, 10 s, 1 min or 10 min; 1 min for NaN.
+pub fn known_step_s(sigma_s: f64) -> f64 {
+    let least = |step_s: &f64| sigma_s <= *step_s || (sigma_s.is_nan() && *step_s == 60.0);
+    [1.0, 10.0, 60.0].into_iter().find(least).unwrap_or(600.0)
 }
 
 #[cfg(test)]

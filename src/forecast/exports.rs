@@ -4,9 +4,10 @@ use std::fmt::Write as _;
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use super::pass_table::{PassRow, clock, compass, known_step_s, utc_offset};
-use crate::frames::seconds_after;
+use super::pass_table::{PassRow, clock, utc_offset};
+use crate::frames::{compass, seconds_after};
 use crate::geometry::Site;
+use crate::message::known_step_s;
 use crate::output::{Provenance, csv_cell, format_utc};
 use crate::passes::TrackPoint;
 use crate::photometry::PhotometryOptions;

@@ -42,7 +42,7 @@ pub use self::{
     ephemeris::ephemeris_table,
     exports::{AngleType, EmptyNight, calendar, score_report, tdm},
     outlook::night_table,
-    pass_table::{PassColumns, compass, light_curve_table, pass_table, readable_table},
+    pass_table::{PassColumns, light_curve_table, pass_table, readable_table},
     reproduce::{HU2022, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table},
     statistics::{SkyCount, StatisticsRequest, sky_counts, statistics_table},
 };

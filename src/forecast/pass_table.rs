@@ -4,7 +4,8 @@
 use hifitime::{Epoch, TimeScale, Unit};
 
 use crate::elements::ElementSet;
-use crate::frames::{seconds_after, seconds_between};
+use crate::frames::{compass, seconds_after, seconds_between};
+use crate::message::known_step_s;
 use crate::output::{Column, Kind, Table, TableField, Value, format_utc};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
 use crate::photometry::Brightness;
@@ -174,15 +175,7 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             ),
             |row| row.pass.position_source.to_string().into(),
         ),
-        field(
-            Column::real(
-                "along_track_sigma_s",
-                "s",
-                4,
-                "One sigma of all times of the pass: the lateness of the satellite.",
-            ),
-            |row| row.pass.along_track_sigma_s.into(),
-        ),
+        field(TIME_ERROR, |row| row.pass.along_track_sigma_s.into()),
     ]
 }
 
@@ -325,7 +318,16 @@ const POINTS: &[Column] = &[
         "Apparent magnitude; empty in the umbra and if no sunlit surface faces the observer.",
     ),
     Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."),
+    Column::new(
+        "in_fitted_range",
+        Kind::Boolean,
+        "False if the geometry is more than 10 deg from the geometries to which the model was fitted.",
+    ),
 ];
+
+/// Column of the error of all times of a pass.
+const TIME_ERROR: Column =
+    Column::real("along_track_sigma_s", "s", 4, "One sigma of all times of the pass: the lateness of the satellite.");
 
 /// Columns that identify the pass of a point.
 const PASS: [Column; 3] = [
@@ -349,18 +351,20 @@ fn point_cells(point: &TrackPoint) -> Vec<Value> {
         point.illumination.lit_fraction().into(),
         light.map(|light| light.magnitude.0).into(),
         light.map(|light| light.sigma_mag).into(),
+        light.map(|light| light.in_fitted_range).into(),
     ]
 }
 
 /// Returns the sampled points of all passes, grouped by pass in time order.
 pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Table {
-    let mut table = Table { columns: PASS.iter().chain(POINTS).copied().collect(), rows: Vec::new() };
+    let columns = PASS.iter().chain(POINTS).chain([&TIME_ERROR]).copied().collect();
+    let mut table = Table { columns, rows: Vec::new() };
     for row in rows {
         let of_pass: Vec<Value> =
             vec![i64::from(row.pass.norad_id.0).into(), row.name().into(), row.pass.culmination.epoch.into()];
-        table
-            .rows
-            .extend(row.pass.samples.iter().map(|point| of_pass.iter().cloned().chain(point_cells(point)).collect()));
+        let late: Value = row.pass.along_track_sigma_s.into();
+        let cells = |point| of_pass.iter().cloned().chain(point_cells(point)).chain([late.clone()]).collect();
+        table.rows.extend(row.pass.samples.iter().map(cells));
     }
     table
 }
@@ -479,11 +483,6 @@ pub(super) fn utc_offset(utc_offset_s: f64) -> String {
     }
 }
 
-/// Returns the step to which times are rounded whose error is `sigma_s`: 1 s, 10 s, 1 min or 10 min.
-pub(super) fn known_step_s(sigma_s: f64) -> f64 {
-    [1.0, 10.0, 60.0].into_iter().find(|step_s| sigma_s <= *step_s).unwrap_or(600.0)
-}
-
 /// Returns the local time of day as text, rounded to `step_s`; without seconds if this is a minute.
 pub(super) fn clock(epoch: Epoch, utc_offset_s: f64, step_s: f64) -> String {
     // Steps are counted from the start of the time scale, so that only those of UTC are whole minutes of its clock.
@@ -492,33 +491,9 @@ pub(super) fn clock(epoch: Epoch, utc_offset_s: f64, step_s: f64) -> String {
     format_utc(local, 0).chars().skip(11).take(length).collect()
 }
 
-/// Returns the nearest of the 16 compass points, for example `NNE`, for an azimuth in radians.
-pub fn compass(azimuth_rad: f64) -> &'static str {
-    const POINTS: [&str; 16] =
-        ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];
-    let point = (azimuth_rad.rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU * 16.0).round();
-    POINTS[point as usize % 16]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn points_of_the_compass() {
-        for (degrees, point) in [
-            (0.0, "N"),
-            (11.2, "N"),
-            (11.3, "NNE"),
-            (95.0, "E"),
-            (236.0, "SW"),
-            (284.0, "WNW"),
-            (359.0, "N"),
-            (-90.0, "W"),
-        ] {
-            assert_eq!(compass(f64::to_radians(degrees)), point, "{degrees}");
-        }
-    }
 
     /// The clock of New York is set back from 02:00 to 01:00 on 2026-11-01, at 06:00 UTC; that of Lord Howe Island by
     /// half an hour on 2026-04-05, at 15:00 UTC of the day before.

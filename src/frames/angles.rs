@@ -1,4 +1,4 @@
-//! Parsing of right ascensions and declinations in decimal degrees or sexagesimal form.
+//! Parsing of right ascensions and declinations in decimal degrees or sexagesimal form, and names of compass points.
 
 use super::error::FramesError;
 use super::vector::{Direction, Gcrs};
@@ -136,9 +136,33 @@ pub fn parse_direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, FramesErr
     ))
 }
 
+/// Returns the nearest of the 16 compass points, for example `NNE`, for an azimuth in radians.
+pub fn compass(azimuth_rad: f64) -> &'static str {
+    const POINTS: [&str; 16] =
+        ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];
+    let point = (azimuth_rad.rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU * 16.0).round();
+    POINTS[point as usize % 16]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_of_the_compass() {
+        for (degrees, point) in [
+            (0.0, "N"),
+            (11.2, "N"),
+            (11.3, "NNE"),
+            (95.0, "E"),
+            (236.0, "SW"),
+            (284.0, "WNW"),
+            (359.0, "N"),
+            (-90.0, "W"),
+        ] {
+            assert_eq!(compass(f64::to_radians(degrees)), point, "{degrees}");
+        }
+    }
 
     #[test]
     fn right_ascensions() {

@@ -16,7 +16,6 @@
 //! ```
 
 mod angles;
-mod bright_stars;
 mod deep_sky;
 mod earth_orientation;
 mod equatorial;
@@ -43,8 +42,7 @@ pub use vector::{Body, Direction, Frame, Gcrs, Horizontal, Itrs, Position, Rotat
 // code of other features.
 #[doc(hidden)]
 pub use self::{
-    angles::{parse_declination_deg, parse_direction, parse_right_ascension_deg},
-    bright_stars::bright_stars,
+    angles::{compass, parse_declination_deg, parse_direction, parse_right_ascension_deg},
     deep_sky::deep_sky_object,
     earth_orientation::{EarthOrientationParameters, EopStatus},
     equatorial::{annual_aberration, gcrs_to_of_date, without_annual_aberration},

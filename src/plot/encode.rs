@@ -5,13 +5,14 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
+use plotters::prelude::{IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
 use super::file_options::{FileOptions, NATURAL_DPI, PROGRAM, PROVENANCE, TITLE};
 use super::picture::{Canvas, Picture, Underlay, font_style_sheet};
+use super::raster::Raster;
 
-/// Supersampling factor of PNGs, which makes lines and letters smooth.
+/// Supersampling factor of PNGs, which makes the edges of coloured pixels and letters smooth.
 const FINE: usize = 2;
 
 /// Number of steps into which the coordinates of an SVG divide a pixel.
@@ -92,15 +93,10 @@ impl Picture {
     fn png_with(&self, options: &FileOptions) -> Result<Vec<u8>, PlotError> {
         let (width, height) = options.pixels(self.size())?;
         let canvas = Canvas::of(self, (width * FINE, height * FINE));
-        let mut rgb = self.underlay(&canvas).rgb;
-        {
-            let size = (canvas.width as u32, canvas.height as u32);
-            let area = BitMapBackend::with_buffer(&mut rgb, size).into_drawing_area();
-            self.draw(&area, &canvas)?;
-            area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
-        }
+        let mut raster = Raster::new((canvas.width, canvas.height), self.underlay(&canvas).rgb);
+        self.rasterise(&mut raster, &canvas)?;
         let metadata = self.metadata(options);
-        png(&averaged(&rgb, canvas.width), (width, height), options.dpi(), &metadata)
+        png(&averaged(&raster.rgb, canvas.width), (width, height), options.dpi(), &metadata)
     }
 
     fn svg_with(&self, options: &FileOptions) -> Result<String, PlotError> {

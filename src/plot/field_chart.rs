@@ -11,7 +11,7 @@ use super::labels::Labels;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
 use super::scale::{ColourScale, Quantity};
-use super::tracks::{ListRow, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day, without_numbers};
+use super::tracks::{MOST_LISTED, arrow, by_brightness, list, magnitude_text, numbers, time_of_day, without_numbers};
 
 const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
@@ -152,15 +152,13 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         colour_bar(&mut picture, &scale, sides, &scale.label());
     }
     if !input.streaks.is_empty() {
-        let listed = |streak: &&FieldStreak| ListRow {
-            name: streak.name.clone(),
-            times: [streak.enter_mjd, streak.exit_mjd].map(|mjd| time_of_day(mjd, 1)),
-            magnitude: streak.magnitude,
-            sigma_mag: streak.sigma_mag,
-            colour: colour(streak),
+        let listed = |streak: &&FieldStreak| {
+            let [enter, exit] = [streak.enter_mjd, streak.exit_mjd].map(|mjd| time_of_day(mjd, 1));
+            vec![streak.name.clone(), enter, exit, magnitude_text(streak.magnitude, streak.sigma_mag)]
         };
-        let rows: Vec<ListRow> = streaks.iter().map(listed).collect();
-        list(&mut picture, [LIST_LEFT, WIDTH - 20.0], SIDES[1] + 10.0, ["enter UTC", "exit UTC"], &rows);
+        let rows: Vec<Vec<String>> = streaks.iter().map(listed).collect();
+        let columns = [("satellite", 28.0), ("enter UTC", 246.0), ("exit UTC", 339.0), ("mag", 432.0)];
+        list(&mut picture, [LIST_LEFT, WIDTH - 20.0], SIDES[1] + 10.0, &columns, &rows);
     }
     picture.set_scales(vec![scale]);
     let caption = format!(

@@ -14,7 +14,7 @@ pub(super) const PROVENANCE: &str = "Provenance";
 const CM_PER_INCH: f64 = 2.54;
 /// Least and greatest width and height of a file, pixels.
 const SIDE: [f64; 2] = [100.0, 10_000.0];
-/// Largest number of pixels of a file; drawing needs about 15 bytes for each.
+/// Largest number of pixels of a file; drawing needs about 20 bytes for each.
 const MOST_PIXELS: f64 = 32e6;
 const DPI: [u32; 2] = [10, 1200];
 const ALLOWED_SIZE: &str = "WIDTHxHEIGHT in pixels, inches or centimetres, for example 1600x900, 8x5in or 20x12cm";

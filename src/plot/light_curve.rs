@@ -33,6 +33,9 @@ pub struct LightCurve<'a> {
     pub magnitude: &'a [f64],
     /// Uncertainties (one sigma) of the magnitudes, mag; NaN if unknown; shape `(n_point)`.
     pub sigma_mag: &'a [f64],
+    /// False where the geometry is more than 10 degrees from that of the fitted measurements; shape `(n_point)`, or
+    /// empty if unknown.
+    pub in_fitted_range: &'a [bool],
     /// Intervals in which the satellite is in the field: entry and exit, MJD (UTC).
     pub in_field: &'a [[f64; 2]],
     /// Opening and closing of the shutter, MJD (UTC).
@@ -43,8 +46,9 @@ pub struct LightCurve<'a> {
     pub local: Option<LocalClock>,
 }
 
-/// Draws magnitudes against time, with brighter magnitudes higher, and a band of one sigma. Vertical lines with times
-/// mark entry into and exit from the field; grey marks intervals in which the satellite is dark.
+/// Draws magnitudes against time, with brighter magnitudes higher, and a band of one sigma, which the caption explains.
+/// The line is dashed outside the fitted geometry. Vertical lines with times mark entry into and exit from the field;
+/// grey marks intervals in which the satellite is dark.
 ///
 /// # Errors
 /// There are fewer than two points, or none of them has a magnitude; columns differ in length; or times are not finite
@@ -56,6 +60,10 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         if column.len() != n {
             return Err(PlotError::Length { what: what.to_owned(), given: column.len(), expected: n });
         }
+    }
+    if !input.in_fitted_range.is_empty() && input.in_fitted_range.len() != n {
+        let what = "marks of the fitted range".to_owned();
+        return Err(PlotError::Length { what, given: input.in_fitted_range.len(), expected: n });
     }
     if n < 2 || input.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
         let (what, given) = ("the list of times of a track".to_owned(), format!("not increasing ({n} values)"));
@@ -80,7 +88,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         y: Axis { from: faint + margin, to: bright - margin, is_log: false },
     };
     let [left, top, right, bottom] = SIDES;
-    let mut picture = Picture::new(WIDTH as usize, 680);
+    let mut picture = Picture::new(WIDTH as usize, 716);
     picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     let across = |mjd: f64| frame.at(mjd, frame.y.from).0;
     if let Some([open, close]) = input.shutter {
@@ -96,6 +104,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     let points: Vec<usize> = (0..n).collect();
     let is_lit = |k: &usize| input.magnitude[*k].is_finite();
     let runs: Vec<&[usize]> = points.chunk_by(|a, b| is_lit(a) == is_lit(b)).filter(|run| is_lit(&run[0])).collect();
+    let is_fitted = |k: usize| input.in_fitted_range.get(k).copied().unwrap_or(true);
     for run in &runs {
         let at = |k: usize, sigmas: f64| frame.at(input.time_mjd[k], input.magnitude[k] + sigmas * sigma(k));
         let upper = run.iter().map(|&k| at(k, -1.0));
@@ -103,10 +112,14 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         if run.len() > 1 {
             picture.patch(upper.chain(lower).collect(), BAND.mix(0.4));
         }
-        let line: Vec<_> = run.iter().map(|&k| at(k, 0.0)).collect();
-        picture.line(&line, LINE.to_rgba(), 3.0);
-        if let [alone] = line.as_slice() {
-            picture.dot(*alone, LINE);
+        if let [alone] = run {
+            picture.dot(at(*alone, 0.0), LINE);
+        }
+        for part in run.chunk_by(|a, b| is_fitted(*a) == is_fitted(*b)) {
+            // A part ends at the first point of the next, so that the line has no gap.
+            let next = (part[part.len() - 1] + 1).min(run[run.len() - 1]);
+            let line: Vec<_> = (part[0]..=next).map(|k| at(k, 0.0)).collect();
+            draw_part(&mut picture, &line, is_fitted(part[0]));
         }
     }
     for (number, [enter, exit]) in input.in_field.iter().enumerate() {
@@ -135,6 +148,11 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     picture.rectangle([x, y - 8.0, x + 30.0, y + 8.0], BAND.mix(0.4));
     picture.line(&[(x, y), (x + 30.0, y)], LINE.to_rgba(), 3.0);
     x = picture.legend_text("magnitude, ±1σ", x + 38.0, y);
+    let has_unfitted = runs.iter().any(|run| run.iter().any(|k| !is_fitted(*k)));
+    if has_unfitted {
+        draw_part(&mut picture, &[(x, y), (x + 38.0, y)], false);
+        x = picture.legend_text("outside the fitted geometry", x + 46.0, y);
+    }
     if !input.in_field.is_empty() {
         picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], FIELD.mix(0.14));
         picture.line(&[(x, y - 8.0), (x, y + 8.0)], FIELD.to_rgba(), 2.0);
@@ -154,8 +172,28 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         picture.dashed(&[(x, y), (x + 30.0, y)], [9.0, 6.0], LIMIT.to_rgba(), 1.8);
         picture.legend_text(&format!("limit {} mag", fixed(limit, 1)), x + 38.0, y);
     }
-    picture.paragraph(input.caption, [left, WIDTH - 24.0], 644.0, 16.0);
+    let mut caption = String::new();
+    let sigmas = || runs.iter().flat_map(|run| run.iter()).map(|k| input.sigma_mag[*k]).filter(|s| s.is_finite());
+    if let Some((least, greatest)) = sigmas().reduce(f64::min).zip(sigmas().reduce(f64::max)) {
+        let [least, greatest] = [least, greatest].map(|sigma| fixed(sigma, 1));
+        let range = if least == greatest { format!("±{least}") } else { format!("±{least} to ±{greatest}") };
+        caption = format!(
+            "Band: one sigma of a single measurement, {range} mag: scatter about the brightness model, and errors of \
+             colour and position. It is wider outside the geometry of the fitted measurements and near the Earth's \
+             shadow. "
+        );
+    }
+    caption += input.caption;
+    picture.paragraph(caption.trim_end(), [left, WIDTH - 24.0], 644.0, 16.0);
     Ok(picture)
+}
+
+/// Draws a part of the curve, dashed outside the fitted geometry.
+fn draw_part(picture: &mut Picture, line: &[(f64, f64)], is_fitted: bool) {
+    match is_fitted {
+        true => picture.line(line, LINE.to_rgba(), 3.0),
+        false => picture.dashed(line, [9.0, 5.0], LINE.to_rgba(), 3.0),
+    }
 }
 
 /// Returns the intervals in which the satellite is dark: from half way after the last lit point to half way before the

@@ -1,10 +1,11 @@
 //! Maps and charts as PNG and SVG pictures.
 //!
-//! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file. `scale` assigns
-//! colours to values, `contour` computes lines of equal value, and `sky_disk` projects a hemisphere. `maps` draws the
-//! maps of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
-//! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread`, `residuals`
-//! and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and
+//! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file; `raster` draws smooth lines for
+//! PNGs. `scale` assigns colours to values, `contour` computes lines of equal value, and `sky_disk` projects a
+//! hemisphere. `maps` draws the maps of [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn
+//! in the boxes of `axes` and `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`,
+//! `counts_and_spread`, `residuals` and `blocking` for fits; `night`, `light_curve`, `field_chart`, `sky_chart`,
+//! `finder_chart` (with the lists of `tracks`, and `star_field`, which draws `bright_stars` and `constellations`) and
 //! `sun_altitude` for observers; `alarms` and `streak_cuts` for measurements.
 //!
 //! ```
@@ -30,6 +31,8 @@
 mod alarms;
 mod axes;
 mod blocking;
+mod bright_stars;
+mod constellations;
 mod contour;
 mod corner;
 mod counts_and_spread;
@@ -38,6 +41,7 @@ mod encode;
 mod error;
 mod field_chart;
 mod file_options;
+mod finder_chart;
 mod graticule;
 mod labels;
 mod light_curve;
@@ -45,11 +49,13 @@ mod maps;
 mod night;
 mod numbers;
 mod picture;
+mod raster;
 mod residuals;
 mod scale;
 mod sky_chart;
 mod sky_disk;
 mod sky_rate;
+mod star_field;
 mod statistics;
 mod streak_cuts;
 mod sun_altitude;
@@ -77,6 +83,7 @@ pub use self::{
     counts_and_spread::{CountsAndSpread, counts_and_spread},
     encode::data_url,
     field_chart::{FieldChart, FieldStreak, field_chart},
+    finder_chart::{FinderChart, finder_chart},
     graticule::FARTHEST_FIELD_DEG,
     maps::{LayerPanel, Layers, layers, paper_picture},
     residuals::{PhaseCurve, ResidualHistogram, ResidualPanels, phase_curve, residual_histogram, residual_panels},

@@ -10,11 +10,14 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Text};
-use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, RGBAColor, RGBColor, ShapeStyle};
+use plotters::prelude::{
+    BitMapBackend, DrawingArea, DrawingBackend, IntoDrawingArea, IntoFont, RGBAColor, RGBColor, ShapeStyle,
+};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::error::PlotError;
+use super::raster::Raster;
 use super::scale::ColourScale;
 
 /// Colour of lines and text.
@@ -55,6 +58,17 @@ impl Canvas {
         let margin = |canvas: usize, picture: usize| ((canvas as f64 - picture as f64 * scale) / 2.0).max(0.0);
         Self { width, height, scale, corner: (margin(width, picture.width), margin(height, picture.height)) }
     }
+
+    /// Returns a position of the picture in pixels of the canvas.
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.corner.0 + x * self.scale, self.corner.1 + y * self.scale)
+    }
+
+    /// Returns a position of the picture in whole pixels of the canvas.
+    fn whole(&self, position: (f64, f64)) -> (i32, i32) {
+        let (x, y) = self.at(position);
+        (x.round() as i32, y.round() as i32)
+    }
 }
 
 /// Grid of coloured rectangles.
@@ -86,7 +100,17 @@ enum Mark {
     Circle { middle: (f64, f64), radius: f64, colour: RGBAColor, width: f64 },
     Disk { middle: (f64, f64), radius: f64, colour: RGBColor },
     Patch { points: Vec<(f64, f64)>, colour: RGBAColor },
-    Text { text: String, position: (f64, f64), size: f64, horizontal: HPos, is_upright: bool },
+    Text(Words),
+}
+
+/// Line of text whose vertical middle is at `position`.
+struct Words {
+    text: String,
+    position: (f64, f64),
+    size: f64,
+    horizontal: HPos,
+    is_upright: bool,
+    colour: RGBColor,
 }
 
 impl Picture {
@@ -137,8 +161,11 @@ impl Picture {
         self.marks.push(Mark::Line { points: points.to_vec(), colour, width });
     }
 
-    /// Draws a dashed line; `stroke` and `gap` are the lengths of strokes and gaps.
+    /// Draws a dashed line; `stroke` and `gap` are the lengths of strokes and gaps; a stroke is
+    /// longer than its width.
     pub(super) fn dashed(&mut self, points: &[(f64, f64)], [stroke, gap]: [f64; 2], colour: RGBAColor, width: f64) {
+        // Strokes have round ends, each half the width longer.
+        let (stroke, gap) = (stroke - width, gap + width);
         let mut dash = Vec::new();
         let (mut is_stroke, mut left) = (true, stroke);
         for pair in points.windows(2) {
@@ -199,13 +226,40 @@ impl Picture {
 
     /// Draws text whose vertical middle is at `position`.
     pub(super) fn text(&mut self, text: &str, position: (f64, f64), size: f64, horizontal: HPos) {
-        self.marks.push(Mark::Text { text: text.to_owned(), position, size, horizontal, is_upright: false });
+        self.marks.push(Mark::Text(Words {
+            text: text.to_owned(),
+            position,
+            size,
+            horizontal,
+            is_upright: false,
+            colour: INK,
+        }));
+    }
+
+    /// Draws text in a colour, with its middle at `position`.
+    pub(super) fn coloured_text(&mut self, text: &str, position: (f64, f64), size: f64, colour: RGBColor) {
+        let text = text.to_owned();
+        self.marks.push(Mark::Text(Words {
+            text,
+            position,
+            size,
+            horizontal: HPos::Center,
+            is_upright: false,
+            colour,
+        }));
     }
 
     /// Draws text that runs upwards, with its middle at `position`.
     pub(super) fn upright(&mut self, text: &str, position: (f64, f64), size: f64) {
         let text = text.to_owned();
-        self.marks.push(Mark::Text { text, position, size, horizontal: HPos::Center, is_upright: true });
+        self.marks.push(Mark::Text(Words {
+            text,
+            position,
+            size,
+            horizontal: HPos::Center,
+            is_upright: true,
+            colour: INK,
+        }));
     }
 
     /// Draws the text of a legend entry; returns the x position of the next entry.
@@ -287,21 +341,20 @@ impl Picture {
         Underlay { width, height, rgb }
     }
 
-    /// Draws lines and text over the pixels.
+    /// Draws lines and text over the pixels, with a drawing backend.
     pub(super) fn draw<B: DrawingBackend>(
         &self,
         area: &DrawingArea<B, Shift>,
         canvas: &Canvas,
     ) -> Result<(), PlotError> {
         register_embedded_font()?;
-        let Canvas { scale, corner, .. } = *canvas;
-        let at = |&(x, y): &(f64, f64)| ((corner.0 + x * scale).round() as i32, (corner.1 + y * scale).round() as i32);
+        let scale = canvas.scale;
+        let at = |point: &(f64, f64)| canvas.whole(*point);
         let thin = |colour: RGBAColor, width: f64| ShapeStyle {
             color: colour,
             filled: false,
             stroke_width: (width * scale).round().max(1.0) as u32,
         };
-        let drawing_error = |error: &dyn std::fmt::Display| PlotError::Drawing(error.to_string());
         for mark in &self.marks {
             match mark {
                 Mark::Line { points, colour, width } => {
@@ -320,19 +373,53 @@ impl Picture {
                     let points: Vec<_> = points.iter().map(at).collect();
                     area.draw(&Polygon::new(points, colour.filled()))
                 }
-                Mark::Text { text, position, size, horizontal, is_upright } => {
-                    let mut font = (FONT_FAMILY, size * scale).into_font();
-                    if *is_upright {
-                        font = font.transform(FontTransform::Rotate270);
-                    }
-                    let style = TextStyle::from(font).color(&INK).pos(Pos::new(*horizontal, VPos::Center));
-                    area.draw(&Text::new(text.as_str(), at(position), style))
-                }
+                Mark::Text(words) => area.draw(&words.element(canvas)),
             }
-            .map_err(|error| drawing_error(&error))?;
+            .map_err(drawing_error)?;
         }
         Ok(())
     }
+
+    /// Draws smooth lines, and text, over the pixels of a raster.
+    pub(super) fn rasterise(&self, raster: &mut Raster, canvas: &Canvas) -> Result<(), PlotError> {
+        register_embedded_font()?;
+        let scale = canvas.scale;
+        let at = |point: &(f64, f64)| canvas.at(*point);
+        for mark in &self.marks {
+            match mark {
+                Mark::Line { points, colour, width } => {
+                    raster.line(&points.iter().map(at).collect::<Vec<_>>(), *colour, width * scale);
+                }
+                Mark::Circle { middle, radius, colour, width } => {
+                    raster.circle(at(middle), radius * scale, *colour, width * scale);
+                }
+                Mark::Disk { middle, radius, colour } => raster.disk(at(middle), radius * scale, colour.to_rgba()),
+                Mark::Patch { points, colour } => raster.patch(&points.iter().map(at).collect::<Vec<_>>(), *colour),
+                Mark::Text(words) => {
+                    let size = (raster.width as u32, raster.height as u32);
+                    let area = BitMapBackend::with_buffer(&mut raster.rgb, size).into_drawing_area();
+                    area.draw(&words.element(canvas)).map_err(drawing_error)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Words {
+    /// Returns the text as an element of a drawing backend.
+    fn element(&self, canvas: &Canvas) -> Text<'_, (i32, i32), &str> {
+        let mut font = (FONT_FAMILY, self.size * canvas.scale).into_font();
+        if self.is_upright {
+            font = font.transform(FontTransform::Rotate270);
+        }
+        let style = TextStyle::from(font).color(&self.colour).pos(Pos::new(self.horizontal, VPos::Center));
+        Text::new(self.text.as_str(), canvas.whole(self.position), style)
+    }
+}
+
+fn drawing_error(error: impl std::fmt::Display) -> PlotError {
+    PlotError::Drawing(error.to_string())
 }
 
 fn corners([left, top, right, bottom]: [f64; 4]) -> [(f64, f64); 4] {
@@ -387,7 +474,7 @@ pub(super) fn font_style_sheet() -> String {
     let bytes = STANDARD.encode(DEJAVU_SANS);
     format!(
         "<style>@font-face{{font-family:\"{FONT_FAMILY}\";src:url(data:font/ttf;base64,{bytes}) format(\"truetype\")}}\
-         text{{font-family:\"{FONT_FAMILY}\",sans-serif}}</style>"
+         polyline{{stroke-linecap:round;stroke-linejoin:round}}text{{font-family:\"{FONT_FAMILY}\",sans-serif}}</style>"
     )
 }
 

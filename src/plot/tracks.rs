@@ -6,21 +6,15 @@ use plotters::style::text_anchor::HPos;
 
 use super::labels::Labels;
 use super::numbers::fixed;
-use super::picture::{INK, Picture, around, width_of};
+use super::picture::{INK, Picture, around, half_size, width_of};
 
 /// Largest number of rows in the list and of numbered tracks.
 pub(super) const MOST_LISTED: usize = 22;
 const ROW: f64 = 29.0;
-
-/// One row of the list.
-pub(super) struct ListRow {
-    pub name: String,
-    /// Start and end of the track as formatted times.
-    pub times: [String; 2],
-    pub magnitude: f64,
-    pub sigma_mag: f64,
-    pub colour: RGBColor,
-}
+const DAY_MIN: f64 = 1440.0;
+const DAY_S: f64 = 86_400.0;
+/// Smallest distance between two times along a pass, pixels.
+const LABEL_GAP: f64 = 62.0;
 
 /// Returns the position at a fraction of the length of a line.
 pub(super) fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
@@ -45,7 +39,8 @@ pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor
     }
     let (cos, sin) = ((tip.0 - tail.0) / length, (tip.1 - tail.1) / length);
     let corner = |back: f64, side: f64| (tip.0 - back * cos - side * sin, tip.1 - back * sin + side * cos);
-    let corners = vec![tip, corner(17.0, 7.0), corner(17.0, -7.0), tip];
+    // The head ends beyond the round end of the line.
+    let corners = vec![corner(-4.0, 0.0), corner(14.0, 7.0), corner(14.0, -7.0), corner(-4.0, 0.0)];
     picture.patch(corners.clone(), colour.to_rgba());
     picture.line(&corners, INK.to_rgba(), 1.3);
 }
@@ -70,6 +65,10 @@ pub(super) fn numbers(picture: &mut Picture, labels: &mut Labels, lines: &[Vec<(
             labels.add_line(index, &[tip, position]);
             labels.add_box(around(position, half));
             Some(position)
+        });
+        let position = position.or_else(|| {
+            let mut starts = SHARES.into_iter().map(|share| (along(line, share), positions_beside(line, share, half)));
+            starts.find_map(|(tip, beside)| place_with_line(picture, labels, index, tip, beside, half))
         });
         let Some(position) = position else {
             without += 1;
@@ -130,34 +129,116 @@ pub(super) fn without_numbers(without: usize) -> String {
     }
 }
 
-/// Draws number, name, two times and magnitude of each track between two x positions, from `top` downwards.
-pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, times: [&str; 2], rows: &[ListRow]) {
-    let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| left + away);
+/// Draws the number of each track and the cells of its row between two x positions, from `top` downwards. `columns` are
+/// headings and distances from the left side; texts are shortened to fit.
+pub(super) fn list(
+    picture: &mut Picture,
+    [left, right]: [f64; 2],
+    top: f64,
+    columns: &[(&str, f64)],
+    rows: &[Vec<String>],
+) {
     let mut y = top;
-    for (text, x) in ["", "satellite", times[0], times[1], "mag"].into_iter().zip(columns) {
-        picture.text(text, (x, y), 16.0, HPos::Left);
+    for (heading, away) in columns {
+        picture.text(heading, (left + away, y), 16.0, HPos::Left);
     }
     picture.line(&[(left, y + 14.0), (right, y + 14.0)], INK.to_rgba(), 1.2);
     y += 32.0;
+    let widths: Vec<f64> = columns.windows(2).map(|pair| pair[1].1 - pair[0].1 - 8.0).collect();
     for (index, row) in rows.iter().enumerate().take(MOST_LISTED) {
-        picture.rectangle([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], row.colour.to_rgba());
-        picture.border([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], 0.8);
-        picture.text(&(index + 1).to_string(), (columns[0] + 20.0, y), 16.0, HPos::Left);
-        picture.text(&shortened(&row.name, 194.0), (columns[1], y), 16.0, HPos::Left);
-        picture.text(&row.times[0], (columns[2], y), 16.0, HPos::Left);
-        picture.text(&row.times[1], (columns[3], y), 16.0, HPos::Left);
-        let magnitude = match (row.magnitude.is_finite(), row.sigma_mag.is_finite()) {
-            (true, true) => format!("{} ±{}", fixed(row.magnitude, 1), fixed(row.sigma_mag, 1)),
-            (true, false) => fixed(row.magnitude, 1),
-            (false, _) => "dark".to_owned(),
-        };
-        picture.text(&magnitude, (columns[4], y), 16.0, HPos::Left);
+        picture.text(&(index + 1).to_string(), (left, y), 16.0, HPos::Left);
+        for (column, text) in row.iter().enumerate() {
+            let width = widths.get(column).copied().unwrap_or(f64::INFINITY);
+            picture.text(&shortened(text, width), (left + columns[column].1, y), 16.0, HPos::Left);
+        }
         y += ROW;
     }
     if rows.len() > MOST_LISTED {
         let text = format!("and {} more, in the data", rows.len() - MOST_LISTED);
-        picture.text(&text, (columns[1], y), 16.0, HPos::Left);
+        picture.text(&text, (left + columns[0].1, y), 16.0, HPos::Left);
     }
+}
+
+/// Formats a magnitude with its uncertainty, if it is known.
+pub(super) fn magnitude_text(magnitude: f64, sigma_mag: f64) -> String {
+    match (magnitude.is_finite(), sigma_mag.is_finite()) {
+        (true, true) => format!("{} ±{}", fixed(magnitude, 1), fixed(sigma_mag, 1)),
+        (true, false) => fixed(magnitude, 1),
+        (false, _) => "dark".to_owned(),
+    }
+}
+
+/// Reserves a free position for a label away from `tip` on the line `own`, beyond the positions `beside` it, and draws a
+/// thin line to it. Returns the position; `None` if there is none.
+pub(super) fn place_with_line(
+    picture: &mut Picture,
+    labels: &mut Labels,
+    own: usize,
+    tip: (f64, f64),
+    beside: [(f64, f64); 2],
+    half: (f64, f64),
+) -> Option<(f64, f64)> {
+    let farther = |more: f64| {
+        beside.map(|(x, y)| {
+            let share = 1.0 + more / (x - tip.0).hypot(y - tip.1);
+            (tip.0 + share * (x - tip.0), tip.1 + share * (y - tip.1))
+        })
+    };
+    let mut candidates = [20.0, 36.0, 56.0, 80.0, 110.0].into_iter().flat_map(farther);
+    let free =
+        candidates.find(|position| labels.is_free(*position, half) && labels.is_free_line(own, tip, *position))?;
+    picture.line(&[tip, free], INK.mix(0.7), 1.0);
+    labels.add_line(own, &[tip, free]);
+    labels.add_box(around(free, half));
+    Some(free)
+}
+
+/// Draws a mark at every full minute of a track (times in MJD, UTC), with the time of this size beside it, or with a thin line to the
+/// time where there is no room beside it. Times without room are left out. `ahead_days` is the clock's difference to
+/// UTC, and `own` the number of the track in `labels`.
+pub(super) fn minutes_along(
+    picture: &mut Picture,
+    labels: &mut Labels,
+    own: usize,
+    time_mjd: &[f64],
+    line: &[(f64, f64)],
+    ahead_days: f64,
+    size: f64,
+) {
+    let (first, last) = (time_mjd[0], time_mjd[time_mjd.len() - 1]);
+    let mut labelled: Option<(f64, f64)> = None;
+    // Minutes of the clock that is shown: its difference to UTC may have seconds.
+    let minute_of = |mjd: f64| (mjd + ahead_days) * DAY_MIN;
+    for minute in minute_of(first).ceil() as i64..=minute_of(last).floor() as i64 {
+        let mjd = minute as f64 / DAY_MIN - ahead_days;
+        let Some(step) = time_mjd.windows(2).position(|pair| (pair[0]..=pair[1]).contains(&mjd)) else {
+            continue;
+        };
+        let part = (mjd - time_mjd[step]) / (time_mjd[step + 1] - time_mjd[step]);
+        let ((x0, y0), (x1, y1)) = (line[step], line[step + 1]);
+        let (x, y) = (x0 + part * (x1 - x0), y0 + part * (y1 - y0));
+        picture.disk((x, y), 5.0, INK);
+        picture.disk((x, y), 3.0, RGBColor(255, 255, 255));
+        if labelled.is_none_or(|(x_before, y_before): (f64, f64)| (x - x_before).hypot(y - y_before) > LABEL_GAP) {
+            // The label is next to the track, at a right angle to it.
+            let text = clock(mjd + ahead_days, 60.0);
+            let half = half_size(&text, size);
+            let beside = positions_beside(&[line[step], line[step + 1]], part, half);
+            let position = labels.place(half, beside);
+            let position = position.or_else(|| place_with_line(picture, labels, own, (x, y), beside, half));
+            if let Some(position) = position {
+                picture.note_of(&text, position, size);
+                labelled = Some((x, y));
+            }
+        }
+    }
+}
+
+/// Formats the time of day, rounded to `step_s`, without seconds if this is a minute; empty for a time that is not
+/// finite.
+pub(super) fn clock(mjd: f64, step_s: f64) -> String {
+    let text = time_of_day((mjd * DAY_S / step_s).round() * step_s / DAY_S, 0);
+    text.chars().take(if step_s < 60.0 { 8 } else { 5 }).collect()
 }
 
 /// Formats the time of day, UTC, with this number of decimals of the second; empty for a time that is not finite.
@@ -204,6 +285,9 @@ mod tests {
         let late = 60_536.0 + 86_399.97 / 86_400.0;
         assert_eq!((time_of_day(late, 2), time_of_day(late, 1)), ("23:59:59.97".into(), "00:00:00.0".into()));
         assert_eq!(time_of_day(60_536.25 + 1.4 / 86_400.0, 0), "06:00:01");
+        let moment = 60_536.25 + 97.0 / 86_400.0;
+        assert_eq!([1.0, 10.0, 60.0].map(|step_s| clock(moment, step_s)), ["06:01:37", "06:01:40", "06:02"]);
+        assert_eq!(clock(f64::NAN, 60.0), "");
         assert_eq!(time_of_day(f64::NAN, 1), "");
         assert_eq!(by_brightness([f64::NAN, 5.0, -1.0, f64::NAN, 5.0].into_iter()), [2, 1, 4, 0, 3]);
     }

@@ -5,6 +5,7 @@ use serde_json::{Value as Json, json};
 
 use crate::frames::{seconds_after, seconds_between};
 use crate::output::{Column, Kind, Table, csv_cell, format_utc};
+use crate::passes::Sky;
 
 use super::targets::ListedTarget;
 use super::windows::{ClearWindow, TargetWindows};
@@ -49,10 +50,12 @@ impl FoundWindows<'_> {
 
 /// Returns a table with one row for each window.
 ///
-/// Columns: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s`.
-pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
+/// Columns: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s, elements_age_days,
+/// late_s`. The last two are medians over all satellites of `sky`, whose positions determine the windows.
+pub fn window_table(all: &[FoundWindows<'_>], sky: &Sky) -> Table {
     let rows = all.iter().flat_map(|one| {
         one.windows().iter().map(move |window| {
+            let known = sky.predictability(window.first);
             let pointing = one.listed.target.as_ref().map(|target| target.exposure.pointing).ok();
             vec![
                 one.listed.name.as_str().into(),
@@ -63,6 +66,8 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
                 pointing.map(|pointing| pointing.longitude_rad().to_degrees()).into(),
                 pointing.map(|pointing| pointing.latitude_rad().to_degrees()).into(),
                 one.duration_s().into(),
+                Some(known.element_age_days).filter(|age_days| age_days.is_finite()).into(),
+                known.late_s.into(),
             ]
         })
     });
@@ -81,6 +86,13 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
             Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."),
             Column::real("dec_deg", "deg", 7, "Declination of the field's centre."),
             Column::real("exposure_s", "s", 3, "Length of the exposure."),
+            Column::real("elements_age_days", "d", 2, "Median age of the elements of all satellites at the window."),
+            Column::real(
+                "late_s",
+                "s",
+                2,
+                "Median lateness of all satellites at the window: 68 % are early or late by at most this time.",
+            ),
         ],
         rows: rows.collect(),
     }

@@ -451,7 +451,17 @@ fn verif_tables_of_forecast_are_drawn() {
     let clock = |name: &str| brightest[name].as_str().unwrap()[11..16].to_owned();
     let minutes = |text: &String| text.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(text);
     assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
-    assert!(one.join(" ").contains("Dots: stars to V = 6 mag at "), "{one:?}");
+    assert!(one.join(" ").contains("Stars to V = 6 mag and constellations at "), "{one:?}");
+    // The finder chart is that of the brightest pass, with local times and a table.
+    drawn(&folder, "finder", &[&["sky-chart", "--finder", "--from", &curves, "--time-zone", "America/Santiago"]], 0);
+    let finder = svg_texts(&path(&folder, "finder.svg"));
+    let name = brightest["name"].as_str().unwrap().trim_end_matches(" (synthetic)");
+    for expected in [&format!("Pass of {name}"), "start", "end", "altitude", "azimuth", "magnitude"] {
+        assert!(finder.iter().any(|text| text == expected), "{expected}: {finder:?}");
+    }
+    let joined = finder.join(" ");
+    assert!(joined.contains("local time (UTC−4)") && joined.contains("The satellite is simulated."), "{finder:?}");
+    is_the_same_again(&folder, "finder", &[&["sky-chart", "--finder", "--from", &json, "--time-zone", "-4"]]);
     for (file, offset, clock) in [
         (&curves, &["--time-zone", "America/New_York"][..], "local time (UTC−4), 2026-08-15"),
         (&json, &[], "local mean solar time, 2026-08-15"),
@@ -470,8 +480,10 @@ fn verif_tables_of_forecast_are_drawn() {
     assert_eq!(code, 0, "{stderr}");
     drawn(&folder, "empty", &[&["sky-chart", "--from", &empty]], 0);
     assert!(svg_texts(&path(&folder, "empty.svg")).iter().any(|text| text == "no pass"));
+    is_the_same_again(&folder, "empty", &[&["sky-chart", "--from", &empty, "--time-zone", "Europe/Vienna"]]);
     let out = path(&folder, "x.png");
     fails(&[&["light-curve", "--from", &empty, "-o", &out]], &["has no pass"]);
+    fails(&[&["sky-chart", "--finder", "--from", &empty, "-o", &out]], &["has no pass"]);
     let table = path(&folder, "plain.csv");
     run(&[&night[..7], SKY, &["-o", &table]]);
     for plot in ["sky-chart", "light-curve"] {

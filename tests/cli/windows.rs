@@ -216,7 +216,7 @@ fn formats_of_schedulers() {
     let rows = records(&shaped("csv"));
     assert_eq!(
         rows[0].iter().collect::<Vec<_>>().join(","),
-        "name,unique_id,first_start_utc,last_start_utc,length_s,ra_deg,dec_deg,exposure_s"
+        "name,unique_id,first_start_utc,last_start_utc,length_s,ra_deg,dec_deg,exposure_s,elements_age_days,late_s"
     );
     let spans: Vec<(Epoch, Epoch)> = rows[1..].iter().map(|row| (utc(&row[2]), utc(&row[3]))).collect();
     let clear = |start: Epoch, end: Epoch| {

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
-use streakcast::forecast::{Forecast, ForecastRequest, Selection, compass, forecast};
-use streakcast::frames::{EopTable, seconds_after, seconds_between};
+use streakcast::forecast::{Forecast, ForecastRequest, Selection, forecast};
+use streakcast::frames::{EopTable, compass, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, ShadowModel, Site};
 use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};

@@ -116,6 +116,7 @@ struct Curve {
     time_mjd: Vec<f64>,
     magnitude: Vec<f64>,
     sigma_mag: Vec<f64>,
+    in_fitted_range: Vec<bool>,
     in_field: Vec<[f64; 2]>,
 }
 
@@ -136,6 +137,7 @@ struct Track {
     altitude_deg: Vec<f64>,
     magnitude: Vec<f64>,
     sigma_mag: Vec<f64>,
+    time_sigma_s: f64,
 }
 
 /// Columns of a HEALPix map of streak rates.
@@ -194,13 +196,14 @@ pub fn draw(chart: &str, labels: Labels, columns: Bound<'_, PyAny>) -> PyResult<
             field_chart(&FieldChart { title, caption, ra_deg, dec_deg, outlines: &outlines, streaks: &streaks })
         }
         "light_curve" => {
-            let Curve { time_mjd, magnitude, sigma_mag, in_field } = columns.extract()?;
+            let Curve { time_mjd, magnitude, sigma_mag, in_fitted_range, in_field } = columns.extract()?;
             light_curve(&LightCurve {
                 title,
                 caption,
                 time_mjd: &time_mjd,
                 magnitude: &magnitude,
                 sigma_mag: &sigma_mag,
+                in_fitted_range: &in_fitted_range,
                 in_field: &in_field,
                 shutter: None,
                 limit_mag,
@@ -209,13 +212,8 @@ pub fn draw(chart: &str, labels: Labels, columns: Bound<'_, PyAny>) -> PyResult<
         }
         "sky_chart" => {
             let Sky { tracks } = columns.extract()?;
-            let track = |Track { name, time_mjd, azimuth_deg, altitude_deg, magnitude, sigma_mag }| SkyTrack {
-                name,
-                time_mjd,
-                azimuth_deg,
-                altitude_deg,
-                magnitude,
-                sigma_mag,
+            let track = |Track { name, time_mjd, azimuth_deg, altitude_deg, magnitude, sigma_mag, time_sigma_s }| {
+                SkyTrack { name, time_mjd, azimuth_deg, altitude_deg, magnitude, sigma_mag, time_sigma_s }
             };
             let tracks: Vec<SkyTrack> = tracks.into_iter().map(track).collect();
             sky_chart(&SkyChart { title, caption, tracks: &tracks, local: None, site: None })

@@ -42,10 +42,12 @@ impl LocalTime {
         f64::from(self.0.to_offset(second).seconds()) / 3600.0
     }
 
-    /// Returns a time as local date and time in whole seconds, with its offset from UTC: `2026-08-14 23:30:00 +02:00`.
-    pub fn text(&self, epoch: Epoch) -> String {
-        let second = Timestamp::from_second(epoch.to_unix_seconds().round() as i64).unwrap_or(Timestamp::MAX);
-        second.to_zoned(self.0.clone()).strftime("%Y-%m-%d %H:%M:%S %:z").to_string()
+    /// Returns a time as local date and time, rounded to `step_s`, with its offset from UTC: `2026-08-14 23:30:00 +02:00`;
+    /// without seconds if the step is a minute.
+    pub fn text(&self, epoch: Epoch, step_s: f64) -> String {
+        let seconds = (epoch.to_unix_seconds() / step_s).round() * step_s;
+        let moment = Timestamp::from_second(seconds as i64).unwrap_or(Timestamp::MAX).to_zoned(self.0.clone());
+        moment.strftime(if step_s < 60.0 { "%Y-%m-%d %H:%M:%S %:z" } else { "%Y-%m-%d %H:%M %:z" }).to_string()
     }
 }
 

@@ -4,24 +4,32 @@ use std::borrow::Cow;
 
 use comfy_table::presets::NOTHING;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table as Screen};
-use streakcast::message::printable;
-use streakcast::output::{Kind, Table, Value};
+use hifitime::{Epoch, TimeScale, Unit};
+use streakcast::message::{known_step_s, printable};
+use streakcast::output::{Kind, Table, Value, format_utc};
 
 /// Column of a table on a terminal: name in the data table, heading, and number of decimals.
 pub struct Shown {
     pub column: &'static str,
     pub heading: &'static str,
     pub decimals: Option<usize>,
+    /// Column of the data table with the error (one sigma) of a time, seconds; `None` for exact times.
+    pub error: Option<&'static str>,
 }
 
 /// Returns a column with the decimals of the data table.
 pub const fn shown(column: &'static str, heading: &'static str) -> Shown {
-    Shown { column, heading, decimals: None }
+    Shown { column, heading, decimals: None, error: None }
 }
 
 /// Returns a column with numbers and seconds rounded to `decimals`.
 pub const fn rounded(column: &'static str, heading: &'static str, decimals: usize) -> Shown {
-    Shown { column, heading, decimals: Some(decimals) }
+    Shown { column, heading, decimals: Some(decimals), error: None }
+}
+
+/// Returns a column of times that are rounded to their error in another column, and at least to `decimals`.
+pub const fn known_to(column: &'static str, heading: &'static str, decimals: usize, error: &'static str) -> Shown {
+    Shown { column, heading, decimals: Some(decimals), error: Some(error) }
 }
 
 /// Style of a table on a terminal.
@@ -103,10 +111,32 @@ fn cell_texts(table: &Table, row: &[Value], columns: &[(usize, &Shown)]) -> Vec<
             (Kind::Time { .. }, Some(decimals)) => Kind::Time { decimals },
             (kind, _) => kind,
         };
-        let text = row.get(index).map(|value| column.text(value)).unwrap_or_default();
+        let error = shown.error.and_then(|name| table.columns.iter().position(|column| column.name == name));
+        let text = match (row.get(index), error.and_then(|error| row.get(error))) {
+            (Some(Value::Time(epoch)), Some(error)) => time_text(*epoch, shown.decimals.unwrap_or_default(), error),
+            (Some(value), _) => column.text(value),
+            (None, _) => String::new(),
+        };
         if text.is_empty() { "-".to_owned() } else { printable(&text).into_owned() }
     };
     columns.iter().map(cell).collect()
+}
+
+/// Formats a time rounded to `decimals` of the second, or to its error (seconds) if this is larger: to the next step of
+/// 0.1 s, 1 s, 10 s or 1 min, without seconds if this is a minute. A time of unknown error is rounded to 1 min.
+fn time_text(epoch: Epoch, decimals: usize, error: &Value) -> String {
+    let error_s = match error {
+        Value::Real(error_s) => *error_s,
+        _ => f64::NAN,
+    };
+    let fine = (0..=decimals).rev().find(|decimals| error_s <= 0.1_f64.powi(*decimals as i32) * (1.0 + 1e-9));
+    if let Some(decimals) = fine {
+        return format_utc(epoch, decimals);
+    }
+    // Steps are counted from the start of the time scale, so that only those of UTC are whole minutes of its clock.
+    let step_s = known_step_s(error_s);
+    let text = format_utc(epoch.to_time_scale(TimeScale::UTC).round(step_s * Unit::Second), 0);
+    if step_s < 60.0 { text } else { format!("{}Z", &text[..16]) }
 }
 
 /// Number of columns and length of text that fit into a width.
@@ -164,6 +194,31 @@ mod tests {
     use streakcast::output::Column;
 
     use super::*;
+
+    /// Times have no digits below their error; those of unknown error have minutes.
+    #[test]
+    fn times_are_rounded_to_their_error() {
+        let columns = vec![Column::time("utc", ""), Column::real("late_s", "s", 3, "")];
+        let epoch = Epoch::from_gregorian_utc(2026, 8, 14, 23, 29, 47, 126_000_000);
+        let shown = |late: Value| {
+            let table = Table { columns: columns.clone(), rows: vec![vec![epoch.into(), late]] };
+            let style = Style { columns: &[known_to("utc", "time", 2, "late_s")], bold_row: None };
+            render(&table, &style, false, None).lines().nth(1).unwrap().trim().to_owned()
+        };
+        for (late_s, expected) in [
+            (0.0, "2026-08-14T23:29:47.13Z"),
+            (0.01, "2026-08-14T23:29:47.13Z"),
+            (0.05, "2026-08-14T23:29:47.1Z"),
+            (0.9, "2026-08-14T23:29:47Z"),
+            (4.0, "2026-08-14T23:29:50Z"),
+            (12.0, "2026-08-14T23:30Z"),
+        ] {
+            assert_eq!(shown(late_s.into()), expected, "{late_s}");
+        }
+        assert_eq!(shown(Value::Null), "2026-08-14T23:30Z");
+        // The times of the data table have all digits.
+        assert_eq!(columns[0].text(&epoch.into()), "2026-08-14T23:29:47.126000Z");
+    }
 
     #[test]
     fn tables_fit_and_name_what_they_omit() {

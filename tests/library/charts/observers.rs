@@ -3,8 +3,8 @@
 use streakcast::geometry::Site;
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
-    FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, SkyChart, SkyRate, SkyTrack, SunAltitude,
-    field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
+    FieldChart, FieldStreak, FinderChart, LightCurve, LocalClock, NightTimeline, SkyChart, SkyRate, SkyTrack,
+    SunAltitude, field_chart, finder_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
 
 use super::{close, has, near, pixels, words};
@@ -136,6 +136,43 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     has(&chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(), &["+0°02′", "dark"]);
 }
 
+/// The caption explains the band with its smallest and largest width, and the line is dashed where the geometry is outside
+/// that of the fitted measurements.
+#[test]
+fn verif_a_light_curve_explains_its_band() {
+    let n = 101;
+    let time: Vec<f64> = (0..n).map(|k| 60_536.0 + f64::from(k) / 86_400.0).collect();
+    let magnitude: Vec<f64> = (0..n).map(|k| 6.0 + 0.005 * f64::from(k)).collect();
+    let sigma: Vec<f64> = (0..n).map(|k| if k < 50 { 0.3 } else { 0.8 }).collect();
+    let curve = |in_fitted_range: &[bool]| {
+        light_curve(&LightCurve {
+            title: "Curve",
+            caption: "Test.",
+            time_mjd: &time,
+            magnitude: &magnitude,
+            sigma_mag: &sigma,
+            in_fitted_range,
+            in_field: &[],
+            shutter: None,
+            limit_mag: None,
+            local: None,
+        })
+    };
+    let fitted: Vec<bool> = (0..n).map(|k| k < 50).collect();
+    let (marked, unmarked) = (curve(&fitted).unwrap(), curve(&[]).unwrap());
+    assert!(words(&marked).join(" ").contains("one sigma of a single measurement, ±0.3 to ±0.8 mag"));
+    has(&marked, &["outside the fitted geometry"]);
+    assert!(!words(&unmarked).iter().any(|text| text == "outside the fitted geometry"));
+    // The line has the same pixels in the first half, and gaps in the second.
+    let (marked, unmarked) = (pixels(&marked), pixels(&unmarked));
+    let line = |image: &image::RgbImage, columns: std::ops::Range<u32>| {
+        columns.filter(|x| (130..535).any(|y| close(image.get_pixel(*x, y).0, [0, 114, 178]))).count()
+    };
+    assert_eq!(line(&marked, 120..560), line(&unmarked, 120..560));
+    assert!(line(&marked, 620..1060) < line(&unmarked, 620..1060) - 50);
+    assert!(curve(&fitted[1..]).map(|_| ()).unwrap_err().to_string().contains("marks of the fitted range: 100 values"));
+}
+
 #[test]
 fn verif_a_light_curve_has_its_band_and_its_marks() {
     let n = 101;
@@ -150,6 +187,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
             time_mjd: time,
             magnitude,
             sigma_mag: sigma,
+            in_fitted_range: &[],
             in_field: &[[60_536.0 + 40.0 * second, 60_536.0 + 50.0 * second]],
             shutter: Some([60_536.0 + 30.0 * second, 60_536.0 + 60.0 * second]),
             limit_mag: Some(7.0),
@@ -271,6 +309,7 @@ fn pass(name: &str) -> SkyTrack {
         altitude_deg: (0..points).map(|k| 10.0 + 80.0 * (1.0 - (2.0 * share(k) - 1.0).abs())).collect(),
         magnitude: (0..points).map(|k| if share(k) > 0.7 { f64::NAN } else { 5.0 - 2.0 * share(k) }).collect(),
         sigma_mag: vec![0.4; points],
+        time_sigma_s: 0.5,
     }
 }
 
@@ -283,8 +322,9 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     let picture = drawn(&one).unwrap();
     // A single pass has minute marks, end times in seconds, and its brightest magnitude.
     has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
-    has(&picture, &["3.6 ±0.4"]);
-    assert!(words(&picture).join(" ").contains("the brightest of each pass. Invented."));
+    // The list has time and altitude of the brightest point.
+    has(&picture, &["brightest", "alt", "00:07:05", "58°", "3.6 ±0.4"]);
+    assert!(words(&picture).join(" ").contains("the brightest point of each pass. Invented."));
     pixels(&picture);
     let many: Vec<SkyTrack> = (1..=30).map(|k| pass(&format!("SAMPLE {k}"))).collect();
     let picture = drawn(&many).unwrap();
@@ -314,8 +354,11 @@ fn verif_a_sky_chart_of_a_site_has_stars() {
     let tracks = [pass("SAMPLE 1")];
     let chart = |site| SkyChart { title: "", caption: "", tracks: &tracks, local: None, site };
     let (with, without) = (sky_chart(&chart(Some(&site))).unwrap(), sky_chart(&chart(None)).unwrap());
-    let sentence = "Dots: stars to V = 6 mag at 00:05 UTC.";
+    let sentence = "Stars to V = 6 mag and constellations at 00:05 UTC.";
     assert!(words(&with).join(" ").contains(sentence) && !words(&without).join(" ").contains(sentence));
+    // Constellations around the pole are high, Orion is below the horizon.
+    has(&with, &["URSA MAJOR", "PERSEUS", "LYRA", "Capella", "Polaris"]);
+    assert!(!words(&with).iter().any(|words| words == "SCORPIUS") && !words(&without).iter().any(|w| w == "LYRA"));
     let (with, without) = (pixels(&with), pixels(&without));
     // Polaris is 0.74 degrees from the celestial pole, which is north at the altitude of the latitude. Tolerance,
     // pixels: these 0.74 degrees of 3.7 pixels each, and the radius of its dot.
@@ -333,6 +376,79 @@ fn verif_a_sky_chart_of_a_site_has_stars() {
     // A night without passes has no time, and so no stars.
     let empty = sky_chart(&SkyChart { title: "", caption: "", tracks: &[], local: None, site: Some(&site) }).unwrap();
     assert!(!words(&empty).join(" ").contains("stars"));
+}
+
+/// Times are those of the given clock, and not finer than their error.
+#[test]
+fn verif_times_of_a_sky_chart_are_local_and_rounded_to_their_error() {
+    let local = Some(LocalClock { ahead_of_utc_h: 2.0, name: "local time (UTC+2)".to_owned() });
+    let drawn = |time_sigma_s: f64| {
+        let mut track = SkyTrack { time_sigma_s, ..pass("SAMPLE 1") };
+        track.time_mjd.iter_mut().for_each(|mjd| *mjd += 2.0 / 86_400.0);
+        let tracks = [track];
+        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks, local: local.clone(), site: None }).unwrap()
+    };
+    has(&drawn(0.9), &["02:00:07", "02:07:07", "02:10:07", "02:01", "rise"]);
+    has(&drawn(8.0), &["02:00:10", "02:07:10", "02:10:10"]);
+    for unknown in [40.0, f64::NAN] {
+        let picture = drawn(unknown);
+        has(&picture, &["02:07", "02:10"]);
+        assert!(!words(&picture).iter().any(|text| text.starts_with("02:07:") || text.starts_with("02:10:")));
+    }
+}
+
+/// Labels of passes that are close to one another have leader lines, so that no minute of a high pass is without time.
+#[test]
+fn verif_close_passes_have_leader_lines() {
+    let shifted = |name: &str, by: f64| {
+        let one = pass(name);
+        SkyTrack { azimuth_deg: one.azimuth_deg.iter().map(|azimuth| azimuth + by).collect(), ..one }
+    };
+    let chart = |tracks: &[SkyTrack]| {
+        sky_chart(&SkyChart { title: "", caption: "", tracks, local: None, site: None }).unwrap().to_svg().unwrap()
+    };
+    let times = |svg: &str| svg.matches("font-size").count();
+    let (alone, three) = (chart(&[pass("A")]), chart(&[shifted("A", 0.0), shifted("B", 3.0), shifted("C", 6.0)]));
+    // The three tracks have more labels than one alone, though only the outer sides are free.
+    assert!(times(&three) > times(&alone) + 8, "{} {}", times(&three), times(&alone));
+}
+
+#[test]
+fn verif_a_finder_chart_has_stars_and_a_table() {
+    let site = Site::new_deg("north", 70.0, 20.0, 0.0).unwrap();
+    let track = pass("SAMPLE 1");
+    let drawn = |track: &SkyTrack, site| {
+        finder_chart(&FinderChart { title: "Pass of SAMPLE 1", caption: "Invented.", track, local: None, site })
+    };
+    let picture = drawn(&track, Some(&site)).unwrap();
+    let events = ["start", "highest", "last visible, brightest", "end"];
+    has(
+        &picture,
+        &[&["Pass of SAMPLE 1", "URSA MAJOR", "time", "altitude", "azimuth", "magnitude"][..], &events].concat(),
+    );
+    // Start, brightest point and end, and a round time: west before and east after the zenith.
+    has(
+        &picture,
+        &["00:00:05", "00:07:05", "00:10:05", "00:02:00", "270° W", "90° E", "10°", "3.6 ±0.4", "not visible"],
+    );
+    let text = words(&picture).join(" ");
+    assert!(
+        text.contains("Times: UTC, known to 0.50 s (one sigma). Dashed: not visible. Stars to V = 5 mag. Invented.")
+    );
+    // The picture has no colours, and a white background.
+    let image = pixels(&picture);
+    assert!(image.pixels().all(|pixel| pixel.0[0] == pixel.0[1] && pixel.0[1] == pixel.0[2]));
+    assert_eq!(image.get_pixel(20, 60).0, [255; 3]);
+    // Times of unknown error are written in minutes, and rows are not closer.
+    let unknown = drawn(&SkyTrack { time_sigma_s: f64::NAN, ..track.clone() }, None).unwrap();
+    has(&unknown, &["00:07", "00:10"]);
+    assert!(!words(&unknown).iter().any(|text| text.starts_with("00:0") && text.len() == 8));
+    assert!(words(&unknown).join(" ").contains("of unknown error"));
+    // A pass without magnitudes can be drawn.
+    let dark = SkyTrack { magnitude: vec![f64::NAN; 41], ..track.clone() };
+    assert!(!words(&drawn(&dark, None).unwrap()).iter().any(|text| text.contains("brightest")));
+    let short = SkyTrack { sigma_mag: vec![0.4], ..track };
+    assert!(drawn(&short, None).map(|_| ()).unwrap_err().to_string().contains("sigmas of SAMPLE 1: 1 values"));
 }
 
 #[test]

@@ -248,6 +248,7 @@ def light_curve(
     return _drawn(
         "light_curve", title, limit_mag=limit_mag, utc_offset=utc_offset,
         time_mjd=times, magnitude=_of_samples(samples, "magnitude"), sigma_mag=_of_samples(samples, "magnitude_sigma"),
+        in_fitted_range=[point.get("in_fitted_range") is not False for point in samples],
         in_field=[[float(times[0]), float(times[-1])]] if is_of_field else [],
     )  # fmt: skip
 
@@ -276,13 +277,15 @@ def sky_chart(passes: TableLike, *, title: str = "") -> Picture:
     names = passes.keys()
     if "samples" not in names:
         raise ValueError("passes have no column samples; call forecast(..., samples=100)")
+    late = "along_track_sigma_s"
+    late_s = _numbers(passes, late) if late in names else np.full(len(passes["samples"]), np.nan)
     tracks = [
         dict(
             name=str(name), time_mjd=_sample_times(samples).tolist(), azimuth_deg=_of_samples(samples, "azimuth_deg"),
             altitude_deg=_of_samples(samples, "altitude_deg"), magnitude=_of_samples(samples, "magnitude"),
-            sigma_mag=_of_samples(samples, "magnitude_sigma"),
+            sigma_mag=_of_samples(samples, "magnitude_sigma"), time_sigma_s=float(sigma_s),
         )
-        for name, samples in zip(_texts(passes, "name"), passes["samples"])
+        for name, samples, sigma_s in zip(_texts(passes, "name"), passes["samples"], late_s)
     ]  # fmt: skip
     return _drawn("sky_chart", title, tracks=tracks)
 

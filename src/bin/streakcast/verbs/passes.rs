@@ -15,7 +15,7 @@ use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::VerbResult;
 use crate::required::Required;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, Style, known_to, rounded, shown};
 
 #[derive(Args)]
 pub struct PassesArguments {
@@ -40,8 +40,8 @@ pub struct PassesArguments {
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
     shown("norad_id", "norad"),
-    rounded("enter_utc", "enter (UTC)", 2),
-    rounded("exit_utc", "exit (UTC)", 2),
+    known_to("enter_utc", "enter (UTC)", 2, "along_track_sigma_s"),
+    known_to("exit_utc", "exit (UTC)", 2, "along_track_sigma_s"),
     rounded("magnitude_peak", "peak mag", 1),
     rounded("magnitude_peak_sigma", "sigma", 1),
     shown("mag_source", "source"),
@@ -55,6 +55,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("azimuth_deg", "az deg", 0),
     rounded("range_km", "range km", 0),
     rounded("element_age_days", "age d", 1),
+    rounded("along_track_sigma_s", "late s", 1),
     rounded("probability", "P", 2),
     rounded("p_brighter", "P brighter", 2),
     rounded("streak_cost_s", "cost s", 2),

@@ -6,12 +6,13 @@ use crate::arguments::OutputArguments;
 use crate::clock::{TONIGHT, set_night};
 use anyhow::anyhow;
 use clap::Args;
-use hifitime::Epoch;
+use hifitime::{Epoch, TimeScale, Unit};
 use serde_json::json;
 use streakcast::config::parse_duration_s;
 use streakcast::config::{Config, ExposureConfig, Quantity, RulesConfig, TimeRangeConfig, state_scales};
 use streakcast::forecast::Night;
 use streakcast::frames::{Direction, Gcrs};
+use streakcast::message::known_step_s;
 use streakcast::message::{Quoted, listed as listed_names};
 use streakcast::output::{Column, Kind, Section, Table, Value, counted, format_utc};
 use streakcast::passes::Exposure;
@@ -26,7 +27,7 @@ use crate::failure::Outcome;
 use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, Style, known_to, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -71,10 +72,12 @@ const ON_SCREEN: &[Shown] = &[
     shown("name", "target"),
     shown("first_start_local", "first start (local)"),
     shown("last_start_local", "last start (local)"),
-    rounded("first_start_utc", "first start (UTC)", 0),
-    rounded("last_start_utc", "last start (UTC)", 0),
+    known_to("first_start_utc", "first start (UTC)", 0, "late_s"),
+    known_to("last_start_utc", "last start (UTC)", 0, "late_s"),
     rounded("length_s", "length s", 1),
     rounded("exposure_s", "exposure s", 1),
+    rounded("elements_age_days", "age d", 1),
+    rounded("late_s", "late s", 1),
 ];
 
 pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
@@ -181,7 +184,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             )]);
         }
     } else {
-        let mut windows = window_table(&found);
+        let mut windows = window_table(&found, &prepared.sky);
         if let Some(zone) = &zone {
             add_local_times(&mut windows, zone);
         }
@@ -213,19 +216,39 @@ fn single_target(name: &str, pointing: Direction<Gcrs>, duration_s: f64, rotatio
     ListedTarget { name: name.to_owned(), unique_id: name.to_owned(), target }
 }
 
-/// Adds the columns `first_start_local` and `last_start_local`, in whole seconds.
+/// Adds the columns `first_start_local` and `last_start_local`, rounded to the lateness of the satellites.
 fn add_local_times(table: &mut Table, zone: &LocalTime) {
-    for (of, name) in [("first_start_utc", "first_start_local"), ("last_start_utc", "last_start_local")] {
-        let Some(index) = table.columns.iter().position(|column| column.name == of) else { continue };
-        table.columns.push(Column::new(name, Kind::Text, "The same in local time, in whole seconds."));
-        for row in &mut table.rows {
-            let local = match row.get(index) {
-                Some(Value::Time(epoch)) => zone.text(*epoch).into(),
-                _ => Value::Null,
-            };
-            row.push(local);
-        }
+    let at = |name: &str| table.columns.iter().position(|column| column.name == name);
+    let (Some(first), Some(last), Some(late)) = (at("first_start_utc"), at("last_start_utc"), at("late_s")) else {
+        return;
+    };
+    for (name, rounded) in [("first_start_local", "up"), ("last_start_local", "down")] {
+        let description = match rounded {
+            "up" => "The same in local time, rounded up to 1 s, 10 s, 1 min or 10 min, whichever is next above late_s.",
+            _ => "The same in local time, rounded down.",
+        };
+        table.columns.push(Column::new(name, Kind::Text, description));
     }
+    for row in &mut table.rows {
+        let local = match (&row[first], &row[last]) {
+            (Value::Time(first), Value::Time(last)) => {
+                let late_s = if let Value::Real(late_s) = row[late] { late_s } else { f64::NAN };
+                local_window(*first, *last, known_step_s(late_s), zone).map(Value::from)
+            }
+            _ => [Value::Null, Value::Null],
+        };
+        row.extend(local);
+    }
+}
+
+/// Returns the ends of a window in local time, rounded inwards to a step in seconds; to 1 s if the window is shorter.
+fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [String; 2] {
+    let inside = |step_s: f64| {
+        let step = step_s * Unit::Second;
+        [first.to_time_scale(TimeScale::UTC).ceil(step), last.to_time_scale(TimeScale::UTC).floor(step)]
+    };
+    let step_s = if inside(step_s)[0] <= inside(step_s)[1] { step_s } else { 1.0 };
+    inside(step_s).map(|epoch| zone.text(epoch, step_s))
 }
 
 /// Pairs every row of the target list with its windows.

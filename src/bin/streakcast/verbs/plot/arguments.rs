@@ -165,6 +165,10 @@ pub struct PlotSkyChartArguments {
     /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
+    /// Draw a finder chart for printing: one pass, the brightest, in black on white, with a table of times, altitudes,
+    /// azimuths and magnitudes
+    #[arg(long)]
+    pub finder: bool,
     /// Suppress notes
     #[arg(long, short)]
     pub quiet: bool,

@@ -210,6 +210,21 @@ impl Columns {
         })
     }
 
+    /// Returns the numbers of a column; NaN for an empty cell, and for all rows if the table lacks the column.
+    pub fn numbers_or_nan(&self, name: &str) -> anyhow::Result<Vec<f64>> {
+        if self.has(name) { self.numbers(name) } else { Ok(vec![f64::NAN; self.len()]) }
+    }
+
+    /// Returns false for rows whose geometry is outside that of the fitted measurements; empty if the table does not
+    /// state it. Rows without a magnitude have no statement and count as true.
+    pub fn fitted(&self) -> anyhow::Result<Vec<bool>> {
+        const NAME: &str = "in_fitted_range";
+        if !self.has(NAME) {
+            return Ok(Vec::new());
+        }
+        self.numbers(NAME).map(|marks| marks.into_iter().map(|mark| mark != 0.0).collect())
+    }
+
     /// Returns the times of a column, MJD (UTC); NaN for an empty cell.
     pub fn moments(&self, name: &str) -> anyhow::Result<Vec<f64>> {
         self.each(name, "a time like 2024-08-14T00:30:00.000Z", |text| match text {

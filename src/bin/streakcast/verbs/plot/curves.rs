@@ -26,6 +26,8 @@ pub struct Curve {
     pub is_synthetic: bool,
     /// Ranges of the first and the last point, km.
     pub range_km: [f64; 2],
+    /// False where the geometry is outside that of the fitted measurements; empty if the table does not state it.
+    pub in_fitted_range: Vec<bool>,
     pub track: SkyTrack,
 }
 
@@ -76,6 +78,8 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let [azimuth, altitude, range] = ["azimuth_deg", "altitude_deg", "range_km"].map(|name| columns.numbers(name));
     let (azimuth, altitude, range) = (azimuth?, altitude?, range?);
     let (magnitude, sigma) = (columns.numbers("magnitude")?, columns.numbers("magnitude_sigma")?);
+    let sigma_s = columns.numbers_or_nan("along_track_sigma_s")?;
+    let in_fitted_range = columns.fitted()?;
     let rows: Vec<usize> = (0..ids.len()).collect();
     let same_pass = |a: &usize, b: &usize| (ids[*a], culminations[*a]) == (ids[*b], culminations[*b]);
     let curve = |rows: &[usize]| {
@@ -85,6 +89,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
             norad_id: ids[first].to_owned(),
             is_synthetic: names[first].ends_with(SYNTHETIC),
             range_km: [range[first], range[last]],
+            in_fitted_range: in_fitted_range.get(first..=last).map_or_else(Vec::new, <[bool]>::to_vec),
             track: SkyTrack {
                 name: display_name(names[first], ids[first]),
                 time_mjd: of(&time_mjd),
@@ -92,6 +97,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
                 altitude_deg: of(&altitude),
                 magnitude: of(&magnitude),
                 sigma_mag: of(&sigma),
+                time_sigma_s: sigma_s[first],
             },
         }
     };
@@ -101,6 +107,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
 /// Reads a table with one row per pass, and the points of the pass as JSON in a cell.
 fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let (ids, names) = (columns.texts("norad_id")?, columns.texts("name")?);
+    let sigma_s = columns.numbers_or_nan("along_track_sigma_s")?;
     let rows = ids.iter().zip(&names).zip(columns.texts("samples")?).enumerate();
     rows.map(|(row, ((id, name), samples))| {
         let fail = |problem: &str| anyhow!("table {}, pass {}: samples {problem}", columns.origin(), row + 1);
@@ -109,6 +116,7 @@ fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
         let number = |name: &str| -> Vec<f64> {
             points.iter().map(|point| point.get(name).and_then(Value::as_f64).unwrap_or(f64::NAN)).collect()
         };
+        let is_fitted = |point: &Value| point.get("in_fitted_range").and_then(Value::as_bool).unwrap_or(true);
         let moment = |point: &Value| {
             let text = point.get("utc").and_then(Value::as_str)?;
             parse_moment(text, None).ok().map(mjd_utc)
@@ -120,6 +128,7 @@ fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
             norad_id: (*id).to_owned(),
             is_synthetic: name.ends_with(SYNTHETIC),
             range_km: ends,
+            in_fitted_range: points.iter().map(is_fitted).collect(),
             track: SkyTrack {
                 name: display_name(name, id),
                 time_mjd: time_mjd.ok_or_else(|| fail("lack a time utc, for example 2024-08-14T00:30:00.000Z"))?,
@@ -127,6 +136,7 @@ fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
                 altitude_deg: number("altitude_deg"),
                 magnitude: number("magnitude"),
                 sigma_mag: number("magnitude_sigma"),
+                time_sigma_s: sigma_s[row],
             },
         })
     })

@@ -27,7 +27,7 @@ const POINTS: usize = 400;
 const MAX_AROUND_S: f64 = 600.0;
 const DAY_S: f64 = 86_400.0;
 
-const COLUMNS: [Column; 10] = [
+const COLUMNS: [Column; 11] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::time("utc", "Time at which the light reaches the observer."),
     Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
@@ -37,6 +37,11 @@ const COLUMNS: [Column; 10] = [
     Column::real("range_km", "km", 3, "Distance from the observer."),
     Column::real("magnitude", "mag", 3, "Apparent magnitude; empty if the satellite is not visible."),
     Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."),
+    Column::new(
+        "in_fitted_range",
+        Kind::Boolean,
+        "False if the geometry is more than 10 deg from the geometries to which the model was fitted.",
+    ),
     Column::new("in_field", Kind::Boolean, "True if the satellite is inside the field while the shutter is open."),
 ];
 
@@ -93,6 +98,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
             point.range_km.into(),
             brightness.map(|brightness| brightness.magnitude.0).into(),
             brightness.map(|brightness| brightness.sigma_mag).into(),
+            brightness.map(|brightness| brightness.in_fitted_range).into(),
             is_in(point).into(),
         ]
     };
@@ -165,7 +171,7 @@ fn of_forecast(
     let found = curves(columns, norad.as_slice())?;
     // NaN is ordered after all numbers.
     let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
-    let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], track } =
+    let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], in_fitted_range, track } =
         brightest.ok_or_else(|| anyhow!("table {} has no pass; allowed: one or more", columns.origin()))?;
     let highest = track.altitude_deg.iter().copied().fold(f64::NAN, f64::max);
     let synthetic = if is_synthetic { SYNTHETIC } else { "" };
@@ -183,6 +189,7 @@ fn of_forecast(
         time_mjd: &track.time_mjd,
         magnitude: &track.magnitude,
         sigma_mag: &track.sigma_mag,
+        in_fitted_range: &in_fitted_range,
         in_field: &[],
         shutter: None,
         limit_mag,
@@ -237,6 +244,7 @@ fn picture(
         time_mjd: &time_mjd,
         magnitude: &magnitude,
         sigma_mag: &sigma_mag,
+        in_fitted_range: &columns.fitted()?,
         in_field: &in_field,
         shutter: stated.get("shutter_utc").and_then(span),
         limit_mag: limit_mag.or_else(|| stated.get("limit_mag")?.as_f64()),

@@ -1,6 +1,7 @@
-//! `plot sky-chart`: plots passes of a forecast over the sky of their site.
+//! `plot sky-chart`: plots passes of a forecast over the sky of their site, or one of them for printing.
 
-use streakcast::plot::{Picture, SkyChart, SkyTrack, sky_chart};
+use anyhow::anyhow;
+use streakcast::plot::{FinderChart, Picture, SkyChart, SkyTrack, finder_chart, sky_chart};
 
 use super::arguments::PlotSkyChartArguments;
 use crate::failure::Outcome;
@@ -17,7 +18,11 @@ pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;
     let clock = Clock::new(typed.zone.time_zone, None);
-    let drawn = picture(&columns, found, clock.as_ref(), typed.title.title.as_deref())?;
+    let title = typed.title.title.as_deref();
+    let drawn = match typed.finder {
+        true => finder(&columns, found, clock.as_ref(), title)?,
+        false => picture(&columns, found, clock.as_ref(), title)?,
+    };
     target.write_picture(&drawn, &columns.provenance(), &notices)?;
     Ok(Outcome::Done)
 }
@@ -29,8 +34,8 @@ fn picture(
     title: Option<&str>,
 ) -> anyhow::Result<Picture> {
     let tracks: Vec<SkyTrack> = found.into_iter().map(|curve| curve.track).collect();
-    let first_mjd = tracks.iter().filter_map(|track| track.time_mjd.first()).copied().fold(f64::INFINITY, f64::min);
-    let local = clock.map(|clock| clock.at(first_mjd));
+    let first_mjd = tracks.iter().filter_map(|track| track.time_mjd.first()).copied().reduce(f64::min);
+    let local = clock.zip(first_mjd).map(|(clock, mjd)| clock.at(mjd));
     let subtitle = columns.place_and_time(tracks.iter().flat_map(|track| track.time_mjd.iter().copied()));
     let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("Pass of {}", track.name));
@@ -38,5 +43,24 @@ fn picture(
     let site = columns.site();
     let title = title.unwrap_or(&default_title);
     let drawn = sky_chart(&SkyChart { title, caption, tracks: &tracks, local, site: site.as_ref() })?;
+    Ok(drawn.with_subtitle(&subtitle))
+}
+
+/// Draws the brightest of the passes for printing.
+fn finder(columns: &Columns, found: Vec<Curve>, clock: Option<&Clock>, title: Option<&str>) -> anyhow::Result<Picture> {
+    // NaN is ordered after all numbers.
+    let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
+    let Curve { is_synthetic, track, .. } =
+        brightest.ok_or_else(|| anyhow!("table {} has no pass; allowed: one or more", columns.origin()))?;
+    let local = clock.zip(track.time_mjd.first()).map(|(clock, mjd)| clock.at(*mjd));
+    let subtitle = columns.place_and_time(track.time_mjd.iter().copied());
+    let default_title = format!("Pass of {}", track.name);
+    let drawn = finder_chart(&FinderChart {
+        title: title.unwrap_or(&default_title),
+        caption: if is_synthetic { "The satellite is simulated." } else { "" },
+        track: &track,
+        local,
+        site: columns.site().as_ref(),
+    })?;
     Ok(drawn.with_subtitle(&subtitle))
 }

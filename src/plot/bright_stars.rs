@@ -1,27 +1,33 @@
 //! Stars visible to the naked eye.
 
-use super::{Direction, Gcrs};
+use crate::frames::{Direction, Gcrs};
 
-/// Table of `right ascension,declination,V`, degrees and magnitudes; the head of the file names its source.
+/// Table of `right ascension,declination,V,name`, degrees and magnitudes; the head of the file names its source.
 const TABLE: &str = include_str!("bright_stars.csv");
 
 /// Star visible to the naked eye.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct BrightStar {
+pub(super) struct BrightStar {
     /// Direction from the solar system's barycentre, ICRS at epoch J2000, rounded to 0.001 degrees.
     pub direction: Direction<Gcrs>,
     /// Magnitude in Johnson's band V, from Hipparcos.
     pub v_mag: f64,
+    /// Name in the catalogue of star names of the International Astronomical Union, for the 30 brightest stars and
+    /// Polaris. Of α Centauri, only the brighter component has one.
+    pub name: Option<&'static str>,
 }
 
 /// Returns the 5044 Hipparcos stars to V = 6.0 mag.
 ///
 /// Proper motions are not included: the fastest, some arcseconds a year, shift a star by minutes of arc in decades.
-pub fn bright_stars() -> impl Iterator<Item = BrightStar> {
+pub(super) fn bright_stars() -> impl Iterator<Item = BrightStar> {
     TABLE.lines().filter(|line| !line.starts_with('#')).filter_map(|line| {
-        let mut numbers = line.split(',').map_while(|text| text.parse::<f64>().ok());
-        let (ra_deg, dec_deg, v_mag) = (numbers.next()?, numbers.next()?, numbers.next()?);
-        Some(BrightStar { direction: Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()), v_mag })
+        let mut cells = line.split(',');
+        let mut number = || cells.next()?.parse::<f64>().ok();
+        let (ra_deg, dec_deg, v_mag) = (number()?, number()?, number()?);
+        let name = cells.next().filter(|name| !name.is_empty());
+        let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        Some(BrightStar { direction, v_mag, name })
     })
 }
 
@@ -56,6 +62,7 @@ mod tests {
             let found = bright_stars().find(|star| apart_deg(star) < TOLERANCE_DEG);
             let found = found.unwrap_or_else(|| panic!("no star at the position of {name}"));
             assert!((found.v_mag - v_mag).abs() < TOLERANCE_MAG, "{name}: {}", found.v_mag);
+            assert_eq!(found.name, (name != "61 Cygni A").then_some(name));
         }
     }
 
@@ -63,6 +70,7 @@ mod tests {
     fn every_line_is_a_star() {
         let magnitudes: Vec<f64> = bright_stars().map(|star| star.v_mag).collect();
         assert_eq!(magnitudes.len(), 5044);
+        assert_eq!(bright_stars().filter(|star| star.name.is_some()).count(), 31);
         assert!(magnitudes.iter().all(|v_mag| (-1.5..=6.0).contains(v_mag)));
     }
 }
