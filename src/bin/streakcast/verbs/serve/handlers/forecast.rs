@@ -76,7 +76,7 @@ pub fn schema() -> Value {
     let at = Epoch::from_mjd_utc(0.0);
     let night =
         Night { start: at, end: at, max_sun_altitude_rad: None, dark: vec![], lowest_sun_rad: 0.0, lowest_sun_at: at };
-    let nothing = Forecast { night, found: VisiblePasses::default() };
+    let nothing = Forecast { night, found: VisiblePasses::default(), late: (0, 0.0) };
     object_schema(&[
         ("provenance", provenance_schema()),
         ("warnings", warnings_schema()),
