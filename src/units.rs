@@ -27,6 +27,9 @@ pub static DEGREES: Unit = Unit {
         ("radian", 180.0 / PI),
         ("radians", 180.0 / PI),
         ("hourangle", 15.0),
+        // Hour angles as astropy writes them to VOTable.
+        ("15deg", 15.0),
+        ("15 deg", 15.0),
         ("arcmin", 1.0 / 60.0),
         ("arcsec", 1.0 / 3600.0),
         ("mas", 1.0 / 3_600_000.0),
@@ -165,11 +168,18 @@ mod tests {
 
     #[test]
     fn units_are_converted_and_contradictions_rejected() {
-        let units: BTreeMap<String, String> =
-            [("ra", "hourangle"), ("ra_deg", "hourangle"), ("dec_deg", "degree"), ("dec", "m"), ("rotation", "")]
-                .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
-                .into();
+        let units: BTreeMap<String, String> = [
+            ("ra", "hourangle"),
+            ("h", "15deg"),
+            ("ra_deg", "hourangle"),
+            ("dec_deg", "degree"),
+            ("dec", "m"),
+            ("rotation", ""),
+        ]
+        .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+        .into();
         assert_eq!(DEGREES.scale("ra", &units), Ok(15.0));
+        assert_eq!(DEGREES.scale("h", &units), Ok(15.0));
         assert_eq!(DEGREES.scale("dec_deg", &units), Ok(1.0));
         assert_eq!(DEGREES.scale("rotation", &units), Ok(1.0));
         assert_eq!(SECONDS.scale("exposure_min", &units), Ok(60.0));

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::document::Config;
 use super::error::ConfigError;
-use super::values::{Quantity, parse_angle_deg, parse_duration_s};
+use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::input;
@@ -294,9 +294,8 @@ impl IdentifyConfig {
         };
         let scale = config.time_scale()?;
         let start = given(&self.start, &config.exposure.start).map(|start| parse_moment(&start, scale)).transpose()?;
-        let duration_s = given(&self.exposure, &config.exposure.duration)
-            .map(|length| parse_duration_s("exposure", &length))
-            .transpose()?;
+        let duration_s =
+            given(&self.exposure, &config.exposure.duration).map(|length| parse_exposure_s(&length)).transpose()?;
         #[cfg(all(feature = "fits", unix))]
         if let Some(path) = &self.image {
             return super::identify_frame::exposure(path, self.hdu, start, duration_s);

@@ -10,7 +10,7 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
-use super::values::{Numbers, parse_angle_deg, parse_duration_s};
+use super::values::{Numbers, parse_angle_deg, parse_exposure_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, ImagesError, Telescope};
 use crate::input;
@@ -263,10 +263,7 @@ impl InjectionConfig {
         }
         let scale = config.time_scale()?;
         let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
-        let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
-        if duration_s.is_some_and(|seconds| seconds <= 0.0) {
-            return Err(ConfigError::invalid("exposure is 0 s; allowed: above 0 s"));
-        }
+        let duration_s = self.exposure.as_deref().map(parse_exposure_s).transpose()?;
         Ok((start, duration_s))
     }
 

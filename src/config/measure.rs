@@ -9,7 +9,7 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
 use super::prepared::state_scales;
-use super::values::{parse_angle_deg, parse_duration_s};
+use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::frames::{parse_moment, seconds_after};
 use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
@@ -187,6 +187,14 @@ impl MeasureConfig {
                 };
                 remarks.push(format!("{shown}: {summary}{used}"));
             }
+            let arbitrary = measured.passes.iter().filter(|pass| !pass.prediction.is_position_known).count();
+            if arbitrary > 0 {
+                warnings.push(format!(
+                    "{shown}: {arbitrary} of {} rows are of satellites with elements too old to predict positions (flag \
+                     position): streaks may be of other satellites, and there are no limits; specify element sets of that time",
+                    measured.passes.len()
+                ));
+            }
             passes.extend(measured.passes);
             left_out.extend(measured.left_out);
         }
@@ -201,10 +209,7 @@ impl MeasureConfig {
     pub(super) fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), ConfigError> {
         let scale = config.time_scale()?;
         let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
-        let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
-        if duration_s.is_some_and(|seconds| seconds <= 0.0) {
-            return Err(ConfigError::invalid("exposure is 0 s; allowed: above 0 s"));
-        }
+        let duration_s = self.exposure.as_deref().map(parse_exposure_s).transpose()?;
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
             return Err(ConfigError::invalid(format!("gain is {gain} e/count; allowed: above 0 e/count")));
         }
@@ -252,7 +257,10 @@ fn state_stars(
     let counts = found.counts();
     match (found.zero_point_mag, found.seeing_arcsec) {
         (Some(Estimate { value, sigma }), seeing_arcsec) => {
-            let seeing = seeing_arcsec.map_or(String::new(), |seeing| format!("; FWHM {seeing:.2} arcsec"));
+            let seeing = match seeing_arcsec {
+                Some(seeing) => format!("; FWHM {seeing:.2} arcsec"),
+                None => "; FWHM not measured, too few bright stars".to_owned(),
+            };
             remarks.push(format!("{chip}: zero point {value:.3} +- {sigma:.3} mag; {counts}{seeing}"));
         }
         (None, _) => warnings.push(format!(

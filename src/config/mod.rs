@@ -56,6 +56,6 @@ pub use observation::{MOST_SAMPLES, ObservationPlan};
 pub use prepared::{PreparedSky, state_scales};
 pub use values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, Numbers, PolicyChoice, Quantity, SiteChoice,
-    SiteTable, TelescopeChoice, parse_angle_deg, parse_duration_s, parse_size_deg, parse_time_scale,
+    SiteTable, TelescopeChoice, parse_angle_deg, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale,
 };
 pub use warnings::OLD_ELEMENTS_DAYS;

@@ -8,7 +8,7 @@ use super::document::{Config, ExposureConfig, RulesConfig};
 use super::error::ConfigError;
 use super::inputs::{parse_file, read_text};
 use super::values::{
-    NameOrTable, Quantity, in_range, is_file_name, parse_duration_s, parse_size_deg, parse_time_scale,
+    NameOrTable, Quantity, in_range, is_file_name, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale,
 };
 use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
@@ -181,7 +181,7 @@ impl Config {
             parse_moment(start.as_str(), self.time_scale()?.or(Some(TimeScale::UTC)))?;
         }
         if let Some(duration) = duration {
-            parse_duration_s("exposure", duration.as_str())?;
+            parse_exposure_s(duration.as_str())?;
         }
         if let Some(delay) = &self.rules.max_delay {
             parse_duration_s("max-delay", delay.as_str())?;
@@ -304,7 +304,7 @@ impl Config {
         Ok(Exposure {
             id: "1".to_owned(),
             start,
-            duration_s: parse_duration_s("exposure", duration)?,
+            duration_s: parse_exposure_s(duration)?,
             pointing: self.pointing()?.ok_or(ConfigError::Missing { what: "pointing", allowed: POINTINGS })?,
             rotation_rad: self.rotation_rad()?,
         })

@@ -254,6 +254,16 @@ pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigErr
     in_range(what, seconds, "s", "0 to 86400 s", |seconds| (0.0..=LONGEST_EXPOSURE_S).contains(&seconds))
 }
 
+/// Parses the exposure time of a frame or a visit: a duration above 0.
+///
+/// # Errors
+/// The errors of [`parse_duration_s`], and a duration of 0, in which nothing can cross.
+pub fn parse_exposure_s(text: &str) -> Result<f64, ConfigError> {
+    let seconds = with_unit("exposure", text, DURATION_UNITS, "a number with its unit: 30s, 2.5min, 1h")?;
+    let is_allowed = |seconds: f64| seconds > 0.0 && seconds <= LONGEST_EXPOSURE_S;
+    in_range("exposure", seconds, "s", "above 0 s, at most 86400 s", is_allowed)
+}
+
 /// Parses an angle such as `3.5deg`, `210arcmin` or `30arcsec` into degrees, above 0, at most 180. A number without a
 /// unit is rejected.
 ///
@@ -390,6 +400,7 @@ mod tests {
     fn errors_of_range_have_the_range() {
         let message = |result: Result<f64, ConfigError>| result.unwrap_err().to_string();
         assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure is -5 s; allowed: 0 to 86400 s");
+        assert_eq!(message(parse_exposure_s("0s")), "exposure is 0 s; allowed: above 0 s, at most 86400 s");
         assert_eq!(parse_duration_s("exposure", "24h").unwrap(), LONGEST_EXPOSURE_S);
         let above = message(parse_duration_s("exposure", "1e300s"));
         assert_eq!(above, "exposure is 1e300 s; allowed: 0 to 86400 s");

@@ -48,7 +48,7 @@ impl Report {
         let heads = table.columns.iter().map(|column| cell(column.name));
         let _ = writeln!(self.text, "| {} |", heads.collect::<Vec<_>>().join(" | "));
         let rules = table.columns.iter().map(|column| match column.kind {
-            Kind::Real { .. } | Kind::Integer => "---:",
+            Kind::Real { .. } | Kind::Small { .. } | Kind::Integer => "---:",
             _ => "---",
         });
         let _ = writeln!(self.text, "| {} |", rules.collect::<Vec<_>>().join(" | "));

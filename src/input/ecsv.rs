@@ -1,6 +1,6 @@
 //! ECSV: a YAML header in comments, with units and, for astropy's `Time` columns, the time scale; a line of names; rows.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
 use hifitime::TimeScale;
@@ -153,6 +153,17 @@ impl Ecsv {
         let Some(YamlOwned::Sequence(columns)) = columns else { return BTreeMap::new() };
         let text = |column, key| get(column, key).and_then(YamlOwned::as_str).map(str::to_owned);
         columns.iter().filter_map(|column| Some((text(column, "name")?, text(column, "unit")?))).collect()
+    }
+
+    /// Returns the names of the columns with numbers of single (or half) precision.
+    pub fn single_precision(&self) -> BTreeSet<String> {
+        let columns = self.header.as_ref().and_then(|header| get(header, "datatype"));
+        let Some(YamlOwned::Sequence(columns)) = columns else { return BTreeSet::new() };
+        let single = |column: &YamlOwned| -> Option<String> {
+            let is_single = matches!(get(column, "datatype")?.as_str()?, "float32" | "float16");
+            is_single.then(|| get(column, "name")?.as_str().map(str::to_owned)).flatten()
+        };
+        columns.iter().filter_map(single).collect()
     }
 
     /// Returns the `Time` columns, which astropy describes in the metadata.

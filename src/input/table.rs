@@ -87,6 +87,24 @@ impl TableRow {
         self.text(column).parse().map_err(|_| self.wrong(column, allowed))
     }
 
+    /// Returns the truth value in a cell, in the spelling of this project (`true`) or of Python and ECSV (`True`).
+    ///
+    /// # Errors
+    /// The cell is neither true nor false.
+    pub fn truth(&self, column: Column) -> io::Result<bool> {
+        match self.text(column) {
+            "true" | "True" | "TRUE" => Ok(true),
+            "false" | "False" | "FALSE" => Ok(false),
+            _ => Err(self.wrong(column, "true or false")),
+        }
+    }
+
+    /// Returns true if a cell has no value: it is empty, or the `nan` that astropy writes for a missing number.
+    pub fn is_missing(&self, column: Column) -> bool {
+        let text = self.text(column);
+        text.is_empty() || text.eq_ignore_ascii_case("nan") || text == "--"
+    }
+
     /// Returns the error for an invalid cell.
     pub fn wrong(&self, column: Column, allowed: &str) -> io::Error {
         let Column { name, .. } = column;
@@ -110,17 +128,24 @@ impl TableRows {
     pub fn new(text: String) -> io::Result<Self> {
         let comments: Vec<&str> = text.lines().take_while(|line| line.starts_with('#')).collect();
         let comments = comments.join("\n");
+        if text.trim_start().starts_with('<') {
+            return Err(invalid("is XML, such as a VOTable; allowed: CSV or ECSV".to_owned()));
+        }
         if is_ecsv(&text) {
             let ecsv = Ecsv::parse(&text).map_err(|error| invalid(error.to_string()))?;
-            let (names, units) = (ecsv.names.clone(), ecsv.units());
+            let (names, units) = (unique(ecsv.names.clone())?, ecsv.units());
             return Ok(Self { rows: Rows::Ecsv(text, Box::new(ecsv), 0, 1, 0), names, units, comments, count: 0 });
+        }
+        let delimiter = delimiter_of(first_line(&text));
+        if let Some(line) = unclosed_quote(&text, delimiter) {
+            return Err(invalid(format!("line {line}: {UNCLOSED}")));
         }
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
-            .delimiter(delimiter_of(first_line(&text)))
+            .delimiter(delimiter)
             .trim(csv::Trim::All)
             .from_reader(Cursor::new(text));
-        let names = reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect();
+        let names = unique(reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect())?;
         Ok(Self { rows: Rows::Csv(reader.into_records()), names, units: BTreeMap::new(), comments, count: 0 })
     }
 
@@ -209,6 +234,45 @@ pub fn first_line(text: &str) -> &str {
     text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#')).unwrap_or_default()
 }
 
+/// Returns the names if there is one column of each.
+fn unique(names: Vec<String>) -> io::Result<Vec<String>> {
+    match names.iter().enumerate().find(|(index, name)| !name.is_empty() && names[..*index].contains(name)) {
+        Some((_, name)) => Err(invalid(format!("two columns have the name {}; allowed: one", Quoted::new(name)))),
+        None => Ok(names),
+    }
+}
+
+/// Problem of a cell whose quotation mark is not closed.
+pub const UNCLOSED: &str = "the cell that begins with a quotation mark has no other one at its end";
+
+/// Returns the line, from 1, in which a quoted cell of CSV begins that ends nowhere; `None` if there is none. Readers
+/// would take all following rows for a part of it.
+pub fn unclosed_quote(text: &str, delimiter: u8) -> Option<usize> {
+    let mut line = 1;
+    let (mut is_row_start, mut is_cell_start, mut is_comment) = (true, true, false);
+    let mut opened = None;
+    let mut bytes = text.bytes().peekable();
+    while let Some(byte) = bytes.next() {
+        if byte == b'\n' {
+            line += 1;
+        }
+        if opened.is_some() {
+            // Two quotation marks are one character of the cell.
+            if byte == b'"' && bytes.next_if_eq(&b'"').is_none() {
+                opened = None;
+            }
+            continue;
+        }
+        is_comment = (is_comment || (is_row_start && byte == b'#')) && byte != b'\n';
+        if byte == b'"' && is_cell_start && !is_comment {
+            opened = Some(line);
+        }
+        is_row_start = byte == b'\n';
+        is_cell_start = is_row_start || byte == delimiter;
+    }
+    opened
+}
+
 /// Returns the most frequent separator of the line of names; a comma if it has none.
 pub fn delimiter_of(header: &str) -> u8 {
     let count = |delimiter: u8| header.bytes().filter(|byte| *byte == delimiter).count();
@@ -251,6 +315,29 @@ mod tests {
             assert_eq!(error, format!("line {line}: ra_deg is '1.5'; allowed: a number from 0 to 1"));
             assert!(rows.next().is_none());
         }
+    }
+
+    #[test]
+    fn quotation_marks_that_are_not_closed_have_their_line() {
+        for (text, line) in [
+            ("a,b\n1,\"x\"\n", None),
+            ("a,b\n1,\"x\ny\"\n", None),
+            ("a,b\n# it's a \"comment\n5\" tube,\"x \"\"y\"\"\"\n", None),
+            ("a,b\n1,\"x\n2,y\n3,z\n", Some(2)),
+            ("a,b\n1,x\n\"2,\"\"y\n3,z", Some(3)),
+        ] {
+            assert_eq!(unclosed_quote(text, b','), line, "{text:?}");
+            let error = TableRows::new(text.to_owned()).err().map(|error| error.to_string());
+            assert_eq!(error, line.map(|line| format!("line {line}: {UNCLOSED}")));
+        }
+    }
+
+    #[test]
+    fn tables_of_other_formats_and_repeated_names_are_errors() {
+        let error = |text: &str| TableRows::new(text.to_owned()).err().unwrap().to_string();
+        assert_eq!(error("<?xml version='1.0'?>\n<VOTABLE/>"), "is XML, such as a VOTable; allowed: CSV or ECSV");
+        assert_eq!(error("a,b,a\n1,2,3\n"), "two columns have the name a; allowed: one");
+        assert_eq!(error("# %ECSV 1.0\n# ---\n# datatype: []\na b a\n"), "two columns have the name a; allowed: one");
     }
 
     #[test]

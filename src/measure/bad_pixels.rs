@@ -6,8 +6,11 @@ use crate::images::{CompanionPlane, FrameFile, Header, ImagesError, Plane, Plane
 /// cosmic rays and streaks also mark the streaks that are measured, and are not used.
 const BAD_PLANES: [&str; 6] = ["MP_BAD", "MP_SAT", "MP_NO_DATA", "MP_EDGE", "MP_SUSPECT", "MP_UNMASKEDNAN"];
 
-/// Largest fraction of bad pixels of a plane that is used. In a plane with more, 1 may mark good pixels.
+/// Largest fraction of bad pixels of a plane whose meaning is not stated. In a plane with more, 1 may mark good pixels.
 const LARGEST_SHARE: f64 = 0.5;
+
+/// Keyword of a mask that states that all values other than 0 mark bad pixels, as in the masks of arrays in memory.
+const EXPLICIT: &str = "BADPIX";
 
 /// Sets the bad pixels of a chip to NaN, as its companion planes state them. Returns what was used of each plane, for
 /// example "HDU 2 (MASK): 120 bad pixels (MP_BAD, MP_SAT)".
@@ -29,9 +32,10 @@ pub(super) fn remove_bad_pixels(
         let name = format!("HDU {} ({})", companion.hdu, companion.name);
         // A mask with other numbers than 0 and 1 has bits of unknown meaning.
         let is_boolean = || values.values().iter().all(|value| *value == 0.0 || *value == 1.0);
-        if matches!(rule, Rule::NotZero) && !is_boolean() {
+        let is_stated = matches!(rule, Rule::Bits(..) | Rule::NotZero { is_stated: true });
+        if matches!(rule, Rule::NotZero { is_stated: false }) && !is_boolean() {
             used.push(format!("{name} is not used: its bits are not described by MP_ keywords"));
-        } else if count as f64 > LARGEST_SHARE * bad.len() as f64 {
+        } else if !is_stated && count as f64 > LARGEST_SHARE * bad.len() as f64 {
             used.push(format!("{name} is not used: {count} of {} pixels would be bad", bad.len()));
         } else {
             let pixels = plane.values_mut().iter_mut().zip(bad);
@@ -46,9 +50,9 @@ pub(super) fn remove_bad_pixels(
 enum Rule {
     /// One of these bits is set; with the names of their planes.
     Bits(u32, String),
-    /// The value is not 0.
-    NotZero,
-    /// The value is not above 0, or missing: a variance, an inverse variance or an error.
+    /// The value is not 0; `is_stated` if the header states that this marks bad pixels.
+    NotZero { is_stated: bool },
+    /// The value is not a finite number above 0: a variance, an inverse variance, an error or a weight.
     NotPositive,
 }
 
@@ -64,8 +68,10 @@ impl Rule {
                     if planes.is_empty() { "no MP_ plane of bad pixels".to_owned() } else { planes.join(", ") };
                 Some(Self::Bits(bits, planes))
             }
-            PlaneKind::Mask => Some(Self::NotZero),
-            PlaneKind::Variance | PlaneKind::InverseVariance | PlaneKind::Error => Some(Self::NotPositive),
+            PlaneKind::Mask => Some(Self::NotZero { is_stated: header.logical(EXPLICIT) == Some(true) }),
+            PlaneKind::Variance | PlaneKind::InverseVariance | PlaneKind::Error | PlaneKind::Weight => {
+                Some(Self::NotPositive)
+            }
             PlaneKind::Other => None,
         }
     }
@@ -74,16 +80,35 @@ impl Rule {
         match self {
             // Values of masks are integers below 2²⁴, which are exact in single precision.
             Self::Bits(bits, _) => value > 0.0 && (value as u32 & bits) != 0,
-            Self::NotZero => value != 0.0,
-            Self::NotPositive => value.is_nan() || value <= 0.0,
+            Self::NotZero { .. } => value != 0.0,
+            Self::NotPositive => !value.is_finite() || value <= 0.0,
         }
     }
 
     fn words(&self) -> String {
         match self {
             Self::Bits(_, planes) => format!(" ({planes})"),
-            Self::NotZero => String::new(),
-            Self::NotPositive => " (not above 0)".to_owned(),
+            Self::NotZero { .. } => String::new(),
+            Self::NotPositive => " (not a finite number above 0)".to_owned(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn is_bad(kind: PlaneKind, value: f32) -> bool {
+        Rule::of(kind, &Header::default()).unwrap().is_bad(value)
+    }
+
+    #[test]
+    fn pixels_without_information_are_bad() {
+        for kind in [PlaneKind::Variance, PlaneKind::InverseVariance, PlaneKind::Error, PlaneKind::Weight] {
+            for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+                assert!(is_bad(kind, value), "{kind:?} {value}");
+            }
+            assert!(!is_bad(kind, 1e-6), "{kind:?}");
         }
     }
 }

@@ -7,7 +7,7 @@ use super::background::Background;
 use super::bad_pixels::remove_bad_pixels;
 use super::cut::{StreakCut, streak_cut};
 use super::error::MeasureError;
-use super::measurement::{Estimate, MeasureOptions, StreakImage, StreakMeasurement};
+use super::measurement::{Estimate, Flag, MeasureOptions, StreakImage, StreakMeasurement};
 use super::predict::{PredictOptions, Prediction, predictions};
 use super::star_table::CatalogueStar;
 use super::streak::{measure_streak, profile_of};
@@ -74,7 +74,8 @@ pub struct MeasuredPass {
     pub speed_pix_s: f64,
     /// Magnitude, with the error of the zero point if it is known; `None` if the streak was not found.
     pub magnitude: Option<Estimate>,
-    /// Magnitude of the upper limit of the rate; for a saturated streak it has no meaning.
+    /// Magnitude of the upper limit of the rate; for a saturated streak it has no meaning. `None` if the position is
+    /// unknown: the satellite may be elsewhere.
     pub limit_mag: Option<f64>,
     /// Magnitude of a streak at the threshold of detection.
     pub faintest_mag: Option<f64>,
@@ -188,9 +189,12 @@ pub fn measure_frame(
 fn on_sky(
     frame: &TargetFrame,
     prediction: &Prediction,
-    measured: StreakMeasurement,
+    mut measured: StreakMeasurement,
     of_chip: &ChipScale,
 ) -> Option<MeasuredPass> {
+    if !prediction.is_position_known {
+        measured.flags.push(Flag::Position);
+    }
     let ChipScale { scale, is_calibrated, sigma_mag } = *of_chip;
     let chip = &frame.chips[prediction.chip].chip;
     let [from_s, to_s] = measured.inside_s;
@@ -213,7 +217,7 @@ fn on_sky(
         pixel_scale_arcsec: chip.pixel_scale_arcsec(),
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
-        limit_mag: scale.magnitude(measured.rate_limit),
+        limit_mag: scale.magnitude(measured.rate_limit).filter(|_| prediction.is_position_known),
         // The error of the size is proportional to the light, so it does not matter at the threshold.
         faintest_mag: scale.magnitude(
             measured.threshold * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2)).max(0.0).sqrt(),

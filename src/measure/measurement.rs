@@ -86,6 +86,8 @@ pub enum Flag {
     NoGain,
     /// There is no free area for fits next to the streak, so that the error is that of the pixels, without faint stars.
     PixelNoise,
+    /// The elements are too old to predict the position: a streak may be of another satellite, and there is no limit.
+    Position,
 }
 
 impl Flag {
@@ -98,6 +100,7 @@ impl Flag {
             Self::Width => "width",
             Self::NoGain => "no_gain",
             Self::PixelNoise => "pixel_noise",
+            Self::Position => "position",
         }
     }
 }

@@ -46,6 +46,8 @@ pub struct Prediction {
     pub name: Arc<str>,
     /// Age of the elements, days.
     pub element_age_days: f64,
+    /// False if the elements are too old to predict positions.
+    pub is_position_known: bool,
     /// Predicted brightness at the middle of the track.
     pub brightness: Option<Brightness>,
     /// Phase angle at the middle of the track, radians.
@@ -79,6 +81,7 @@ pub fn predictions(
         rotation_rad: 0.0,
     };
     // Positions along the orbit need not be known: streaks are searched for about the predictions.
+    let of_known_age = sky;
     let sky = &sky.clone().with_elements_of_any_age();
     let field = Field::circle(2.0 * (radius_rad + MARGIN_RAD))?;
     let query = PassOptions { samples: SAMPLES, photometry: *photometry, ..PassOptions::default() };
@@ -93,6 +96,7 @@ pub fn predictions(
                     norad_id: pass.norad_id,
                     name: sky.elements()[pass.element_index].name.clone(),
                     element_age_days: pass.element_age_days,
+                    is_position_known: of_known_age.is_known(pass.element_index, pass.element_age_days),
                     brightness: pass.mid.brightness.clone(),
                     phase_angle_rad: pass.mid.geometry.phase_angle_rad(),
                     chip: index,

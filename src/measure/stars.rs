@@ -16,6 +16,13 @@ const CORE: f32 = 0.3;
 /// Half length of the running median of the streak's light in widths of the streak, and its smallest value in pixels.
 const MEDIAN_WIDTHS: f64 = 4.0;
 const MEDIAN_PIX: usize = 15;
+/// Half length, in widths of the streak, and its smallest value, pixels, of the part of the streak along which the errors
+/// of its model are measured, and distance from its middle to which they are, in widths.
+const ERROR_WIDTHS: f64 = 8.0;
+const ERROR_PIX: usize = 30;
+const ERROR_REACH_WIDTHS: f64 = 3.0;
+/// Usual residuals from which the model has errors, sigmas of the noise.
+const ERROR_SIGMAS: f32 = 1.5;
 
 /// Mask of stars and defects, which depends on the model of the streak: a star that is fainter than the error of the
 /// model is not marked.
@@ -26,6 +33,8 @@ pub struct StarMask {
     smooth: Vec<f32>,
     /// Threshold of each column, and its increase per unit of the template.
     thresholds: Vec<[f32; 2]>,
+    /// Threshold of each pixel by the errors of the model; 0 beside the streak.
+    errors: Vec<f32>,
     /// Distance to which the surroundings of a marked pixel are masked, pixels.
     reach: isize,
 }
@@ -50,7 +59,9 @@ impl StarMask {
 ///    than the median's length.
 /// 3. The median of the residuals at each distance across the streak is subtracted, because the profile of the streak
 ///    may differ from the model.
-/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
+/// 4. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked. On the streak the threshold is
+///    not below the usual residuals at the same distance from its middle, which are the errors of the model of a bright
+///    streak; stars are shorter than the part of the streak in which these are measured.
 /// 5. All pixels within one FWHM of a marked pixel are marked.
 ///
 /// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked, because the template is not yet aligned with
@@ -95,8 +106,9 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
     };
     let reach = fwhm_pix.round().max(1.0) as isize;
     let thresholds = light.iter().zip(&peaks).map(threshold).collect();
-    let mut stars = StarMask { mask: Vec::new(), smooth, thresholds, reach };
-    let excess = |at: usize| stars.smooth[at] - stars.threshold(at / height, template[at]);
+    let errors = model_errors(band, &smooth, &peaks, fwhm_pix, sigma as f32);
+    let mut stars = StarMask { mask: Vec::new(), smooth, thresholds, errors, reach };
+    let excess = |at: usize| stars.smooth[at] - stars.threshold(at / height, template[at]).max(stars.errors[at]);
     let excess: Vec<f32> = (0..template.len()).map(excess).collect();
     stars.mask = largest_near(band, &excess, reach).into_iter().map(|excess| excess > 0.0).collect();
     if keeps_core {
@@ -106,6 +118,35 @@ pub fn mask_stars(band: &Band, template: &[f32], blocks: &Blocks, fwhm_pix: f64,
         }
     }
     stars
+}
+
+/// Returns the threshold of each pixel near the middle of the streak by the residuals along the streak: the threshold in
+/// sigmas, with the running median of their absolute values at this distance from the middle as a measure of sigma.
+/// 0 where this is the noise `sigma` of the band.
+fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma: f32) -> Vec<f32> {
+    let (height, half) = (band.height, band.half());
+    let mut errors = vec![0.0f32; smooth.len()];
+    let near = ((ERROR_REACH_WIDTHS * fwhm_pix / band.cos).ceil() as usize).min(half);
+    let reach = ((ERROR_WIDTHS * fwhm_pix) as usize).max(ERROR_PIX);
+    let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
+    let mut values: Vec<f32> = Vec::with_capacity(2 * reach + 1);
+    for offset in half - near..=half + near {
+        for (number, column) in lit.iter().enumerate() {
+            let along = &lit[number.saturating_sub(reach)..(number + reach + 1).min(lit.len())];
+            let along = along.iter().map(|other| other * height + offset);
+            values.clear();
+            values.extend(along.filter(|at| band.values[*at].is_finite()).map(|at| smooth[at].abs()));
+            if values.is_empty() {
+                continue;
+            }
+            let middle = values.len() / 2;
+            let error = SIGMA_OF_MAD as f32 * *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+            if error > ERROR_SIGMAS * sigma {
+                errors[column * height + offset] = THRESHOLD_SIGMAS as f32 * error;
+            }
+        }
+    }
+    errors
 }
 
 /// Subtracts the median along the streak at each distance across it.

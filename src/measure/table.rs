@@ -36,11 +36,16 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         |one| one.magnitude.map(|magnitude| magnitude.value).into(),
     ),
     TableField::new(
-        Column::real("magnitude_sigma", "mag", 4, "Error (one sigma), with zero_point_sigma_mag if it is known."),
+        Column::small("magnitude_sigma", "mag", 4, "Error (one sigma), with zero_point_sigma_mag if it is known."),
         |one| one.magnitude.map(|magnitude| magnitude.sigma).into(),
     ),
     TableField::new(
-        Column::real("magnitude_size_sigma", "mag", 4, "Part of magnitude_sigma by the unknown size of the satellite."),
+        Column::small(
+            "magnitude_size_sigma",
+            "mag",
+            4,
+            "Part of magnitude_sigma by the unknown size of the satellite.",
+        ),
         |one| {
             let rate = one.measured.rate.value;
             let sigma = 2.5 / std::f64::consts::LN_10 * one.measured.size_sigma / rate;
@@ -63,15 +68,15 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         |one| one.zero_point_mag.into(),
     ),
     TableField::new(
-        Column::real("zero_point_sigma_mag", "mag", 4, "Error (one sigma) of a zero point from stars."),
+        Column::small("zero_point_sigma_mag", "mag", 4, "Error (one sigma) of a zero point from stars."),
         |one| one.zero_point_sigma_mag.into(),
     ),
     TableField::new(text("filter", "Filter in the header."), |one| one.filter.clone().into()),
     TableField::new(
-        Column::real("rate", "", 4, "Light per second in the unit of the frame, mean over the track."),
+        Column::small("rate", "", 4, "Light per second in the unit of the frame, mean over the track."),
         |one| one.measured.rate.value.into(),
     ),
-    TableField::new(Column::real("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
+    TableField::new(Column::small("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
         one.measured.rate.sigma.into()
     }),
     TableField::new(
@@ -93,7 +98,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         Column::real("offset_pix", "pix", 3, "Distance from the predicted track, positive towards increasing y or x."),
         |one| found(one, one.measured.offset_pix.value),
     ),
-    TableField::new(Column::real("offset_sigma_pix", "pix", 3, "Error (one sigma) of offset_pix."), |one| {
+    TableField::new(Column::small("offset_sigma_pix", "pix", 3, "Error (one sigma) of offset_pix."), |one| {
         found(one, one.measured.offset_pix.sigma)
     }),
     TableField::new(Column::real("offset_arcsec", "arcsec", 3, "Distance from the predicted track."), |one| {
@@ -105,11 +110,11 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::real("late_s", "s", 4, "Delay, if an end of the streak is in the frame."), |one| {
         one.measured.late_s.map(|late| late.value).into()
     }),
-    TableField::new(Column::real("late_sigma_s", "s", 4, "Error (one sigma) of late_s."), |one| {
+    TableField::new(Column::small("late_sigma_s", "s", 4, "Error (one sigma) of late_s."), |one| {
         one.measured.late_s.map(|late| late.sigma).into()
     }),
     TableField::new(
-        Column::real("late_expected_sigma_s", "s", 4, "Error (one sigma) of the prediction along the track."),
+        Column::small("late_expected_sigma_s", "s", 4, "Error (one sigma) of the prediction along the track."),
         |one| one.prediction.streak.lateness_sigma_s.into(),
     ),
     TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |one| {
@@ -140,7 +145,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         Column::new(
             "flags",
             Kind::List { separator: " " },
-            "Remarks: saturated, edge, masked, width, no_gain, pixel_noise.",
+            "Remarks: saturated, edge, masked, width, no_gain, pixel_noise, position.",
         ),
         |one| Value::List(one.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
     ),
@@ -170,7 +175,7 @@ pub struct ScoreObserver {
 /// Returns the measurements in the columns of the SCORE upload format, which `streakcast fit` also reads.
 ///
 /// Streaks that were not found have no magnitude, the limit in `limiting_magnitude` and a comment, as the format
-/// requires for non-detections. Saturated streaks and instrumental magnitudes are omitted. The range is that of the
+/// requires for non-detections. Saturated streaks, satellites of unknown position and instrumental magnitudes are omitted. The range is that of the
 /// prediction.
 pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserver) -> Table {
     let columns = [
@@ -203,7 +208,9 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         text("mpc_code", ""),
     ];
     let is_usable = |one: &&MeasuredPass| {
-        one.is_calibrated && !(one.measured.is_detected && one.measured.flags.contains(&Flag::Saturated))
+        one.is_calibrated
+            && one.prediction.is_position_known
+            && !(one.measured.is_detected && one.measured.flags.contains(&Flag::Saturated))
     };
     let rows = passes.iter().filter(is_usable).map(|one| {
         let longitude_deg = site.longitude_rad.to_degrees();

@@ -32,6 +32,8 @@ const OUTLIER_SIGMAS: f64 = 4.0;
 /// images, and largest number of compared stars.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
 const WIDTHS: usize = 25;
+/// Largest number of ranges of widths: if the stars are at the end of a range, the next one begins there.
+const MOST_WIDTH_RANGES: usize = 5;
 const MOST_WIDTH_STARS: usize = 50;
 /// Smallest signal to noise of these stars.
 const WIDTH_SIGNAL_TO_NOISE: f64 = 50.0;
@@ -113,9 +115,20 @@ pub fn star_zero_point(
         Ok(stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)?)
     };
     let assumed = star_profile(optics.seeing_arcsec)?;
-    let first = candidates(image, &placed, &assumed, &mut StarZeroPoint::default(), watch)?;
-    let ratio = width_ratio(image, &first, &assumed, |ratio| star_profile(ratio * optics.seeing_arcsec).ok());
-    found.seeing_arcsec = ratio.map(|ratio| ratio * optics.seeing_arcsec);
+    let mut start_arcsec = optics.seeing_arcsec;
+    for _ in 0..MOST_WIDTH_RANGES {
+        // A width that cannot be drawn is not measured.
+        let Ok(profile) = star_profile(start_arcsec) else { break };
+        let first = candidates(image, &placed, &profile, &mut StarZeroPoint::default(), watch)?;
+        match width_ratio(image, &first, &profile, |ratio| star_profile(ratio * start_arcsec).ok()) {
+            Some(Width::Inside(ratio)) => {
+                found.seeing_arcsec = Some(ratio * start_arcsec);
+                break;
+            }
+            Some(Width::AtEnd(ratio)) => start_arcsec *= ratio,
+            None => break,
+        }
+    }
     let profile = match found.seeing_arcsec {
         Some(seeing_arcsec) if !is_width_known => star_profile(seeing_arcsec)?,
         _ => assumed,
@@ -228,6 +241,14 @@ fn candidates(
     Ok(kept)
 }
 
+/// Width of the stars relative to the assumed one.
+enum Width {
+    /// It is in the range of the compared widths.
+    Inside(f64),
+    /// It is at this end of the range, or beyond.
+    AtEnd(f64),
+}
+
 /// Returns the ratio of the measured width of the stars to the assumed one. The width of a star is the one for which
 /// the drawn star leaves the smallest sum of squares; the result is the median over bright stars. `None` with fewer
 /// than three such stars.
@@ -236,7 +257,7 @@ fn width_ratio(
     candidates: &[Candidate],
     assumed: &RadialProfile,
     profile_of: impl Fn(f64) -> Option<RadialProfile>,
-) -> Option<f64> {
+) -> Option<Width> {
     let mut bright: Vec<(&Candidate, f64)> = candidates
         .iter()
         .filter_map(|one| Some((one, one.stamp.light(image, assumed)?)))
@@ -257,15 +278,20 @@ fn width_ratio(
             .iter()
             .map(|(_, profile)| profile.as_ref().map_or(f64::INFINITY, |profile| candidate.stamp.squares(profile)))
             .collect();
-        let least = (1..WIDTHS - 1).min_by(|a, b| squares[*a].total_cmp(&squares[*b]))?;
+        let least = (0..WIDTHS).min_by(|a, b| squares[*a].total_cmp(&squares[*b]))?;
+        let ln = profiles[least].0;
+        if least == 0 || least == WIDTHS - 1 {
+            return squares[least].is_finite().then_some(ln);
+        }
         let [before, here, after] = [squares[least - 1], squares[least], squares[least + 1]];
-        // A minimum at an end of the range is not a measured width.
-        let is_inside = before > here && after > here && before.is_finite() && after.is_finite();
+        let is_minimum = before > here && after > here && before.is_finite() && after.is_finite();
         // Vertex of the parabola through the three points.
-        is_inside.then(|| profiles[least].0 + 0.5 * step * (before - after) / (before - 2.0 * here + after))
+        is_minimum.then(|| ln + 0.5 * step * (before - after) / (before - 2.0 * here + after))
     };
     let ratios: Vec<f64> = bright.iter().filter_map(|(one, _)| ratio_of(one)).collect();
-    (ratios.len() >= LEAST_STARS).then(|| median(ratios).exp())
+    let ln = (ratios.len() >= LEAST_STARS).then(|| median(ratios))?;
+    let is_inside = (low + 0.5 * step..=high - 0.5 * step).contains(&ln);
+    Some(if is_inside { Width::Inside(ln.exp()) } else { Width::AtEnd(ln.exp()) })
 }
 
 /// Pixels around a star.

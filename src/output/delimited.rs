@@ -15,7 +15,7 @@ pub fn write_csv(out: &mut dyn Write, table: &Table, provenance: &Provenance) ->
     for (name, value) in provenance.entries() {
         writeln!(out, "# {name}: {value}")?;
     }
-    write_records(out, table)
+    write_records(out, table, Column::text)
 }
 
 /// Writes the rows of a table as CSV without its header, for tables that are written in parts.
@@ -23,7 +23,7 @@ pub fn write_csv(out: &mut dyn Write, table: &Table, provenance: &Provenance) ->
 /// # Errors
 /// Any error of the writer.
 pub fn write_csv_rows(out: &mut dyn Write, table: &Table) -> io::Result<()> {
-    write_rows(&mut csv_writer(out), table)
+    write_rows(&mut csv_writer(out), table, Column::text)
 }
 
 /// Writes the table as comma-separated ECSV that `astropy.table.Table.read` opens with units and metadata.
@@ -43,7 +43,16 @@ pub fn write_ecsv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -
     }
     writeln!(out, "# meta: {{\"provenance\": {}}}", serde_json::to_string(provenance)?)?;
     writeln!(out, "# schema: astropy-2.0")?;
-    write_records(out, table)
+    write_records(out, table, ecsv_text)
+}
+
+/// Returns the text of a cell of ECSV, whose reader in astropy accepts only `True` and `False` as truth values.
+fn ecsv_text(column: &Column, value: &Value) -> String {
+    match value {
+        Value::Boolean(true) => "True".to_owned(),
+        Value::Boolean(false) => "False".to_owned(),
+        _ => column.text(value),
+    }
 }
 
 /// Returns the header entry of one column: its name, unit, type (which depends on the values) and description.
@@ -53,7 +62,7 @@ pub fn write_ecsv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -
 pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Value>) -> serde_json::Result<String> {
     let datatype = match column.kind {
         Kind::Integer => "int64",
-        Kind::Real { .. } => "float64",
+        Kind::Real { .. } | Kind::Small { .. } => "float64",
         // Astropy's reader rejects missing values in a boolean column.
         Kind::Boolean if values.all(|value| matches!(value, Value::Boolean(_))) => "bool",
         Kind::Boolean | Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "string",
@@ -78,11 +87,14 @@ pub(crate) fn csv_cell(text: &str) -> String {
     }
 }
 
-/// Writes the line of column names and the rows, which are the same in CSV and ECSV.
-fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
+/// Function that returns the text of a cell.
+type CellText = fn(&Column, &Value) -> String;
+
+/// Writes the line of column names and the rows.
+fn write_records(out: &mut dyn Write, table: &Table, text: CellText) -> io::Result<()> {
     let mut writer = csv_writer(out);
     writer.write_record(table.columns.iter().map(|column| column.name)).map_err(io_error)?;
-    write_rows(&mut writer, table)
+    write_rows(&mut writer, table, text)
 }
 
 fn csv_writer(out: &mut dyn Write) -> csv::Writer<&mut dyn Write> {
@@ -90,11 +102,10 @@ fn csv_writer(out: &mut dyn Write) -> csv::Writer<&mut dyn Write> {
     csv::WriterBuilder::new().flexible(true).comment(Some(b'#')).from_writer(out)
 }
 
-fn write_rows(writer: &mut csv::Writer<&mut dyn Write>, table: &Table) -> io::Result<()> {
+fn write_rows(writer: &mut csv::Writer<&mut dyn Write>, table: &Table, text: CellText) -> io::Result<()> {
     for row in &table.rows {
-        writer
-            .write_record(table.columns.iter().zip(row).map(|(column, value)| column.text(value)))
-            .map_err(io_error)?;
+        let cells = table.columns.iter().zip(row).map(|(column, value)| text(column, value));
+        writer.write_record(cells).map_err(io_error)?;
     }
     writer.flush()
 }
@@ -130,7 +141,7 @@ mod tests {
     fn a_closed_pipe_is_reported_as_one() {
         let rows = vec![vec![Value::Text("x".repeat(100))]; 10_000];
         let table = Table { columns: vec![Column::new("name", Kind::Text, "")], rows };
-        let error = write_records(&mut Closed, &table).unwrap_err();
+        let error = write_records(&mut Closed, &table, Column::text).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::BrokenPipe);
     }
 
@@ -172,6 +183,20 @@ mod tests {
              # meta: {\"provenance\": {}}\n# schema: astropy-2.0\n\
              name,ra_deg,norad_id\nA,12.0,7\n"
         );
+    }
+
+    /// `astropy.io.ascii.ecsv` rejects `true`; other readers of CSV expect it.
+    #[test]
+    fn truth_values_of_ecsv_are_those_of_astropy() {
+        let columns = vec![Column::new("detected", Kind::Boolean, "")];
+        let table = Table { columns, rows: vec![vec![true.into()], vec![false.into()]] };
+        let written = |write: fn(&mut dyn Write, &Table, &Provenance) -> io::Result<()>| {
+            let mut out = Vec::new();
+            write(&mut out, &table, &Provenance::default()).unwrap();
+            String::from_utf8(out).unwrap()
+        };
+        assert!(written(write_ecsv).ends_with("detected\nTrue\nFalse\n"), "{}", written(write_ecsv));
+        assert_eq!(written(write_csv), "detected\ntrue\nfalse\n");
     }
 
     #[test]

@@ -18,6 +18,12 @@ pub enum Kind {
         /// Number of decimals.
         decimals: usize,
     },
+    /// A real number that may be small and is not rounded to 0, such as an error: written with at least this many
+    /// decimals, and with more if it would have fewer than three significant digits.
+    Small {
+        /// Smallest number of decimals.
+        decimals: usize,
+    },
     /// A time, written as UTC with `Z` and this many decimals of the second.
     Time {
         /// Number of decimals of the second, at most 9.
@@ -58,6 +64,11 @@ impl Column {
         Self { name, unit, kind: Kind::Real { decimals }, description }
     }
 
+    /// Creates a column of real numbers with at least `decimals` digits and three significant ones.
+    pub const fn small(name: &'static str, unit: &'static str, decimals: usize, description: &'static str) -> Self {
+        Self { name, unit, kind: Kind::Small { decimals }, description }
+    }
+
     /// Creates a column of times in UTC, to the microsecond.
     pub const fn time(name: &'static str, description: &'static str) -> Self {
         Self { name, unit: "", kind: Kind::Time { decimals: 6 }, description }
@@ -74,6 +85,7 @@ impl Column {
             (Value::Integer(number), _) => number.to_string(),
             (Value::Boolean(truth), _) => truth.to_string(),
             (Value::Real(number), Kind::Real { decimals }) => real_text(*number, decimals),
+            (Value::Real(number), Kind::Small { decimals }) => real_text(*number, small_decimals(*number, decimals)),
             (Value::Real(number), _) if number.is_finite() => number.to_string(),
             (Value::Real(_), _) => String::new(),
             (Value::Time(epoch), Kind::Time { decimals }) => format_utc(*epoch, decimals),
@@ -98,6 +110,14 @@ impl Column {
             }
         }
     }
+}
+
+/// Returns the number of decimals with which a number has three significant digits, at least `least`.
+fn small_decimals(number: f64, least: usize) -> usize {
+    /// Numbers with more zeros after the point are rounded to 0.
+    const MOST: usize = 30;
+    let digits = 2.0 - number.abs().log10().floor();
+    if number == 0.0 || !digits.is_finite() { least } else { (digits.max(0.0) as usize).clamp(least, MOST.max(least)) }
 }
 
 fn real_text(number: f64, decimals: usize) -> String {
@@ -262,6 +282,22 @@ mod tests {
             (-0.0006, "-0.001"),
             (f64::NAN, ""),
             (f64::INFINITY, ""),
+        ] {
+            assert_eq!(column.text(&Value::Real(number)), text, "{number}");
+        }
+    }
+
+    #[test]
+    fn small_numbers_are_not_rounded_to_zero() {
+        let column = Column::small("sigma_s", "s", 3, "");
+        for (number, text) in [
+            (550.0, "550.000"),
+            (0.0123, "0.0123"),
+            (0.000_123_4, "0.000123"),
+            (-2.5e-9, "-0.00000000250"),
+            (0.0, "0.000"),
+            (1e-300, "0.000000000000000000000000000000"),
+            (f64::NAN, ""),
         ] {
             assert_eq!(column.text(&Value::Real(number)), text, "{number}");
         }

@@ -16,7 +16,7 @@ pub fn votable_fields(columns: &[Column]) -> Vec<String> {
 fn field(column: &Column) -> String {
     let datatype = match column.kind {
         Kind::Integer => "datatype=\"long\"",
-        Kind::Real { .. } => "datatype=\"double\"",
+        Kind::Real { .. } | Kind::Small { .. } => "datatype=\"double\"",
         Kind::Boolean => "datatype=\"boolean\"",
         Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => {
             "datatype=\"unicodeChar\" arraysize=\"*\""

@@ -18,6 +18,10 @@ pub const LONGEST_PASS_GAP_S: f64 = 1200.0;
 /// Range of measured magnitudes.
 const MAGNITUDES: [f64; 2] = [-30.0, 40.0];
 
+/// Flags of measurements that are not used: limits, fluxes of less than half of a streak, and streaks that may be of
+/// another satellite.
+const UNUSED_FLAGS: [&str; 3] = ["saturated", "masked", "position"];
+
 /// Error of a table of measured magnitudes.
 #[derive(Debug, Error)]
 #[error("{file}: {problem}")]
@@ -43,7 +47,7 @@ pub struct MeasuredMagnitude {
 
 /// Reads a CSV or ECSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one that
 /// `streakcast measure` wrote. Lines that begin with `#`, rows without a magnitude, and rows whose `flags` contain
-/// `saturated` or whose `calibrated` is `false` are omitted.
+/// `saturated`, `masked` or `position` or whose `calibrated` is `false` are omitted.
 ///
 /// # Errors
 /// [`MeasuredError`] if the file cannot be read, a column is missing or a value is invalid.
@@ -59,21 +63,18 @@ pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, MeasuredErro
     let mut measured = Vec::new();
     for row in rows {
         let row = row.map_err(failed)?;
-        let is_limit = flags.is_some_and(|flags| row.text(flags).contains("saturated"));
-        let is_instrumental = calibrated.is_some_and(|column| row.text(column).eq_ignore_ascii_case("false"));
-        if row.text(magnitude).is_empty() || is_limit || is_instrumental {
+        let is_doubtful = flags.is_some_and(|flags| UNUSED_FLAGS.iter().any(|flag| row.text(flags).contains(flag)));
+        let is_calibrated = calibrated.map(|column| row.truth(column)).transpose().map_err(failed)?;
+        if row.is_missing(magnitude) || is_doubtful || is_calibrated == Some(false) {
             continue;
         }
         let wrong_time = || failed(row.wrong(time, "a time in UTC, such as 2026-08-14T23:36:25Z"));
-        let sigma_mag = match row.text(sigma) {
-            "" => 0.0,
-            _ => row.number_in(sigma, [0.0, 10.0]).map_err(failed)?,
-        };
         measured.push(MeasuredMagnitude {
             norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
             epoch: parse_iso(row.text(time)).ok_or_else(wrong_time)?,
             magnitude: Magnitude(row.number_in(magnitude, MAGNITUDES).map_err(failed)?),
-            sigma_mag,
+            // An empty cell is an unknown error, not an error of 0.
+            sigma_mag: row.number_in(sigma, [0.0, 10.0]).map_err(failed)?,
         });
     }
     Ok(measured)
@@ -118,5 +119,40 @@ impl MeasuredPasses {
 
     pub fn is_empty(&self) -> bool {
         self.passes.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Vec<MeasuredMagnitude>, MeasuredError> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), text).unwrap();
+        read_measured(file.path())
+    }
+
+    #[test]
+    fn unknown_errors_and_states_are_not_zero_or_true() {
+        let names = "norad_id,mid_utc,magnitude,magnitude_sigma,calibrated,flags";
+        let row = |magnitude, sigma, calibrated, flags| {
+            read(&format!("{names}\n44714,2026-08-14T23:36:25Z,{magnitude},{sigma},{calibrated},{flags}\n"))
+        };
+        assert_eq!(row("5.5", "0.1", "True", "width").unwrap()[0].sigma_mag, 0.1);
+        for (magnitude, calibrated, flags) in
+            [("nan", "True", ""), ("", "true", ""), ("5.5", "False", ""), ("5.5", "true", "masked width")]
+        {
+            assert!(row(magnitude, "0.1", calibrated, flags).unwrap().is_empty(), "{magnitude} {calibrated} {flags}");
+        }
+        for (sigma, calibrated, part) in [
+            ("", "true", "line 2: magnitude_sigma is ''; allowed: a number from 0 to 10"),
+            ("0.1", "0", "line 2: calibrated is '0'; allowed: true or false"),
+        ] {
+            let error = row("5.5", sigma, calibrated, "").unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+        let twice = format!("{names},magnitude\n44714,2026-08-14T23:36:25Z,5,0.1,true,,6\n");
+        let error = read(&twice).unwrap_err().to_string();
+        assert!(error.contains("two columns have the name magnitude"), "{error}");
     }
 }

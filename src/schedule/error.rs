@@ -66,6 +66,17 @@ pub enum ScheduleError {
         /// Name of the column.
         column: String,
     },
+    /// The days of the starts were rounded to single precision.
+    #[error(
+        "schedule {path}: column {column} has single precision, in which MJD have steps of 5 min and JD of 6 h; allowed: \
+         double precision (float64 in ECSV, double in VOTable), or times as text"
+    )]
+    SinglePrecision {
+        /// Path of the file.
+        path: String,
+        /// Name of the column.
+        column: String,
+    },
     /// A line is invalid.
     #[error("schedule {path}, line {line}: {what}")]
     Line {

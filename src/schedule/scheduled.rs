@@ -105,6 +105,9 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         return Err(if no_columns { ScheduleError::Empty { path } } else { ScheduleError::NoRows { path } });
     }
     let map = ColumnMap::find(path, &table.names)?;
+    if map.start.form != StartForm::Iso && table.single_precision.contains(&map.start.name) {
+        return Err(ScheduleError::SinglePrecision { path: display(path), column: map.start.name });
+    }
     let scales = Scales::read(path, &table, &map)?;
     let scale = start_scale(path, &table, &map.start, options)?;
     let exposures = table
@@ -227,7 +230,10 @@ fn exposure<'a>(
         }
     };
     let start = start_of(&cell(map.start.index).scaled(scales.start), &map.start, scale)?;
-    let mut duration_s = number(map.duration, scales.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
+    let mut duration_s = number(map.duration, scales.duration, "duration", f64::MIN..=f64::MAX)?;
+    if !(duration_s > 0.0 && duration_s <= LONGEST_EXPOSURE_S) {
+        return Err(format!("duration is {duration_s}; allowed: above 0 to {LONGEST_EXPOSURE_S}"));
+    }
     // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
     if let Some((snaps, visit)) = map.snaps
         && !matches!(cell(snaps), Cell::Missing)

@@ -98,7 +98,10 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 Kind::Integer,
                 "Number of lit satellites with nominal tracks that cross the field.",
             ),
-            |flag| (flag.kind != VerdictKind::Unknown).then_some(flag.n_streaks).map_or(Value::Null, Value::from),
+            |flag| {
+                let is_judged = !matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid);
+                is_judged.then_some(flag.n_streaks).into()
+            },
         ),
         field(
             Column::real("brightest_mag", "mag", 3, "Brightest magnitude of the lit crossings in the field."),

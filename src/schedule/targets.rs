@@ -124,8 +124,8 @@ impl TargetCells {
             (Cell::Missing, Some(duration_s)) => duration_s,
             (cell, _) => cell.number().map_err(|what| format!("exposure {what}"))?,
         };
-        if !(0.0..=LONGEST_EXPOSURE_S).contains(&duration_s) {
-            return Err(format!("exposure is {duration_s} s; allowed: 0 to {LONGEST_EXPOSURE_S}"));
+        if !(duration_s > 0.0 && duration_s <= LONGEST_EXPOSURE_S) {
+            return Err(format!("exposure is {duration_s} s; allowed: above 0 to {LONGEST_EXPOSURE_S}"));
         }
         let rotation_rad = match &self.rotation {
             Cell::Missing => rotation_rad,
@@ -167,7 +167,7 @@ mod tests {
         assert!((exposure.pointing.longitude_rad().to_degrees() - 10.683_333).abs() < 1e-5);
         assert_eq!((exposure.duration_s, targets[0].unique_id.as_str()), (300.0, "M 31"));
         assert_eq!(targets[1].target, Err("right ascension is missing: the target has no position".into()));
-        assert!(targets[2].target.as_ref().unwrap_err().contains("-3 s; allowed: 0 to 86400"));
+        assert!(targets[2].target.as_ref().unwrap_err().contains("-3 s; allowed: above 0 to 86400"));
         let json = r#"{"targets": [{"unique_id": 7, "starname": "HD 1", "ra_deg": 10.5, "dec_deg": -3, "band": "r"}]}"#;
         let target = read("t.json", json, Some(30.0)).unwrap().remove(0);
         assert_eq!((target.unique_id.as_str(), target.name.as_str()), ("7", "HD 1"));

@@ -207,7 +207,7 @@ fn invalid_times_and_angles() {
     with(&["--start", "2024-08-14T23:59:60Z"], &["only where a leap second was inserted"]);
     with(&["--start", "yesterday"], &["invalid time 'yesterday'", "ISO 8601"]);
     with(&["--exposure", "30"], &["exposure is 30, without a unit", "30s"]);
-    with(&["--exposure", "-30s"], &["exposure is -30 s; allowed: 0 to 86400 s"]);
+    with(&["--exposure", "-30s"], &["exposure is -30 s; allowed: above 0 s, at most 86400 s"]);
     with(&["--fov", "0deg"], &["fov is 0 deg; allowed: above 0 deg, at most 180 deg"]);
     with(&["--ra", "nan"], &["nan", "right ascension"]);
     with(&["--dec", "inf"], &["inf", "declination"]);
@@ -265,6 +265,10 @@ fn invalid_schedules() {
     schedule("none.json", b"[]", &["none.json is empty"]);
     let twice = b"exposure_id,start_utc,duration_s,ra_deg,dec_deg,ra_deg\n1,2024-08-14T03:30:00Z,30,280,-30,10\n";
     schedule("twice.csv", twice, &["twice.csv: column ra_deg occurs twice; allowed: once"]);
+    let open = b"exposure_id,start_utc,duration_s,ra_deg,dec_deg\na,\"2024-08-14T03:30:00Z,30,280,-30\nb,2024-08-14T03:31:00Z,30,280,-30\n";
+    schedule("open.csv", open, &["open.csv, line 2: the cell that begins with a quotation mark has no other one"]);
+    let single = b"# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n# - {name: exposure_id, datatype: string}\n# - {name: start_mjd_utc, datatype: float32}\n# - {name: duration_s, datatype: float32}\n# - {name: ra_deg, datatype: float32}\n# - {name: dec_deg, datatype: float32}\nexposure_id,start_mjd_utc,duration_s,ra_deg,dec_deg\na,60536.145,30,280,-30\n";
+    schedule("single.ecsv", single, &["single.ecsv: column start_mjd_utc has single precision", "float64 in ECSV"]);
     let two = b"exposure_id,start_utc,duration_s,ra_rad,dec_deg,ra_arcmin\n1,2024-08-14T03:30:00Z,30,1,-30,99\n";
     schedule("two.csv", two, &["two.csv: columns ra_rad and ra_arcmin have the same quantity; allowed: one of them"]);
     schedule("page.html", b"<html></html>", &["XML or HTML", "allowed: opsim SQLite"]);
@@ -592,18 +596,20 @@ fn limits_of_the_cost_need_a_telescope() {
 /// Very long exposures are rejected: without a limit, 11.4 million years took 172 GB, and 1e300 s is outside the
 /// calendar.
 #[test]
-fn exposures_longer_than_a_day_are_refused() {
+fn exposures_of_no_time_and_longer_than_a_day_are_refused() {
     let pointing = [&POINTING[..3], &POINTING[5..]].concat();
-    for (exposure, given) in [("99999999999h", "359999999996400 s"), ("1e300s", "1e300 s"), ("24.01h", "86436 s")] {
-        let parts = [&format!("exposure is {given}")[..], "allowed: 0 to 86400 s"];
+    for (exposure, given) in
+        [("99999999999h", "359999999996400 s"), ("1e300s", "1e300 s"), ("24.01h", "86436 s"), ("0s", "0 s")]
+    {
+        let parts = [&format!("exposure is {given}")[..], "allowed: above 0 s, at most 86400 s"];
         fails(&[&pointing, &["--exposure", exposure], SITE, SHELLS], &parts);
     }
     let folder = TempDir::new().unwrap();
-    for duration in ["86401", "1e300"] {
+    for duration in ["86401", "1e300", "0"] {
         let row = format!("{HEADER}a,2024-08-14T03:30:00Z,{duration},280,-30\n");
         let (code, stdout, _) = run(&[&flag(&file(&folder, "long.csv", row.as_bytes())), &["--format", "csv"]]);
         assert_eq!(code, 0);
-        assert!(stdout.contains("invalid") && stdout.contains("allowed: 0 to 86400"), "{stdout}");
+        assert!(stdout.contains("invalid") && stdout.contains("allowed: above 0 to 86400"), "{stdout}");
     }
 }
 

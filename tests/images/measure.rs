@@ -9,7 +9,7 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 use streakcast::images::{LightArea, PixelPosition, Plane};
 use streakcast::measure::{
-    Background, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak, streak_cut,
+    Background, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak, streak_cut,
 };
 use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath, background, draw};
 
@@ -591,4 +591,94 @@ fn verif_the_error_of_an_assumed_size_is_part_of_that_of_the_flux() {
     assert_eq!(assumed.signal_to_noise, exact.signal_to_noise);
     let fitted = found(5.0, 2.5, true);
     assert!(fitted.size_sigma < 0.3 * assumed.size_sigma, "{} {}", fitted.size_sigma, assumed.size_sigma);
+}
+
+/// The star mask has no pixels of a streak: bright streaks, whose errors of position and profile are many times the
+/// noise, have their flux, also beside another bright streak.
+#[test]
+fn verif_bright_streaks_are_measured_whole() {
+    /// Largest relative error of a flux.
+    const FLUX: f64 = 0.03;
+    let mut cases = Vec::new();
+    for signal_to_noise in [1e3, 1e4, 1e5, 1e6] {
+        for (number, seeing_pix) in [1.05, 2.2, 4.0, 7.0].into_iter().enumerate() {
+            for (angle, angle_deg) in ANGLES_DEG.into_iter().enumerate() {
+                let form =
+                    if (number + angle) % 2 == 0 { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } };
+                let seed = 8_700_000 + 10 * cases.len() as u64;
+                cases.push(Case {
+                    signal_to_noise,
+                    angle_deg,
+                    seeing_pix,
+                    form,
+                    stars_per_megapixel: 0.0,
+                    has_end: angle == 1,
+                    seed,
+                });
+            }
+        }
+    }
+    let outcomes: Vec<Outcome> = cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let failed = |one: &&Outcome| {
+        let measured = &one.measured;
+        !measured.is_detected
+            || (measured.rate.value / one.truth - 1.0).abs() > FLUX
+            || measured.flags.contains(&Flag::Masked)
+    };
+    for one in outcomes.iter().filter(failed) {
+        println!("{:?}: {} {:?}", one.case, one.measured.rate.value / one.truth, one.measured.flags);
+    }
+    assert_eq!(outcomes.iter().filter(failed).count(), 0, "of {}", outcomes.len());
+}
+
+/// A bright streak in a corner of the frame has its flux also if another one of the same brightness ends 77 pixels from
+/// it at the edge of the frame.
+#[test]
+fn verif_a_bright_streak_beside_another_has_its_flux() {
+    /// Largest relative error of a flux, and light per second of each streak.
+    const FLUX: f64 = 0.03;
+    const RATE: f64 = 800_000.0;
+    const SIDE: usize = 400;
+    let optics = Optics {
+        form: SeeingForm::Moffat { beta: 3.5 },
+        seeing_arcsec: 1.05,
+        outer_radius_m: 0.0,
+        inner_radius_m: 0.0,
+    };
+    let profile = optics.profile(600.0, 0.0, 1.0, 1.0).unwrap();
+    let line = |from: [f64; 3], to: [f64; 3], rate: f64| {
+        let nodes = [from, to].map(|[time_s, x, y]| PathNode::new(time_s, PixelPosition { x, y }, rate));
+        StreakPath::new(nodes.to_vec()).unwrap()
+    };
+    let other = line([13.0, 229.0, -8.0], [22.2, 164.0, 408.0], RATE);
+    let extended = |rate: f64| line([13.0, 226.7, -73.4], [20.0, -57.2, 203.2], rate);
+    for seed in 0..4 {
+        for has_other in [false, true] {
+            let mut random = ChaCha8Rng::seed_from_u64(seed);
+            let mut plane = Plane::zeros(SIDE, SIDE);
+            let drawn = [Some(extended(RATE)), has_other.then(|| other.clone())];
+            for path in drawn.iter().flatten() {
+                draw(path, &profile, SIDE, SIDE).add_to(&mut plane);
+            }
+            for value in plane.values_mut() {
+                let noise: f64 = StandardNormal.sample(&mut random);
+                *value += (100.0 + 10.0 * noise) as f32;
+            }
+            let predicted = PredictedStreak {
+                path: extended(1.0),
+                drift_pix_s: [0.0; 2],
+                lateness_sigma_s: 0.6,
+                largest_delay_s: 5.0,
+                cross_sigma_pix: 0.5,
+                range_km: 600.0,
+                radius_m: 0.0,
+                radius_sigma_m: 0.0,
+            };
+            let light_area = LightArea::whole(SIDE, SIDE);
+            let measured = measure(&plane, &light_area, &predicted, &optics, &options()).unwrap();
+            let ratio = measured.rate.value / RATE;
+            println!("seed {seed}, other {has_other}: {ratio} {:?} {:?}", measured.flags, measured.offset_pix);
+            assert!((ratio - 1.0).abs() <= FLUX, "seed {seed}, other {has_other}: {ratio}");
+        }
+    }
 }

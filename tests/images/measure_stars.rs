@@ -162,6 +162,19 @@ fn verif_zero_points_of_stars_are_unbiased_and_errors_are_honest() {
     }
 }
 
+/// A given seeing that is wrong by a large factor is noticed: the width of the stars is measured all the same.
+#[test]
+fn verif_the_width_of_stars_is_measured_far_from_the_given_seeing() {
+    let case = Case { seeing_pix: 6.0, form: SeeingForm::Gaussian, other_stars: 0.0, seed: 91 };
+    let stars = scattered(40, 92);
+    for assumed in [1.0, 2.0] {
+        let found = measured(&case, &stars, |_, magnitude| magnitude, Some(assumed));
+        let seeing = found.seeing_arcsec.unwrap_or(f64::NAN);
+        println!("given {assumed}: {seeing}");
+        assert!((seeing / case.seeing_pix - 1.0).abs() <= SEEING_ERROR, "{assumed}: {found:?}");
+    }
+}
+
 #[test]
 fn stars_that_cannot_be_used_are_counted() {
     let case = Case { seeing_pix: 3.0, form: SeeingForm::Moffat { beta: 3.5 }, other_stars: 0.0, seed: 7 };

@@ -33,7 +33,7 @@ fn column_of<'py, 'a>(
     result.set_item("unit", column.unit)?;
     result.set_item("description", column.description)?;
     let kind = match column.kind {
-        Kind::Real { .. } => {
+        Kind::Real { .. } | Kind::Small { .. } => {
             result.set_item("values", cells.map(real).collect::<Vec<f64>>().into_pyarray(py))?;
             "real"
         }

@@ -38,6 +38,7 @@ pub struct Engine {
     policy: Policy,
     photometry: PhotometryOptions,
     time_scale: Option<String>,
+    defaults: (f64, bool, usize),
 }
 
 /// Requirements for clear windows: blocking satellites (those of the policy if `None`), altitude limits of pointing and
@@ -146,6 +147,11 @@ impl Engine {
                 policy: setup.policy().map_err(failure::setup)?,
                 photometry: setup.photometry().map_err(failure::setup)?,
                 time_scale: setup.time_scale().map_err(failure::setup)?.map(scale_name),
+                defaults: (
+                    setup.schedule_options().map_err(failure::setup)?.default_rotation_rad.to_degrees(),
+                    setup.include_dark.unwrap_or(false),
+                    setup.samples().map_err(failure::setup)?,
+                ),
             })
         })
     }
@@ -177,6 +183,13 @@ impl Engine {
     }
 
     /// Returns the choice of satellites that block a start: `any` or `avoid`.
+    /// Rotation of the field in degrees, whether dark crossings are included, and the number of points along each pass,
+    /// of the configuration file.
+    #[getter]
+    fn defaults(&self) -> (f64, bool, usize) {
+        self.defaults
+    }
+
     #[getter]
     fn blocking(&self) -> &'static str {
         self.policy.blocking.name()

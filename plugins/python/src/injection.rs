@@ -13,7 +13,7 @@ use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
 /// Adds streaks to the file in the request, and writes the result to `output`. Returns `summary`, `truth`, `points`,
-/// `trails`, `bits` and `warnings`.
+/// `trails`, `bits`, `remarks` and `warnings`.
 #[pyfunction]
 pub fn inject<'py>(
     py: Python<'py>,
@@ -52,6 +52,8 @@ fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'p
         result.set_item("bits", (frame.planes.streak_bit, frame.planes.injected_bit))?;
         warnings.extend(frame.warnings.iter().map(|warning| failure::as_arguments(warning)));
     }
+    let remarks: Vec<String> = injections.remarks.iter().map(|remark| failure::as_arguments(remark)).collect();
+    result.set_item("remarks", remarks)?;
     result.set_item("warnings", warnings)?;
     Ok(result)
 }

@@ -282,3 +282,50 @@ def test_frames_are_not_changed(model):
         np.testing.assert_array_equal(given.data, before.data)
         np.testing.assert_array_equal(given.uncertainty.array, before.uncertainty.array)
         assert dict(given.meta) == dict(before.meta)
+
+
+def test_the_unit_of_an_uncertainty_is_used():
+    image = pixels("float32")
+    sigma = np.full((SIZE, SIZE), 20.0, dtype="float32")
+    same = streakcast.inject(ccd(uncertainty=StdDevUncertainty(sigma)), **STREAKS).frame.uncertainty
+    for unit, factor in ((u.Unit("1000 adu"), 1e-3), (u.Unit("0.001 adu"), 1e3)):
+        given = ccd(image, uncertainty=StdDevUncertainty(sigma * np.float32(factor), unit=unit))
+        other = streakcast.inject(given, **STREAKS).frame.uncertainty
+        assert other.unit == unit
+        np.testing.assert_allclose(other.array, same.array * factor, rtol=1e-5)
+    assert (same.array > 20.0).any()
+    with pytest.raises(ValueError, match="the uncertainty has the unit s, the data adu"):
+        wrong = ccd(image)
+        wrong.uncertainty = StdDevUncertainty(sigma)
+        wrong.uncertainty._unit = u.s
+        streakcast.inject(wrong, **STREAKS)
+
+
+@pytest.mark.parametrize("kind, bad", [(StdDevUncertainty, 0.0), (VarianceUncertainty, 0.0), (InverseVariance, 0.0)])
+def test_uncertainties_without_information_are_kept(kind, bad):
+    array = np.full((SIZE, SIZE), bad, dtype="float32")
+    done = streakcast.inject(ccd(uncertainty=kind(array)), **STREAKS).frame
+    np.testing.assert_array_equal(done.uncertainty.array, array)
+
+
+def test_results_share_no_memory_with_the_frame(model):
+    bad = np.zeros((SIZE, SIZE), dtype=bool)
+    bad[3, 4] = True
+    given = ccd(mask=bad, uncertainty=StdDevUncertainty(np.full((SIZE, SIZE), 20.0)))
+    masked = np.ma.MaskedArray(pixels("float32"), mask=bad, fill_value=-7.0)
+    for done in (streakcast.inject(given, **STREAKS).frame, model.mask(given, seeing="1arcmin").frame):
+        assert not np.shares_memory(done.mask, given.mask) and not np.shares_memory(done.data, given.data)
+        assert not np.shares_memory(done.uncertainty.array, given.uncertainty.array)
+    for done in (
+        streakcast.inject(masked, header=header(), **STREAKS).frame,
+        model.mask(masked, header=header(), seeing="1arcmin").frame,
+    ):
+        assert not np.shares_memory(done.mask, masked.mask) and not np.shares_memory(done.data, masked.data)
+        assert done.fill_value == -7.0
+
+
+def test_remarks_name_the_columns_that_are_not_used(tmp_path):
+    table = tmp_path / "streaks.csv"
+    table.write_text("x1_pix,y1_pix,x2_pix,y2_pix,magnitude,colour\n10,10,90,60,5,blue\n")
+    done = streakcast.inject(pixels("float32"), header=header(), streaks=table, seeing="1arcmin")
+    assert any("columns that are not used: colour" in remark for remark in done.remarks)

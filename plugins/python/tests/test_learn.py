@@ -54,6 +54,9 @@ def test_the_result_has_the_keys_of_its_type():
         ({"norad_id": [1.5]}, "integers from 1"),
         ({"observed": [1.0, 2.0, 3.0], "time": ["2026-08-01T00:00:00Z"] * 2}, "one shape"),
         ({"observed": [np.nan]}, "nothing to learn"),
+        ({"observed": [1000.0]}, r"observed\[0\] is 1000.0; allowed: magnitudes from -30 to 40"),
+        ({"sigma": [-1.0]}, r"sigma\[0\] is -1.0; allowed: mag from 0 to 10"),
+        ({"norad_id": np.ma.MaskedArray([1], mask=[True])}, "norad_id\\[0\\] is masked"),
     ],
 )
 def test_invalid_arguments_are_named(change, text):

@@ -110,3 +110,56 @@ def test_invalid_arguments_are_named(frame, model, tmp_path):
         model.measure(frame[0], seeing=1.2)
     with pytest.raises(TypeError, match="without a time scale"):
         model.measure(frame[0], start=60_000.0)
+
+
+@pytest.mark.parametrize("ending", ["csv", "ecsv"])
+def test_tables_of_python_are_read_by_mask(frame, model, tmp_path, ending):
+    path = tmp_path / f"measured.{ending}"
+    model.measure(frame[0], seeing="90arcsec").table.write(path)
+    done = model.mask(frame[0], measured=path, seeing="90arcsec")
+    assert "measured" in done.summary or len(done.streaks) >= 1
+    streakcast.StreakModel(mpc="X05", shells="starlink-gen1", measured=path)
+
+
+def test_doubtful_rows_are_not_learned_from(frame, model, tmp_path):
+    fits = pytest.importorskip("astropy.io.fits")
+    old = tmp_path / "old.fits"
+    with fits.open(frame[0]) as hdus:
+        for hdu in hdus:
+            if "DATE-OBS" in hdu.header:
+                hdu.header["DATE-OBS"] = "2029-08-14T23:29:05"
+        hdus.writeto(old)
+    from test_hosts import elements, write
+
+    path = tmp_path / "elements.tle"
+    write(path, elements(400))
+    of_elements = streakcast.StreakModel(mpc="X05", elements=path)
+    with pytest.warns(streakcast.StreakcastWarning) as warnings:
+        measured = of_elements.measure(old, seeing="90arcsec")
+    rows = len(measured.table)
+    if rows:
+        assert any("too old to predict positions (flag position)" in str(one.message) for one in warnings)
+        assert all("position" in flags for flags in measured.table["flags"])
+        assert measured.table["limit_magnitude"].mask.all() if hasattr(measured.table["limit_magnitude"], "mask") else True
+    assert len(measured.learn_arguments["observed"]) == 0
+
+
+def test_pixels_without_information_are_not_measured(frame, model):
+    fits = pytest.importorskip("astropy.io.fits")
+    from astropy.nddata import CCDData, InverseVariance, StdDevUncertainty
+    from astropy.wcs import WCS
+
+    with fits.open(frame[0]) as hdus:
+        hdu = next(one for one in hdus if one.data is not None)
+        header, data = hdu.header.copy(), np.array(hdu.data, dtype="float32")
+
+    def remarks(**more):
+        ccd = CCDData(data, unit="adu", wcs=WCS(header), meta=header, **more)
+        return " ".join(model.measure(ccd, seeing="90arcsec").remarks)
+
+    half = np.zeros(data.shape, dtype=bool)
+    half[: int(0.6 * len(half))] = True
+    assert f"(MASK): {half.sum()} bad pixels" in remarks(mask=half)
+    some = half & (np.arange(len(half))[:, None] < 20)
+    assert f"(VARIANCE): {some.sum()} bad pixels" in remarks(uncertainty=InverseVariance(np.where(some, 0.0, 1.0)))
+    assert f"(VARIANCE): {some.sum()} bad pixels" in remarks(uncertainty=StdDevUncertainty(np.where(some, np.inf, 1.0)))

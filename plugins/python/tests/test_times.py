@@ -7,6 +7,8 @@ import pytest
 from astropy import units as u
 from astropy.time import Time
 
+import streakcast
+
 from conftest import START, TARGET
 
 
@@ -121,3 +123,37 @@ def test_nanoseconds_survive_the_round_trip(model):
     delay_s = answer["delay_s"].value[0]
     assert delay_s > 0.0
     assert abs((clear - start).sec - delay_s) < 1e-6
+
+
+def test_numbers_of_single_precision_and_other_units_are_errors():
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="3.5deg")
+    mjd = np.array([61266.9785])
+    with pytest.raises(TypeError, match=r"start is float32, which has MJD in steps of 338 s; allowed: float64"):
+        model.assess(TARGET, mjd.astype("float32"), 30.0, scale="utc")
+    with pytest.raises((TypeError, ValueError), match="start"):
+        model.assess(TARGET, mjd * u.deg, 30.0, scale="utc")
+    days = model.assess(TARGET, mjd * u.day, 30.0, scale="utc")
+    assert days.n_streaks == model.assess(TARGET, mjd, 30.0, scale="utc").n_streaks
+    with pytest.raises(TypeError, match="scale local"):
+        model.assess(TARGET, Time(mjd, format="mjd", scale="local"), 30.0)
+
+
+def test_exposures_of_no_time_are_errors():
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="3.5deg")
+    with pytest.raises(ValueError, match=r"exposure\[1\] is 0 s; allowed: above 0 s"):
+        model.assess(TARGET, START, [30.0, 0.0])
+    with pytest.raises(ValueError, match="exposure is 0 s; allowed: above 0 s"):
+        model.clear_windows(TARGET, START, "2026-08-14T23:59:05Z", 0.0)
+
+
+def test_the_top_of_the_configuration_gives_defaults(tmp_path):
+    config = tmp_path / "streakcast.toml"
+    config.write_text('mpc = "X05"\nshells = "starlink-gen1"\nfov = "3deg x 0.5deg"\nrotation = 50.0\ninclude_dark = true\nsamples = 5\n')
+    plain = tmp_path / "plain.toml"
+    plain.write_text('mpc = "X05"\nshells = "starlink-gen1"\nfov = "3deg x 0.5deg"\n')
+    model, other = streakcast.StreakModel(config=config), streakcast.StreakModel(config=plain)
+    np.testing.assert_equal(model.assess(TARGET, START, 60.0), other.assess(TARGET, START, 60.0, rotation=50.0))
+    turned = other.passes(TARGET, START, 60.0, rotation=50.0, include_dark=True, samples=5, output="dict")
+    given = model.passes(TARGET, START, 60.0, output="dict")
+    assert set(given) == set(turned) and "samples" in given
+    np.testing.assert_array_equal(given["norad_id"], turned["norad_id"])

@@ -55,3 +55,20 @@ def test_hooks_count_and_log_once(model, caplog):
     assert (hook.counts["unknown"], hook.counts["failed"]) == (3, 0)
     lines = [record.getMessage() for record in caplog.records if "positions unknown" in record.getMessage()]
     assert len(lines) == 1 and "counted as 'unknown'" in lines[0]
+
+
+@pytest.mark.filterwarnings("ignore::streakcast.StreakcastWarning")
+def test_unjudged_exposures_have_no_number_of_streaks(model):
+    below = (TARGET[0] + 180.0, -89.0 + 170.0)  # Never above the horizon of the site.
+    assert model.assess(below, FRESH, 30.0).verdict == "invalid"
+    for target, start in ((TARGET, OLD), (below, FRESH)):
+        one = model.assess(target, start, 30.0)
+        assert one.n_streaks is None and one.crosses is None
+        flags = model.flags(target, start, 30.0)
+        assert flags["n_streaks"].mask.all()
+    both = model.assess(TARGET, [FRESH, OLD], 30.0)
+    assert both.n_streaks.mask.tolist() == both.crosses.mask.tolist() == [False, True]
+    lengths, streaks = model.check_pointings([TARGET[0], below[0]], [TARGET[1], below[1]], [61266.0, 61266.9785], 30.0, scale="utc")
+    assert lengths[1] == 0.0 and streaks[1] == 0 and not np.ma.is_masked(streaks)
+    lengths, streaks = model.check_pointings([TARGET[0]], [TARGET[1]], [62362.9785], 30.0, scale="utc")
+    assert np.isnan(lengths[0]) and np.ma.is_masked(streaks)

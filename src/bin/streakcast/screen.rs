@@ -80,7 +80,7 @@ pub fn render(table: &Table, style: &Style<'_>, styled: bool, width: Option<usiz
             let is_text = matches!(table.columns[index].kind, Kind::Text | Kind::List { .. });
             let text = if is_text { shortened(text, fitted.longest_text) } else { Cow::Borrowed(text.as_str()) };
             let mut cell = Cell::new(&text);
-            if matches!(table.columns[index].kind, Kind::Real { .. } | Kind::Integer) {
+            if matches!(table.columns[index].kind, Kind::Real { .. } | Kind::Small { .. } | Kind::Integer) {
                 cell = cell.set_alignment(CellAlignment::Right);
             }
             if let Some(color) = color(&text) {
@@ -107,7 +107,7 @@ fn cell_texts(table: &Table, row: &[Value], columns: &[(usize, &Shown)]) -> Vec<
     let cell = |&(index, shown): &(usize, &Shown)| {
         let mut column = table.columns[index];
         column.kind = match (column.kind, shown.decimals) {
-            (Kind::Real { .. }, Some(decimals)) => Kind::Real { decimals },
+            (Kind::Real { .. } | Kind::Small { .. }, Some(decimals)) => Kind::Real { decimals },
             (Kind::Time { .. }, Some(decimals)) => Kind::Time { decimals },
             (kind, _) => kind,
         };

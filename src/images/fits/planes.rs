@@ -17,7 +17,9 @@ pub enum PlaneKind {
     InverseVariance,
     /// Standard deviation of each pixel.
     Error,
-    /// Other values that are not light of the sky, such as weights, coverage or a part of the variance.
+    /// Weight of each pixel; 0 for pixels without data.
+    Weight,
+    /// Other values that are not light of the sky, such as coverage or a part of the variance.
     Other,
 }
 
@@ -74,10 +76,10 @@ const KINDS: &[(&str, PlaneKind)] = &[
     ("SIGMA", PlaneKind::Error),
     ("STDDEV", PlaneKind::Error),
     ("RMS", PlaneKind::Error),
-    ("WEIGHT", PlaneKind::Other),
-    ("WEIGHTS", PlaneKind::Other),
-    ("WHT", PlaneKind::Other),
-    ("WGT", PlaneKind::Other),
+    ("WEIGHT", PlaneKind::Weight),
+    ("WEIGHTS", PlaneKind::Weight),
+    ("WHT", PlaneKind::Weight),
+    ("WGT", PlaneKind::Weight),
     ("COVERAGE", PlaneKind::Other),
     ("EXPMAP", PlaneKind::Other),
     ("FOOTPRINT", PlaneKind::Other),
@@ -353,7 +355,7 @@ mod tests {
             ("INVVAR", Some(PlaneKind::InverseVariance)),
             ("UNCERT", Some(PlaneKind::Error)),
             ("CHIPMASK", Some(PlaneKind::Other)),
-            ("WHT", Some(PlaneKind::Other)),
+            ("WHT", Some(PlaneKind::Weight)),
             ("S28", None),
             ("TERRA", None),
             ("SKY", None),

@@ -135,7 +135,7 @@ fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
 fn affinity(column: &Column, id_type: &'static str) -> &'static str {
     match column.kind {
         Kind::Integer | Kind::Boolean => "INTEGER",
-        Kind::Real { .. } => "REAL",
+        Kind::Real { .. } | Kind::Small { .. } => "REAL",
         Kind::Text if column.name == "exposure_id" => id_type,
         Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "TEXT",
     }

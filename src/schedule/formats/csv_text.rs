@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::error::ScheduleError;
 use super::columns::{Cell, Row, display};
-use crate::input::{MOST_ROWS, delimiter_of, first_line};
+use crate::input::{MOST_ROWS, UNCLOSED, delimiter_of, first_line, unclosed_quote};
 
 /// Byte positions of the header and the rows of a CSV file.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,7 +97,11 @@ impl CsvText {
             return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
         }
         let width = header.len();
-        let separator = char::from(delimiter_of(first_line(&text)));
+        let delimiter = delimiter_of(first_line(&text));
+        if let Some(line) = unclosed_quote(&text, delimiter) {
+            return Err(ScheduleError::Line { path: display(path), line: line as u64, what: UNCLOSED.to_owned() });
+        }
+        let separator = char::from(delimiter);
         let is_like_a_row = |line: &&str| line.starts_with('#') && line.matches(separator).count() + 1 == width;
         let comments_like_rows = text[end..].lines().filter(is_like_a_row).count();
         Ok((names_of(&header), Self { text, width, rows, comments_like_rows }))

@@ -42,6 +42,7 @@ pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleErr
     let records = ecsv.rows.iter().map(|(start, end)| ecsv.record(&text[*start..*end]));
     table.rows = Rows::Cells(records.map(|record| cells(record.iter().map(String::as_str), width)).collect());
     table.units = ecsv.units();
+    table.single_precision = ecsv.single_precision();
     for time in ecsv.time_columns() {
         let mut name = time.name.to_owned();
         // The name `start` does not state whether times are MJD or JD; the format of the `Time` column does.

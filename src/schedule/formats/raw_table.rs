@@ -1,7 +1,7 @@
 //! Table of cells, as read from a schedule file of any format.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use hifitime::TimeScale;
@@ -57,12 +57,21 @@ pub(in crate::schedule) struct RawTable {
     pub units: BTreeMap<String, String>,
     /// Time scales by column name, if the file states them.
     pub time_scales: BTreeMap<String, TimeScale>,
+    /// Names of the columns whose numbers were rounded to single precision, if the file states their types.
+    pub single_precision: BTreeSet<String>,
 }
 
 impl RawTable {
     /// Creates a table without rows, units or time scales.
     pub fn new(format: ScheduleFormat, names: Vec<String>) -> Self {
-        Self { format, names, rows: Rows::Cells(Vec::new()), units: BTreeMap::new(), time_scales: BTreeMap::new() }
+        Self {
+            format,
+            names,
+            rows: Rows::Cells(Vec::new()),
+            units: BTreeMap::new(),
+            time_scales: BTreeMap::new(),
+            single_precision: BTreeSet::new(),
+        }
     }
 
     /// Returns the value of the unit of a column, in the given unit.

@@ -37,6 +37,7 @@ struct FieldAttributes {
     unit: Option<String>,
     null: Option<String>,
     time_system: Option<String>,
+    is_single_precision: bool,
 }
 
 /// Byte ranges of one row.
@@ -236,6 +237,9 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
         if let Some(scale) = fact.time_system.as_ref().and_then(|id| layout.time_systems.get(id)) {
             table.time_scales.insert(fact.name.clone(), *scale);
         }
+        if fact.is_single_precision {
+            table.single_precision.insert(fact.name.clone());
+        }
         let Some(null) = &fact.null else { continue };
         for row in rows.iter_mut().flatten() {
             if row.get(index).is_some_and(|cell| matches!(cell, Cell::Text(text) if text == null)) {
@@ -254,6 +258,7 @@ fn field_attributes(element: &BytesStart<'_>) -> FieldAttributes {
         unit: value("unit"),
         null: None,
         time_system: value("ref"),
+        is_single_precision: value("datatype").as_deref() == Some("float"),
     }
 }
 

@@ -10,8 +10,8 @@ use super::super::truth::{
 use super::target_frame::{TargetChip, TargetFrame};
 use crate::frames::tai_ns;
 use crate::images::{
-    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, ImageValues, ImagesError, Patch,
-    Pixels, Quantisation, Saturation, TableColumn,
+    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, FrameFile, ImageValues, ImagesError,
+    Patch, Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::output::{Column, Kind, Table, Value};
 use crate::watch::Watch;
@@ -99,7 +99,7 @@ pub fn inject(
             copy.add_history(target.chip.hdu, line)?;
         }
         if has_noise && options.write_truth {
-            add_variance(&mut copy, target, &added)?;
+            add_variance(&mut copy, &frame.file, target, &added)?;
         }
         if options.write_truth {
             masks.extend(mask(&own, &added, target, &options.planes, &noise).map(|mask| (target, mask)));
@@ -233,12 +233,29 @@ fn expose(
 
 /// Adds the variance of the added light to the variance plane, if there is one. The variance of n electrons is n, or n
 /// / gain² in the unit of the frame. As in the pipelines that wrote the plane, n is the number measured (with noise),
-/// not the expected number.
-fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), ImagesError> {
+/// not the expected number. A variance that is not above 0 marks a bad pixel and is kept.
+fn add_variance(
+    copy: &mut FrameCopy<'_>,
+    file: &FrameFile,
+    target: &TargetChip,
+    added: &[AddedLight],
+) -> Result<(), ImagesError> {
     let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_per_unit) else { return Ok(()) };
-    for of_span in added.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column)) {
-        let variances: Vec<f32> = of_span.iter().map(|light| light.change_adu.max(0.0) / gain as f32).collect();
-        copy.add(hdu, of_span[0].row, of_span[0].column, variances)?;
+    /// Number of rows that are read at once.
+    const ROWS: usize = 256;
+    let [_, columns] = file.image_size(hdu)?;
+    let rows: Vec<&[AddedLight]> = added.chunk_by(|a, b| a.row == b.row).collect();
+    for of_rows in rows.chunks(ROWS) {
+        let before = file.read_rows(hdu, of_rows.iter().map(|of_row| of_row[0].row))?;
+        for (of_row, before) in of_rows.iter().zip(before.chunks_exact(columns)) {
+            for of_span in of_row.chunk_by(|a, b| a.column + 1 == b.column) {
+                let variance = |light: &AddedLight| {
+                    if before[light.column] > 0.0 { light.change_adu.max(0.0) / gain as f32 } else { 0.0 }
+                };
+                let variances: Vec<f32> = of_span.iter().map(variance).collect();
+                copy.add(hdu, of_row[0].row, of_span[0].column, variances)?;
+            }
+        }
     }
     if !added.is_empty() {
         copy.add_history(hdu, "streakcast inject: variance of the added light, its counts divided by the gain")?;
@@ -331,7 +348,7 @@ fn fits_columns(table: &Table) -> Vec<TableColumn> {
     let column = |(index, column): (usize, &Column)| {
         let cells = table.rows.iter().map(|row| &row[index]);
         let cells = match column.kind {
-            Kind::Real { .. } => {
+            Kind::Real { .. } | Kind::Small { .. } => {
                 Cells::Real(cells.map(|cell| if let Value::Real(number) = cell { *number } else { f64::NAN }).collect())
             }
             Kind::Integer => Cells::Integer(

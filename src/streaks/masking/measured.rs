@@ -21,6 +21,9 @@ const STEP_S: f64 = 0.01;
 /// Time before and after the exposure at which a streak is still of the frame: rounding of the table, seconds.
 const ROUNDING_S: f64 = 0.01;
 
+/// Smallest error across the track, pixels.
+const LEAST_SIGMA_PIX: f64 = 1e-4;
+
 /// Streak that was measured on one chip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStreak {
@@ -69,12 +72,12 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Streaks
     for row in rows {
         let row = row.map_err(failed)?;
         let number = |column| row.number_in(column, [f64::MIN, f64::MAX]).map_err(failed);
-        let optional = |column| if row.text(column).is_empty() { Ok(None) } else { number(column).map(Some) };
+        let optional = |column| if row.is_missing(column) { Ok(None) } else { number(column).map(Some) };
         let positive = |column| match number(column)? {
             value if value > 0.0 => Ok(value),
             _ => Err(failed(row.wrong(column, "a number above 0"))),
         };
-        if !row.parsed::<bool>(detected, "true or false").map_err(failed)? {
+        if !row.truth(detected).map_err(failed)? {
             continue;
         }
         let late_s = match (optional(late)?, optional(late_sigma)?) {
@@ -90,7 +93,8 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Streaks
             epoch: parse_iso(row.text(mid)).ok_or_else(wrong_time)?,
             direction: Direction::from_lon_lat_rad(number(ra)?.to_radians(), number(dec)?.to_radians()),
             rate: positive(rate)?,
-            across_sigma_pix: positive(across)?,
+            // Tables of earlier versions have errors of less than 0.0005 pixels as 0.
+            across_sigma_pix: row.number_in(across, [0.0, f64::MAX]).map_err(failed)?.max(LEAST_SIGMA_PIX),
             tilt_rad: number(tilt)?.to_radians(),
             late_s,
             seeing_arcsec: optional(seeing)?.filter(|seeing| *seeing > 0.0),

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+import numpy.typing as npt
 
-from ._results import VERDICTS, Assessment, ClearWindows
+from ._results import UNJUDGED, VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, count, directions, number, scalar
 from ._site_queries import SiteQueries
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
@@ -41,7 +42,7 @@ class ExposureQueries(SiteQueries):
         start: TimeLike,
         exposure: FloatArrayLike,
         *,
-        rotation: FloatArrayLike = 0.0,
+        rotation: FloatArrayLike | None = None,
         band: TextLike | None = None,
         scale: str | None = None,
     ) -> Assessment:
@@ -55,8 +56,9 @@ class ExposureQueries(SiteQueries):
             Shutter opening.
         exposure : float, array or `~astropy.units.Quantity`
             Duration, seconds.
-        rotation : float, array or `~astropy.units.Quantity`
-            Position angle of the field's y axis, from north through east, degrees.
+        rotation : float, array or `~astropy.units.Quantity`, optional
+            Position angle of the field's y axis, from north through east, degrees; default: that of the configuration
+            file, or else 0.
         band : str or sequence of str, optional
             Band of the exposure, for limits by band: one for all, or one for each.
         scale : {"utc", "tai", "tt"}, optional
@@ -66,6 +68,8 @@ class ExposureQueries(SiteQueries):
         -------
         Assessment
             Numbers for one exposure, arrays in the broadcast shape of target, start, exposure and rotation for many.
+            ``n_streaks`` and ``crosses`` of an ``invalid`` or ``unknown`` exposure are `None`; in arrays they are masked
+            (`numpy.ma.MaskedArray`).
 
         Raises
         ------
@@ -78,9 +82,12 @@ class ExposureQueries(SiteQueries):
         sky_cache, engine = self._open()
         result, warnings = engine.judge(exposures, bands)
         self._warn_once(sky_cache, warnings)
-        columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]], "crosses": result["n_streaks"] > 0}
+        columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
+        columns["n_streaks"] = _masked(result["n_streaks"], np.isin(columns["verdict"], UNJUDGED))
+        columns["crosses"] = columns["n_streaks"] > 0
         if shape == ():
-            return Assessment(**{name: column[0].item() for name, column in columns.items()})
+            # A masked number is None.
+            return Assessment(**{name: column.tolist()[0] for name, column in columns.items()})
         return Assessment(**{name: column.reshape(shape) for name, column in columns.items()})
 
     def flags(
@@ -89,7 +96,7 @@ class ExposureQueries(SiteQueries):
         start: TimeLike,
         exposure: FloatArrayLike,
         *,
-        rotation: FloatArrayLike = 0.0,
+        rotation: FloatArrayLike | None = None,
         band: TextLike | None = None,
         scale: str | None = None,
         output: Output = "auto",
@@ -126,7 +133,7 @@ class ExposureQueries(SiteQueries):
         start: TimeLike,
         exposure: FloatArrayLike,
         *,
-        rotation: FloatArrayLike = 0.0,
+        rotation: FloatArrayLike | None = None,
         band: TextLike | None = None,
         scale: str | None = None,
     ) -> FloatOrArray:
@@ -158,9 +165,9 @@ class ExposureQueries(SiteQueries):
         start: TimeLike,
         exposure: FloatArrayLike,
         *,
-        rotation: FloatArrayLike = 0.0,
-        include_dark: bool = False,
-        samples: int = 0,
+        rotation: FloatArrayLike | None = None,
+        include_dark: bool | None = None,
+        samples: int | None = None,
         limit_mag: FloatArrayLike | None = None,
         band: TextLike | None = None,
         scale: str | None = None,
@@ -172,10 +179,12 @@ class ExposureQueries(SiteQueries):
         ----------
         target, start, exposure, rotation, band, scale
             As for `assess`.
-        include_dark : bool
-            Whether crossings entirely in the Earth's shadow are included.
-        samples : int
-            Number of points along each track, in a column ``samples`` of dictionaries.
+        include_dark : bool, optional
+            Whether crossings entirely in the Earth's shadow are included; default: that of the configuration file, or
+            else `False`.
+        samples : int, optional
+            Number of points along each track, in a column ``samples`` of dictionaries; default: that of the
+            configuration file, or else 0.
         limit_mag : float, array or `~astropy.units.Quantity`, optional
             Magnitude limit, one for all exposures or one for each (NaN for none). It adds the column ``p_brighter``,
             the probability that the satellite is brighter at its peak. Default: the model's ``limit_mag`` for the band.
@@ -192,7 +201,10 @@ class ExposureQueries(SiteQueries):
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         limits = None if limit_mag is None else _limits(limit_mag, shape)
         sky_cache, engine = self._open()
-        columns, warnings = engine.passes(exposures, bool(include_dark), count(samples, "samples", 0), bands, limits)
+        _, default_dark, default_samples = engine.defaults
+        is_dark = default_dark if include_dark is None else bool(include_dark)
+        points = default_samples if samples is None else count(samples, "samples", 0)
+        columns, warnings = engine.passes(exposures, is_dark, points, bands, limits)
         self._warn_once(sky_cache, warnings)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 
@@ -204,7 +216,7 @@ class ExposureQueries(SiteQueries):
         exposure: FloatLike,
         *,
         min_altitude: FloatLike = 0.0,
-        rotation: FloatArrayLike = 0.0,
+        rotation: FloatArrayLike | None = None,
         band: TextLike | None = None,
         blocking: str | None = None,
         max_sun_altitude: FloatLike | None = None,
@@ -254,7 +266,9 @@ class ExposureQueries(SiteQueries):
             index = int(np.flatnonzero(np.ravel(span_s) > 86_400.0)[0])
             raise ValueError(f"end[{index}] is {np.ravel(span_s)[index]:.12g} s after the start; allowed: at most one day, 86400 s")
         length_s = scalar(exposure, "s", "exposure")
-        exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
+        if not length_s > 0.0:
+            raise ValueError(f"exposure is {length_s:g} s; allowed: above 0 s, at most 86400 s")
+        exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale, is_span=True)
         sky_cache, engine = self._open()
         lowest = scalar(min_altitude, "deg", "min_altitude")
         result, warnings = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
@@ -293,25 +307,36 @@ class ExposureQueries(SiteQueries):
         -------
         lengths_deg : array, ``(n,)``
             Total length of the lit streaks in the field of each visit, degrees; 0 for pointings below the horizon, as
-            in rubin_sim (`assess` returns NaN).
+            in rubin_sim (`assess` returns NaN); NaN if the element sets are too old to predict positions.
         n_streaks : array, ``(n,)``
-            Number of lit streaks.
+            Number of lit streaks; 0 for pointings below the horizon, masked if the element sets are too old.
         """
         result = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
-        return np.nan_to_num(np.atleast_1d(result.streak_length_deg)), np.atleast_1d(result.n_streaks)
+        verdict = np.atleast_1d(result.verdict)
+        lengths = np.where(verdict == "invalid", 0.0, np.atleast_1d(result.streak_length_deg))
+        streaks = np.ma.masked if result.n_streaks is None else result.n_streaks
+        streaks = np.ma.filled(np.ma.atleast_1d(streaks), 0).astype(np.int64)
+        return lengths, _masked(streaks, verdict == "unknown")
 
     def _exposure_columns(
         self,
         target: TargetLike,
         start: TimeLike,
         exposure: FloatArrayLike,
-        rotation: FloatArrayLike,
+        rotation: FloatArrayLike | None,
         band: TextLike | None,
         scale: str | None,
+        *,
+        is_span: bool = False,
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
         jd1, jd2 = to_tai(start, self._scale(scale), "start")
+        if rotation is None:
+            rotation = self._open()[1].defaults[0]
         length, angle = number(exposure, "s", "exposure"), number(rotation, "deg", "rotation")
+        if not is_span and np.any(length == 0.0):
+            index = f"[{int(np.flatnonzero(length == 0.0)[0])}]"
+            raise ValueError(f"exposure{index} is 0 s; allowed: above 0 s, at most 86400 s")
         names = ("ra_deg", "dec_deg", "jd1", "jd2", "exposure_s", "rotation_deg")
         parts = (ra, dec, jd1, jd2, length, angle)
         try:
@@ -324,6 +349,11 @@ class ExposureQueries(SiteQueries):
         }
         bands = [] if band is None else [band] if isinstance(band, str) else [str(one) for one in np.ravel(band)]
         return exposures, bands, shape
+
+
+def _masked(values: WholeArray, is_unknown: "npt.NDArray[np.bool_]") -> WholeArray:
+    """Returns the values, as a masked array if some are unknown."""
+    return np.ma.MaskedArray(values, mask=is_unknown) if is_unknown.any() else values
 
 
 def _limits(limit_mag: FloatArrayLike, shape: tuple[int, ...]) -> list[float]:

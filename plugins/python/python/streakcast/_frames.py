@@ -35,6 +35,8 @@ _COORDINATES = re.compile(
     r"WCSAXES|(CTYPE|CRVAL|CRPIX|CDELT|CUNIT|CROTA)\d+|(CD|PC|PV)\d+_\d+|LONPOLE|LATPOLE|RADE?C?SYS|EQUINOX"
     r"|[AB]P?_(ORDER|DMAX|\d+_\d+)"
 )
+#: Card of a mask whose values other than 0 mark bad pixels, however many they are.
+_EXPLICIT = "BADPIX  =                    T"
 _HDUS = ("PrimaryHDU", "ImageHDU", "CompImageHDU")
 
 
@@ -82,7 +84,7 @@ class Image:
         if bad is None and variance is None:
             return [("", self.pixels, self.cards)]
         found: list[tuple[str, Pixels, str]] = [("IMAGE", self.pixels, self.cards)]
-        found.append(("MASK", np.zeros(self.pixels.shape, np.uint8) if bad is None else bad, ""))
+        found.append(("MASK", np.zeros(self.pixels.shape, np.uint8) if bad is None else bad, _EXPLICIT))
         if variance is not None:
             found.append(("VARIANCE", variance, ""))
         return found
@@ -91,20 +93,22 @@ class Image:
         """Returns a frame of the same form with other pixels and, for an `NDData`, another variance."""
         given = self.given
         if _is_nddata(given):
-            return _new_nddata(given, pixels, _new_uncertainty(given.uncertainty, self.variance, variance), given.mask)
+            uncertainty = _new_uncertainty(given.uncertainty, self.variance, variance, given.unit)
+            return _new_nddata(given, pixels, uncertainty, given.mask)
         if _is_hdu(given):
             return _new_hdu(given, pixels)
         if isinstance(given, np.ma.MaskedArray):
-            return np.ma.MaskedArray(pixels, mask=given.mask)
+            return np.ma.MaskedArray(pixels, mask=np.array(given.mask), fill_value=_fill_value(given))
         return type(given)(pixels, given.unit, copy=False) if is_of("astropy.units", "Quantity", given) else pixels
-
 
     def masked(self, streaks: npt.NDArray[np.bool_]) -> Any:
         """Returns an `NDData` or masked array with the same pixels and more of them masked; `None` for other forms."""
         given, mask = self.given, streaks if self.bad is None else streaks | (self.bad != 0)
         if _is_nddata(given):
-            return _new_nddata(given, given.data, given.uncertainty, mask)
-        return np.ma.MaskedArray(given.data, mask=mask) if isinstance(given, np.ma.MaskedArray) else None
+            return _new_nddata(given, np.array(given.data), given.uncertainty, mask)
+        if not isinstance(given, np.ma.MaskedArray):
+            return None
+        return np.ma.MaskedArray(np.array(given.data), mask=mask, fill_value=_fill_value(given))
 
 
 @dataclass
@@ -199,7 +203,7 @@ def _image_of(frame: object, header: HeaderLike | None, what: str, needs_header:
         data = getattr(frame, "data")
     if _is_nddata(frame):
         cards = _text(_header_of(frame))
-        known = {"bad": _bad(getattr(frame, "mask"), np.shape(data)), "variance": _variance(getattr(frame, "uncertainty"))}
+        known = {"bad": _bad(getattr(frame, "mask"), np.shape(data)), "variance": _variance(getattr(frame, "uncertainty"), getattr(frame, "unit"))}
     elif _is_hdu(frame):
         if data is None:
             raise ValueError(f"{what} is a {type(frame).__name__} without data; allowed: an HDU with an image")
@@ -294,28 +298,57 @@ def _bad(mask: object, shape: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
     return np.ascontiguousarray(np.broadcast_to(np.asarray(mask) != 0, shape)).view(np.uint8)
 
 
-def _variance(uncertainty: NDUncertainty | None) -> Pixels | None:
-    """Returns the variances that an uncertainty states; `None` if it is missing or of an unknown kind."""
-    if uncertainty is None or uncertainty.array is None:
+def _fill_value(array: "np.ma.MaskedArray[Any, Any]") -> object:
+    """Returns the fill value of a masked array; `None`, that of its type, if none was set."""
+    return array._fill_value if getattr(array, "_fill_value", None) is not None else None
+
+
+#: Functions from values of an uncertainty to variances, and back, by its type.
+_TO_VARIANCE: dict[str, Any] = {"std": np.square, "var": np.positive, "ivar": np.reciprocal}
+_FROM_VARIANCE: dict[str, Any] = {"std": np.sqrt, "var": np.positive, "ivar": np.reciprocal}
+#: Power of the unit of the data that is the unit of the uncertainty.
+_POWERS = {"std": 1, "var": 2, "ivar": -2}
+
+
+def _variance(uncertainty: NDUncertainty | None, unit: Any) -> Pixels | None:
+    """Returns the variances that an uncertainty states, in the squared unit of the data; `None` if it is missing or of an
+    unknown kind. Values without information (0 of an inverse variance) become infinite.
+    """
+    if uncertainty is None or uncertainty.array is None or uncertainty.uncertainty_type not in _TO_VARIANCE:
         return None
     array = np.asarray(uncertainty.array)
-    to_variance = {"std": np.square, "var": np.positive, "ivar": np.reciprocal}.get(uncertainty.uncertainty_type)
-    if to_variance is None:
-        return None
-    with np.errstate(divide="ignore"):
-        variance: Pixels = to_variance(array.astype(np.float32 if array.dtype.itemsize <= 4 else np.float64))
+    values = array.astype(np.float32 if array.dtype.itemsize <= 4 else np.float64) * _unit_factor(uncertainty, unit)
+    with np.errstate(divide="ignore", over="ignore"):
+        variance: Pixels = _TO_VARIANCE[uncertainty.uncertainty_type](values)
     return variance
 
 
+def _unit_factor(uncertainty: NDUncertainty, unit: Any) -> Any:
+    """Returns the factor from the unit of an uncertainty to that which belongs to the unit of the data."""
+    if uncertainty.unit is None:
+        return np.float32(1.0)
+    power = _POWERS[uncertainty.uncertainty_type]
+    if unit is None:
+        raise ValueError(f"the uncertainty has the unit {uncertainty.unit}, the data have none; allowed: units of both")
+    expected = unit**power
+    try:
+        return np.float32(uncertainty.unit.to(expected))
+    except ValueError:
+        raise ValueError(
+            f"the uncertainty has the unit {uncertainty.unit}, the data {unit}; allowed: a unit that converts to {expected}"
+        ) from None
+
+
 def _new_uncertainty(
-    uncertainty: NDUncertainty | None, before: Pixels | None, after: Pixels | None
+    uncertainty: NDUncertainty | None, before: Pixels | None, after: Pixels | None, unit: Any
 ) -> NDUncertainty | None:
     """Returns the uncertainty with other variances."""
     if uncertainty is None or before is None or after is None:
-        return uncertainty
+        return copy.deepcopy(uncertainty)
     is_changed = (before != after) & np.isfinite(after)
-    array, kind = np.array(uncertainty.array), uncertainty.uncertainty_type
-    array[is_changed] = {"std": np.sqrt, "var": np.positive, "ivar": np.reciprocal}[kind](after[is_changed])
+    array = np.array(uncertainty.array)
+    changed = _FROM_VARIANCE[uncertainty.uncertainty_type](after[is_changed])
+    array[is_changed] = changed / _unit_factor(uncertainty, unit)
     return type(uncertainty)(array, unit=uncertainty.unit, copy=False)
 
 
@@ -323,7 +356,7 @@ def _new_nddata(given: Any, pixels: Pixels, uncertainty: NDUncertainty | None, m
     """Returns an `NDData` with the world coordinates, metadata and unit of the given one."""
     others = {name: getattr(given, name) for name in ("flags", "psf") if getattr(given, name, None) is not None}
     new: NDData = type(given)(
-        pixels, uncertainty=uncertainty, mask=mask, wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
+        pixels, uncertainty=copy.deepcopy(uncertainty), mask=copy.copy(mask), wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
     )
     return new
 

@@ -67,6 +67,8 @@ class Injected(NamedTuple):
     #: Frame with streaks in the form of the input: path of the output, `~astropy.io.fits.HDUList`, HDU,
     #: `~astropy.nddata.NDData` or array.
     frame: FrameLike
+    #: Remarks, for example about columns of a table of streaks that are not used.
+    remarks: tuple[str, ...] = ()
 
 
 def inject(
@@ -261,6 +263,9 @@ def inject(
         done = _done(files.images[0], target, output)
     for message in dict.fromkeys(result["warnings"]):
         warn(files.shown(message))
+    if model is not None and sky_cache is not None:
+        # Old element sets, as in the other methods.
+        model._warn_once(sky_cache, [])
     if done.image is not None and done.mask is None and not pixels_only:
         done = done._replace(mask=np.zeros(done.image.shape, dtype=np.int32))
     truth = result["truth"] if output is not None else [one for one in result["truth"] if one["name"] != "image"]
@@ -276,6 +281,7 @@ def inject(
         trails=table_of(result["trails"], table),
         summary=result["summary"],
         frame=done.frame,
+        remarks=tuple(files.shown(remark) for remark in result["remarks"]),
     )
 
 

@@ -8,10 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from . import _core
-from ._quantities import number
+from ._quantities import check_unmasked, number
 from ._setup import document
 from ._times import to_tai
 from .typing import FloatArrayLike, Learned, ModelLike, PathLike, TimeLike, WholeLike
+
+
+#: Range of magnitudes.
+_MAGNITUDES = (-30.0, 40.0)
 
 
 def learn(
@@ -59,6 +63,7 @@ def learn(
         The kind is unknown or has no model, an argument has another shape, or no row is complete.
     """
     jd1, jd2 = to_tai(time, scale)
+    check_unmasked(norad_id, "norad_id", "allowed: unmasked catalogue numbers")
     ids = np.asarray(norad_id)
     if ids.dtype.kind not in "iu" or np.any(ids < 1):
         raise ValueError("norad_id is not a list of catalogue numbers; allowed: integers from 1")
@@ -68,6 +73,13 @@ def learn(
         rows = [np.ascontiguousarray(np.ravel(column)) for column in np.broadcast_arrays(ids, jd1, jd2, *numbers)]
     except ValueError:
         raise ValueError("norad_id, time, observed, predicted and sigma differ in shape; allowed: one shape") from None
+    ranges = (("observed", 3, *_MAGNITUDES, "magnitudes"), ("predicted", 4, *_MAGNITUDES, "magnitudes"), ("sigma", 5, 0.0, 10.0, "mag"))
+    for name, column, least, most, what in ranges:
+        values = rows[column]
+        # NaN is unknown.
+        wrong = np.flatnonzero((values < least) | (values > most))
+        if wrong.size:
+            raise ValueError(f"{name}[{wrong[0]}] is {values[wrong[0]]}; allowed: {what} from {least:g} to {most:g}")
     complete = np.isfinite(rows[3]) & np.isfinite(rows[4])
     ids, jd1, jd2, measured, computed, errors = [column[complete] for column in rows]
     setup = json.dumps(document({"model": model}))

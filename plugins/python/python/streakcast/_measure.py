@@ -22,6 +22,8 @@ from .typing import FloatArray, FloatLike, FrameLike, HeaderLike, Json, Options,
 if TYPE_CHECKING:
     from astropy.units import Quantity
 
+#: Flags of measurements from which nothing is learned.
+_DOUBTFUL = frozenset(("saturated", "masked", "position"))
 _MEASUREMENTS = Main(("name", "detected", "limit_magnitude"), ("magnitude", "magnitude_sigma"))
 
 
@@ -49,7 +51,8 @@ class Measurements:
     table: Table
     #: Zero points from stars, and other remarks.
     remarks: tuple[str, ...]
-    #: Measured magnitudes of the streaks that were found, without instrumental and saturated ones.
+    #: Measured magnitudes of the streaks that were found, without instrumental ones and those with the flags
+    #: ``saturated``, ``masked`` or ``position``.
     learn_arguments: LearnArguments
 
 
@@ -162,8 +165,8 @@ class MeasureQueries(ExposureQueries):
         measurements = files.named(result["measurements"])
         columns = arrays_of(measurements)
         observed, predicted = columns["magnitude"], columns["predicted_magnitude"]
-        is_saturated = np.array(["saturated" in flags for flags in columns["flags"]], dtype=np.bool_)
-        is_usable = columns["calibrated"] & ~is_saturated & np.isfinite(observed) & np.isfinite(predicted)
+        is_doubtful = np.array([not _DOUBTFUL.isdisjoint(flags) for flags in columns["flags"]], dtype=np.bool_)
+        is_usable = columns["calibrated"] & ~is_doubtful & np.isfinite(observed) & np.isfinite(predicted)
         return Measurements(
             table=table_of(measurements, table, main=_MEASUREMENTS),
             remarks=tuple(files.shown(remark) for remark in result["remarks"]),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, SupportsIndex
+from typing import TYPE_CHECKING, Any, SupportsIndex
 
 import numpy as np
 import numpy.typing as npt
@@ -118,10 +118,19 @@ def count(value: SupportsIndex, what: str, least: int) -> int:
     return integer
 
 
+def _icrs(target: object) -> Any:
+    """Returns a `SkyCoord` in ICRS."""
+    try:
+        return getattr(target, "icrs")
+    except Exception as error:
+        # astropy has an exception of its own for frames without a time or a place.
+        raise ValueError(f"target cannot be converted to ICRS: {error}; allowed: a frame with time and place") from None
+
+
 def directions(target: object) -> tuple[FloatArray, FloatArray]:
     """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair."""
     if is_of("astropy.coordinates", "SkyCoord", target):
-        icrs = getattr(target, "icrs")
+        icrs = _icrs(target)
         for axis in (icrs.ra, icrs.dec):
             check_unmasked(axis, "target", "allowed: unmasked positions")
         return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)

@@ -12,6 +12,10 @@ from .typing import BoolOrArray, FloatArray, FloatOrArray, Table, TextOrArray, T
 VERDICTS = np.array(["clear", "streaked", "avoid", "invalid", "unknown"])
 
 
+#: Verdicts of exposures that cannot be judged: there is no number of streaks.
+UNJUDGED = ("invalid", "unknown")
+
+
 class Site(NamedTuple):
     """Location of an observer on the Earth."""
 
@@ -42,10 +46,10 @@ class Assessment(NamedTuple):
     #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded), ``unknown`` (the elements are too old to
     #: predict positions) or ``invalid`` (the pointing is below the horizon).
     verdict: TextOrArray
-    #: Whether a lit satellite crosses the field.
-    crosses: BoolOrArray
-    #: Number of lit satellites that cross the field.
-    n_streaks: WholeOrArray
+    #: Whether a lit satellite crosses the field; `None` (in arrays: masked) where invalid or unknown.
+    crosses: BoolOrArray | None
+    #: Number of lit satellites that cross the field; `None` (in arrays: masked) where invalid or unknown.
+    n_streaks: WholeOrArray | None
     #: Brightest magnitude of these satellites inside the field; NaN if there are none.
     brightest_mag: FloatOrArray
     #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.

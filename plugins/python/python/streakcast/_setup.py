@@ -73,6 +73,8 @@ def _check_finite(what: str, value: Json) -> None:
 
 def absolute(path: PathLike) -> str:
     """Returns the absolute path, which is also valid in other processes."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"{type(path).__name__} is given as a path; allowed: a string or a path")
     return str(os.path.abspath(os.fspath(path)))
 
 

@@ -53,8 +53,8 @@ class SiteQueries(ModelState):
         generation: TextLike | None = None,
         name: TextLike | None = None,
         norad: WholeLike | None = None,
-        include_dark: bool = False,
-        samples: int = 0,
+        include_dark: bool | None = None,
+        samples: int | None = None,
         scale: str | None = None,
         output: Output = "auto",
     ) -> Forecast:
@@ -89,10 +89,12 @@ class SiteQueries(ModelState):
         generation, name, norad : str, int, or sequences of these, optional
             Only satellites of these generations (``"starlink-v2mini"``), with these parts of names, or catalogue
             numbers.
-        include_dark : bool
-            Whether to include passes in the Earth's shadow and in daylight.
-        samples : int
-            Number of points along each pass from rise to set, in a column ``samples`` of dictionaries; 0 to 10,000.
+        include_dark : bool, optional
+            Whether to include passes in the Earth's shadow and in daylight; default: that of the
+            configuration file, or else `False`.
+        samples : int, optional
+            Number of points along each pass from rise to set, in a column ``samples`` of dictionaries; 0 to 10,000;
+            default: that of the configuration file, or else 0.
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers in ``start`` and ``end``.
         output : {"auto", "qtable", "dict"}
@@ -122,7 +124,7 @@ class SiteQueries(ModelState):
             min_culmination=finite_scalar(min_culmination, "deg", "min_culmination"),
             sun_altitude_deg=None if max_sun_altitude is None else finite_scalar(max_sun_altitude, "deg", "max_sun_altitude"),
             generation=_texts(generation, "generation"), name=_texts(name, "name"), norad=_norad_ids(norad),
-            include_dark=bool(include_dark), samples=count(samples, "samples", 0),
+            include_dark=bool(include_dark or False), samples=None if samples is None else count(samples, "samples", 0),
         )  # fmt: skip
         if (start is None) != (end is None):
             raise ValueError("start and end require each other; specify both or neither")
@@ -175,7 +177,7 @@ class SiteQueries(ModelState):
         seconds: FloatArrayLike = 0.0,
         *,
         min_altitude: FloatLike = 10.0,
-        include_dark: bool = False,
+        include_dark: bool | None = None,
         light: bool = True,
         limit_mag: FloatArrayLike = (),
         band: str | None = None,
@@ -191,8 +193,9 @@ class SiteQueries(ModelState):
             Times in seconds after ``start``: 0 to 3600, ascending.
         min_altitude : float or `~astropy.units.Quantity`
             Smallest altitude, degrees, without refraction, 0 to 90.
-        include_dark : bool
-            Whether satellites in the Earth's shadow are included.
+        include_dark : bool, optional
+            Whether satellites in the Earth's shadow are included; default: that of the
+            configuration file, or else `False`.
         light : bool
             Whether magnitudes are computed; for models made of panels this takes some microseconds per satellite.
         limit_mag : float, array or `~astropy.units.Quantity`, ``(n_limits,)``
@@ -228,7 +231,7 @@ class SiteQueries(ModelState):
             raise ValueError("limit_mag is given with light=False; allowed: with light=True")
         sky_cache, engine = self._open()
         result, warnings = engine.overhead(
-            jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light), limits, band
+            jd1, jd2, moments.ravel().tolist(), lowest, _dark(include_dark, engine), bool(light), limits, band
         )
         self._warn_once(sky_cache, warnings)
         return Overhead(**result)
@@ -321,7 +324,7 @@ class SiteQueries(ModelState):
         place_sigma: FloatLike | None = None,
         time_sigma: FloatLike | None = None,
         angle_sigma: FloatLike | None = None,
-        include_dark: bool = False,
+        include_dark: bool | None = None,
         top: int = 10,
         scale: str | None = None,
         output: Output = "auto",
@@ -370,8 +373,9 @@ class SiteQueries(ModelState):
             Standard deviation of the clock error, seconds; default 0.5.
         angle_sigma : float or `~astropy.units.Quantity`, optional
             Standard deviation of ``position_angle``, degrees; default 1.
-        include_dark : bool
-            Whether satellites in the Earth's shadow are included.
+        include_dark : bool, optional
+            Whether satellites in the Earth's shadow are included; default: that of the
+            configuration file, or else `False`.
         top : int
             Largest number of listed candidates.
         scale : {"utc", "tai", "tt"}, optional
@@ -403,9 +407,10 @@ class SiteQueries(ModelState):
                 place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
             )  # fmt: skip
             listed = count(top, "top", 1)
-            sky_cache, _ = self._open()
+            sky_cache, engine = self._open()
             setup, config = json.dumps(self._state["setup"]), self._state["config"]
-            result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
+            is_dark = _dark(include_dark, engine)
+            result = _core.identify(json.dumps(request), setup, config, sky_cache, is_dark, listed)
         self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
         return Identification(
             table_of(result["candidates"], output, main=CANDIDATES),
@@ -413,6 +418,11 @@ class SiteQueries(ModelState):
             result["n_candidates"],
             result["unknown_probability"],
         )
+
+
+def _dark(include_dark: bool | None, engine: _core.Engine) -> bool:
+    """Returns whether satellites in shadow are included: as given, or else as in the configuration file."""
+    return engine.defaults[1] if include_dark is None else bool(include_dark)
 
 
 def _texts(value: TextLike | None, what: str) -> list[Json]:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._quantities import check_unmasked
+from ._quantities import check_unmasked, is_quantity, number
 from .typing import FloatArray, TimeLike
 
 _ALLOWED = (
@@ -40,15 +40,23 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         return value.jd1, value.jd2
     check_unmasked(value, what, "allowed: unmasked times")
     if is_time(value):
+        if getattr(value, "scale") == "local":
+            raise TypeError(f"{what} is a Time of the scale local, which is not related to others; {_ALLOWED}")
         tai = getattr(value, "tai")
         return np.asarray(tai.jd1, dtype=np.float64), np.asarray(tai.jd2, dtype=np.float64)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         return _from_mjd(np.asarray(value, dtype=np.float64), scale, what)
     if isinstance(value, (str, datetime.datetime)):
         return _from_text(np.asarray(_text(value, what)), scale, what)
+    if is_quantity(value):
+        value = number(value, "d", what)
     array = np.asarray(value)
     if array.size == 0:
         return np.zeros(array.shape), np.zeros(array.shape)
+    if array.dtype.kind == "f" and array.dtype.itemsize < 8:
+        raise TypeError(
+            f"{what} is {array.dtype}, which has MJD in steps of {_step_s(array):.0f} s; allowed: float64, or a Time"
+        )
     if array.dtype.kind in "iuf":
         return _from_mjd(array.astype(np.float64), scale, what)
     if array.dtype.kind == "M":
@@ -64,6 +72,11 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         texts = np.array([_text(item, what) for item in array.ravel()]).reshape(array.shape)
         return _from_text(texts, scale, what)
     raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")
+
+
+def _step_s(array: npt.NDArray[np.floating]) -> float:
+    """Returns the distance of neighbouring numbers of the type of an array at an MJD of today, seconds."""
+    return float(np.spacing(array.dtype.type(61_000.0))) * 86_400.0
 
 
 def _text(value: object, what: str) -> str:

@@ -5,8 +5,8 @@ use crate::clock::{date_line_remark, set_tonight};
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{
-    Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_size_deg, state_scales,
-    time_range,
+    Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_exposure_s, parse_size_deg,
+    state_scales, time_range,
 };
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Section, format_utc};
@@ -97,7 +97,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let fov = config.fov.as_ref().map(Quantity::as_str).or((!has_shape).then_some(FIELD));
     let (field_rad, field_sr) = field_size(fov, &config)?;
     let exposure = config.exposure.duration.as_ref().map_or(EXPOSURE, Quantity::as_str);
-    let exposure_s = parse_duration_s("exposure", exposure)?;
+    let exposure_s = parse_exposure_s(exposure)?;
     let spread_s = parse_duration_s("spread", &typed.spread)?;
     let photometry = config.photometry()?;
     let limit_mag = config.limit_mag()?;

@@ -8,8 +8,9 @@ use anyhow::anyhow;
 use clap::Args;
 use hifitime::{Epoch, TimeScale, Unit};
 use serde_json::json;
-use streakcast::config::parse_duration_s;
-use streakcast::config::{Config, ExposureConfig, Quantity, RulesConfig, TimeRangeConfig, state_scales};
+use streakcast::config::{
+    Config, ExposureConfig, Quantity, RulesConfig, TimeRangeConfig, parse_duration_s, parse_exposure_s, state_scales,
+};
 use streakcast::forecast::Night;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::message::known_step_s;
@@ -125,7 +126,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
     let exposure = typed.exposure.or(config.exposure.duration.as_ref().map(|exposure| exposure.0.clone()));
-    let duration_s = seconds("exposure", &exposure)?;
+    let duration_s = exposure.as_deref().map(parse_exposure_s).transpose()?;
     let (listed, targets_of) = match (&typed.targets, pointing.zip(duration_s)) {
         (Some(path), _) => (read_targets(path, duration_s, plan.rotation_rad)?, path.display().to_string()),
         (None, Some((pointing, duration_s))) => {

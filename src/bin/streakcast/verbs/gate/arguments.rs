@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use hifitime::TimeScale;
 use streakcast::config::{
     Config, ExposureConfig, ObservationPlan, PolicyChoice, Quantity, RulesConfig, SiteConfig, parse_duration_s,
+    parse_exposure_s,
 };
 use streakcast::frames::{Direction, Gcrs, parse_moment};
 use streakcast::geometry::Site;
@@ -127,7 +128,7 @@ impl Flags {
         let timeout = Duration::from_secs_f64(timeout_s);
         let deadline = Instant::now() + timeout;
         if let Some(exposure) = &typed.exposure {
-            parse_duration_s("exposure", exposure.as_str())?;
+            parse_exposure_s(exposure.as_str())?;
         }
         let config = Config {
             exposure: ExposureConfig {
@@ -276,7 +277,7 @@ impl Request {
         policy.margin_s = flags.margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
         policy.validate()?;
         let duration = config.exposure.duration.as_ref();
-        let duration_s = duration.map(|exposure| parse_duration_s("exposure", exposure.as_str())).transpose()?;
+        let duration_s = duration.map(|exposure| parse_exposure_s(exposure.as_str())).transpose()?;
         let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || flags.indi.is_none() { Some(config.site()?) } else { None };

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Config, Quantity, parse_duration_s, state_scales, time_range};
+use streakcast::config::{Config, Quantity, parse_duration_s, parse_exposure_s, state_scales, time_range};
 use streakcast::frames::{Direction, Horizontal, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_cell, ring_centre_rad};
 use streakcast::output::{Column, Kind, Provenance, Table};
@@ -55,7 +55,7 @@ pub fn compute(
 ) -> anyhow::Result<(Table, Provenance)> {
     let exposure = config.exposure.duration.as_ref().map(Quantity::as_str);
     let exposure = exposure.ok_or_else(|| anyhow!("missing exposure time; specify --exposure 30s"))?;
-    let duration_s = parse_duration_s("exposure", exposure)?;
+    let duration_s = parse_exposure_s(exposure)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
         bail!("step is {}; allowed: 30s to 1h", typed.step);

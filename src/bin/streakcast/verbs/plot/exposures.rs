@@ -52,6 +52,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
             let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
             crossings.fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit))
         });
+        let is_judged = !matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid);
         let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
         vec![
             flag.exposure_id.as_str().into(),
@@ -59,7 +60,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
             exposure.map(|exposure| exposure.duration_s).into(),
             row.band.clone().into(),
             flag.kind.name().into(),
-            exposure.filter(|_| flag.kind != VerdictKind::Unknown).map(|_| flag.n_streaks).into(),
+            exposure.filter(|_| is_judged).map(|_| flag.n_streaks).into(),
             exposure.and(bright).into(),
             flag.brightest_mag.into(),
             middle.zip(observer.as_ref()).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),

@@ -110,9 +110,10 @@ impl Timeline<'_> {
         let (start_mjd, duration_s) = (self.columns.moments("start_utc")?, self.columns.numbers("duration_s")?);
         let (n_streaks, brightest_mag) = (self.columns.numbers("n_streaks")?, self.columns.numbers("brightest_mag")?);
         let verdicts = self.columns.texts("verdict")?;
-        // An exposure with an unknown verdict has no number of streaks.
+        // An exposure that cannot be judged has no number of streaks.
+        let is_judged = |verdict: &str| !matches!(verdict, "unknown" | "invalid");
         let is_drawn: Vec<bool> =
-            verdicts.iter().zip(self.keep).map(|(verdict, keep)| *keep && *verdict != "unknown").collect();
+            verdicts.iter().zip(self.keep).map(|(verdict, keep)| *keep && is_judged(verdict)).collect();
         let kept = |column: Vec<f64>| -> Vec<f64> {
             column.into_iter().zip(&is_drawn).filter(|(_, keep)| **keep).map(|(value, _)| value).collect()
         };

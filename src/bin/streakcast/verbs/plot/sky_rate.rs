@@ -3,7 +3,7 @@
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Config, ExposureConfig, PreparedSky, parse_duration_s};
+use streakcast::config::{Config, ExposureConfig, PreparedSky, parse_duration_s, parse_exposure_s};
 use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, Horizontal, mjd_utc, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
@@ -130,7 +130,7 @@ pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
     let start = start.as_ref().ok_or_else(|| missing("start"))?;
     let start = parse_moment(start.as_str(), config.time_scale()?)?;
     let duration = duration.as_ref().ok_or_else(|| missing("exposure time"))?;
-    Ok((start, parse_duration_s("exposure", duration.as_str())?))
+    Ok((start, parse_exposure_s(duration.as_str())?))
 }
 
 /// Returns the HEALPix cells whose centres are at or above an altitude in degrees.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use streakcast::config::{Config, parse_duration_s};
+use streakcast::config::{Config, parse_exposure_s};
 use streakcast::geometry::Site;
 use streakcast::input::check_regular;
 use toml::Value;
@@ -75,7 +75,7 @@ struct Place {
 pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
     let file = home::path().ok_or_else(|| anyhow!("this system has no folder for configuration files"))?;
     let (dialog, notices) = (Dialog::new(), Notices::new(typed.quiet));
-    parse_duration_s("exposure", &typed.exposure)?;
+    parse_exposure_s(&typed.exposure)?;
     if !(-30.0..=40.0).contains(&typed.max_mag) {
         bail!("max-mag is {} mag; allowed: -30 to 40 mag", typed.max_mag);
     }

@@ -96,7 +96,7 @@ fn cell_schema(column: &Column) -> Value {
     let mut schema = match column.kind {
         Kind::Text => json!({"type": ["string", "null"]}),
         Kind::Integer => json!({"type": ["integer", "null"]}),
-        Kind::Real { .. } => json!({"type": ["number", "null"]}),
+        Kind::Real { .. } | Kind::Small { .. } => json!({"type": ["number", "null"]}),
         Kind::Time { .. } => json!({"type": ["string", "null"], "format": "date-time"}),
         Kind::Boolean => json!({"type": ["boolean", "null"]}),
         Kind::List { .. } => json!({"type": "array", "items": {"type": ["string", "integer"]}}),

@@ -458,7 +458,7 @@ function answered(document, parameters) {
   const reach = parameters.around_s;
   const known = reach == null ? null : { from: shift - reach, to: shift + parameters.duration_s + reach };
   strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null);
-  const streaks = flag.n_streaks ? `${flag.n_streaks} streak${flag.n_streaks > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
+  const streaks = flag.n_streaks == null ? "number of streaks unknown" : flag.n_streaks ? `${flag.n_streaks} streak${flag.n_streaks > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
   const start = (name, delay_s, utc) => (delay_s != null ? ` · next ${name} start ${delay(delay_s)} (${clock(moment(utc) + 49, 0, 1)} UTC)` : ` · no ${name} start in time`);
   const isSame = flag.acceptable_delay_s === flag.delay_s;
