@@ -344,7 +344,7 @@ def _new_uncertainty(
 ) -> NDUncertainty | None:
     """Returns the uncertainty with other variances."""
     if uncertainty is None or before is None or after is None:
-        return copy.deepcopy(uncertainty)
+        return uncertainty
     is_changed = (before != after) & np.isfinite(after)
     array = np.array(uncertainty.array)
     changed = _FROM_VARIANCE[uncertainty.uncertainty_type](after[is_changed])
@@ -352,11 +352,18 @@ def _new_uncertainty(
     return type(uncertainty)(array, unit=uncertainty.unit, copy=False)
 
 
+def _copied(uncertainty: NDUncertainty | None) -> NDUncertainty | None:
+    """Returns a copy of an uncertainty without the frame to which it belongs."""
+    if uncertainty is None or uncertainty.array is None:
+        return uncertainty
+    return type(uncertainty)(np.array(uncertainty.array), unit=uncertainty.unit, copy=False)
+
+
 def _new_nddata(given: Any, pixels: Pixels, uncertainty: NDUncertainty | None, mask: object) -> NDData:
     """Returns an `NDData` with the world coordinates, metadata and unit of the given one."""
     others = {name: getattr(given, name) for name in ("flags", "psf") if getattr(given, name, None) is not None}
     new: NDData = type(given)(
-        pixels, uncertainty=copy.deepcopy(uncertainty), mask=copy.copy(mask), wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
+        pixels, uncertainty=_copied(uncertainty), mask=copy.copy(mask), wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
     )
     return new
 

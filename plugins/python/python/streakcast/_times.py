@@ -74,9 +74,9 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
     raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")
 
 
-def _step_s(array: npt.NDArray[np.floating]) -> float:
+def _step_s(array: npt.NDArray[np.generic]) -> float:
     """Returns the distance of neighbouring numbers of the type of an array at an MJD of today, seconds."""
-    return float(np.spacing(array.dtype.type(61_000.0))) * 86_400.0
+    return float(np.spacing(np.asarray(61_000.0, array.dtype))) * 86_400.0
 
 
 def _text(value: object, what: str) -> str:
