@@ -59,7 +59,7 @@ def test_hooks_count_and_log_once(model, caplog):
 
 @pytest.mark.filterwarnings("ignore::streakcast.StreakcastWarning")
 def test_unjudged_exposures_have_no_number_of_streaks(model):
-    below = (TARGET[0] + 180.0, -89.0 + 170.0)  # Never above the horizon of the site.
+    below = (18.9, 81.0)  # Never above the horizon of the site.
     assert model.assess(below, FRESH, 30.0).verdict == "invalid"
     for target, start in ((TARGET, OLD), (below, FRESH)):
         one = model.assess(target, start, 30.0)

@@ -53,7 +53,7 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
     array = np.asarray(value)
     if array.size == 0:
         return np.zeros(array.shape), np.zeros(array.shape)
-    if array.dtype.kind == "f" and array.dtype.itemsize < 8:
+    if scale is not None and array.dtype.kind == "f" and array.dtype.itemsize < 8:
         raise TypeError(
             f"{what} is {array.dtype}, which has MJD in steps of {_step_s(array):.0f} s; allowed: float64, or a Time"
         )
