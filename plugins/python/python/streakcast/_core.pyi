@@ -106,6 +106,7 @@ class InjectionResult(TypedDict):
     points: list[Column]
     trails: list[Column]
     bits: tuple[int, int]
+    remarks: list[str]
     warnings: list[str]
 
 __version__: str

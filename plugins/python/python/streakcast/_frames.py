@@ -298,9 +298,9 @@ def _bad(mask: object, shape: tuple[int, ...]) -> npt.NDArray[np.uint8] | None:
     return np.ascontiguousarray(np.broadcast_to(np.asarray(mask) != 0, shape)).view(np.uint8)
 
 
-def _fill_value(array: "np.ma.MaskedArray[Any, Any]") -> object:
+def _fill_value(array: "np.ma.MaskedArray[Any, Any]") -> Any:
     """Returns the fill value of a masked array; `None`, that of its type, if none was set."""
-    return array._fill_value if getattr(array, "_fill_value", None) is not None else None
+    return getattr(array, "_fill_value", None)
 
 
 #: Functions from values of an uncertainty to variances, and back, by its type.
