@@ -363,7 +363,7 @@ impl Measuring<'_> {
             let (sky, noise) = median_and_sigma(&known);
             let value = |offset: usize| rows[offset].map_or(f64::NEG_INFINITY, |value| value - sky);
             let Some(peak) = (0..height).max_by(|a, b| value(*a).total_cmp(&value(*b))) else { continue };
-            if !(value(peak) > ALIGN_SIGMAS * noise) {
+            if noise.is_nan() || value(peak) <= ALIGN_SIGMAS * noise {
                 continue;
             }
             // The middle of the light above half of the peak, also of a saturated one.
