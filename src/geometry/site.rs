@@ -114,13 +114,13 @@ impl Site {
         }
     }
 
-    /// Returns the sites that a name can mean: none, one, or several more than [`SAME_SITE_KM`] apart whose names begin
-    /// with it.
+    /// Returns the sites that a name can mean: none, one, or several more than [`SAME_SITE_KM`] apart that have the
+    /// name, or whose names begin with it.
     pub(crate) fn candidates(name: &str) -> Vec<&'static Self> {
         let key = key_of(name);
         let is_full_name = |entry: &&Entry| entry.keys.first() == Some(&key);
         let full = table().iter().find(is_full_name);
-        let begins = |entry: &&Entry| begins_with(&entry.site.name, &key);
+        let begins = |entry: &&Entry| begins_with(&entry.site.name, &key) || entry.keys.contains(&key);
         let begun: Vec<&Self> = table().iter().filter(begins).map(|entry| &entry.site).collect();
         let is_spread = begun.iter().any(|site| site.distance_km(begun[0]) > SAME_SITE_KM);
         if full.is_none() && is_spread {
@@ -410,7 +410,7 @@ mod tests {
     #[test]
     fn names_of_networks_are_ambiguous() {
         for (name, sites) in
-            [("ATLAS", 5), ("Gemini", 2), ("goto", 2), ("TRAPPIST", 2), ("LCO", 5), ("Faulkes Telescope", 2)]
+            [("ATLAS", 5), ("Gemini", 2), ("goto", 2), ("TRAPPIST", 2), ("LCO", 6), ("Faulkes Telescope", 2)]
         {
             let Err(GeometryError::AmbiguousSite { sites: found, .. }) = Site::by_name(name) else { panic!("{name}") };
             assert!(found.len() >= sites, "{name}: {found:?}");

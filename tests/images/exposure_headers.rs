@@ -332,6 +332,10 @@ fn verif_settings_of_cameras_are_no_gains() {
         "GAIN    = 5 / Gain\nOFFSET  = 10 / Offset",
         "GAIN    = 1 / Gain Value",
         "GAIN    = 100 / pre-amp",
+        "GAIN    = 4 / preamp gain",
+        "GAIN    = 16 / [%]",
+        "GAIN    = 1.39 / 0.1dB units",
+        "GAIN    = 3 / left shift",
     ] {
         let calibration = of(cards);
         assert_eq!(calibration.gain_e_adu, None, "{cards}");
@@ -381,4 +385,115 @@ fn valid_units_and_parts_in_other_keywords() {
     let header =
         Header::from_text("DATE-OBS= '2026-08-21'\nTIME-OBS= '18:14:59' / LT\nUT      = '23:14:59'\nEXPTIME = 2.0\n");
     assert!(ExposureTime::from_headers(&[&header]).is_ok());
+}
+
+/// Keywords of the start, the middle and the end, whatever their spelling, must agree.
+#[test]
+fn verif_all_keywords_of_an_instant_must_agree() {
+    let at = "DATE-OBS= '2026-08-22T03:14:59'\nEXPTIME =                  2.0\n";
+    for cards in [
+        "UTC-OBS = '04:14:59' / UT at start of exposure",
+        "UTSTART = '03:15:09'",
+        "UT      = '04:14:59' / UT at start of exposure",
+        "UT      = '02:14:59'",
+        "TIME-OBS= '03:25:59'",
+        "JD      =            2461274.7 / Julian date at start of exposure",
+        "MJD     =              61274.2 / MJD at start of exposure",
+        "EXPSTART=       61274.20000000",
+        "MJDEND  =       61274.15627000",
+        "JD-END  =     2461274.65627000",
+        "EXPEND  = '2026-08-22T03:44:59'",
+        "DATE-STP= '2026-08-22T03:44:59'",
+        "DATE-OBS= '2026-08-23T03:14:59'",
+        "DATE-LOC= '2026-08-22T03:14:59' / local",
+        "LOCALTIM= '8/21/2026 03:14:59 AM MST'",
+        "TREFPOS = 'BARYCENT'",
+        "TIMEREF = 'SOLARSYSTEM'",
+    ] {
+        let error = time(&format!("{at}{cards}")).expect_err(cards);
+        assert!(error.contains("--start") || error.contains("--exposure"), "{error}");
+    }
+    for cards in [
+        "UTC-OBS = '03:14:59.4'\nMJDEND  =       61274.13542824",
+        "UT      = '03:15:40' / end of readout",
+        "UT      =             11699.00 / [s] UTC at start",
+        "UT      =            3.2497222 / hours",
+        "UTC     = '03:15:04'",
+        "JD      =       2461274.635439 / at midtime",
+        "DATE-LOC= '2026-08-21T20:14:59' / local",
+        "DATE-LOC= '2026-08-22T03:14:59' / local\nSITELONG= '-00 10 00'",
+        "DATE-LOC= '2026-08-22T03:14:59' / local\nTIMEZONE= 0",
+        "TREFPOS = 'TOPOCENTER'",
+        "DATE-OBS= '2026-08-22T03:14:59'",
+    ] {
+        begins(&format!("{at}{cards}"), "2026-08-22T03:14:59", "DATE-OBS");
+    }
+    let zone = "DATE-OBS= '2026-08-21T20:14:59'\nEXPTIME = 2.0\nDATE-LOC= '2026-08-21T20:14:59'\nTIMEZONE= -7\n";
+    assert!(time(zone).is_err());
+}
+
+/// Dates without a time, and comments in COMMENT cards.
+#[test]
+fn verif_dates_of_the_night_and_remarks() {
+    for (cards, utc, from) in [
+        (
+            "DATE-OBS= '2026-08-21' / date of start\nUT      = '00:00:10' / end of exposure\nEXPTIME = 20.0",
+            "2026-08-21T23:59:50",
+            "DATE-OBS + UT - the exposure",
+        ),
+        ("DATE-OBS= '2026-08-22'\nUT      = 11699.0 / [s]\nEXPTIME = 2.0", "2026-08-22T03:14:59", "DATE-OBS + UT"),
+        ("SHUTOPEN= '2026-08-22T03:14:59.000'\nEXPTIME = 30.0", "2026-08-22T03:14:59", "SHUTOPEN"),
+        ("UTC-OBS = '2026-08-22T03:14:59.000'\nEXPTIME = 30.0", "2026-08-22T03:14:59", "UTC-OBS"),
+        (
+            "DATE-OBS= '2026-08-22T03:15:29'\nEXPTIME = 60.0\nCOMMENT DATE-OBS is the mid-time of the exposure",
+            "2026-08-22T03:14:59",
+            "DATE-OBS - half of the exposure",
+        ),
+    ] {
+        begins(cards, utc, from);
+    }
+    for (cards, words) in [
+        ("DATE-OBS= '2026-08-21'\nUT      = '00:00:10' / end", "on the day before the date"),
+        ("DATE-OBS= '2026-08-21' / UT date at start of night\nUT      = '03:14:59'", "date of the evening"),
+        ("DATE-OBS= '2026-08-21'\nUT-DATE = '2026-08-22'\nUT      = '03:14:59'", "UT-DATE is 2026-08-22"),
+        ("DATE-OBS= '2026-08-22'\nUT      = 3.2497", "UT is 3.2497 without a unit"),
+        ("DATE-OBS= '2026-08-22T03:15:17' / GPS time", "GPS time"),
+        ("DATE-OBS= '2026-08-22T03:15:17' / TCB", "coordinate time"),
+    ] {
+        let error = time(&format!("{cards}\nEXPTIME = 20.0")).expect_err(words);
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+/// Counts of added frames in keywords, comments and the history.
+#[test]
+fn verif_counts_of_stacked_frames() {
+    let at = "DATE-OBS= '2026-08-22T03:14:59'\n";
+    for cards in [
+        "EXP_TIME= 3.0 / [s] Integration time per exposure\nNEXP    = 2 / Number of exposures in integration",
+        "EXPTIME = 120.0\nHISTORY ImageIntegration.numberOfImages: 30",
+        "EXPTIME = 60.0\nIMCMB001= 'a.fits'\nIMCMB002= 'b.fits'",
+        "EXPTIME = 60.0\nNINPUTS = 20 / number of inputs",
+        "EXPTIME = 1800.0 / Maximum equivalent exposure time (s)",
+        "EXPTIME = 2.0\nFRAMES  = 30 / Number of frames in stack",
+        "EXPTIME = 2.0\nNSUB    = 30 / number of stacked subframes",
+        "EXPTIME = 2.0\nLIGHTS  = 30 / light frames count, averaged",
+        "EXPTIME = 12.0 / Total integration time\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5",
+        "EXPTIME = 2028.0\nNDRIZIM = 4 / Drizzle, number of images drizzled onto output",
+    ] {
+        let error = time(&format!("{at}{cards}")).expect_err(cards);
+        assert!(error.contains("--exposure"), "{error}");
+    }
+    for (cards, seconds) in [
+        ("EXPTIME = 60.0\nNBIAS   = 20 / number of bias frames combined", 60.0),
+        ("EXPTIME = 60.0\nIMAGEID = 7 / image identification number in stack", 60.0),
+        ("EXPTIME = 60.0\nIMCMB001= 'a.fits'", 60.0),
+        ("EXPTIME = 60.0 / Total integration time\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5", 60.0),
+        ("EXPOINUS= 2000000 / Exposure time in us", 2.0),
+        ("EXPTIME = 2.0\nEXPOINUS= 2000000", 2.0),
+        ("TRUITIME= 2.0\nCOADDONE= 1", 2.0),
+    ] {
+        let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
+        assert_eq!(found.duration_s, seconds, "{cards}");
+    }
 }

@@ -20,23 +20,23 @@ E2 = F * (2 - F)
 SITES = [
     # Chile and Argentina
     ("X05", "Rubin Observatory", "Rubin|Vera C. Rubin Observatory|LSST|Simonyi Survey Telescope|Cerro Pachon", (-30.244639, -70.749417, 2663)),  # Rubin LSE-180
-    ("W84", "CTIO Blanco", "DECam|Blanco|CTIO 4m|Victor M. Blanco Telescope", None),
+    ("W84", "CTIO Blanco", "DECam|Blanco|CTIO 4m|Victor M. Blanco Telescope|CTIO 4.0-m telescope", None),
     ("807", "Cerro Tololo", "CTIO|Cerro Tololo Interamerican Observatory|Cerro Tololo Inter-American Observatory", (-30.169, -70.8063, 2215)),  # NOIRLab; MPC constants have 5 digits
-    ("W85", "LCO Cerro Tololo", "LCOGT LSC|LSC", None),
+    ("W85", "LCO Cerro Tololo", "LCOGT LSC|LSC|LCOGT node at Cerro Tololo Inter-American Observatory", None),
     ("I11", "Gemini South", "gems|gemini_south", None),
-    ("I33", "SOAR", "Southern Astrophysical Research Telescope", None),
-    ("309", "Paranal", "Cerro Paranal|Paranal Observatory|VLT|Very Large Telescope|Paranal Observatory (ESO)", None),
+    ("I33", "SOAR", "Southern Astrophysical Research Telescope|SOAR telescope|SOAR 4.1m", None),
+    ("309", "Paranal", "Cerro Paranal|Paranal Observatory|VLT|Very Large Telescope|Paranal Observatory (ESO)|ESO-VLT-U1|ESO-VLT-U2|ESO-VLT-U3|ESO-VLT-U4", None),
     ("W91", "VISTA", "VHS VISTA", None),
     ("X11", "VST", "VLT Survey Telescope", None),
     ("W75", "SPECULOOS South", "SPECULOOS", None),
     ("I09", "Cerro Armazones Observatory", "OCA|Observatorio Cerro Armazones", None),
     ("", "ELT", "Extremely Large Telescope|Cerro Armazones|Armazones", (-24.589, -70.192, 3046)),  # ESO
-    ("809", "La Silla", "ESO La Silla|La Silla Observatory|La Silla Observatory (ESO)|lasilla", None),
+    ("809", "La Silla", "ESO La Silla|La Silla Observatory|La Silla Observatory (ESO)|lasilla|NTT|ESO-NTT|MPI-2.2|ESO-3.6", None),
     ("I40", "TRAPPIST South", "TRAPPIST", None),
     ("X17", "BlackGEM", "", None),
     ("W74", "Danish Telescope", "Danish 1.54 m", None),
     ("W57", "ESA TBT La Silla", "Test-Bed Telescope 2", None),
-    ("304", "Las Campanas", "Las Campanas Observatory|Magellan|OGLE|LCO", None),
+    ("304", "Las Campanas", "Las Campanas Observatory|Magellan|OGLE|LCO|Swope|DUP|du Pont|Baade|Clay|Baade_Mag_1|Clay_Mag_2", None),
     ("", "GMT", "Giant Magellan Telescope", (-29.04825, -70.68403, 2516)),  # GMTO
     ("W68", "ATLAS Chile", "ATLAS El Sauce|El Sauce|ATLAS Rio Hurtado|Rio Hurtado", None),
     ("", "ALMA", "Chajnantor|Atacama Large Millimeter Array", (-23.029, -67.755, 5000)),  # ALMA site page
@@ -44,12 +44,12 @@ SITES = [
     ("W92", "MASTER-OAFA", "OAFA|El Leoncito|Felix Aguilar Observatory", None),
     # Hawaii
     ("568", "Maunakea", "Mauna Kea", None),
-    ("T14", "CFHT", "Canada-France-Hawaii Telescope|Canada France Hawaii Telescope", None),
+    ("T14", "CFHT", "Canada-France-Hawaii Telescope|Canada France Hawaii Telescope|CFHT 3.6m", None),
     ("T09", "Subaru", "Subaru Telescope|HSC|Hyper Suprime-Cam", None),
     ("T16", "Keck", "Keck 1|Keck I|W. M. Keck Observatory|Keck Observatory", None),
     ("T17", "Keck 2", "Keck II", None),
     ("T15", "Gemini North", "gemn|gemini_north", None),
-    ("T13", "IRTF", "NASA Infrared Telescope Facility", None),
+    ("T13", "IRTF", "NASA Infrared Telescope Facility|NASA IRTF", None),
     ("T12", "UH88", "UH 2.2 m|University of Hawaii 88-inch", None),
     ("T11", "UKIRT", "United Kingdom Infrared Telescope", None),
     ("T10", "SMA", "Submillimeter Array", None),
@@ -58,25 +58,25 @@ SITES = [
     ("F52", "Pan-STARRS 2", "PS2|Pan-STARRS2", None),
     ("566", "Haleakala", "Haleakala Observatories|Haleakala GEODSS", None),
     ("608", "AMOS", "Haleakala AMOS", None),
-    ("F65", "Faulkes Telescope North", "FTN|LCO Haleakala|OGG", None),
+    ("F65", "Faulkes Telescope North", "FTN|LCO Haleakala|OGG|LCOGT node at Haleakala Observatory", None),
     ("T05", "ATLAS Haleakala", "ATLAS|ATLAS-HKO|HKO", None),
     ("T08", "ATLAS Mauna Loa", "ATLAS-MLO|MLO", None),
     ("", "DKIST", "Daniel K. Inouye Solar Telescope|ATST", (20.7067, -156.2564, 3067)),  # NSO
     # North America
-    ("I41", "Palomar ZTF", "ZTF|ZTF Palomar|Zwicky Transient Facility|Samuel Oschin Telescope|Palomar Schmidt|P48", None),
-    ("675", "Palomar", "Palomar Observatory|Hale Telescope|The Hale Telescope|Palomar Mountain|P200", None),
+    ("I41", "Palomar ZTF", "ZTF|ZTF Palomar|Zwicky Transient Facility|Samuel Oschin Telescope|Palomar Schmidt|P48|Palomar 48-inch", None),
+    ("675", "Palomar", "Palomar Observatory|Hale Telescope|The Hale Telescope|Palomar Mountain|P200|Palomar 200|Palomar 200-inch", None),
     ("672", "Mount Wilson", "Mount Wilson Observatory|mwo|CHARA", None),
     ("673", "Table Mountain Observatory", "TMO|Table Mountain", None),
     ("662", "Lick Observatory", "Lick|Mount Hamilton", None),
     ("", "Big Bear Solar Observatory", "BBSO|Big Bear", (34.2583, -116.9214, 2067)),  # BBSO
     ("G80", "Sierra Remote Observatories", "SRO|Auberry", None),
-    ("695", "Kitt Peak", "KPNO|Kitt Peak National Observatory|Mayall|DESI", None),
+    ("695", "Kitt Peak", "KPNO|Kitt Peak National Observatory|Mayall|DESI|KPNO 4.0-m telescope|KPNO 4m", None),
     ("691", "Spacewatch", "Steward Observatory Kitt Peak|Spacewatch 0.9 m", None),
     ("", "WIYN", "WIYN Observatory|WIYN 3.5 m", (31.95805, -111.600619, 2091)),  # WIYN TCS, by astropy
     ("697", "MDM Observatory", "MDM|McGraw-Hill|Michigan-Dartmouth-MIT Observatory", (31.9515, -111.6163, 1938)),  # MPC, height of the IRAF table
     ("V00", "Bok Telescope", "Bok|Kitt Peak Bok", None),
-    ("696", "MMT", "Whipple Observatory|Mount Hopkins|flwo|Multiple Mirror Telescope|Fred Lawrence Whipple Observatory|Whipple", None),
-    ("G83", "LBT", "Large Binocular Telescope|Mount Graham International Observatory|Mt Graham|Mount Graham", None),
+    ("696", "MMT", "Whipple Observatory|Mount Hopkins|flwo|Multiple Mirror Telescope|Fred Lawrence Whipple Observatory|Whipple|MMTO|MMT Observatory", None),
+    ("G83", "LBT", "Large Binocular Telescope|Mount Graham International Observatory|Mt Graham|Mount Graham|LBT-SX|LBT-DX", None),
     ("290", "VATT", "Vatican Advanced Technology Telescope", None),
     ("703", "Catalina Sky Survey", "CSS|Mount Bigelow|Catalina Schmidt", None),
     ("G96", "Mount Lemmon Survey", "Mount Lemmon|Mt. Lemmon", None),
@@ -90,7 +90,7 @@ SITES = [
     ("704", "LINEAR", "Lincoln Laboratory ETS|Socorro|White Sands ETS", None),
     ("711", "McDonald Observatory", "McDonald|Fort Davis|Mount Locke", None),
     ("", "HET", "Hobby-Eberly Telescope|Hobby Eberly Telescope", (30.681389, -104.014722, 2026)),  # HET
-    ("V37", "LCO McDonald", "ELP|LCOGT ELP", None),
+    ("V37", "LCO McDonald", "ELP|LCOGT ELP|LCOGT node at McDonald Observatory", None),
     ("H06", "New Mexico Skies", "Mayhill|iTelescope Mayhill", None),
     ("658", "DAO", "Dominion Astrophysical Observatory|Plaskett|Victoria|Plaskett Telescope", (48.519974, -123.417006, 244.2)),  # position in JPL Horizons' rows of 2021 with polar motion: the MPC's longitude, 10 m higher
     ("", "DRAO", "Dominion Radio Astrophysical Observatory|Penticton", (49.3210230556, -119.6189802778, 546.566)),  # Galt, by astropy
@@ -112,7 +112,7 @@ SITES = [
     ("954", "Teide Observatory", "Teide|OT|Observatorio del Teide|Observatorio del Teide, Tenerife|Tenerife|Izana", None),
     ("J04", "ESA OGS", "ESA Optical Ground Station|OGS", None),
     ("R17", "ATLAS Teide", "ATLAS-TDO|ATLAS Tenerife", None),
-    ("Z31", "LCO Teide", "TFN|LCOGT TFN", None),
+    ("Z31", "LCO Teide", "TFN|LCOGT TFN|LCOGT node at Tenerife", None),
     ("493", "Calar Alto", "CAHA|Calar Alto Observatory|Observatorio de Calar Alto|Centro Astronomico Hispano-Aleman, Almeria", None),
     ("J86", "Sierra Nevada Observatory", "OSN|Observatorio de Sierra Nevada", None),
     ("Z32", "Javalambre", "OAJ|J-PAS|Observatorio Astrofisico de Javalambre", None),
@@ -170,7 +170,7 @@ SITES = [
     ("K94", "Sutherland", "SAAO|South African Astronomical Observatory", None),
     ("M22", "ATLAS South Africa", "ATLAS Sutherland|ATLAS-STH", None),
     ("L66", "MeerLICHT", "", (-32.379900, 20.811220, 1798)),  # MPC position; its height is 80 m above the plateau
-    ("K91", "LCO Sutherland", "CPT|LCOGT CPT", None),
+    ("K91", "LCO Sutherland", "CPT|LCOGT CPT|LCOGT node at SAAO", None),
     ("074", "Boyden", "Boyden Observatory|Bloemfontein", None),
     ("221", "Hakos", "IAS Observatory", None),
     ("", "HESS", "H.E.S.S.", (-23.27178, 16.50022, 1800)),  # HESS
@@ -181,7 +181,7 @@ SITES = [
     ("413", "Siding Spring", "SSO|Siding Spring Observatory|AAT|AAO|Anglo-Australian Observatory|Anglo-Australian Telescope", None),
     ("Q55", "SkyMapper", "", None),
     ("E55", "GOTO South", "GOTO-S", None),
-    ("Q63", "LCO Siding Spring", "COJ|LCOGT COJ", None),
+    ("Q63", "LCO Siding Spring", "COJ|LCOGT COJ|LCOGT node at Siding Spring Observatory", None),
     ("E10", "Faulkes Telescope South", "FTS", None),
     ("414", "Mount Stromlo", "MSO|Mt. Stromlo Observatory|Stromlo", (-35.3205, 149.0077, 767)),  # MPC position, height of the IRAF table
     ("P07", "Space Surveillance Telescope", "SST|Exmouth", None),

@@ -155,11 +155,10 @@ fn of_amplifiers(
     Some(HeaderValue { value: join(value_a, value_b), keyword: format!("{a}, {b}") })
 }
 
-/// Words in comments of a gain that is a setting of the camera, in its own steps or in decibels.
-const SETTINGS: &[&str] = &[
-    "db", "setting", "sensor", "camera", "analog", "analogue", "iso", "index", "mode", "value", "level", "percent",
-    "unitless", "zwo", "qhy", "step", "steps",
-];
+/// Words in comments of a gain that is a setting of the camera, in its own steps, or of one of its stages.
+const SETTINGS: &str = "db setting settings sensor camera analog analogue digital iso index mode value level percent \
+     percentage unitless zwo qhy step steps pre preamp preamplifier em emccd multiplication shift bit bits units dial \
+     slider";
 /// Keywords that camera programs write beside a gain that is a setting.
 const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL"];
 /// Largest gain without a unit that is taken as electrons per count. The 16 bits of most detectors hold a full well of
@@ -185,7 +184,9 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
             .iter()
             .any(|words| joined.contains(words))
         || keyword != "GAIN" && keyword != "CCDGAIN";
-    let is_setting = words.has(SETTINGS) || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
+    // "0.1dB", "[%]"
+    let has_other_unit = comment.contains('%') || comment.contains("dB");
+    let is_setting = words.has(SETTINGS) || has_other_unit || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
         let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };
         return Err(format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count"));

@@ -10,108 +10,104 @@ pub enum Role {
     End,
 }
 
-const STARTS: &[&str] = &[
-    "start",
-    "starts",
-    "started",
-    "starting",
-    "begin",
-    "begins",
-    "beginning",
-    "began",
-    "beg",
-    "open",
-    "opens",
-    "opened",
-    "opening",
+/// Words of the parts of an exposure. They count only where they qualify a word of [`EXPOSURE`] or [`CLOCK`].
+const PARTS: &[(Role, &str)] = &[
+    (
+        Role::Start,
+        "start starts started starting begin begins beginning began beg open opens opened opening debut beginn anfang \
+         inicio",
+    ),
+    (
+        Role::Middle,
+        "mid middle midpoint midpoints midpt midtime midexp midexposure midobs midobservation midframe midscan midway \
+         tmid meantime half halfway effective weighted center centre central average averaged avg mean median mitte \
+         milieu mitad medio",
+    ),
+    (
+        Role::End,
+        "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut \
+         completion completed complete terminated fin ende",
+    ),
 ];
-const MIDDLES: &[&str] = &[
-    "mid",
-    "middle",
-    "midpoint",
-    "midpoints",
-    "midpt",
-    "midtime",
-    "midexp",
-    "midexposure",
-    "midobs",
-    "midobservation",
-    "midframe",
-    "midscan",
-    "midway",
-    "half",
-    "halfway",
-    "effective",
-    "weighted",
-    "center",
-    "centre",
-    "central",
-    "average",
-    "averaged",
-    "avg",
-    "mean",
+const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exptime pose belichtung integration \
+     integrations int observation observations observing obs frame frames image images img shutter scan capture stack \
+     sequence interval visit coadd coadds dce";
+const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
+     mjd julian instant moment point pt way yyyy ccyy dd hh hms ymd";
+/// Words between a part and what it qualifies.
+const FILLERS: &str = "of the at to a an in this first each actual through during for from de du der des la le est";
+/// Phrases in which a word of a part or of a zone qualifies something else.
+const OTHER_MEANINGS: &[&str] = &[
+    "front end",
+    "back end",
+    "f stop",
+    "closed loop",
+    "open loop",
+    "open source",
+    "data center",
+    "data centre",
+    "half second",
+    "half a second",
+    "half day",
+    "half a day",
+    "greenwich mean",
+    "universal mean",
+    "mean solar",
+    "mean equinox",
+    "mid night",
+    "not local",
+    "not in local",
+    "non local",
+    "not the local",
 ];
-const ENDS: &[&str] = &[
-    "end",
-    "ends",
-    "ended",
-    "ending",
-    "endexp",
-    "endobs",
-    "finish",
-    "finished",
-    "stop",
-    "stops",
-    "stopped",
-    "close",
-    "closes",
-    "closed",
-    "closing",
-    "completion",
-    "completed",
-];
+/// Words of another event, unless the comment states a part of this exposure.
+const OTHERS: &str = "previous preceding next following last after post";
 /// Words of events after the exposure, at an unknown delay.
-const EVENTS: &[&str] = &[
-    "received",
-    "reception",
-    "arrival",
-    "arrived",
-    "created",
-    "creation",
-    "saved",
-    "saving",
-    "stored",
-    "written",
-    "writing",
-    "write",
-    "generated",
-    "modified",
-    "downloaded",
-    "download",
-    "transferred",
-    "readout",
-];
-const CORRECTED: &[&str] = &["heliocentric", "barycentric", "hjd", "bjd", "bmjd", "hmjd"];
+const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
+     generated modified downloaded download transferred readout";
+const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
+const LOCAL: &str = "local localtime locale lokal lokale lokalzeit ortszeit civil wall daylight sommerzeit winterzeit";
+/// Words that form the name of a zone together with "time", "standard time" or "summer time".
+const ZONE_NAMES: &str = "eastern central mountain pacific atlantic newfoundland hawaii hawaiian alaska alaskan samoa \
+     beijing china chinese taipei japan japanese tokyo korea korean india indian chile chilean argentina brazil \
+     brasilia moscow european australian zealand africa african israel arabian gulf singapore london british irish \
+     paris berlin madrid sydney zone observatory site station legal official standard summer winter";
 /// Abbreviations of zone times, in capitals. EST is also short for "estimated" (SharpCap: "Est. Frame Start").
-const ZONES: &[&str] = &[
-    "PST", "PDT", "MST", "MDT", "CST", "CDT", "EST", "EDT", "HST", "AKST", "AKDT", "CET", "CEST", "EET", "EEST",
-    "WEST", "BST", "JST", "KST", "AEST", "AEDT", "ACST", "AWST", "NZST", "NZDT", "MSK", "SAST", "CLT", "CLST", "BRT",
-    "LT", "LMT",
-];
-const UNIVERSAL: &[&str] = &["ut", "utc", "ut1", "gmt", "universal", "zulu"];
+const ZONES: &str = "PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT AST ADT NST NDT CET CEST EET EEST WEST BST \
+     IST MEZ MESZ JST KST HKT SGT PKT AEST AEDT ACST ACDT AWST NZST NZDT MSK SAST CLT CLST BRT BRST LT LMT";
+const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
+
+const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
+
+/// Returns true if a list of words contains a word, in upper or lower case.
+fn lists(list: &str, word: &str) -> bool {
+    list.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word))
+}
 
 /// Comment of a card with its words.
 #[derive(Clone, Debug)]
 pub struct Comment {
     text: String,
-    /// Words as written: runs of letters and digits.
-    words: Vec<String>,
+    /// Clauses between commas, brackets, ... with their words as written: runs of letters and digits, without the
+    /// phrases of [`OTHER_MEANINGS`].
+    clauses: Vec<Vec<String>>,
 }
 
 impl Comment {
     pub fn new(text: &str) -> Self {
-        let words = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
-        Self { text: text.to_owned(), words: words.map(str::to_owned).collect() }
+        let clauses = text.split([',', ';', ':', '.', '(', ')', '[', ']']).map(|clause| {
+            let words = clause.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty());
+            let mut words: Vec<String> = words.map(str::to_owned).collect();
+            for phrase in OTHER_MEANINGS {
+                let phrase: Vec<&str> = phrase.split(' ').collect();
+                let is_phrase = |part: &[String]| part.iter().zip(&phrase).all(|(a, b)| a.eq_ignore_ascii_case(b));
+                while let Some(at) = words.windows(phrase.len()).position(is_phrase) {
+                    words.drain(at..at + phrase.len());
+                }
+            }
+            words
+        });
+        Self { text: text.to_owned(), clauses: clauses.filter(|words| !words.is_empty()).collect() }
     }
 
     /// Returns the text without surrounding blanks.
@@ -119,9 +115,19 @@ impl Comment {
         &self.text
     }
 
-    /// Returns true if the comment contains one of these words (in lower case).
-    pub fn has(&self, words: &[&str]) -> bool {
-        self.words.iter().any(|word| words.iter().any(|other| word.eq_ignore_ascii_case(other)))
+    fn words(&self) -> impl Iterator<Item = &str> {
+        self.clauses.iter().flatten().map(String::as_str)
+    }
+
+    /// Returns true if the comment contains a word of a list.
+    pub fn has(&self, list: &str) -> bool {
+        self.words().any(|word| lists(list, word))
+    }
+
+    /// Returns true if a word of the first list is followed by a word of the second list in the same clause.
+    pub fn has_pair(&self, first: &str, second: &str) -> bool {
+        let is_pair = |pair: &[String]| lists(first, &pair[0]) && lists(second, &pair[1]);
+        self.clauses.iter().any(|words| words.windows(2).any(is_pair))
     }
 
     /// Returns the part of the exposure that the comment states; `None` if it states none. `named` is the part that the
@@ -131,7 +137,7 @@ impl Comment {
     /// The reason why the instant cannot be used: it is a local time, or the time of another event, or the comment
     /// mentions several parts, or another part than the name.
     pub fn role(&self, named: Option<Role>) -> Result<Option<Role>, &'static str> {
-        if self.has(&["sidereal", "lst"]) {
+        if self.has("sidereal lst") {
             return Err("a sidereal time");
         }
         if self.is_local() {
@@ -143,33 +149,71 @@ impl Comment {
         if self.has(EVENTS) {
             return Err("the time of an event after the exposure");
         }
-        let is_mean_time = self.words.windows(2).any(|pair| {
-            pair[0].eq_ignore_ascii_case("mean")
-                && ["time", "solar"].iter().any(|next| pair[1].eq_ignore_ascii_case(next))
-        });
-        let middles = if is_mean_time { &MIDDLES[..MIDDLES.len() - 1] } else { MIDDLES };
-        let parts = [(STARTS, Role::Start), (middles, Role::Middle), (ENDS, Role::End)];
-        let stated: Vec<Role> = parts.iter().filter(|(words, _)| self.has(words)).map(|(_, role)| *role).collect();
+        let (stated, is_unclear) = self.parts();
         match (&stated[..], named) {
+            ([], None) if is_unclear => Err(UNCLEAR),
             ([], named) => Ok(named),
             ([role], Some(named)) if *role != named => Err("not the part of the exposure that the keyword names,"),
             ([role], _) => Ok(Some(*role)),
             (_, Some(named)) => Ok(Some(named)),
+            // "mean of start and end"
+            ([Role::Start, Role::Middle, Role::End], None) => Ok(Some(Role::Middle)),
             (_, None) => Err("of more than one part of the exposure"),
         }
     }
 
+    /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
+    fn parts(&self) -> (Vec<Role>, bool) {
+        let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
+        let halves = ["exptime/2", "exposure/2", "exp/2", "0.5*exp", "exptime*0.5", "50%of"];
+        if halves.iter().any(|half| joined.contains(half)) {
+            return (vec![Role::Middle], false);
+        }
+        // "UTC (DATE-END: end)" concerns other keywords.
+        let is_keyword = |word: &str| {
+            word.split_once('-').is_some_and(|(clock, part)| {
+                ["DATE", "MJD", "JD", "TIME", "UT", "UTC"].contains(&clock)
+                    && ["BEG", "OBS", "AVG", "MID", "END", "STR", "STOP"].contains(&part)
+            })
+        };
+        let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
+        let mut is_unclear = self.has(OTHERS);
+        let mut stated = Vec::new();
+        for (role, list) in PARTS {
+            for words in &self.clauses {
+                for (at, _) in words.iter().enumerate().filter(|(_, word)| lists(list, word)) {
+                    match qualifies(words, at) {
+                        Some(true) if *role == Role::Start || !of_others => stated.push(*role),
+                        None => {}
+                        _ => is_unclear |= *role != Role::Start,
+                    }
+                }
+            }
+        }
+        stated.dedup();
+        (stated, is_unclear)
+    }
+
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
-        if self.has(&["local", "localtime", "civil", "wall", "timezone"]) {
-            return true;
-        }
         if self.has_offset() {
             return true;
         }
+        let is_universal = self.has(UNIVERSAL);
+        // "local PC clock set to UTC"
+        if self.has(LOCAL)
+            && !(is_universal && self.has_pair("local", "site pc computer clock host server observatory"))
+        {
+            return true;
+        }
+        let has_number = self.text.contains(['+', '-']) && self.text.contains(|c: char| ('1'..='9').contains(&c));
+        if self.has("timezone zone") && (!is_universal || has_number) {
+            return true;
+        }
         // "est." is short for estimated; HST is also the telescope.
-        let is_zone = |word: &String| ZONES.contains(&word.as_str()) && !self.text.contains(&format!("{word}."));
-        !self.has(UNIVERSAL) && self.words.iter().any(is_zone)
+        let is_zone =
+            |word: &str| ZONES.split(' ').any(|zone| zone == word) && !self.text.contains(&format!("{word}."));
+        !is_universal && (self.words().any(is_zone) || self.has_pair(ZONE_NAMES, "time standard summer zeit"))
     }
 
     /// Returns true if the comment states an offset from UTC other than 0, such as `UTC-7` or `(GMT +5:30)`.
@@ -189,19 +233,30 @@ impl Comment {
     }
 
     /// Returns the time scale that the comment states, other than UTC.
-    pub fn scale(&self) -> Option<TimeScale> {
+    ///
+    /// # Errors
+    /// A scale that is not supported, or GPS time, which is also a name for the UTC of a GPS receiver, 18 s earlier.
+    pub fn scale(&self) -> Result<Option<TimeScale>, &'static str> {
         if self.has(UNIVERSAL) {
-            return None;
+            return Ok(None);
         }
-        let is = |name: &str| self.words.iter().any(|word| word == name);
-        if is("TAI") {
-            Some(TimeScale::TAI)
-        } else if is("TT") {
-            Some(TimeScale::TT)
+        if self.has("GPST")
+            || self.has_pair("gps", "time times scale week seconds")
+            || self.words().all(|word| word == "GPS")
+        {
+            return if self.clauses.is_empty() { Ok(None) } else { Err("in GPS time or in UTC of a GPS receiver") };
+        }
+        let is = |name: &str| self.words().any(|word| word == name);
+        if is("TCB") || is("TCG") {
+            Err("in coordinate time")
+        } else if is("TAI") || is("IAT") || self.has_pair("atomic", "time") {
+            Ok(Some(TimeScale::TAI))
+        } else if is("TT") || is("TDT") || self.has_pair("terrestrial ephemeris", "time dynamical") {
+            Ok(Some(TimeScale::TT))
         } else if is("TDB") {
-            Some(TimeScale::TDB)
+            Ok(Some(TimeScale::TDB))
         } else {
-            None
+            Ok(None)
         }
     }
 
@@ -217,7 +272,15 @@ impl Comment {
         {
             return seconds_in(unit.trim()).map(Some).ok_or_else(|| format!("the unit [{}]", unit.trim()));
         }
-        let lower = self.text.to_ascii_lowercase();
+        // "milli-seconds" and "minute(s)" are one word.
+        let mut lower = self.text.to_ascii_lowercase();
+        for prefix in ["milli", "micro", "nano", "deci", "centi", "u"] {
+            lower = lower.replace(&format!("{prefix}-sec"), &format!("{prefix}sec"));
+            lower = lower.replace(&format!("{prefix} sec"), &format!("{prefix}sec"));
+        }
+        for word in ["second", "minute", "hour", "day", "sec"] {
+            lower = lower.replace(&format!("{word}(s)"), word);
+        }
         // Characters that are not ASCII, such as the Greek letter of microseconds, are read as question marks.
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
@@ -225,16 +288,43 @@ impl Comment {
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
         let is_short =
             |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
-        let marks = ["(", "[", "in ", "unit ", "units ", "unit:", "unit=", "unit: ", "unit = ", "units: ", "units = "];
-        let is_marked =
-            |word: &str| lower.trim() == word || marks.iter().any(|mark| lower.contains(&format!("{mark}{word}")));
+        let marks = [
+            "(",
+            "[",
+            "in ",
+            "unit ",
+            "units ",
+            "unit:",
+            "unit=",
+            "unit: ",
+            "unit = ",
+            "units: ",
+            "units = ",
+            "fraction of ",
+            "fraction of a ",
+            "fractional ",
+        ];
+        // "(min/max)" is no unit.
+        let follows = |mark: &str, word: &str| {
+            let phrase = format!("{mark}{word}");
+            let rest = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
+            rest.into_iter().any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
+        };
+        let is_marked = |word: &str| lower.trim() == word || marks.iter().any(|mark| follows(mark, word));
+        if is_marked("m") {
+            return Err("the unit m".to_owned());
+        }
         let words = lower.split(|c: char| !c.is_ascii_alphabetic());
         let mut units: Vec<f64> =
             words.filter(|word| !is_short(word) || is_marked(word)).filter_map(seconds_in).collect();
+        if units.is_empty() && self.has("jd mjd") {
+            units.push(crate::constants::DAY_S);
+        }
         units.sort_by(f64::total_cmp);
         units.dedup();
-        let part = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
-        let part = part.iter().find(|(word, _)| lower.contains(word)).map_or(1.0, |(_, part)| *part);
+        let named = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
+        let named = named.iter().find(|(word, _)| lower.contains(word)).map(|(_, part)| *part);
+        let part = named.map_or_else(|| fraction(&lower), Ok)?;
         match units[..] {
             [] => Ok(None),
             [one] => Ok(Some(part * one)),
@@ -243,8 +333,52 @@ impl Comment {
     }
 }
 
-/// Returns the number of seconds in a unit of time, for example `ms`, `[10 us]` or `hours`; `None` for other words.
+/// Returns true if a word of a part qualifies the time or the exposure, false if it may, and `None` if it does not. The
+/// word that follows in the clause decides, or else the word that precedes.
+fn qualifies(words: &[String], at: usize) -> Option<bool> {
+    let counts = |word: &&String| !lists(FILLERS, word) && !word.starts_with(|c: char| c.is_ascii_digit());
+    let next = words[at + 1..].iter().find(counts);
+    let previous = words[..at].iter().rev().find(counts);
+    let is_part = |word: &str| PARTS.iter().any(|(_, list)| lists(list, word));
+    match (next, previous) {
+        (Some(next), _) if lists(EXPOSURE, next) || lists(CLOCK, next) || is_part(next) => Some(true),
+        (Some(_), Some(previous)) if lists(EXPOSURE, previous) => Some(true),
+        (None, Some(previous)) if lists(EXPOSURE, previous) || lists(CLOCK, previous) || is_part(previous) => {
+            Some(true)
+        }
+        (None, None) => Some(true),
+        // The name of a place, such as "Goddard Space Flight Center".
+        (None, Some(_)) if lists("center centre", &words[at]) => None,
+        _ => Some(false),
+    }
+}
+
+/// Returns the factor of a unit such as `1/1000 s`; 1 if the text contains none.
+///
+/// # Errors
+/// A unit divided by a number.
+fn fraction(text: &str) -> Result<f64, String> {
+    for (at, _) in text.match_indices('/') {
+        let divisor = text[at + 1..].split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
+        let Ok(divisor) = divisor.parse::<f64>() else { continue };
+        let before = text[..at].rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
+        if before == "1" && divisor > 1.0 {
+            return Ok(divisor.recip());
+        }
+        if seconds_in(before).is_some() {
+            return Err("a unit divided by a number".to_owned());
+        }
+    }
+    Ok(1.0)
+}
+
+/// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s` or `hours`; `None` for other
+/// words.
 pub fn seconds_in(unit: &str) -> Option<f64> {
+    if let Some((_, rest)) = unit.split_once("1/") {
+        let (divisor, name) = rest.split_once(' ')?;
+        return Some(seconds_in(name.trim())? / divisor.parse::<f64>().ok().filter(|divisor| *divisor > 0.0)?);
+    }
     let digits = unit.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
     let factor: f64 = if digits > 0 { unit[..digits].parse().ok()? } else { 1.0 };
     let name = unit[digits..].trim().trim_end_matches('.');
@@ -273,7 +407,32 @@ mod tests {
         for (text, role) in [
             ("UTC at midpoint of exposure", Ok(Some(Role::Middle))),
             ("[UTC] Mid-exposure", Ok(Some(Role::Middle))),
-            ("Observation mean time", Ok(None)),
+            ("Observation mean time", Ok(Some(Role::Middle))),
+            ("mean time of exposure", Ok(Some(Role::Middle))),
+            ("average of start and end", Ok(Some(Role::Middle))),
+            ("DATE-OBS + 0.5*EXPTIME", Ok(Some(Role::Middle))),
+            ("JD, mean equinox", Ok(None)),
+            ("UTC from front end computer", Ok(None)),
+            ("UTC of exposure, f-stop 8", Ok(None)),
+            ("UTC to half a second", Ok(None)),
+            ("Goddard Space Flight Center, UTC", Ok(None)),
+            ("UTC start of first, mid-exposure in DATE-AVG", Ok(Some(Role::Start))),
+            ("start of exposure after shutter delay", Ok(Some(Role::Start))),
+            ("shutter shut", Ok(Some(Role::End))),
+            ("fin de pose TU", Ok(Some(Role::End))),
+            ("UTC, average of NTP servers", Err(UNCLEAR)),
+            ("UTC (DATE-END: end)", Err(UNCLEAR)),
+            ("UT at stop of previous exposure", Err(UNCLEAR)),
+            ("UTC after exposure", Err(UNCLEAR)),
+            ("middle of night", Err(UNCLEAR)),
+            ("Mountain Standard Time", Err("a local time")),
+            ("Beijing time", Err("a local time")),
+            ("New Zealand daylight time", Err("a local time")),
+            ("Ortszeit (MESZ)", Err("a local time")),
+            ("computer time zone -7", Err("a local time")),
+            ("time zone: UTC", Ok(None)),
+            ("UTC, not local time", Ok(None)),
+            ("Local site PC clock set to UTC", Ok(None)),
             ("Greenwich Mean Time", Ok(None)),
             ("mean of the exposure, UT", Ok(Some(Role::Middle))),
             ("UTC seconds since midnight", Ok(None)),
@@ -324,6 +483,16 @@ mod tests {
             ("[0:3600] exposure", Ok(None)),
             ("[furlong] exposure", Err("the unit [furlong]".to_owned())),
             ("seconds, not ms", Err("several units".to_owned())),
+            ("Exposure in 1/1000 s", Ok(Some(1e-3))),
+            ("[1/10000 s] exposure", Ok(Some(1e-4))),
+            ("in milli-seconds", Ok(Some(1e-3))),
+            ("micro seconds", Ok(Some(1e-6))),
+            ("minute(s)", Ok(Some(60.0))),
+            ("fraction of a day", Ok(Some(86400.0))),
+            ("JD", Ok(Some(86400.0))),
+            ("Max exposure (min/max/avg)", Ok(None)),
+            ("exposure in m", Err("the unit m".to_owned())),
+            ("secs/1000", Err("a unit divided by a number".to_owned())),
             ("exposure (?s)", Err("a unit that is not ASCII".to_owned())),
         ] {
             assert_eq!(Comment::new(text).unit_s(), seconds, "{text}");

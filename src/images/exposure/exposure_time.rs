@@ -10,6 +10,7 @@ use super::comment::Role;
 use super::instants::{Instant, Instants, unreadable};
 use super::length::{Length, length};
 use super::moment::Keywords;
+use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
 /// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
 const START_SLACK_S: f64 = 1.0;
@@ -18,8 +19,11 @@ const START_SLACK_S: f64 = 1.0;
 /// time.
 const SHIFT_SLACK: f64 = 0.1;
 
-/// Largest accepted overhead, in addition to the exposure time, if only the time of day of the end is given, seconds.
+/// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
+
+/// Longitude within which the zone of a site may be that of universal time, degrees.
+const ZERO_ZONE_DEG: f64 = 22.5;
 
 /// Start and duration of an exposure.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,6 +126,17 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Im
 
 /// Reads all instants in the scale of TIMESYS.
 fn instants(keywords: Keywords<'_>) -> Result<Instants, ImagesError> {
+    // Times at the Sun or the barycentre differ by up to 500 s (FITS standard 4.0, section 9.2.3).
+    let is_corrected = |place: &str| {
+        let place = place.to_ascii_uppercase();
+        !["TOPO", "GEO", "LOCAL"].iter().any(|near| place.starts_with(near))
+    };
+    if let Some((keyword, place)) = keywords.text(&["TREFPOS"]).or_else(|| keywords.text(&["TIMEREF"]))
+        && is_corrected(&place)
+    {
+        let allowed = "TOPOCENTER or GEOCENTER (TIMEREF: LOCAL or GEOCENTRIC), or --start in UTC at the telescope";
+        return Err(unreadable(keyword, &place, allowed));
+    }
     let (scale, is_stated) = scale(keywords)?;
     Instants::read(keywords, scale, is_stated)
 }
@@ -146,7 +161,11 @@ fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), ImagesError> {
 fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> {
     let mut instants = instants(keywords)?;
     let first = chosen(&mut instants, duration_s)?;
-    for other in instants.found.iter().filter(|other| !other.is_loose && other.role != Role::End) {
+    if let Some(error) = same_as_local(keywords, &instants, &first) {
+        return Err(error);
+    }
+    for other in instants.found.iter().filter(|other| other.role != Role::End) {
+        let loose_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -154,7 +173,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> 
             SHIFT_SLACK * duration_s
         };
         let difference_s = seconds_between(first.epoch, other_start.epoch);
-        if difference_s.abs() > START_SLACK_S + first.slack_s + other.slack_s + shift_s {
+        if difference_s.abs() > START_SLACK_S + first.slack_s + other.slack_s + shift_s + loose_s {
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
                 [first.epoch, other_start.epoch].map(|start| start.round(1.milliseconds()));
@@ -185,6 +204,9 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, ImagesError
         let matches = |instant: &&Instant| instant.role == role && instant.is_loose == is_loose;
         instants.found.iter().find(matches).map(|instant| start_of(instant, duration_s))
     };
+    if let Some(error) = instants.found.iter().find_map(|instant| day_problem(instant, duration_s)) {
+        return Err(error);
+    }
     let mut first = find(&*instants, order[0]);
     if first.is_none() {
         if let Some(error) = instants.unclear.take() {
@@ -196,13 +218,43 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, ImagesError
     if let Some(error) = instants.unusable(first.as_ref().map(|start| start.epoch)) {
         return Err(error);
     }
-    first.ok_or_else(|| match instants.day_alone.take() {
-        None => ImagesError::invalid("start of the exposure", "missing", START_KEYWORDS),
-        Some((keyword, value)) => ImagesError::invalid(
-            keyword,
-            format!("the date {value} without a time"),
-            "also the time, in TIME-OBS, UTC-OBS, UTSTART, ..., or MJD-OBS, or --start",
-        ),
+    first.ok_or_else(|| {
+        let missing = || ImagesError::invalid("start of the exposure", "missing", START_KEYWORDS);
+        instants.day_alone.take().unwrap_or_else(missing)
+    })
+}
+
+/// Returns the error of a start that is the same reading of the clock as a local time, unless the zone may be that of
+/// universal time.
+fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<ImagesError> {
+    let seconds_of_day = |epoch: Epoch| {
+        let (.., hours, minutes, seconds, nanoseconds) = epoch.to_gregorian_utc();
+        3600.0 * f64::from(hours) + 60.0 * f64::from(minutes) + f64::from(seconds) + 1e-9 * f64::from(nanoseconds)
+    };
+    let clock_s = seconds_of_day(start.epoch);
+    let (name, _) = instants.local_clocks.iter().find(|(_, local_s)| (local_s - clock_s).abs() < START_SLACK_S)?;
+    let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|site| site.longitude_rad.to_degrees());
+    let longitude_deg = longitude_deg.or_else(|| longitude_of_unknown_sense_deg(keywords));
+    let is_zero_zone = keywords.number(&["TIMEZONE", "TIME-ZONE"], |_| true).map(|(_, hours, _)| hours == 0.0);
+    if is_zero_zone.or(longitude_deg.map(|deg| deg.abs() < ZERO_ZONE_DEG)).unwrap_or(false) {
+        return None;
+    }
+    let given =
+        format!("{}, the same reading of the clock as the local time {name}", start.epoch.round(1.milliseconds()));
+    let allowed = "a start in UTC and a local time of another zone, or --start";
+    Some(ImagesError::invalid(format!("start of {}", start.from), given, allowed))
+}
+
+/// Returns the error of a date and a time of day of the middle or the end, if the start is on the day before and
+/// nothing states whether the date is that of the start.
+fn day_problem(instant: &Instant, duration_s: f64) -> Option<ImagesError> {
+    let (midnight, is_start) = instant.day?;
+    let start = start_of(instant, duration_s);
+    let is_before = start.epoch < midnight;
+    let given = || format!("{} on the day before the date", start.epoch.round(1.milliseconds()));
+    (is_before && !is_start).then(|| {
+        let allowed = "a date that its comment states to be that of the start, or --start";
+        ImagesError::invalid(format!("start of {}", start.from), given(), allowed)
     })
 }
 
@@ -213,6 +265,10 @@ fn start_of(instant: &Instant, duration_s: f64) -> Start {
         Role::Middle => (duration_s / 2.0, " - half of the exposure"),
         Role::End => (duration_s, " - the exposure"),
     };
-    let epoch = seconds_after(instant.epoch, -back_s);
+    let mut epoch = seconds_after(instant.epoch, -back_s);
+    // The end may be on the day after the date of the start.
+    if instant.day.is_some_and(|(midnight, is_start)| is_start && epoch < midnight) {
+        epoch = seconds_after(epoch, crate::constants::DAY_S);
+    }
     Start { epoch, from: format!("{}{what}", instant.from), slack_s: instant.slack_s }
 }

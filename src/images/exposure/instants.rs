@@ -2,43 +2,90 @@
 
 use hifitime::{Epoch, TimeScale};
 
-use crate::frames::{epoch_from_jd, epoch_from_mjd};
+use crate::constants::DAY_S;
+use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
 use super::super::error::ImagesError;
 use super::comment::{Comment, Role};
-use super::moment::{DateText, Keywords, at, parse_date, parse_time, resolution};
+use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
 
-/// Keywords with the date and time of the start, in order of precedence.
+/// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
 const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 
 /// Keywords with the time of day of the start, used together with a date.
-const TIMES: &[&str] =
-    &["TIME-BEG", "UTC-OBS", "TIME-OBS", "UT-OBS", "UTSTART", "UT-STR", "UTC-STR", "UTSHUT", "TAIHMS"];
+const TIMES: &[&str] = &[
+    "TIME-BEG",
+    "UTC-OBS",
+    "TIME-OBS",
+    "UT-OBS",
+    "UT-START",
+    "UT-STR",
+    "UTC-START",
+    "UTC-STR",
+    "TM-START",
+    "UTSHUT",
+    "TAIHMS",
+];
 
 /// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
 /// [`TIMES`] exists.
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
 
 /// Keywords with the modified Julian date of the start.
-const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJDSTART"];
+const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
 
 /// Keywords with the Julian date of the start.
-const JULIAN_DATES: &[&str] = &["JDSTART", "JD-BEG", "JD-STR", "JD-OBS"];
+const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
+
+/// Keywords of the start that contain a date, a Julian date or a time of day.
+const OTHER_STARTS: &[&str] = &["DATE-START", "EXP-START", "SHUT-OPEN"];
 
 /// Keywords of dates that are used only if no other keyword gives the start.
 const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
 /// Keywords of the middle and of the end of the exposure.
-const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID"];
-const ENDS: &[&str] = &["DATE-END", "MJD-END", "JDEND"];
+const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID", "JD-MID", "JD-AVG", "EXP-MID"];
+const ENDS: &[&str] = &[
+    "DATE-END",
+    "MJD-END",
+    "JD-END",
+    "EXP-END",
+    "DATE-STOP",
+    "DATE-STP",
+    "MJD-STOP",
+    "MJD-STP",
+    "JD-STOP",
+    "EXP-STOP",
+];
 
 /// Keywords with the time of day of the end. At some observatories it includes the readout, so that they only show that
 /// an exposure time is far too short.
-const END_TIMES: &[&str] = &["TIME-END", "TIMEEND", "UT-END", "UTEND", "UTC-END", "UTCEND", "UTSTOP"];
+const END_TIMES: &[&str] = &["TIME-END", "UT-END", "UTC-END", "UT-STOP", "UTC-STOP", "TIME-STOP", "TM-END"];
 
 /// Keywords whose names state that they refer to the start.
-const NAMED_STARTS: &[&str] =
-    &["DATE-BEG", "DATE-STR", "MJD-BEG", "MJD-STR", "MJDSTART", "JDSTART", "JD-BEG", "JD-STR"];
+const NAMED_STARTS: &[&str] = &[
+    "DATE-BEG",
+    "DATE-STR",
+    "MJD-BEG",
+    "MJD-STR",
+    "MJD-START",
+    "JD-START",
+    "JD-BEG",
+    "JD-STR",
+    "DATE-START",
+    "EXP-START",
+    "SHUT-OPEN",
+    "TIME-BEG",
+    "UT-START",
+    "UTC-START",
+    "TM-START",
+];
+
+/// Keywords of the date in universal time, beside a date that may be that of the night.
+const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"];
+
+/// Keywords of local times.
+const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
 
 /// Largest difference between two instants that are computed from the same clock, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
@@ -53,6 +100,9 @@ pub struct Instant {
     pub role: Role,
     /// True for keywords that are used only if no other keyword gives the start.
     pub is_loose: bool,
+    /// Beginning of the day of a date in another keyword, and true if its comment states that it is the date of the
+    /// start.
+    pub day: Option<(Epoch, bool)>,
 }
 
 /// Instants of a header in order of precedence, and the reasons why others are not used.
@@ -61,21 +111,25 @@ pub struct Instants {
     pub found: Vec<Instant>,
     /// Error of a date with a year of two digits, or with an ambiguous order.
     pub unclear: Option<ImagesError>,
-    /// Keyword and value of a date without a time.
-    pub day_alone: Option<(String, String)>,
+    /// Error of a date without a time.
+    pub day_alone: Option<ImagesError>,
     /// Error of an instant that its comment makes unusable, such as a local time.
     unusable: Option<ImagesError>,
     /// Instants in local time, read as if they were UTC.
     local: Vec<Epoch>,
+    /// Local times of day, seconds, with their keywords.
+    pub local_clocks: Vec<(String, f64)>,
 }
 
 impl Instants {
     /// Reads all instants. Dates are in `scale`; `is_stated` is true if TIMESYS states it.
     ///
     /// # Errors
-    /// A date or a time that cannot be parsed.
+    /// A date or a time that cannot be parsed, or that is twice in the header.
     pub fn read(keywords: Keywords<'_>, scale: TimeScale, is_stated: bool) -> Result<Self, ImagesError> {
-        let mut reader = Reader { keywords, scale, is_stated, instants: Self::default() };
+        let lists = [DATES, TIMES, MODIFIED_DATES, JULIAN_DATES, OTHER_STARTS, MIDDLES, ENDS];
+        keywords.are_unique(lists.into_iter().flatten().copied())?;
+        let mut reader = Reader { keywords, scale, is_stated, tried: Vec::new(), instants: Self::default() };
         for keyword in DATES {
             reader.date(keyword)?;
         }
@@ -84,33 +138,38 @@ impl Instants {
         }
         // SDSS writes the seconds of TAI since MJD 0.
         if let Some((from, seconds, _)) = keywords.number(&["TAI"], |seconds| seconds > 1e9) {
-            let epoch = epoch_from_mjd(seconds / crate::constants::DAY_S, TimeScale::TAI).ok();
-            let instant = |epoch| Instant { epoch, from, slack_s: 0.01, role: Role::Start, is_loose: false };
+            let epoch = epoch_from_mjd(seconds / DAY_S, TimeScale::TAI).ok();
+            let instant = |epoch| Instant { epoch, from, slack_s: 0.01, role: Role::Start, is_loose: false, day: None };
             reader.instants.found.extend(epoch.map(instant));
+        }
+        for keyword in OTHER_STARTS {
+            reader.any_form(keyword, Role::Start)?;
+        }
+        for keyword in TIMES.iter().chain(LOOSE_TIMES) {
+            reader.clock(keyword, Role::Start, LOOSE_TIMES.contains(keyword));
         }
         for keyword in LOOSE_DATES {
             reader.days(keyword, Role::Start, true)?;
         }
         for (names, role) in [(MIDDLES, Role::Middle), (ENDS, Role::End)] {
             for keyword in names {
-                if keyword.starts_with("DATE") {
-                    reader.named_date(keyword, role)
-                } else {
-                    reader.days(keyword, role, false)?
-                }
+                reader.any_form(keyword, role)?;
             }
         }
         for keyword in END_TIMES {
-            reader.end_time(keyword);
+            reader.clock(keyword, Role::End, true);
+        }
+        for keyword in LOCAL_TIMES {
+            let clock = keywords.text_and_comment(keyword).and_then(|(name, text, _)| Some((name, clock_in(&text)?)));
+            reader.instants.local_clocks.extend(clock);
         }
         Ok(reader.instants)
     }
 
     /// Returns the error that concerns the first unusable instant, unless `chosen` comes from another clock.
     pub fn unusable(&mut self, chosen: Option<Epoch>) -> Option<ImagesError> {
-        let is_same = |chosen: Epoch| {
-            self.local.iter().any(|local| crate::frames::seconds_between(*local, chosen).abs() < SAME_CLOCK_S)
-        };
+        let is_same =
+            |chosen: Epoch| self.local.iter().any(|local| seconds_between(*local, chosen).abs() < SAME_CLOCK_S);
         if chosen.is_some_and(|chosen| !is_same(chosen)) { None } else { self.unusable.take() }
     }
 }
@@ -119,6 +178,8 @@ struct Reader<'a> {
     keywords: Keywords<'a>,
     scale: TimeScale,
     is_stated: bool,
+    /// Keywords of times of day that were combined with a date.
+    tried: Vec<String>,
     instants: Instants,
 }
 
@@ -126,12 +187,17 @@ impl Reader<'_> {
     /// Reads a keyword of [`DATES`], with a time of day in another keyword if it has none.
     fn date(&mut self, keyword: &str) -> Result<(), ImagesError> {
         let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return Ok(()) };
-        let usual = Role::Start;
         match parse_date(&value, self.scale_of(&comment)) {
-            DateText::Moment(epoch) => self.add(epoch, from, &value, 0.0, usual, false, &[comment]),
+            DateText::Moment(epoch) => self.add(instant(epoch, from, Role::Start), &value, &[comment]),
             DateText::Day(day) => {
-                if !self.time_of(day, &from, &comment)? && self.instants.day_alone.is_none() {
-                    self.instants.day_alone = Some((from, value));
+                if !self.time_of(day, &from, &value, &comment)? && self.instants.day_alone.is_none() {
+                    let loose = self.keywords.number(LOOSE_TIMES, |_| true);
+                    let beside = loose.map(|(name, number, _)| format!(" ({name} is {number} without a unit)"));
+                    self.instants.day_alone = Some(ImagesError::invalid(
+                        from,
+                        format!("the date {value} without a time{}", beside.unwrap_or_default()),
+                        "also the time, in TIME-OBS, UTC-OBS, UTSTART, ..., or MJD-OBS, or --start",
+                    ));
                 }
             }
             DateText::Unclear if self.instants.unclear.is_none() => {
@@ -148,29 +214,47 @@ impl Reader<'_> {
     }
 
     /// Combines a date with the time of day in another keyword. Returns false if there is none.
-    fn time_of(&mut self, day: [u32; 3], date: &str, of_date: &Comment) -> Result<bool, ImagesError> {
+    fn time_of(&mut self, day: [u32; 3], date: &str, text: &str, of_date: &Comment) -> Result<bool, ImagesError> {
+        if let Some((name, other, _)) = UNIVERSAL_DATES.iter().find_map(|name| self.keywords.text_and_comment(name))
+            && let DateText::Day(other_day) = parse_date(&other, self.scale)
+            && other_day != day
+        {
+            let given = format!("{text}, and {name} is {other}");
+            return Err(ImagesError::invalid(date.to_owned(), given, "one date in universal time; specify --start"));
+        }
+        if of_date.has("night nights evening") {
+            let given = format!("{text:?}, perhaps the date of the evening, by its comment {:?}", of_date.text());
+            let error = ImagesError::invalid(date.to_owned(), given, "the date of the start in UTC, or --start");
+            self.instants.unusable.get_or_insert(error);
+            return Ok(true);
+        }
         let mut has_time = false;
         for keyword in TIMES.iter().chain(LOOSE_TIMES) {
-            let Some((name, value, comment)) = self.keywords.text_and_comment(keyword) else { continue };
+            let Some((name, value, comment)) = self.time(keyword) else { continue };
             let scale = if name == "TAIHMS" { TimeScale::TAI } else { self.scale_of(&comment) };
             let known = self.instants.found.len();
+            self.tried.push(name.clone());
             // Some observatories write date and time in these keywords.
             if let DateText::Moment(epoch) = parse_date(&value, scale) {
-                self.add(epoch, name, &value, 0.0, Role::Start, false, &[comment]);
+                self.add(instant(epoch, name, Role::Start), &value, &[comment]);
             } else {
-                let epoch = parse_time(&value).and_then(|(clock, seconds)| at(day, clock, seconds, scale));
-                let epoch = epoch.ok_or_else(|| unreadable(name.clone(), &value, "a time such as 00:30:00.5"))?;
+                let (clock, seconds) =
+                    parse_time(&value).ok_or_else(|| unreadable(name.clone(), &value, "a time such as 00:30:00.5"))?;
+                let epochs = at(day, clock, seconds, scale).zip(at(day, [0, 0], 0.0, scale));
+                let (epoch, midnight) =
+                    epochs.ok_or_else(|| unreadable(name.clone(), &value, "a time such as 00:30:00.5"))?;
+                let is_start = matches!(of_date.role(None), Ok(Some(Role::Start)));
+                let day = Some((midnight, is_start));
                 // The comment of the time determines the role, and that of the date if it states none.
                 let comments = [comment, of_date.clone()];
-                self.add(epoch, format!("{date} + {name}"), &value, 0.0, Role::Start, false, &comments);
+                self.add(Instant { day, ..instant(epoch, format!("{date} + {name}"), Role::Start) }, &value, &comments);
             }
             has_time = true;
             // If the time is unusable, for example local, another keyword may give it.
             if self.instants.found.len() > known {
                 // If the local time is on the other side of midnight, the date may be the local one.
                 let found = self.instants.found[known].epoch;
-                let is_far =
-                    |local: &Epoch| crate::frames::seconds_between(*local, found).abs() > 0.5 * crate::constants::DAY_S;
+                let is_far = |local: &Epoch| seconds_between(*local, found).abs() > 0.5 * DAY_S;
                 if self.instants.local.iter().any(is_far) {
                     self.instants.found.truncate(known);
                 }
@@ -180,37 +264,74 @@ impl Reader<'_> {
         Ok(has_time)
     }
 
-    /// Reads a date of the middle or the end; a date without a time is ignored.
-    fn named_date(&mut self, keyword: &str, role: Role) {
-        let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return };
-        if let DateText::Moment(epoch) = parse_date(&value, self.scale_of(&comment)) {
-            self.add(epoch, from, &value, 0.0, role, false, &[comment]);
-        }
+    /// Returns the keyword, the text and the comment of a time of day. A number is converted to a text if its comment
+    /// states the unit, as in `UT = 11699.0 / [s]`.
+    fn time(&self, keyword: &str) -> Option<(String, String, Comment)> {
+        let (header, name) = self.keywords.find(keyword)?;
+        let comment = self.keywords.comment(header, &name);
+        let unit_s = comment.unit_s().ok().flatten();
+        let text = match header.number(&name).zip(unit_s) {
+            Some((number, unit_s)) => {
+                let seconds = number * unit_s;
+                let (hours, minutes) = ((seconds / 3600.0).floor(), (seconds / 60.0).floor() % 60.0);
+                format!("{hours:02}:{minutes:02}:{:06.3}", seconds.rem_euclid(60.0))
+            }
+            None => header.text(&name)?,
+        };
+        Some((name, text, comment))
     }
 
-    /// Reads the time of day of the end, which is within a day after the first instant of the start.
-    fn end_time(&mut self, keyword: &str) {
-        let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return };
+    /// Reads a keyword with a date and time, a Julian date, or a time of day. A date without a time is ignored.
+    fn any_form(&mut self, keyword: &str, role: Role) -> Result<(), ImagesError> {
+        let Some((header, from)) = self.keywords.find(keyword) else { return Ok(()) };
+        if header.number(&from).is_some() {
+            // Other numbers in EXPSTART and EXPEND count from another instant.
+            let read = self.days(keyword, role, false);
+            return if keyword.starts_with("EXP") { Ok(()) } else { read };
+        }
+        if let Some((from, value, comment)) = self.keywords.text_and_comment(keyword)
+            && let DateText::Moment(epoch) = parse_date(&value, self.scale_of(&comment))
+        {
+            self.add(instant(epoch, from, role), &value, &[comment]);
+        } else {
+            self.clock(keyword, role, role == Role::End);
+        }
+        Ok(())
+    }
+
+    /// Reads a time of day, which is within half a day of the first instant of the start. One that is loose is not
+    /// loose if its comment states the start.
+    fn clock(&mut self, keyword: &str, role: Role, is_loose: bool) {
+        let Some((from, value, comment)) = self.time(keyword) else { return };
+        if self.tried.contains(&from) {
+            return;
+        }
+        let is_loose = is_loose && (role == Role::End || !states_start(&comment));
+        let scale = if from == "TAIHMS" { TimeScale::TAI } else { self.scale_of(&comment) };
+        if let DateText::Moment(epoch) = parse_date(&value, scale) {
+            return self.add(Instant { is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
+        }
         let start = self.instants.found.iter().find(|instant| instant.role == Role::Start).map(|instant| instant.epoch);
         let (Some(start), Some((clock, seconds))) = (start, parse_time(&value)) else { return };
-        let scale = self.scale_of(&comment);
         let (year, month, day, ..) = start.to_gregorian(scale);
         let Ok(year) = u32::try_from(year) else { return };
-        let Some(mut end) = at([year, month.into(), day.into()], clock, seconds, scale) else { return };
-        if crate::frames::seconds_between(start, end) < -0.5 * crate::constants::DAY_S {
-            end = crate::frames::seconds_after(end, crate::constants::DAY_S);
-        }
-        self.add(end, from, &value, 0.0, Role::End, true, &[comment]);
+        let Some(epoch) = at([year, month.into(), day.into()], clock, seconds, scale) else { return };
+        let late_days = (seconds_between(epoch, start) / DAY_S).round();
+        let epoch = seconds_after(epoch, late_days * DAY_S);
+        // A time without seconds.
+        let slack_s = if value.matches(':').count() < 2 { 60.0 } else { 0.0 };
+        self.add(Instant { is_loose, slack_s, ..instant(epoch, from, role) }, &value, &[comment]);
     }
 
-    /// Reads a Julian date or a modified Julian date.
+    /// Reads a Julian date or a modified Julian date. One that is loose is not loose if its comment states the start.
     fn days(&mut self, keyword: &str, role: Role, is_loose: bool) -> Result<(), ImagesError> {
         let Some((header, from)) = self.keywords.find(keyword) else { return Ok(()) };
-        let comment = Comment::new(&header.comment(&from));
+        let comment = self.keywords.comment(header, &from);
         let scale = self.scale_of(&comment);
-        let is_julian = keyword.starts_with("JD");
+        let number = header.number(&from);
+        let is_julian = keyword.starts_with("JD") || keyword == "OBSJD" || number.is_some_and(|days| days > 1e6);
         let value = header.card(&from).map(|card| card.text()[9..].trim().to_owned()).unwrap_or_default();
-        let epoch = header.number(&from).and_then(|number| {
+        let epoch = number.and_then(|number| {
             if is_julian { epoch_from_jd(number, scale).ok() } else { epoch_from_mjd(number, scale).ok() }
         });
         let Some(epoch) = epoch else {
@@ -221,50 +342,61 @@ impl Reader<'_> {
             };
             return Err(unreadable(from, &value, allowed));
         };
-        let slack_s = header.card(&from).map_or(0.0, resolution) * crate::constants::DAY_S;
-        let value = header.number(&from).map_or(value, |number| number.to_string());
-        self.add(epoch, from, &value, slack_s, role, is_loose, &[comment]);
+        let slack_s = header.card(&from).map_or(0.0, resolution) * DAY_S;
+        let value = number.map_or(value, |number| number.to_string());
+        let is_loose = is_loose && !states_start(&comment);
+        self.add(Instant { slack_s, is_loose, ..instant(epoch, from, role) }, &value, &[comment]);
         Ok(())
     }
 
     /// Returns the scale of a date: that of TIMESYS, or else the one that its comment states.
     fn scale_of(&self, comment: &Comment) -> TimeScale {
-        if self.is_stated { self.scale } else { comment.scale().unwrap_or(self.scale) }
+        if self.is_stated { self.scale } else { comment.scale().ok().flatten().unwrap_or(self.scale) }
     }
 
-    /// Adds an instant, with the role that the first comment with a role states, or else the usual one. Instants that a
-    /// comment makes unusable are kept as errors.
-    #[expect(clippy::too_many_arguments, reason = "fields of one instant")]
-    fn add(
-        &mut self,
-        epoch: Epoch,
-        from: String,
-        value: &str,
-        slack_s: f64,
-        usual: Role,
-        is_loose: bool,
-        comments: &[Comment],
-    ) {
-        let is_named = usual != Role::Start || NAMED_STARTS.iter().any(|name| *name == from.replace('_', "-"));
+    /// Adds an instant, with the role that the first comment with a role states, or else its own, the usual one.
+    /// Instants that a comment makes unusable are kept as errors.
+    fn add(&mut self, instant: Instant, value: &str, comments: &[Comment]) {
+        let usual = instant.role;
+        let is_named = usual != Role::Start || NAMED_STARTS.iter().any(|name| is_spelling(name, &instant.from));
         let role = comments.iter().try_fold(None, |role: Option<Role>, comment| {
-            let stated = comment.role(is_named.then_some(usual));
-            stated.map(|stated| role.or(stated)).map_err(|problem| (comment, problem))
+            let of_comment = || {
+                if !self.is_stated {
+                    comment.scale()?;
+                }
+                comment.role(is_named.then_some(usual))
+            };
+            of_comment().map(|stated| role.or(stated)).map_err(|problem| (comment, problem))
         });
         match role {
-            Ok(role) => {
-                self.instants.found.push(Instant { epoch, from, slack_s, role: role.unwrap_or(usual), is_loose })
-            }
+            Ok(role) => self.instants.found.push(Instant { role: role.unwrap_or(usual), ..instant }),
             Err((comment, problem)) => {
                 if comment.is_local() {
-                    self.instants.local.push(epoch);
+                    self.instants.local.push(instant.epoch);
                 }
                 let given = format!("{value:?}, {problem} by its comment {:?}", comment.text());
                 let allowed =
                     "the start of the exposure in UTC, in this or another keyword (DATE-BEG, MJD-OBS, ...), or --start";
-                self.instants.unusable.get_or_insert(ImagesError::invalid(from, given, allowed));
+                self.instants.unusable.get_or_insert(ImagesError::invalid(instant.from, given, allowed));
             }
         }
     }
+}
+
+fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
+    Instant { epoch, from, slack_s: 0.0, role, is_loose: false, day: None }
+}
+
+fn states_start(comment: &Comment) -> bool {
+    matches!(comment.role(None), Ok(Some(Role::Start)))
+}
+
+/// Returns the time of day in a text such as `8/21/2026 08:14:59 PM DST`, seconds.
+fn clock_in(text: &str) -> Option<f64> {
+    let word = text.split([' ', 'T']).find(|word| word.contains(':'))?;
+    let ([hours, minutes], seconds) = parse_time(word)?;
+    let half = if text.contains("PM") && hours < 12 { 12 } else { 0 };
+    Some(f64::from(3600 * (hours + half) + 60 * minutes) + seconds)
 }
 
 pub(super) fn unreadable(keyword: String, value: &str, allowed: &str) -> ImagesError {

@@ -2,46 +2,44 @@
 
 use crate::constants::LONGEST_EXPOSURE_S;
 
+use super::super::card::CardValue;
 use super::super::error::ImagesError;
+use super::super::header::Header;
 use super::comment::{Comment, seconds_in};
 use super::instants::unreadable;
-use super::moment::Keywords;
+use super::moment::{Keywords, is_spelling};
 
 /// Keywords of the exposure time, in order of precedence.
 const LENGTHS: &[&str] =
-    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INTTIME", "ELAPTIME", "SHUTTIME"];
+    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INT-TIME", "ELAPTIME", "SHUTTIME", EXPOINUS];
+/// Exposure time in microseconds (ZWO).
+const EXPOINUS: &str = "EXPOINUS";
+/// Keyword that is used only without the others: ITIME is the requested time, and this one the true one (IRTF).
+const TRUE_TIME: &str = "TRUITIME";
+/// Keywords of the time of one of several added exposures.
+const PART_TIMES: &[&str] = &["ESO DET DIT", "EXP1TIME", "SUBEXP"];
 
 /// Keywords of the time from the start to the end of the exposure, and of the sum over several exposures.
 const SPANS: &[&str] = &["TELAPSE", "TELAPSED"];
 const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOTAL"];
 
 /// Keywords of the number of exposures that the detector adds before it stores a frame.
-const COADDS: &[&str] = &["COADDS", "COADD", "NCOADDS", "NCOADD", "CO-ADDS", "NUMCOADD", "NDIT", "ESO DET NDIT"];
+const COADDS: &[&str] =
+    &["COADDS", "COADD", "NCOADDS", "NCOADD", "CO-ADDS", "NUMCOADD", "COADDONE", "NDIT", "ESO DET NDIT", "NSUBEXP"];
 /// Keywords of the number of frames that were added afterwards.
-const STACKED: &[&str] = &["STACKCNT", "NCOMBINE", "NCOMB", "SNAPSHOT", "NSTACK", "NUMSTACK", "STACKNUM", "STACKED"];
-
-/// Names of other keywords for the number of frames, which count added frames only if their comment states so.
-const COUNTS: &[&str] =
-    &["NFRAMES", "NFRAME", "NUMFRAME", "NUMFRAMES", "NIMAGES", "NEXP", "NUMEXP", "NEXPOSUR", "NSUBS"];
-const ADDED: &[&str] = &[
-    "stack",
-    "stacked",
-    "stacking",
-    "combine",
-    "combined",
-    "coadd",
-    "coadds",
-    "coadded",
-    "co",
-    "added",
-    "summed",
-    "sum",
-    "averaged",
-    "average",
-    "median",
-    "integrated",
-    "accumulated",
+const STACKED: &[&str] = &[
+    "STACKCNT", "NCOMBINE", "NCOMB", "SNAPSHOT", "NSTACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS", "NDRIZIM",
+    "FRAMECNT", "EXPCOUNT",
 ];
+
+/// Comments of other counts of added frames state a number of [`FRAMES`], have a word of [`ADDED`], and none of
+/// [`OF_CALIBRATION`].
+const FRAMES: &str = "image images frame frames exposure exposures subframe subframes sub subs subexposures inputs \
+     files lights";
+const ADDED: &str = "stack stacked stacking combine combined combining coadd coadds coadded co added adding summed sum \
+     averaged average median integrated accumulated drizzled input inputs";
+const OF_CALIBRATION: &str = "bias biases dark darks flat flats zero zeros fringe sky calibration master reference ref \
+     template pixel pixels star stars rejected";
 
 /// Keywords of the unit of the exposure time, if its comment states none.
 const UNITS: &[&str] = &["EXPUNIT", "EXPUNITS", "TIMEUNIT"];
@@ -56,8 +54,8 @@ const LENGTH_SLACK_S: f64 = 0.1;
 const SPAN_SLACK: f64 = 0.1;
 const SPAN_SLACK_S: f64 = 1.0;
 
-const PER_PART: &[&str] = &["per", "each", "single", "individual", "one"];
-const OF_ALL: &[&str] = &["total", "sum", "summed", "all", "combined", "cumulative", "accumulated"];
+const PER_PART: &str = "per each single individual one";
+const OF_ALL: &str = "total sum summed all combined cumulative accumulated";
 
 /// Exposure time of a header.
 pub struct Length {
@@ -79,11 +77,15 @@ struct Stated {
 /// # Errors
 /// The exposure time is missing, invalid or contradictory, or its comment states an unknown unit.
 pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
+    keywords.are_unique(LENGTHS.iter().copied())?;
     let mut lengths: Vec<Stated> = Vec::new();
     for keyword in LENGTHS {
         lengths.extend(stated(keywords, keyword)?);
     }
-    let parts = parts(keywords);
+    if lengths.is_empty() {
+        lengths.extend(stated(keywords, TRUE_TIME)?);
+    }
+    let parts = parts(keywords, lengths.iter().any(|length| length.comment.has(PER_PART)));
     let agree = |a: f64, b: f64| (a - b).abs() <= LENGTH_SLACK_S + LENGTH_SLACK * a.abs();
     let mut is_whole = false;
     if let Some((_, count)) = &parts {
@@ -125,13 +127,17 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
             of_sum = of_sum.or(Some(error));
         }
     }
-    let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART));
-    let of_parts = parts.and_then(|(name, count)| {
-        let is_stack = STACKED.iter().chain(COUNTS).any(|stacked| *stacked == name.replace('_', "-"));
-        if is_of_all && !is_stack {
+    let of_part = keywords.number(PART_TIMES, |time| agree(time, seconds));
+    let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART) && of_part.is_none());
+    let is_resampled = comment.has("equivalent");
+    let of_parts = parts.or_else(|| is_resampled.then(|| (keyword.clone(), 1.0))).and_then(|(name, count)| {
+        let is_coadd = COADDS.iter().any(|coadds| is_spelling(coadds, &name));
+        if is_of_all && is_coadd {
             return None;
         }
-        let given = if comment.has(PER_PART) {
+        let given = if is_resampled {
+            format!("{seconds} s, the equivalent time of a stack by its comment {:?}", comment.text())
+        } else if comment.has(PER_PART) || of_part.is_some() {
             format!("{seconds} s of each of {count} exposures ({name})")
         } else {
             format!("{seconds} s, and {name} is {count}: the time of one exposure or of all")
@@ -160,6 +166,7 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Image
     };
     let unit_s = match comment.unit_s().map_err(in_unit)? {
         Some(unit_s) => unit_s,
+        None if keyword == EXPOINUS => 1e-6,
         None => match keywords.text(UNITS) {
             None => 1.0,
             Some((name, unit)) => {
@@ -177,11 +184,42 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Image
     Ok(Some(Stated { seconds, keyword, comment }))
 }
 
-/// Returns the keyword and the number of exposures that are added in the frame, if they are several.
-fn parts(keywords: Keywords<'_>) -> Option<(String, f64)> {
-    let several = |keyword: &str| keywords.number(&[keyword], |count| count > 1.0);
-    let sure = COADDS.iter().chain(STACKED).find_map(|keyword| several(keyword));
-    let counted = || COUNTS.iter().filter_map(|name| several(name)).find(|(_, _, text)| Comment::new(text).has(ADDED));
-    let (keyword, count, _) = sure.or_else(counted)?;
-    Some((keyword, count))
+/// Returns the keyword and the number of exposures that are added in the frame, if they are several. `is_per_part` is
+/// true if the comment of the exposure time states that it is the time of one of them.
+fn parts(keywords: Keywords<'_>, is_per_part: bool) -> Option<(String, f64)> {
+    let sure = COADDS.iter().chain(STACKED).find_map(|keyword| keywords.number(&[keyword], |count| count > 1.0));
+    if let Some((keyword, count, _)) = sure {
+        return Some((keyword, count));
+    }
+    keywords.0.iter().find_map(|header| counted(header, is_per_part))
+}
+
+/// Returns the keyword and the number of added frames that the comment of a card, the list of the frames (IRAF) or the
+/// history (PixInsight) states.
+fn counted(header: &Header, is_per_part: bool) -> Option<(String, f64)> {
+    let mut listed = 0;
+    for card in header.cards() {
+        let keyword = card.keyword();
+        if keyword == "HISTORY" {
+            let text = card.remark_text();
+            let count = text.split_once("numberOfImages:").and_then(|(_, count)| count.trim().parse::<f64>().ok());
+            if let Some(count) = count.filter(|count| *count > 1.0) {
+                return Some(("numberOfImages in HISTORY".to_owned(), count));
+            }
+        } else if keyword.strip_prefix("IMCMB").is_some_and(|number| number.parse::<u32>().is_ok()) {
+            listed += 1;
+        } else if let Some(CardValue::Integer(count)) = card.value() {
+            let comment = Comment::new(&card.comment());
+            let is_number = comment.has_pair("number num count", "of") || comment.has_pair(FRAMES, "count");
+            if count > 1
+                && is_number
+                && comment.has(FRAMES)
+                && (is_per_part || comment.has(ADDED))
+                && !comment.has(OF_CALIBRATION)
+            {
+                return Some((keyword, count as f64));
+            }
+        }
+    }
+    (listed > 1).then(|| ("IMCMBnnn".to_owned(), f64::from(listed)))
 }

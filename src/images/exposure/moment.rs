@@ -4,6 +4,7 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::frames::seconds_after;
 use crate::images::card::Card;
+use crate::images::error::ImagesError;
 use crate::images::header::Header;
 
 use super::comment::Comment;
@@ -86,13 +87,45 @@ pub(super) struct Keywords<'a>(pub &'a [&'a Header]);
 
 impl<'a> Keywords<'a> {
     /// Returns the first header in which a keyword has a value, and the keyword as written in that header, where an
-    /// underscore may replace a hyphen.
+    /// underscore may replace a hyphen, or the hyphen may be missing.
     pub fn find(self, keyword: &str) -> Option<(&'a Header, String)> {
-        let names = [keyword.to_owned(), keyword.replace('-', "_")];
+        let names = [keyword.to_owned(), keyword.replace('-', "_"), keyword.replace('-', "")];
         self.0.iter().find_map(|header| {
             let has_value = |name: &&String| header.number(name).is_some() || header.text(name).is_some();
             names.iter().find(has_value).map(|name| (*header, name.clone()))
         })
+    }
+
+    /// Checks that none of several keywords is twice in a header with different values (FITS standard 4.0, section
+    /// 4.1.2.1, leaves the value of such a keyword undefined).
+    pub fn are_unique<'b>(self, keywords: impl Iterator<Item = &'b str> + Clone) -> Result<(), ImagesError> {
+        for header in self.0 {
+            for (at, card) in header.cards().iter().enumerate() {
+                let name = card.keyword();
+                if !keywords.clone().any(|keyword| is_spelling(keyword, &name)) {
+                    continue;
+                }
+                let [first, second] = [header.card(&name).unwrap_or(card), card].map(Card::value);
+                if first != second && second.is_some() && header.position(&name) != Some(at) {
+                    let given = format!("in two cards with different values: {:?}", card.text().trim_end());
+                    return Err(ImagesError::invalid(name, given, "one card, or --start and --exposure"));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the comment of a keyword, with the COMMENT cards that begin with its name.
+    pub fn comment(self, header: &Header, name: &str) -> Comment {
+        let mut text = header.comment(name);
+        for card in header.cards().iter().filter(|card| card.keyword() == "COMMENT") {
+            let remark = card.remark_text();
+            if let Some(rest) = remark.trim_start().strip_prefix(name).filter(|rest| rest.starts_with([' ', ':', '=']))
+            {
+                text = format!("{text}; {rest}");
+            }
+        }
+        Comment::new(text.trim_start_matches("; "))
     }
 
     /// Returns the first number among several keywords that satisfies a condition, with its keyword and comment.
@@ -109,7 +142,7 @@ impl<'a> Keywords<'a> {
     pub fn text_and_comment(self, keyword: &str) -> Option<(String, String, Comment)> {
         let (header, name) = self.find(keyword)?;
         let text = header.text(&name)?;
-        let comment = Comment::new(&header.comment(&name));
+        let comment = self.comment(header, &name);
         Some((name, text, comment))
     }
 
@@ -120,6 +153,11 @@ impl<'a> Keywords<'a> {
             header.text(&name).map(|text| (name, text))
         })
     }
+}
+
+/// Returns true if a name is a keyword as [`Keywords::find`] reads it.
+pub(super) fn is_spelling(keyword: &str, name: &str) -> bool {
+    keyword == name || keyword.replace('-', "_") == name || keyword.replace('-', "") == name
 }
 
 /// Returns half a unit of the last digit that the card gives for its number.

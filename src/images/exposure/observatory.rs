@@ -14,8 +14,25 @@ const GEODETIC: [&str; 3] = ["OBSGEO-B", "OBSGEO-L", "OBSGEO-H"];
 const NAMES: [&str; 6] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SITENAME", "SITE"];
 /// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
 /// the longitude. They must agree with the name of the site in one of the usual senses.
-const LATITUDES: [&str; 6] = ["SITELAT", "SITE-LAT", "OBS-LAT", "LAT-OBS", "LATITUDE", "GEOLAT"];
-const LONGITUDES: [&str; 7] = ["SITELONG", "SITE-LON", "OBS-LONG", "LONG-OBS", "LONGITUD", "LONGITUDE", "GEOLON"];
+const LATITUDES: &[&str] =
+    &["SITE-LAT", "OBS-LAT", "LAT-OBS", "LATITUDE", "GEO-LAT", "TEL-LAT", "LAT", "ESO TEL GEOLAT"];
+const LONGITUDES: &[&str] = &[
+    "SITE-LONG",
+    "SITE-LON",
+    "OBS-LONG",
+    "OBS-LON",
+    "LONG-OBS",
+    "LON-OBS",
+    "LONGITUD",
+    "LONGITUDE",
+    "GEO-LON",
+    "GEO-LONG",
+    "TEL-LONG",
+    "TEL-LON",
+    "LON",
+    "LONG",
+    "ESO TEL GEOLON",
+];
 /// Largest accepted difference of these from the site, degrees.
 const ROUGH_DEG: f64 = 0.5;
 
@@ -52,11 +69,16 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
                 "a position on the Earth, in metres or degrees, or another site with --site, --mpc or --lat and --lon";
             ImagesError::invalid(names.join(", "), format!("{a}, {b}, {c}"), allowed)
         })?;
+        if [a, b, c] == [0.0; 3] {
+            let allowed = "the position of the telescope, or for example --site, --mpc or --lat and --lon";
+            return Err(ImagesError::invalid(names.join(", "), "0, 0, 0", allowed));
+        }
         stated.push((format!("{}, ...", names[0]), site));
     }
     let mut networks: Vec<(String, Vec<&Site>)> = Vec::new();
     for keyword in NAMES {
-        let Some((_, text)) = keywords.text(&[keyword]) else { continue };
+        // WISE in capitals is the telescope in space, and Wise a site on the Earth.
+        let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
         let shown = format!("{keyword} {text:?}");
         match Site::candidates(&text).as_slice() {
             [] => {}
@@ -94,6 +116,13 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
     }
 }
 
+/// Returns the longitude in keywords that no standard defines: its size is certain, its sign is not.
+pub(super) fn longitude_of_unknown_sense_deg(keywords: Keywords<'_>) -> Option<f64> {
+    let number = keywords.number(LONGITUDES, |_| true).map(|(_, value, _)| value);
+    let value = number.or_else(|| degrees(&keywords.text(LONGITUDES)?.1))?;
+    Some((value + 180.0).rem_euclid(360.0) - 180.0)
+}
+
 /// Returns the keyword and value of a latitude or longitude that is not that of the site in any usual sense: longitudes
 /// to the east or to the west, in degrees or hours. 0 and text without numbers are ignored.
 fn rough_contradiction(keywords: Keywords<'_>, site: &Site) -> Option<String> {
@@ -107,12 +136,12 @@ fn rough_contradiction(keywords: Keywords<'_>, site: &Site) -> Option<String> {
     let is_far = |a_deg: f64, b_deg: f64| ((a_deg - b_deg + 180.0).rem_euclid(360.0) - 180.0).abs() > ROUGH_DEG;
     let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
     let named = format!("at latitude {latitude_deg:.2} and longitude {longitude_deg:.2} deg");
-    if let Some((value, given)) = stated(&LATITUDES)
+    if let Some((value, given)) = stated(LATITUDES)
         && is_far(value, latitude_deg)
     {
         return Some(format!("{named}, but {given}"));
     }
-    let (value, given) = stated(&LONGITUDES)?;
+    let (value, given) = stated(LONGITUDES)?;
     let senses = [value, -value, 15.0 * value, -15.0 * value];
     senses.iter().all(|sense| is_far(*sense, longitude_deg)).then(|| format!("{named}, but {given}"))
 }
@@ -162,6 +191,10 @@ mod tests {
         assert_eq!(site(decam).unwrap().unwrap().mpc_code.as_deref(), Some("W84"));
         let schmidt = "SITELAT = -31.277\nSITELONG= 210.934\nTELESCOP= 'UK Schmidt - Doubl'\n";
         assert_eq!(site_from_headers(&[&Header::from_text(schmidt)]).unwrap(), None);
+        for (telescope, name) in [("ESO-NTT", "La Silla"), ("ESO-VLT-U4", "Paranal"), ("NASA IRTF", "IRTF")] {
+            let found = site_from_headers(&[&Header::from_text(&format!("TELESCOP= '{telescope}'\n"))]);
+            assert_eq!(found.unwrap().unwrap().name, name);
+        }
         // The primary header names another observatory.
         let error = site(schmidt).unwrap_err().to_string();
         assert!(error.contains("SITELAT is -31.277"), "{error}");
@@ -199,6 +232,16 @@ mod tests {
             let error = error(text);
             assert!(error.contains(" km from that of ") && error.contains("--site"), "{error}");
         }
+        assert!(error("OBSERVAT= 'LCO'\n").contains("Las Campanas"));
+        assert_eq!(of("TELESCOP= 'Magellan'\nOBSERVAT= 'LCO'\n").unwrap().unwrap().name, "Las Campanas");
+        // The telescope in space, and the observatory on the Earth.
+        assert_eq!(of("TELESCOP= 'WISE'\n").unwrap(), None);
+        assert_eq!(of("OBSERVAT= 'Wise'\n").unwrap().unwrap().name, "Wise Observatory");
+        for keywords in ["OBSLAT  = '56 23 00'\n", "LAT     = 56.4\n", "HIERARCH ESO TEL GEOLAT = 56.4\n"] {
+            let error = error(&format!("OBSERVAT= 'Perth'\n{keywords}"));
+            assert!(error.contains("at latitude -32.01"), "{error}");
+        }
+        assert!(error("OBSGEO-B= 0.0\nOBSGEO-L= 0.0\nOBSGEO-H= 0.0\n").contains("0, 0, 0"));
         assert_eq!(of("TELESCOP= 'VST'\nOBSERVAT= 'Paranal'\n").unwrap().unwrap().name, "VST");
     }
 }

@@ -271,9 +271,14 @@ fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, ImagesError> 
 /// Checks that the reference system is ICRS or FK5 of equinox 2000. Without RADESYS, the equinox determines the system
 /// (paper II, section 3.1).
 fn check_system(header: &Header) -> Result<(), ImagesError> {
-    let equinox = header.number("EQUINOX").or_else(|| header.number("EPOCH"));
+    let year = |keyword: &str| {
+        // EQUINOX = 'J2000'
+        header.number(keyword).or_else(|| header.text(keyword)?.trim_start_matches(['J', 'j']).trim().parse().ok())
+    };
+    let equinox = year("EQUINOX").or_else(|| year("EPOCH"));
     let named = header.text("RADESYS").or_else(|| header.text("RADECSYS")).map(|name| name.to_ascii_uppercase());
-    let is_2000 = equinox.is_none_or(|year| (year - 2000.0).abs() < EQUINOX_SLACK);
+    let unreadable = header.text("EQUINOX").filter(|_| year("EQUINOX").is_none());
+    let is_2000 = unreadable.is_none() && equinox.is_none_or(|year| (year - 2000.0).abs() < EQUINOX_SLACK);
     let is_known = match named.as_deref() {
         Some("ICRS" | "GCRS") => true,
         Some("FK5" | "J2000" | "FK5J2000") | None => is_2000,
@@ -283,7 +288,8 @@ fn check_system(header: &Header) -> Result<(), ImagesError> {
         return Ok(());
     }
     let name = named.unwrap_or_else(|| "a system without RADESYS".to_owned());
-    let system = equinox.map_or(name.clone(), |year| format!("{name}, equinox {year}"));
+    let equinox = unreadable.or_else(|| equinox.map(|year| year.to_string()));
+    let system = equinox.map_or(name.clone(), |equinox| format!("{name}, equinox {equinox}"));
     let allowed = "ICRS, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)";
     Err(ImagesError::invalid("reference system", system, allowed))
 }
