@@ -26,7 +26,7 @@ const PARTS: &[(Role, &str)] = &[
     (
         Role::End,
         "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut \
-         completion completed complete terminated fin ende",
+         completion completed terminated fin ende",
     ),
 ];
 const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exptime pose belichtung integration \
@@ -35,7 +35,8 @@ const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicio
 const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
      mjd julian instant moment point pt way yyyy ccyy dd hh hms ymd";
 /// Words between a part and what it qualifies.
-const FILLERS: &str = "of the at to a an in this first each actual through during for from de du der des la le est";
+const FILLERS: &str =
+    "of the at to a an in and or between this first each actual through during for from de du der des la le est";
 /// Phrases in which a word of a part or of a zone qualifies something else.
 const OTHER_MEANINGS: &[&str] = &[
     "front end",
@@ -157,7 +158,9 @@ impl Comment {
             ([role], _) => Ok(Some(*role)),
             (_, Some(named)) => Ok(Some(named)),
             // "mean of start and end"
-            ([Role::Start, Role::Middle, Role::End], None) => Ok(Some(Role::Middle)),
+            ([Role::Start, Role::Middle, Role::End], None) if self.has_pair(PARTS[1].1, "of between") => {
+                Ok(Some(Role::Middle))
+            }
             (_, None) => Err("of more than one part of the exposure"),
         }
     }
@@ -285,6 +288,7 @@ impl Comment {
         if lower.contains("?s") {
             return Err("a unit that is not ASCII".to_owned());
         }
+        let (part, lower) = fraction(&lower)?;
         // Short words are units only in brackets, after "in" or "unit", or alone: "(s)", "in min", "hr".
         let is_short =
             |word: &str| word.len() <= 2 && !["us", "ms", "ns"].contains(&word) || ["min", "day"].contains(&word);
@@ -307,8 +311,8 @@ impl Comment {
         // "(min/max)" is no unit.
         let follows = |mark: &str, word: &str| {
             let phrase = format!("{mark}{word}");
-            let rest = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
-            rest.into_iter().any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
+            let mut nexts = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
+            nexts.any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
         };
         let is_marked = |word: &str| lower.trim() == word || marks.iter().any(|mark| follows(mark, word));
         if is_marked("m") {
@@ -324,7 +328,7 @@ impl Comment {
         units.dedup();
         let named = [("thousandth", 1e-3), ("hundredth", 1e-2), ("tenth", 1e-1)];
         let named = named.iter().find(|(word, _)| lower.contains(word)).map(|(_, part)| *part);
-        let part = named.map_or_else(|| fraction(&lower), Ok)?;
+        let part = named.unwrap_or(part);
         match units[..] {
             [] => Ok(None),
             [one] => Ok(Some(part * one)),
@@ -353,23 +357,24 @@ fn qualifies(words: &[String], at: usize) -> Option<bool> {
     }
 }
 
-/// Returns the factor of a unit such as `1/1000 s`; 1 if the text contains none.
+/// Returns the factor of a unit such as `1/1000 s`, 1 if the text contains none, and the text without the factor.
 ///
 /// # Errors
 /// A unit divided by a number.
-fn fraction(text: &str) -> Result<f64, String> {
+fn fraction(text: &str) -> Result<(f64, String), String> {
     for (at, _) in text.match_indices('/') {
         let divisor = text[at + 1..].split(|c: char| !c.is_ascii_digit()).next().unwrap_or_default();
-        let Ok(divisor) = divisor.parse::<f64>() else { continue };
+        let Ok(number) = divisor.parse::<f64>() else { continue };
         let before = text[..at].rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
-        if before == "1" && divisor > 1.0 {
-            return Ok(divisor.recip());
+        if before == "1" && number > 1.0 {
+            let rest = text[at + 1 + divisor.len()..].trim_start();
+            return Ok((number.recip(), format!("{}{rest}", &text[..at - 1])));
         }
         if seconds_in(before).is_some() {
             return Err("a unit divided by a number".to_owned());
         }
     }
-    Ok(1.0)
+    Ok((1.0, text.to_owned()))
 }
 
 /// Returns the number of seconds in a unit of time, for example `ms`, `10 us`, `1/1000 s` or `hours`; `None` for other
