@@ -103,6 +103,40 @@ fn chips_are_frames_and_planes_belong_to_their_chip() {
     assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[1][..], Some(1)));
 }
 
+/// A binned copy, a background on a coarser grid, a stamp of stars and a shifted difference overlap the frame; a second
+/// exposure of the same sky has a start of its own.
+#[test]
+fn images_that_overlap_a_frame_are_planes_and_other_exposures_are_frames() {
+    let scaled = |scale: f64, shift_pix: f64| {
+        let text = sky(10.0).replace("0.0001", &format!("{:.5}", 1e-4 * scale));
+        text.replace("8.5", &format!("{}", 8.5 + shift_pix))
+    };
+    let planes = [("SCI_BIN2", scaled(2.0, 0.0)), ("BKG_MESH", scaled(16.0, 0.0)), ("PSF", scaled(0.1, 0.0))];
+    for (name, text) in planes.into_iter().chain([("DIFF", scaled(1.0, 0.5))]) {
+        let found = roles(&[("SCI", sky(10.0)), (name, text)]).expect("roles");
+        assert_eq!((found.frames.as_slice(), found.companions[0].hdu), (&[0][..], 1), "{name}");
+        assert!(found.summary().expect("a line").contains(name), "{name}");
+    }
+    let dated = |day: u32| format!("{}DATE-OBS= '2026-08-{day}T03:14:59'\n", sky(10.0));
+    assert_eq!(roles(&[("OBS_A", dated(22)), ("OBS_B", dated(23))]).expect("roles").frames, [0, 1]);
+    assert_eq!(roles(&[("G", dated(22)), ("MODEL", dated(22))]).expect("roles").frames, [0]);
+    // The next chip of a mosaic overlaps by two columns.
+    assert_eq!(roles(&[("S28", sky(10.0)), ("N4", sky(10.0015))]).expect("roles").frames, [0, 1]);
+}
+
+#[test]
+fn classes_of_data_products_mark_planes() {
+    for (class, kind) in [
+        ("HDUCLAS2= 'ERROR'\n", PlaneKind::Error),
+        ("HDUCLAS2= 'ERROR'\nHDUCLAS3= 'MSE'\n", PlaneKind::Variance),
+        ("HDUCLAS2= 'ERROR'\nHDUCLAS3= 'INVMSE'\n", PlaneKind::InverseVariance),
+        ("HDUCLAS2= 'QUALITY'\n", PlaneKind::Mask),
+    ] {
+        let found = roles(&[("CHIP1.1", sky(10.0)), ("CHIP1.2", sky(10.0) + class)]).expect("roles");
+        assert_eq!((found.frames.as_slice(), found.companions[0].kind), (&[0][..], kind));
+    }
+}
+
 #[test]
 fn images_that_can_be_both_are_an_error() {
     for images in [

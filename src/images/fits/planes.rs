@@ -115,8 +115,10 @@ impl FrameImages {
     /// Determines the roles of the images of a file.
     ///
     /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless its name
-    /// differs from that of the frame only in a number, or has another EXTVER. Names of masks, variances and weights
-    /// mark companion planes of any shape. Images with the names of distortion tables are never frames.
+    /// differs from that of the frame only in a number, or has another EXTVER, or the image has a start of its own. The
+    /// same holds for an image of another shape or scale whose centre is in an earlier frame, or that contains the
+    /// centre of one: a binned copy, a background or a preview. Names of masks, variances and weights, and HDUCLAS2 of
+    /// errors and flags, mark companion planes of any shape. Images with the names of distortion tables are never frames.
     ///
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
@@ -134,10 +136,10 @@ impl FrameImages {
             let image = Image::of(file, hdu)?;
             if DISTORTION_TABLES.iter().any(|table| image.name.starts_with(table)) {
                 found.tables.push(hdu);
-            } else if let Some(kind) = kind_of(&image.name) {
+            } else if let Some(kind) = kind_of(&image.name).or(image.class) {
                 planes.push((image, kind));
             } else {
-                match frames.iter().position(|frame| image.has_pixels_of(frame)) {
+                match frames.iter().position(|frame| image.has_pixels_of(frame) || image.overlaps(frame)) {
                     None => frames.push(image),
                     Some(at) => match image.role_beside(&frames[at]) {
                         Role::Frame => frames.push(image),
@@ -214,8 +216,12 @@ impl FrameImages {
 struct Image {
     hdu: usize,
     name: String,
+    /// Content that HDUCLAS2 and HDUCLAS3 state (ESO's standard of data products).
+    class: Option<PlaneKind>,
     size: [usize; 2],
     version: Option<i64>,
+    /// DATE-OBS and MJD-OBS as written; empty if both are missing.
+    date: String,
     sky: Option<Wcs>,
     /// Keywords of invalid world coordinates; empty if they are valid or missing.
     invalid_sky: String,
@@ -242,7 +248,13 @@ impl Image {
         Ok(Self {
             hdu,
             name: if is_by_type { of_type } else { name },
+            class: kind_of_class(header),
             size: file.image_size(hdu)?,
+            date: ["DATE-OBS", "MJD-OBS"]
+                .into_iter()
+                .filter_map(|keyword| header.card(keyword))
+                .map(|card| card.text())
+                .collect(),
             version: header.integer("EXTVER"),
             sky: sky.ok(),
             invalid_sky,
@@ -264,8 +276,24 @@ impl Image {
         self.size == frame.size && is_same_sky
     }
 
-    /// Returns the role of an image with the pixels of an earlier frame.
+    /// Returns true if the centre of the image is in a frame, or that of the frame in the image.
+    fn overlaps(&self, frame: &Self) -> bool {
+        let has_centre_of = |image: &Self, other: &Self| {
+            let [rows, columns] = other.size.map(|length| length as f64);
+            let centre = PixelPosition { x: 0.5 * (columns - 1.0), y: 0.5 * (rows - 1.0) };
+            let (Some(own), Some(sky)) = (&image.sky, &other.sky) else { return false };
+            let Some(at) = sky.to_sky(centre).and_then(|direction| own.to_pixel(direction)) else { return false };
+            let [rows, columns] = image.size.map(|length| length as f64);
+            (-0.5..columns - 0.5).contains(&at.x) && (-0.5..rows - 0.5).contains(&at.y)
+        };
+        has_centre_of(self, frame) || has_centre_of(frame, self)
+    }
+
+    /// Returns the role of an image that has the pixels of an earlier frame or overlaps it.
     fn role_beside(&self, frame: &Self) -> Role {
+        if !self.date.is_empty() && !frame.date.is_empty() && self.date != frame.date {
+            return Role::Frame;
+        }
         let is_science = |image: &Self| SCIENCE.contains(&stem(&image.name));
         let has_other_version = match (self.version, frame.version) {
             (Some(own), Some(other)) => own != other,
@@ -313,6 +341,19 @@ fn kind_of(name: &str) -> Option<PlaneKind> {
         Some(kind) if words.len() == 1 => Some(kind),
         Some(_) => Some(PlaneKind::Other),
         None => PARTS.iter().any(|part| name.contains(part)).then_some(PlaneKind::Other),
+    }
+}
+
+/// Returns the content that HDUCLAS2 and HDUCLAS3 state; `None` for data and without these keywords.
+fn kind_of_class(header: &Header) -> Option<PlaneKind> {
+    let [class, form] =
+        ["HDUCLAS2", "HDUCLAS3"].map(|keyword| header.text(keyword).unwrap_or_default().to_ascii_uppercase());
+    match (class.as_str(), form.as_str()) {
+        ("ERROR", "MSE") => Some(PlaneKind::Variance),
+        ("ERROR", "INVMSE") => Some(PlaneKind::InverseVariance),
+        ("ERROR", _) => Some(PlaneKind::Error),
+        ("QUALITY", _) => Some(PlaneKind::Mask),
+        _ => None,
     }
 }
 

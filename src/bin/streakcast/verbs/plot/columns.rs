@@ -204,8 +204,8 @@ impl Columns {
     pub fn numbers(&self, name: &str) -> anyhow::Result<Vec<f64>> {
         self.each(name, "a number", |text| match text {
             "" => Some(f64::NAN),
-            "true" => Some(1.0),
-            "false" => Some(0.0),
+            "true" | "True" => Some(1.0),
+            "false" | "False" => Some(0.0),
             text => text.parse().ok(),
         })
     }
