@@ -2,6 +2,8 @@
 
 use std::cmp::Ordering;
 
+use std::collections::HashSet;
+
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ForecastError;
@@ -9,9 +11,10 @@ use super::pass_table::PassRow;
 use super::request::{ForecastRequest, PassOrder};
 use super::selection::Selection;
 use crate::constants::DAY_S;
+use crate::elements::ElementSet;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{LeftOut, OrbitError};
+use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
 use crate::passes::{BrightnessLimit, Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
@@ -141,7 +144,13 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
         });
     }
     let middle = seconds_after(request.start, 0.5 * seconds_between(request.start, request.end));
-    let elements = sky.elements().iter().enumerate().filter(|(_, set)| selected.contains(set));
+    let with_ephemeris: HashSet<usize> = sky
+        .ephemeris_coverage(request.start, request.end)
+        .filter(|(_, coverage)| *coverage != EphemerisCoverage::None)
+        .map(|(index, _)| index)
+        .collect();
+    let is_meant = |(index, set): &(usize, &ElementSet)| selected.contains(set) && !with_ephemeris.contains(index);
+    let elements = sky.elements().iter().enumerate().filter(is_meant);
     let late = elements
         .map(|(index, set)| {
             let age_days = seconds_between(set.epoch, middle) / DAY_S;
@@ -170,7 +179,8 @@ impl Forecast {
             let (is, their) = if outside.len() == 1 { ("is", "its sigma is") } else { ("are", "their sigmas are") };
             let passes = counted(count, "pass", "passes");
             let expected: f64 = outside.iter().filter_map(|pass| pass.p_brighter).sum();
-            let expected = if expected > 0.0 { format!(" ({expected:.1} expected)") } else { String::new() };
+            let expected =
+                if expected > 0.0 { format!(" ({expected:.1} expected above the limit)") } else { String::new() };
             format!(
                 "{} of {passes}{expected} {is} brightest where no photometry was fitted; {their} larger",
                 outside.len()
@@ -184,15 +194,16 @@ impl Forecast {
         self.found.left_out.iter().filter(is_unknown).count()
     }
 
-    /// Returns true if the times of most satellites are uncertain by more than a minute.
+    /// Returns true if passes are in the Earth's shadow, and the times of most satellites are uncertain by more than a
+    /// minute.
     fn is_uncertain(&self) -> bool {
-        2 * self.late.0 > self.found.satellites
+        self.found.not_shown.in_shadow > 0 && 2 * self.late.0 > self.found.satellites
     }
 
     /// Returns true if a night without visible passes may have some: the elements of some satellites are too old, or the
     /// times of most satellites are uncertain.
     pub fn may_have_passes(&self) -> bool {
-        self.unknown() > 0 || self.is_uncertain()
+        !self.night.dark.is_empty() && (self.unknown() > 0 || self.is_uncertain())
     }
 
     /// Returns the reason why no pass over the site is visible; `None` if there is one.

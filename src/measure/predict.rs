@@ -6,7 +6,7 @@ use super::error::MeasureError;
 use super::measurement::PredictedStreak;
 use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
-use crate::orbit::LeftOut;
+use crate::orbit::{LeftOut, PositionSource};
 use crate::passes::{Exposure, ExposureInterval, Field, Pass, PassOptions, Sky};
 use crate::photometry::{Brightness, PhotometryOptions};
 use crate::streaks::{PathNode, SkyPoint, SkyTrack, StreakPath, TargetChip, TargetFrame, Tracking};
@@ -96,7 +96,8 @@ pub fn predictions(
                     norad_id: pass.norad_id,
                     name: sky.elements()[pass.element_index].name.clone(),
                     element_age_days: pass.element_age_days,
-                    is_position_known: of_known_age.is_known(pass.element_index, pass.element_age_days),
+                    is_position_known: pass.position_source != PositionSource::ElementSet
+                        || of_known_age.is_known(pass.element_index, pass.element_age_days),
                     brightness: pass.mid.brightness.clone(),
                     phase_angle_rad: pass.mid.geometry.phase_angle_rad(),
                     chip: index,

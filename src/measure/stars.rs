@@ -129,6 +129,10 @@ fn model_errors(band: &Band, smooth: &[f32], peaks: &[f32], fwhm_pix: f64, sigma
     let near = ((ERROR_REACH_WIDTHS * fwhm_pix / band.cos).ceil() as usize).min(half);
     let reach = ((ERROR_WIDTHS * fwhm_pix) as usize).max(ERROR_PIX);
     let lit: Vec<usize> = (0..band.len()).filter(|column| peaks[*column] > 0.0).collect();
+    // In shorter streaks a star may be most of them.
+    if lit.len() < 2 * reach {
+        return errors;
+    }
     let mut values: Vec<f32> = Vec::with_capacity(2 * reach + 1);
     for offset in half - near..=half + near {
         for (number, column) in lit.iter().enumerate() {

@@ -331,7 +331,8 @@ impl Measuring<'_> {
     ///
     /// The search clips pixels at a few sigmas, which makes bright streaks seem wide, with the same light everywhere in
     /// this width. The brightest line is found in the median profile across the track of several parts of the track, by
-    /// a robust line through their peaks. Without at least two parts with such a peak the position stays the same.
+    /// a robust line through their peaks. Without such a peak in at least three parts, and in more than half of the parts,
+    /// the position stays the same.
     fn aligned(&self, found: &Found) -> Found {
         let corridor = &self.corridor;
         let cos = corridor.cos();
@@ -345,6 +346,7 @@ impl Measuring<'_> {
         let height = band.height;
         // Index of the middle of each part, and distance of its peak from the line.
         let mut peaks: Vec<(f64, f64)> = Vec::new();
+        let mut parts = 0;
         for part in 0..ALIGN_PARTS {
             let columns = part * band.len() / ALIGN_PARTS..(part + 1) * band.len() / ALIGN_PARTS;
             let columns: Vec<usize> = columns
@@ -353,6 +355,7 @@ impl Measuring<'_> {
             if columns.len() < ALIGN_COLUMNS {
                 continue;
             }
+            parts += 1;
             let row = |offset: usize| -> Option<f64> {
                 let values = columns.iter().map(|column| f64::from(band.values[column * height + offset]));
                 let values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
@@ -378,7 +381,7 @@ impl Measuring<'_> {
             let index = columns.iter().sum::<usize>() as f64 / columns.len() as f64;
             peaks.push((index - middle, weighted / sum));
         }
-        if peaks.len() < 2 {
+        if peaks.len() < 3 || 2 * peaks.len() <= parts {
             return *found;
         }
         let pairs =

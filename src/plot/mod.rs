@@ -19,6 +19,7 @@
 //!     time_mjd: &time_mjd,
 //!     magnitude: &magnitude,
 //!     sigma_mag: &[0.3; 60],
+//!     in_fitted_range: &[],
 //!     in_field: &[],
 //!     shutter: None,
 //!     limit_mag: Some(5.5),

@@ -238,6 +238,11 @@ fn verif_errors_of_old_elements_are_stated() {
     let least_s = sigmas_s.fold(f64::INFINITY, f64::min);
     // A search of three sigmas up to 5 s contains errors of 5/3 s.
     assert!(least_s.is_finite() && least_s > 5.0, "{rows:?}");
+    // Streaks near unknown positions are not uploaded.
+    let upload = done(&[&["measure", &frame, "--seeing", "90arcsec"], SCORE, &sky]);
+    assert!(numbers(&records(&upload), "observation_time_uncertainty_sec").is_empty(), "{upload}");
+    let elements = published_constellation(&folder, "2026-07-26T00:00:00 UTC");
+    let sky = [elements[0].as_str(), &elements[1], "--mpc", "X05", "--quiet"];
     let upload = done(&[&["measure", &frame, "--seeing", "90arcsec"], SCORE, &sky]);
     let uploaded = numbers(&records(&upload), "observation_time_uncertainty_sec");
     assert!(

@@ -98,7 +98,6 @@ fn valid_frames_without_coordinates_time_or_site_are_named() {
         ("trailblazer/cutout_GMOSN.i.2021-01-17T14_35_11.5_2PAC.fits", "69.7 s apart"),
         ("trailblazer/cutout_LMI.VR.2021-06-01T04_06_03.67_1PA.fits", "missing site"),
         ("trailblazer/cutout_frame-i-008108-5-0025.fits", "missing site"),
-        ("trailblazer/cutout_lbcb.20210407.120357.fits", "missing site"),
         // The time scale of the header is wrong.
         ("trailblazer/cutout_calexp-0941420_23.fits", "37.0 s apart"),
         ("astride/long.fits", "ambiguous date"),

@@ -185,7 +185,7 @@ fn verif_a_light_curve_agrees_with_its_pass() {
     assert!(peaks.iter().all(|peak| number(peak) >= number(&peaks[row])), "the brightest: {peaks:?} {row}");
     // Times of entry and exit and the magnitude at mid agree with the table of passes.
     let (utc, inside) = (column(&data, "utc"), column(&data, "in_field"));
-    let first = inside.iter().position(|cell| cell == "true").unwrap();
+    let first = inside.iter().position(|cell| cell == "True").unwrap();
     assert!(utc[first] >= column(&passes, "enter_utc")[row] && utc[first - 1] < column(&passes, "enter_utc")[row]);
     let mid = column(&passes, "mid_utc")[row].clone();
     let near = utc.iter().position(|moment| *moment > mid).unwrap();

@@ -305,6 +305,10 @@ fn verif_lengths_of_several_exposures_and_units() {
         ("EXPOSURE= 2.0E-05 / [d] time on source", 1.728),
         ("EXPTIME = 0.5 / [h]", 1800.0),
         ("EXPTIME = 120 / Exposure time (min)", 7200.0),
+        ("EXPTIME = 30.0 / exposure 1/3 (seconds)", 30.0),
+        ("EXPTIME = 30.0 / seconds, frame 1/5", 30.0),
+        ("EXPTIME = 30.0 / see MJD-OBS", 30.0),
+        ("EXPTIME = 30\nEXPTIME = 30.0", 30.0),
         ("EXPTIME = 1500 / exposure in milliseconds", 1.5),
         ("EXPTIME = 60.0 / Exposure time (s) for sum of all coadds\nCOADDS  = 30", 60.0),
         ("EXPTIME = 60.0\nITIME   = 2.0 / per coadd\nCOADDS  = 30", 60.0),
@@ -424,6 +428,9 @@ fn verif_all_keywords_of_an_instant_must_agree() {
         "DATE-LOC= '2026-08-22T03:14:59' / local\nSITELONG= '-00 10 00'",
         "DATE-LOC= '2026-08-22T03:14:59' / local\nTIMEZONE= 0",
         "TREFPOS = 'TOPOCENTER'",
+        "TIMEREF = 'GPS'",
+        "MJD     =                61274 / number of the night",
+        "MJD-OBS =       61274.13540509 / Modified Julian Date at start of exposure",
         "DATE-OBS= '2026-08-22T03:14:59'",
     ] {
         begins(&format!("{at}{cards}"), "2026-08-22T03:14:59", "DATE-OBS");
@@ -492,6 +499,8 @@ fn verif_counts_of_stacked_frames() {
         ("EXPOINUS= 2000000 / Exposure time in us", 2.0),
         ("EXPTIME = 2.0\nEXPOINUS= 2000000", 2.0),
         ("TRUITIME= 2.0\nCOADDONE= 1", 2.0),
+        ("EXPTIME = 2.0\nEXPCOUNT= 7", 2.0),
+        ("EXPTIME = 2.0 / [s] time of each frame\nNSEQ    = 5 / number of exposures in sequence", 2.0),
     ] {
         let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
         assert_eq!(found.duration_s, seconds, "{cards}");

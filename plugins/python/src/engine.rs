@@ -182,14 +182,14 @@ impl Engine {
         Some((telescope.bright_share, telescope.bright_mag_in(band), self.policy.limit_mag_in(band)))
     }
 
-    /// Returns the choice of satellites that block a start: `any` or `avoid`.
-    /// Rotation of the field in degrees, whether dark crossings are included, and the number of points along each pass,
+    /// Returns the rotation of the field in degrees, whether dark crossings are included, and the number of points along each pass,
     /// of the configuration file.
     #[getter]
     fn defaults(&self) -> (f64, bool, usize) {
         self.defaults
     }
 
+    /// Returns the choice of satellites that block a start: `any` or `avoid`.
     #[getter]
     fn blocking(&self) -> &'static str {
         self.policy.blocking.name()

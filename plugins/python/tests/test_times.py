@@ -130,6 +130,8 @@ def test_numbers_of_single_precision_and_other_units_are_errors():
     mjd = np.array([61266.9785])
     with pytest.raises(TypeError, match=r"start is float32, which has MJD in steps of 338 s; allowed: float64"):
         model.assess(TARGET, mjd.astype("float32"), 30.0, scale="utc")
+    with pytest.raises(TypeError, match="start is float32"):
+        model.assess(TARGET, mjd.astype("float32") * u.day, 30.0, scale="utc")
     with pytest.raises((TypeError, ValueError), match="start"):
         model.assess(TARGET, mjd * u.deg, 30.0, scale="utc")
     days = model.assess(TARGET, mjd * u.day, 30.0, scale="utc")

@@ -55,6 +55,8 @@ const OTHER_MEANINGS: &[&str] = &[
     "universal mean",
     "mean solar",
     "mean equinox",
+    "modified julian",
+    "modified jd",
     "mid night",
     "not local",
     "not in local",
@@ -69,7 +71,7 @@ const EVENTS: &str = "received reception arrival arrived created creation saved 
 const CORRECTED: &str = "heliocentric barycentric hjd bjd bmjd hmjd";
 const LOCAL: &str = "local localtime locale lokal lokale lokalzeit ortszeit civil wall daylight sommerzeit winterzeit";
 /// Words that form the name of a zone together with "time", "standard time" or "summer time".
-const ZONE_NAMES: &str = "eastern central mountain pacific atlantic newfoundland hawaii hawaiian alaska alaskan samoa \
+const ZONE_NAMES: &str = "eastern mountain pacific atlantic newfoundland hawaii hawaiian alaska alaskan samoa \
      beijing china chinese taipei japan japanese tokyo korea korean india indian chile chilean argentina brazil \
      brasilia moscow european australian zealand africa african israel arabian gulf singapore london british irish \
      paris berlin madrid sydney zone observatory site station legal official standard summer winter";
@@ -321,7 +323,7 @@ impl Comment {
         let words = lower.split(|c: char| !c.is_ascii_alphabetic());
         let mut units: Vec<f64> =
             words.filter(|word| !is_short(word) || is_marked(word)).filter_map(seconds_in).collect();
-        if units.is_empty() && self.has("jd mjd") {
+        if units.is_empty() && (is_marked("jd") || is_marked("mjd")) {
             units.push(crate::constants::DAY_S);
         }
         units.sort_by(f64::total_cmp);
@@ -368,6 +370,11 @@ fn fraction(text: &str) -> Result<(f64, String), String> {
         let before = text[..at].rsplit(|c: char| !c.is_ascii_alphanumeric()).next().unwrap_or_default();
         if before == "1" && number > 1.0 {
             let rest = text[at + 1 + divisor.len()..].trim_start();
+            // "frame 1/5" is no unit.
+            let word = rest.split(|c: char| !c.is_ascii_alphabetic()).next().unwrap_or_default();
+            if seconds_in(word).is_none() {
+                continue;
+            }
             return Ok((number.recip(), format!("{}{rest}", &text[..at - 1])));
         }
         if seconds_in(before).is_some() {

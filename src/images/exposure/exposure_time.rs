@@ -127,13 +127,15 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Im
 /// Reads all instants in the scale of TIMESYS.
 fn instants(keywords: Keywords<'_>) -> Result<Instants, ImagesError> {
     // Times at the Sun or the barycentre differ by up to 500 s (FITS standard 4.0, section 9.2.3).
-    let is_corrected = |place: &str| {
+    let begins_with = |place: &str, words: &[&str]| {
         let place = place.to_ascii_uppercase();
-        !["TOPO", "GEO", "LOCAL"].iter().any(|near| place.starts_with(near))
+        words.iter().any(|word| place.starts_with(word))
     };
-    if let Some((keyword, place)) = keywords.text(&["TREFPOS"]).or_else(|| keywords.text(&["TIMEREF"]))
-        && is_corrected(&place)
-    {
+    let position = keywords.text(&["TREFPOS"]).filter(|(_, place)| !begins_with(place, &["TOPO", "GEO", "LOCAL"]));
+    // TIMEREF may also name a clock.
+    let reference =
+        || keywords.text(&["TIMEREF"]).filter(|(_, place)| begins_with(place, &["BARY", "HELIO", "SOLAR", "SSB"]));
+    if let Some((keyword, place)) = position.or_else(reference) {
         let allowed = "TOPOCENTER or GEOCENTER (TIMEREF: LOCAL or GEOCENTRIC), or --start in UTC at the telescope";
         return Err(unreadable(keyword, &place, allowed));
     }
@@ -241,7 +243,7 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     }
     let given =
         format!("{}, the same reading of the clock as the local time {name}", start.epoch.round(1.milliseconds()));
-    let allowed = "a start in UTC and a local time of another zone, or --start";
+    let allowed = "a start in UTC and a local time of another zone, a site, TIMEZONE = 0, or --start";
     Some(ImagesError::invalid(format!("start of {}", start.from), given, allowed))
 }
 

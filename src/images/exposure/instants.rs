@@ -220,7 +220,10 @@ impl Reader<'_> {
             && other_day != day
         {
             let given = format!("{text}, and {name} is {other}");
-            return Err(ImagesError::invalid(date.to_owned(), given, "one date in universal time; specify --start"));
+            // A Julian date may give the start.
+            let error = ImagesError::invalid(date.to_owned(), given, "one date in universal time; specify --start");
+            self.instants.unusable.get_or_insert(error);
+            return Ok(true);
         }
         if of_date.has("night nights evening") {
             let given = format!("{text:?}, perhaps the date of the evening, by its comment {:?}", of_date.text());
@@ -287,7 +290,7 @@ impl Reader<'_> {
         if header.number(&from).is_some() {
             // Other numbers in EXPSTART and EXPEND count from another instant.
             let read = self.days(keyword, role, false);
-            return if keyword.starts_with("EXP") { Ok(()) } else { read };
+            return if ["EXP", "SHUT"].iter().any(|name| keyword.starts_with(name)) { Ok(()) } else { read };
         }
         if let Some((from, value, comment)) = self.keywords.text_and_comment(keyword)
             && let DateText::Moment(epoch) = parse_date(&value, self.scale_of(&comment))
@@ -342,6 +345,13 @@ impl Reader<'_> {
             };
             return Err(unreadable(from, &value, allowed));
         };
+        // A whole number beside a date is the number of the night.
+        if is_loose
+            && number.is_some_and(|days| days.fract() == 0.0)
+            && self.instants.found.iter().any(|one| !one.is_loose)
+        {
+            return Ok(());
+        }
         let slack_s = header.card(&from).map_or(0.0, resolution) * DAY_S;
         let value = number.map_or(value, |number| number.to_string());
         let is_loose = is_loose && !states_start(&comment);
@@ -395,8 +405,13 @@ fn states_start(comment: &Comment) -> bool {
 fn clock_in(text: &str) -> Option<f64> {
     let word = text.split([' ', 'T']).find(|word| word.contains(':'))?;
     let ([hours, minutes], seconds) = parse_time(word)?;
-    let half = if text.contains("PM") && hours < 12 { 12 } else { 0 };
-    Some(f64::from(3600 * (hours + half) + 60 * minutes) + seconds)
+    let upper = text.to_ascii_uppercase();
+    let hours = match hours {
+        12 if upper.contains("AM") => 0,
+        1..12 if upper.contains("PM") => hours + 12,
+        hours => hours,
+    };
+    Some(f64::from(3600 * hours + 60 * minutes) + seconds)
 }
 
 pub(super) fn unreadable(keyword: String, value: &str, allowed: &str) -> ImagesError {

@@ -27,10 +27,8 @@ const SUMS: &[&str] = &["LIVETIME", "TOTALEXP", "TOTEXP", "TOTEXPT", "EXPTOTAL"]
 const COADDS: &[&str] =
     &["COADDS", "COADD", "NCOADDS", "NCOADD", "CO-ADDS", "NUMCOADD", "COADDONE", "NDIT", "ESO DET NDIT", "NSUBEXP"];
 /// Keywords of the number of frames that were added afterwards.
-const STACKED: &[&str] = &[
-    "STACKCNT", "NCOMBINE", "NCOMB", "SNAPSHOT", "NSTACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS", "NDRIZIM",
-    "FRAMECNT", "EXPCOUNT",
-];
+const STACKED: &[&str] =
+    &["STACKCNT", "NCOMBINE", "NCOMB", "SNAPSHOT", "NSTACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS", "NDRIZIM"];
 
 /// Comments of other counts of added frames state a number of [`FRAMES`], have a word of [`ADDED`], and none of
 /// [`OF_CALIBRATION`].
@@ -40,6 +38,8 @@ const ADDED: &str = "stack stacked stacking combine combined combining coadd coa
      averaged average median integrated accumulated drizzled input inputs";
 const OF_CALIBRATION: &str = "bias biases dark darks flat flats zero zeros fringe sky calibration master reference ref \
      template pixel pixels star stars rejected";
+/// Words of series of separate files.
+const OF_SERIES: &str = "sequence series set run";
 
 /// Keywords of the unit of the exposure time, if its comment states none.
 const UNITS: &[&str] = &["EXPUNIT", "EXPUNITS", "TIMEUNIT"];
@@ -214,7 +214,7 @@ fn counted(header: &Header, is_per_part: bool) -> Option<(String, f64)> {
             if count > 1
                 && is_number
                 && comment.has(FRAMES)
-                && (is_per_part || comment.has(ADDED))
+                && ((is_per_part && !comment.has(OF_SERIES)) || comment.has(ADDED))
                 && !comment.has(OF_CALIBRATION)
             {
                 return Some((keyword, count as f64));

@@ -3,7 +3,7 @@
 use hifitime::{Epoch, TimeScale};
 
 use crate::frames::seconds_after;
-use crate::images::card::Card;
+use crate::images::card::{Card, CardValue};
 use crate::images::error::ImagesError;
 use crate::images::header::Header;
 
@@ -106,7 +106,14 @@ impl<'a> Keywords<'a> {
                     continue;
                 }
                 let [first, second] = [header.card(&name).unwrap_or(card), card].map(Card::value);
-                if first != second && second.is_some() && header.position(&name) != Some(at) {
+                // 30 and 30.0 are the same value.
+                let number = |value: &Option<CardValue>| match value {
+                    Some(CardValue::Integer(number)) => Some(*number as f64),
+                    Some(CardValue::Real(number)) => Some(*number),
+                    _ => None,
+                };
+                let is_same = first == second || (number(&first).is_some() && number(&first) == number(&second));
+                if !is_same && second.is_some() && header.position(&name) != Some(at) {
                     let given = format!("in two cards with different values: {:?}", card.text().trim_end());
                     return Err(ImagesError::invalid(name, given, "one card, or --start and --exposure"));
                 }

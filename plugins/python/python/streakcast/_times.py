@@ -48,15 +48,16 @@ def to_tai(value: TimeLike, scale: str | None, what: str = "time") -> tuple[Floa
         return _from_mjd(np.asarray(value, dtype=np.float64), scale, what)
     if isinstance(value, (str, datetime.datetime)):
         return _from_text(np.asarray(_text(value, what)), scale, what)
+    given = np.asarray(getattr(value, "value", value))
+    if scale is not None and given.size > 0 and given.dtype.kind == "f" and given.dtype.itemsize < 8:
+        raise TypeError(
+            f"{what} is {given.dtype}, which has MJD in steps of {_step_s(given):.0f} s; allowed: float64, or a Time"
+        )
     if is_quantity(value):
         value = number(value, "d", what)
     array = np.asarray(value)
     if array.size == 0:
         return np.zeros(array.shape), np.zeros(array.shape)
-    if scale is not None and array.dtype.kind == "f" and array.dtype.itemsize < 8:
-        raise TypeError(
-            f"{what} is {array.dtype}, which has MJD in steps of {_step_s(array):.0f} s; allowed: float64, or a Time"
-        )
     if array.dtype.kind in "iuf":
         return _from_mjd(array.astype(np.float64), scale, what)
     if array.dtype.kind == "M":

@@ -248,7 +248,7 @@ def light_curve(
     return _drawn(
         "light_curve", title, limit_mag=limit_mag, utc_offset=utc_offset,
         time_mjd=times, magnitude=_of_samples(samples, "magnitude"), sigma_mag=_of_samples(samples, "magnitude_sigma"),
-        in_fitted_range=[point.get("in_fitted_range") is not False for point in samples],
+        in_fitted_range=[point.get("in_fitted_range") in (None, True) for point in samples],
         in_field=[[float(times[0]), float(times[-1])]] if is_of_field else [],
     )  # fmt: skip
 
