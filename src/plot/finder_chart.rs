@@ -7,7 +7,7 @@ use plotters::style::text_anchor::HPos;
 use super::error::PlotError;
 use super::labels::Labels;
 use super::picture::{INK, Picture, half_size};
-use super::sky_chart::{SkyTrack, check_track};
+use super::sky_chart::{LONGEST_WITH_STARS_DAYS, SkyTrack, check_track};
 use super::star_field::{SkyDisk, StarField, StarStyle};
 use super::time_axis::LocalClock;
 use super::tracks::{arrow, clock, magnitude_text, minutes_along, place_with_line, positions_beside};
@@ -83,7 +83,8 @@ pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, PlotError> {
     let line = track.line(&DISK);
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
     picture.set_title(input.title, (WIDTH / 2.0, 26.0), 24.0, HPos::Center);
-    let field = input.site.and_then(|site| StarField::new(site, 0.5 * (first + last)));
+    let is_short = last - first < LONGEST_WITH_STARS_DAYS;
+    let field = input.site.filter(|_| is_short).and_then(|site| StarField::new(site, 0.5 * (first + last)));
     if let Some(field) = &field {
         field.draw(&mut picture, &DISK, &STARS);
     }
@@ -154,15 +155,14 @@ fn mark_brightest(picture: &mut Picture, labels: &mut Labels, track: &SkyTrack, 
     }
 }
 
-/// Returns the rows of the table in time order: events, and round times that are not close to an event. Rows are not
-/// closer than the step of known times.
+/// Returns the rows of the table in time order: events, and round times that are not close to an event.
 fn moments(track: &SkyTrack, ahead_days: f64, step_s: f64) -> Vec<Moment> {
     let n = track.time_mjd.len();
     let (first, last) = (track.time_mjd[0], track.time_mjd[n - 1]);
     let mut rows: Vec<Moment> = Vec::new();
     let mut add = |point: usize, event: &'static str| {
-        // An event at the time of an earlier one has no row of its own.
-        match rows.iter_mut().find(|row| (row.mjd - track.time_mjd[point]).abs() < 0.5 * step_s / DAY_MIN / 60.0) {
+        // Events at the same point have one row.
+        match rows.iter_mut().find(|row| row.mjd == track.time_mjd[point]) {
             Some(row) => row.event += &format!(", {event}"),
             None => rows.push(track.moment(track.time_mjd[point], event.to_owned())),
         }

@@ -39,7 +39,7 @@ const STARS: StarStyle = StarStyle {
     names: RGBColor(104, 110, 140),
     name_size: 12.5,
 };
-const LONGEST_WITH_STARS_DAYS: f64 = 1.0 / 24.0;
+pub(super) const LONGEST_WITH_STARS_DAYS: f64 = 1.0 / 24.0;
 
 /// Passes over a site.
 #[derive(Clone, Debug)]

@@ -193,8 +193,11 @@ pub(super) fn place_with_line(
     Some(free)
 }
 
-/// Draws a mark at every full minute of a track (times in MJD, UTC), with the time of this size beside it, or with a thin line to the
-/// time where there is no room beside it. Times without room are left out. `ahead_days` is the clock's difference to
+/// Largest number of marks along a track.
+const MOST_MARKS: f64 = 60.0;
+
+/// Draws a mark at every full minute of a track (times in MJD, UTC), with the time of this size beside it, or with a thin
+/// line to the time where there is no room beside it. Tracks of more than an hour have a mark every 10 min, hour or day. Times without room are left out. `ahead_days` is the clock's difference to
 /// UTC, and `own` the number of the track in `labels`.
 pub(super) fn minutes_along(
     picture: &mut Picture,
@@ -209,8 +212,11 @@ pub(super) fn minutes_along(
     let mut labelled: Option<(f64, f64)> = None;
     // Minutes of the clock that is shown: its difference to UTC may have seconds.
     let minute_of = |mjd: f64| (mjd + ahead_days) * DAY_MIN;
-    for minute in minute_of(first).ceil() as i64..=minute_of(last).floor() as i64 {
-        let mjd = minute as f64 / DAY_MIN - ahead_days;
+    // Every minute of a pass, fewer marks of a longer track, none of one of months.
+    let marks = |step: &f64| (minute_of(last) - minute_of(first)) / step <= MOST_MARKS;
+    let Some(step) = [1.0, 10.0, 60.0, 1440.0].into_iter().find(marks) else { return };
+    for mark in (minute_of(first) / step).ceil() as i64..=(minute_of(last) / step).floor() as i64 {
+        let mjd = mark as f64 * step / DAY_MIN - ahead_days;
         let Some(step) = time_mjd.windows(2).position(|pair| (pair[0]..=pair[1]).contains(&mjd)) else {
             continue;
         };

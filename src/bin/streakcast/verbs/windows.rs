@@ -28,7 +28,7 @@ use crate::failure::Outcome;
 use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::required::Required;
-use crate::screen::{Shown, Style, known_to, rounded, shown};
+use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -73,8 +73,8 @@ const ON_SCREEN: &[Shown] = &[
     shown("name", "target"),
     shown("first_start_local", "first start (local)"),
     shown("last_start_local", "last start (local)"),
-    known_to("first_start_utc", "first start (UTC)", 0, "late_s"),
-    known_to("last_start_utc", "last start (UTC)", 0, "late_s"),
+    rounded("first_start_utc", "first start (UTC)", 0),
+    rounded("last_start_utc", "last start (UTC)", 0),
     rounded("length_s", "length s", 1),
     rounded("exposure_s", "exposure s", 1),
     rounded("elements_age_days", "age d", 1),
@@ -225,7 +225,9 @@ fn add_local_times(table: &mut Table, zone: &LocalTime) {
     };
     for (name, rounded) in [("first_start_local", "up"), ("last_start_local", "down")] {
         let description = match rounded {
-            "up" => "The same in local time, rounded up to 1 s, 10 s, 1 min or 10 min, whichever is next above late_s.",
+            "up" => {
+                "The same in local time, rounded up to 1 s, 10 s, 1 min or 10 min, whichever is next above late_s, or to a finer step in a short window."
+            }
             _ => "The same in local time, rounded down.",
         };
         table.columns.push(Column::new(name, Kind::Text, description));
@@ -242,14 +244,18 @@ fn add_local_times(table: &mut Table, zone: &LocalTime) {
     }
 }
 
-/// Returns the ends of a window in local time, rounded inwards to a step in seconds; to 1 s if the window is shorter.
+/// Returns the ends of a window in local time, rounded inwards to a step in seconds, or to a finer step if the window is
+/// shorter.
 fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [String; 2] {
     let inside = |step_s: f64| {
         let step = step_s * Unit::Second;
         [first.to_time_scale(TimeScale::UTC).ceil(step), last.to_time_scale(TimeScale::UTC).floor(step)]
     };
-    let step_s = if inside(step_s)[0] <= inside(step_s)[1] { step_s } else { 1.0 };
-    inside(step_s).map(|epoch| zone.text(epoch, step_s))
+    let is_inside = |step_s: &f64| inside(*step_s)[0] <= inside(*step_s)[1];
+    let step_s = [600.0, 60.0, 10.0, 1.0].into_iter().filter(|step| *step <= step_s).find(is_inside);
+    step_s.map_or([first, last].map(|epoch| zone.text(epoch, 1.0)), |step_s| {
+        inside(step_s).map(|epoch| zone.text(epoch, step_s))
+    })
 }
 
 /// Pairs every row of the target list with its windows.

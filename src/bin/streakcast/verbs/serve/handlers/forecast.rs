@@ -4,6 +4,7 @@ use hifitime::Epoch;
 use serde_json::{Value, json};
 use streakcast::config::ForecastConfig;
 use streakcast::forecast::{Forecast, Night, PassColumns, calendar, forecast, night_table, pass_table};
+use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::passes::VisiblePasses;
 
 use super::super::super::passes::left_out_table;
@@ -14,6 +15,9 @@ use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
 };
 use crate::clock::night_at;
+
+/// Largest number of points of all passes in a response.
+const MOST_POINTS: usize = 200_000;
 
 pub const PARAMETERS: &[Parameter] = &[
     optional("night", Kind::Date, "The evening's local date; required without time_utc."),
@@ -46,9 +50,18 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let invalid = |error: String| Problem::new(400, error);
     let (request, selection) = wanted.resolve(&state.config, 0).map_err(|error| invalid(error.to_string()))?;
     let found = forecast(state.sky(), &request, &selection).map_err(|error| invalid(error.to_string()))?;
+    let points = found.found.passes.len() * request.samples.max(1);
+    if points > MOST_POINTS {
+        let passes = found.found.passes.len();
+        let text = format!(
+            "{passes} passes with {points} points; allowed: up to {MOST_POINTS} points, with fewer samples or a brighter max_mag"
+        );
+        return Err(invalid(text));
+    }
     let mut caveats = state.caveats_at(request.start, request.end, &found.found.left_out)?;
     caveats.warnings.extend(found.prior_warning(state.sky(), request.max_magnitude));
     caveats.warnings.extend(found.fitted_range_warning());
+    caveats.warnings.extend(state.prepared.unknown_part_warning(request.start, request.end));
 
     let columns = PassColumns { p_brighter: true, more: true, samples: request.samples > 0 };
     let rows = || found.rows(state.sky());
@@ -57,6 +70,9 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&caveats);
     document.value("date", night);
+    let middle = seconds_after(request.start, 0.5 * seconds_between(request.start, request.end));
+    document.value("utc_offset_h", state.utc_offset_h(middle));
+    document.value("may_have_passes", found.may_have_passes());
     document.record("night", &night_table(&found, why_empty.as_deref()));
     document.table("passes", &pass_table(rows(), columns));
     // The time of creation is that of the server's start, so that the same request has the same response.
@@ -82,6 +98,14 @@ pub fn schema() -> Value {
         ("warnings", warnings_schema()),
         ("left_out_count", left_out_count_schema()),
         ("date", json!({"type": "string", "description": "The evening's local date."})),
+        (
+            "utc_offset_h",
+            json!({"type": "number", "description": "Local time minus UTC in the middle of the night, hours."}),
+        ),
+        (
+            "may_have_passes",
+            json!({"type": "boolean", "description": "True if a night without visible passes may have some: elements are too old, or times uncertain by more than a minute."}),
+        ),
         ("night", row_schema(&night_table(&nothing, None).columns)),
         ("passes", passes),
         (

@@ -92,6 +92,12 @@ const requestForecast = latest("/api/v1/forecast", (document, parameters) => {
 }, (error, parameters) => {
   if (parameters !== tonightQuestion) return;
   setTonightBusy(false);
+  // The list is not that of the question, which may be sent again.
+  tonightQuestion = null;
+  tonight.show({ passes: [], calendar: null }, 0);
+  $("calendar").hidden = true;
+  $("tonight-title").textContent = "Tonight: unknown";
+  $("tonight-words").textContent = "";
   failed(error, "tonight");
 });
 
@@ -267,14 +273,15 @@ function setTonightBusy(isBusy) {
 function showTonight(forecast) {
   setTonightBusy(false);
   problem("tonight", null);
-  const hours = night.utc_offset_h;
+  const hours = forecast.utc_offset_h;
   tonight.show(forecast, hours);
   const of = forecast.night;
   const number = tonight.passes.length;
   const dark = of.dark_from_utc ? ` The Sun is below ${fixed(of.sun_altitude_limit_deg, 0)}° from ${hour(moment(of.dark_from_utc), hours)} to ${hour(moment(of.dark_until_utc), hours)}.` : "";
-  const found = number ? `${number} pass${number > 1 ? "es" : ""} probably brighter than mag ${tonightQuestion.max_mag}` : `no visible pass: ${of.why_empty}`;
+  const found = number ? `${number} pass${number > 1 ? "es" : ""} probably brighter than mag ${tonightQuestion.max_mag}` : `${forecast.may_have_passes ? "passes unknown" : "no visible pass"}: ${of.why_empty}`;
   const warnings = forecast.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
-  $("tonight-title").textContent = `Tonight: ${number} visible pass${number === 1 ? "" : "es"}`;
+  const isUnknown = !number && forecast.may_have_passes;
+  $("tonight-title").textContent = isUnknown ? "Tonight: unknown" : `Tonight: ${number} visible pass${number === 1 ? "" : "es"}`;
   $("tonight-words").textContent = `Night of ${forecast.date}, local time (${zone(hours)}): ${found}.${dark}${warnings}`;
   $("calendar").hidden = !number;
   $("order-label").hidden = number < 2;

@@ -37,7 +37,7 @@ export class Tonight {
   /** Shows a forecast of the server; `hours` is local time minus UTC. */
   show(forecast, hours) {
     // The events of the calendar are those of the visible passes, in the same order.
-    const [head, ...events] = (forecast.calendar ?? "").split(/(?=BEGIN:VEVENT)/);
+    const [head, ...events] = (forecast.calendar ?? "").split(/(?=^BEGIN:VEVENT\r?$)/m);
     this.calendar = forecast.calendar;
     this.passes = forecast.passes
       .filter((pass) => pass.begin_utc)
@@ -74,7 +74,7 @@ export class Tonight {
     const countdown = element("strong", "");
     const when = element("p", `${at(pass.begin_utc)} to ${at(pass.end_utc)} · `);
     when.append(countdown);
-    const chance = pass.p_brighter > 0.99 ? ">99 %" : `${Math.round(100 * pass.p_brighter)} %`;
+    const chance = pass.p_brighter == null ? "unknown probability" : pass.p_brighter > 0.99 ? ">99 %" : `${Math.round(100 * pass.p_brighter)} %`;
     const button = element("button", "Calendar");
     button.type = "button";
     button.setAttribute("aria-label", `Calendar file of ${name}, ${at(pass.begin_utc)}`);
@@ -85,7 +85,7 @@ export class Tonight {
       element("h3", name),
       when,
       element("p", bright),
-      element("p", `visible with ${chance} · ${ENDS[pass.ends_by] ?? ""} · elements ${fixed(pass.element_age_days, 1)} days old, times ± ${fixed(pass.along_track_sigma_s, 1)} s`, "muted"),
+      element("p", `visible with ${chance} · ${ENDS[pass.ends_by] ?? "end unknown"} · elements ${fixed(pass.element_age_days, 1)} days old, times ± ${fixed(pass.along_track_sigma_s, 1)} s`, "muted"),
       button,
     );
     item.append(canvas, words);

@@ -16,6 +16,7 @@ export function clock(ms, hours = 0, decimals = 0) {
 /** Returns a time of day with the digits that an error of the time allows: to 1 s, 10 s or 1 min. */
 export function known(ms, sigma_s, hours = 0, decimals = 0) {
   const sigma = sigma_s ?? Infinity;
+  if (sigma > 60 && sigma < Infinity) return clock(Math.round(ms / 600e3) * 600e3, hours).slice(0, 5);
   if (sigma > 10) return clock(Math.round(ms / 60e3) * 60e3, hours).slice(0, 5);
   return clock(sigma > 1 ? Math.round(ms / 10e3) * 10e3 : ms, hours, sigma > 0.1 ? 0 : decimals);
 }
@@ -77,7 +78,7 @@ export function save(text, name, type) {
   link.href = URL.createObjectURL(new Blob([text], { type }));
   link.download = name;
   link.click();
-  URL.revokeObjectURL(link.href);
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
 /** Copies text to the clipboard, with a fallback for pages that are not on loopback. Returns whether that succeeded. */
