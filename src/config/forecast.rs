@@ -146,8 +146,8 @@ pub struct ForecastConfig {
     #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Filters"))]
     pub selection: SelectionConfig,
     /// Include passes in the Earth's shadow and by daylight
-    #[cfg_attr(feature = "cli", arg(long, help_heading = "Filters"))]
-    pub include_dark: bool,
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Filters"))]
+    pub include_dark: Option<bool>,
     /// Points along each pass from rise to set; 61 for light curves if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Output"))]
     pub samples: Option<usize>,
@@ -165,7 +165,7 @@ impl Default for ForecastConfig {
             min_culmination: 0.0,
             sun_altitude_deg: Some(-6.0),
             selection: SelectionConfig::default(),
-            include_dark: false,
+            include_dark: None,
             samples: None,
         }
     }
@@ -213,7 +213,7 @@ impl ForecastConfig {
             min_probability: self.min_p_brighter,
             twilight: !self.no_atmosphere,
             order,
-            include_dark: self.include_dark || config.include_dark.unwrap_or(false),
+            include_dark: self.include_dark.or(config.include_dark).unwrap_or(false),
             samples: self.samples.or(config.samples).unwrap_or(default_samples),
             photometry,
         };

@@ -134,8 +134,9 @@ pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Formats seconds with two significant digits below 10 s.
+/// Formats seconds with two decimals below 1 s and one below 10 s, at least 0.01 s.
 fn seconds(seconds: f64) -> String {
+    let seconds = seconds.max(0.01);
     let decimals = if seconds < 1.0 { 2 } else { usize::from(seconds < 10.0) };
     format!("{seconds:.decimals$} s")
 }
@@ -237,11 +238,11 @@ fn draw_table(picture: &mut Picture, rows: &[Moment], ahead_days: f64, step_s: f
     rule(picture, TABLE_TOP + 16.0);
     let mut y = TABLE_TOP + 36.0;
     for row in rows {
-        let azimuth = format!("{:.0}° {}", row.azimuth_deg, compass(row.azimuth_deg.to_radians()));
+        let azimuth = format!("{:.0}° {}", row.azimuth_deg.round() % 360.0, compass(row.azimuth_deg.to_radians()));
         let magnitude = magnitude_text(row.magnitude, row.sigma_mag);
         let magnitude = if row.magnitude.is_finite() { magnitude } else { "not visible".to_owned() };
         let time = clock(row.mjd + ahead_days, step_s);
-        let altitude = format!("{:.0}°", row.altitude_deg);
+        let altitude = format!("{:.0}°", row.altitude_deg.max(0.0));
         for (text, (_, x)) in [&time, &row.event, &altitude, &azimuth, &magnitude].into_iter().zip(COLUMNS) {
             picture.text(text, (x, y), ROW_SIZE, HPos::Left);
         }

@@ -165,12 +165,15 @@ impl Picture {
     /// longer than its width.
     pub(super) fn dashed(&mut self, points: &[(f64, f64)], [stroke, gap]: [f64; 2], colour: RGBAColor, width: f64) {
         // Strokes have round ends, each half the width longer.
-        let (stroke, gap) = (stroke - width, gap + width);
+        let (stroke, gap) = ((stroke - width).max(0.1), gap + width);
         let mut dash = Vec::new();
         let (mut is_stroke, mut left) = (true, stroke);
         for pair in points.windows(2) {
             let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
             let length = (x1 - x0).hypot(y1 - y0);
+            if !length.is_finite() {
+                continue;
+            }
             let mut gone = 0.0;
             while gone < length {
                 let at = |gone: f64| (x0 + (x1 - x0) * gone / length, y0 + (y1 - y0) * gone / length);

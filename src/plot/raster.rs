@@ -72,6 +72,7 @@ impl Raster {
                         crossings.push((x0 + (x1 - x0) * (y - y0) / (y1 - y0), if y0 <= y { 1 } else { -1 }));
                     }
                 }
+                crossings.retain(|crossing| crossing.0.is_finite());
                 crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
                 let mut turns = 0;
                 for pair in crossings.windows(2) {

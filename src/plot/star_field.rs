@@ -119,7 +119,7 @@ impl StarField {
     /// Returns the sky of a site at a time, MJD (UTC); `None` for a time outside the range of dates.
     ///
     /// Refraction, aberration and proper motion are not included. The positions are accurate to half a degree at the
-    /// horizon, and to 0.01 degrees high above it.
+    /// horizon, and to 0.1 degrees above 10 degrees.
     pub fn new(site: &Site, mjd: f64) -> Option<Self> {
         let moment = epoch_from_mjd(mjd, TimeScale::UTC).ok()?;
         let state = Observer::new(site.clone()).state(&Orientation::at(moment, &EopTable::embedded()));

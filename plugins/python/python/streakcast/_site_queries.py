@@ -124,7 +124,7 @@ class SiteQueries(ModelState):
             min_culmination=finite_scalar(min_culmination, "deg", "min_culmination"),
             sun_altitude_deg=None if max_sun_altitude is None else finite_scalar(max_sun_altitude, "deg", "max_sun_altitude"),
             generation=_texts(generation, "generation"), name=_texts(name, "name"), norad=_norad_ids(norad),
-            include_dark=bool(include_dark or False), samples=None if samples is None else count(samples, "samples", 0),
+            include_dark=None if include_dark is None else bool(include_dark), samples=None if samples is None else count(samples, "samples", 0),
         )  # fmt: skip
         if (start is None) != (end is None):
             raise ValueError("start and end require each other; specify both or neither")
