@@ -127,6 +127,7 @@ fn nested<'py>(py: Python<'py>, column: &Column, cell: &Value) -> PyResult<Bound
                     match cell {
                         Value::Real(number) => entry.set_item(column.name, number)?,
                         Value::Integer(number) => entry.set_item(column.name, number)?,
+                        Value::Boolean(truth) => entry.set_item(column.name, truth)?,
                         Value::Null => entry.set_item(column.name, py.None())?,
                         other => entry.set_item(column.name, column.text(other))?,
                     }
