@@ -172,8 +172,8 @@ impl Default for ForecastConfig {
 }
 
 impl ForecastConfig {
-    /// Checks the values and converts them to a request and a selection of satellites. Passes in the shadow are included
-    /// if `self` or `config` includes them. `default_samples` is the number of points along each pass if neither of them
+    /// Checks the values and converts them to a request and a selection of satellites. `self` determines whether passes in
+    /// the shadow are included, or else `config`. `default_samples` is the number of points along each pass if neither of them
     /// sets it. Without an extinction in `config`, that of clear air at the height of the site is applied.
     ///
     /// # Errors

@@ -46,7 +46,8 @@ pub struct FormScore {
     pub aic: f64,
     /// Sigma that contains 68.3 % of the weight of the residuals of the points that were held out, mag.
     pub sigma_68_mag: f64,
-    /// Fraction of the weight of the points of each fold whose residual is within the sigma of the *other* folds. It shows whether a
+    /// Fraction of the weight of the points of each fold whose residual is within the sigma of the *other* folds. It
+    /// shows whether a
     /// predicted sigma holds for new points.
     pub within_one_sigma: f64,
 }

@@ -9,7 +9,8 @@ use super::form::{BLOCK, Evaluated, Parameter, Prepared};
 use super::inference::{LogProbability, NormalEquations};
 use super::point::FitPoint;
 
-/// Loss function ρ(r) of a residual r in units of its error; ½ w ρ, with the weight w of the point, is the negative logarithm of a likelihood, up to a
+/// Loss function ρ(r) of a residual r in units of its error; ½ w ρ, with the weight w of the point, is the negative
+/// logarithm of a likelihood, up to a
 /// constant.
 #[derive(Copy, Clone, Debug, PartialEq, Default)]
 #[non_exhaustive]

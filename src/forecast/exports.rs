@@ -34,7 +34,8 @@ pub struct EmptyNight<'a> {
 ///
 /// Lines end in CR LF and are folded at 75 bytes (section 3.1), and text is escaped (section 3.3.11). The UID of an
 /// event does not depend on `made`, and seldom on errors of a few seconds (only if the culmination passes a half hour),
-/// so that a calendar from newer elements replaces the events. An event starts at the last whole step before the visible part begins, and ends at
+/// so that a calendar from newer elements replaces the events. An event starts at the last whole step before the
+/// visible part begins, and ends at
 /// the first one after it ends; the step is 1 s, 10 s, 1 min or 10 min, whichever is next above the error of the times. A
 /// calendar must have at least one component (section 3.6): if `empty` is given, the night is written as one transparent
 /// event with the reason.

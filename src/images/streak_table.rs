@@ -227,7 +227,8 @@ impl StreakRow<'_> {
         }
     }
 
-    /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the row from 1 if it is empty.
+    /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the
+    /// row from 1 if it is empty.
     pub fn id(&self, number: usize) -> String {
         match self.text(self.table.id) {
             "" => number.to_string(),

@@ -175,7 +175,8 @@ pub struct ScoreObserver {
 /// Returns the measurements in the columns of the SCORE upload format, which `streakcast fit` also reads.
 ///
 /// Streaks that were not found have no magnitude, the limit in `limiting_magnitude` and a comment, as the format
-/// requires for non-detections. Saturated streaks, satellites of unknown position and instrumental magnitudes are omitted. The range is that of the
+/// requires for non-detections. Saturated streaks, satellites of unknown position and instrumental magnitudes are
+/// omitted. The range is that of the
 /// prediction.
 pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserver) -> Table {
     let columns = [

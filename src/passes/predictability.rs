@@ -1,6 +1,7 @@
 //! Whether the positions of a catalogue are known at a time: the rule that decides if exposures can be judged.
 //!
-//! A satellite whose elements are too old is left out of every search ([`OrbitClass::is_known`](crate::orbit::OrbitClass::is_known)). An exposure cannot be
+//! A satellite whose elements are too old is left out of every search
+//! ([`OrbitClass::is_known`](crate::orbit::OrbitClass::is_known)). An exposure cannot be
 //! judged if the search finds less than half of all crossings ([`Predictability::is_unknown`]): "no crossing" would then
 //! be wrong more often than right. Synthetic satellites are always known, and so is a satellite whose ephemeris covers
 //! the time.

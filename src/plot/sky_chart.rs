@@ -72,7 +72,8 @@ pub struct SkyTrack {
     pub magnitude: Vec<f64>,
     /// Uncertainties (one sigma) of the magnitudes, mag; NaN if unknown; shape `(n_point)`.
     pub sigma_mag: Vec<f64>,
-    /// One sigma of all times of the pass, seconds; NaN if unknown. Times are written to 1 s, 10 s or 1 min, whichever is
+    /// One sigma of all times of the pass, seconds; NaN if unknown. Times are written to 1 s, 10 s, 1 min or 10 min,
+    /// whichever is
     /// next above it, and to 1 min if it is unknown.
     pub time_sigma_s: f64,
 }

@@ -197,7 +197,8 @@ pub(super) fn place_with_line(
 const MOST_MARKS: f64 = 60.0;
 
 /// Draws a mark at every full minute of a track (times in MJD, UTC), with the time of this size beside it, or with a thin
-/// line to the time where there is no room beside it. Tracks of more than an hour have a mark every 10 min, hour or day. Times without room are left out. `ahead_days` is the clock's difference to
+/// line to the time where there is no room beside it. Tracks of more than an hour have a mark every 10 min, hour or
+/// day. Times without room are left out. `ahead_days` is the clock's difference to
 /// UTC, and `own` the number of the track in `labels`.
 pub(super) fn minutes_along(
     picture: &mut Picture,

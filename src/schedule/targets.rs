@@ -35,7 +35,8 @@ pub struct ListedTarget {
 ///
 /// Columns: `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or exposure)`; optional: `unique_id, rotation_deg,
 /// band`. Positions are ICRS, in degrees or as text such as `12h34m56s` and `-30d30m`; numbers in another unit that the
-/// file or the name of the column states are converted. A row without a position is kept, with the reason. `duration_s` and `rotation_rad` are used for rows without an exposure time or a rotation.
+/// file or the name of the column states are converted. A row without a position is kept, with the reason.
+/// `duration_s` and `rotation_rad` are used for rows without an exposure time or a rotation.
 ///
 /// # Errors
 /// Same as [`Schedule::read`](super::Schedule::read), and missing columns.

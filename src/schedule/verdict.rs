@@ -71,7 +71,8 @@ pub struct Verdict {
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses, of any brightness.
     pub p_crossing: f64,
-    /// True if `p_any`, `p_crossing`, the expected loss and the cost are lower limits: for at least one satellite, more than 10 %
+    /// True if `p_any`, `p_crossing`, the expected loss and the cost are lower limits: for at least one satellite,
+    /// more than 10 %
     /// of the possible delays are outside the range searched, or more than 10 % of the satellites are of unknown
     /// position.
     pub p_any_is_lower_limit: bool,

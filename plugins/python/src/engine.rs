@@ -182,7 +182,8 @@ impl Engine {
         Some((telescope.bright_share, telescope.bright_mag_in(band), self.policy.limit_mag_in(band)))
     }
 
-    /// Returns the rotation of the field in degrees, whether dark crossings are included, and the number of points along each pass,
+    /// Returns the rotation of the field in degrees, whether dark crossings are included, and the number of points
+    /// along each pass,
     /// of the configuration file.
     #[getter]
     fn defaults(&self) -> (f64, bool, usize) {

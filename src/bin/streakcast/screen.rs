@@ -123,7 +123,7 @@ fn cell_texts(table: &Table, row: &[Value], columns: &[(usize, &Shown)]) -> Vec<
 }
 
 /// Formats a time rounded to `decimals` of the second, or to its error (seconds) if this is larger: to the next step of
-/// 0.1 s, 1 s, 10 s or 1 min, without seconds if this is a minute. A time of unknown error is rounded to 1 min.
+/// 0.1 s, 1 s, 10 s, 1 min or 10 min, without seconds from a minute on. A time of unknown error is rounded to 1 min.
 fn time_text(epoch: Epoch, decimals: usize, error: &Value) -> String {
     let error_s = match error {
         Value::Real(error_s) => *error_s,

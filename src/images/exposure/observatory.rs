@@ -47,7 +47,8 @@ pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known 
 /// site, because no standard defines their sign and unit, and both signs are in use; they must not contradict its name.
 ///
 /// # Errors
-/// A position that is not on the Earth; names and positions more than 15 km apart; SITELAT, SITELONG, ... of another place; or a name that fits several
+/// A position that is not on the Earth; names and positions more than 15 km apart; SITELAT, SITELONG, ... of another
+/// place; or a name that fits several
 /// sites, such as ATLAS, without a keyword that decides between them.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesError> {
     let keywords = Keywords(headers);

@@ -81,7 +81,8 @@ impl<'a> FrameCopy<'a> {
     ///
     /// Light that is added several times to one pixel is summed, and stored once by [`finish`](FrameCopy::finish). If
     /// pixels are quantised (integers, quantised tiles), light between two steps is rounded up or down with a random
-    /// number for each pixel and [seed](FrameCopy::set_seed), so that the sum over many pixels is correct for faint light, too. Sums are
+    /// number for each pixel and [seed](FrameCopy::set_seed), so that the sum over many pixels is correct for faint
+    /// light, too. Sums are
     /// limited to the range of the type. A blank pixel (NaN, or BLANK of integers) is not changed.
     ///
     /// In compressed images, tiles with added light are compressed again with the same algorithm, scale and dither.

@@ -197,7 +197,8 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags about satellites if random or chosen streaks are injected, because they have no effect then. The same keys in a
+/// Rejects flags about satellites if random or chosen streaks are injected, because they have no effect then. The
+/// same keys in a
 /// configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);

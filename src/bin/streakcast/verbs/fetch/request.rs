@@ -58,7 +58,8 @@ impl Response {
     }
 }
 
-/// Sends one request, with login and logout if the source needs them. A redirect is reported and not followed, because it means that the source has moved.
+/// Sends one request, with login and logout if the source needs them. A redirect is reported and not followed,
+/// because it means that the source has moved.
 pub fn send(
     source: &Source,
     options: &RequestOptions,

@@ -143,7 +143,8 @@ pub struct WeightArguments {
     /// Scatter of single measurements in addition to their errors, mag (with --raw-points)
     #[arg(long, requires = "raw_points", value_name = "MAG", default_value_t = 0.3, help_heading = "Reduction")]
     pub scatter_mag: f64,
-    /// Give equal weights to all measurements instead of weights by the correlation within a track, night or pass (with --raw-points)
+    /// Give equal weights to all measurements instead of weights by the correlation within a track, night or pass
+    /// (with --raw-points)
     #[arg(long, requires = "raw_points", help_heading = "Reduction")]
     pub equal_weights: bool,
 }

@@ -13,7 +13,7 @@ export function clock(ms, hours = 0, decimals = 0) {
   return `${two(date.getUTCHours())}:${two(date.getUTCMinutes())}:${two(date.getUTCSeconds())}${fraction}`;
 }
 
-/** Returns a time of day with the digits that an error of the time allows: to 1 s, 10 s or 1 min. */
+/** Returns a time of day with the digits that an error of the time allows: to 1 s, 10 s, 1 min or 10 min. */
 export function known(ms, sigma_s, hours = 0, decimals = 0) {
   const sigma = sigma_s ?? Infinity;
   if (sigma > 60 && sigma < Infinity) return clock(Math.round(ms / 600e3) * 600e3, hours).slice(0, 5);
