@@ -14,14 +14,14 @@ use crate::input;
 use crate::passes::Exposure;
 
 /// Default clock error (one sigma), seconds.
-const TIME_SIGMA_S: f64 = 0.5;
+pub(super) const TIME_SIGMA_S: f64 = 0.5;
 /// Default error of a position angle (one sigma), degrees.
 const ANGLE_SIGMA_DEG: f64 = 1.0;
 /// Default position error of an end (one sigma), arcsec.
 const POSITION_SIGMA_ARCSEC: f64 = 5.0;
 /// Default position error (one sigma) of an end measured by eye in a frame, pixels.
 #[cfg(all(feature = "fits", unix))]
-const POSITION_SIGMA_PIX: f64 = 3.0;
+pub(super) const POSITION_SIGMA_PIX: f64 = 3.0;
 
 /// Accepted ways to specify a streak, for error messages.
 pub const STREAK_FORMS: &str =

@@ -77,8 +77,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
                 (streak.from_pix, streak.to_pix) = (from, to);
             }
         }
-        let origin = format!("{}: line {}", path.display(), row.line);
-        streaks.push(TableStreak { id: row.id(number), origin, streak });
+        streaks.push(TableStreak { id: row.id(number), origin: row.origin(), streak });
     }
     Ok((streaks, table.remarks(&["start_utc", "duration_s"])))
 }

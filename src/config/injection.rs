@@ -221,6 +221,10 @@ pub struct InjectionConfig {
     /// Number of points along each streak in the extension STREAK_POINTS
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 11, help_heading = "Truth"))]
     pub truth_points: usize,
+    /// Labels for the training of detectors, beside the frames: coco (FRAME.coco.json, or coco.json of several frames),
+    /// yolo (FRAME.txt, oriented boxes) and ds9 (FRAME.reg); several are separated by commas
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FORMAT", value_delimiter = ',', help_heading = "Truth"))]
+    pub labels: Vec<String>,
     /// Mask bits: lsst, desdm, last, ztf, hst
     #[cfg_attr(feature = "cli", arg(long, value_name = "SURVEY", default_value = "lsst", help_heading = "Truth"))]
     pub mask_bits: String,
@@ -263,6 +267,7 @@ impl Default for InjectionConfig {
             no_noise: false,
             seed: 0,
             truth_points: 11,
+            labels: Vec::new(),
             mask_bits: "lsst".to_owned(),
             pixels_only: false,
         }

@@ -17,7 +17,7 @@ use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
-    ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LightCurve, MaskPreset,
+    ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LabelFormat, LightCurve, MaskPreset,
     Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan, Tumbling,
 };
 use crate::watch::Watch;
@@ -93,6 +93,31 @@ impl InjectionConfig {
     pub fn files(&self) -> Vec<PathBuf> {
         let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector, &self.streaks];
         self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
+    }
+
+    fn label_formats(&self) -> Result<Vec<LabelFormat>, ConfigError> {
+        let mut formats = Vec::new();
+        for name in &self.labels {
+            let format = LabelFormat::by_name(name)?;
+            if !formats.contains(&format) {
+                formats.push(format);
+            }
+        }
+        Ok(formats)
+    }
+
+    /// Returns the paths of the labels of frames with one chip.
+    ///
+    /// # Errors
+    /// An unknown format.
+    pub fn label_paths(&self, outputs: &[PathBuf]) -> Result<Vec<PathBuf>, ConfigError> {
+        let formats = self.label_formats()?;
+        let paths = formats.iter().flat_map(|format| {
+            // COCO has one file for all frames.
+            let frames = if *format == LabelFormat::Coco { &outputs[..outputs.len().min(1)] } else { outputs };
+            frames.iter().map(|frame| format.path(frame, outputs.len(), None))
+        });
+        Ok(paths.collect())
     }
 
     /// Returns true for random streaks and streaks of a table, false for satellites.
@@ -178,6 +203,7 @@ impl InjectionConfig {
             noise: !self.no_noise,
             seed: self.seed,
             truth_points: self.truth_points,
+            labels: self.label_formats()?,
             mask_preset: MaskPreset::by_name(&self.mask_bits)?,
             pixels_only: self.pixels_only,
         })

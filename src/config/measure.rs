@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::document::Config;
 use super::error::ConfigError;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
+use super::measured_tables::{MeasuredTables, identify_listed};
 use super::prepared::state_scales;
 use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::frames::{parse_moment, seconds_after};
@@ -15,10 +16,10 @@ use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
 use crate::measure::{
     CatalogueStar, Estimate, FrameMeasurements, FrameOptions, MeasureOptions, MeasuredPass, StarTable, StarZeroPoint,
-    ZeroPoints, measure_frame,
+    ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table,
 };
 use crate::orbit::LeftOut;
-use crate::output::Provenance;
+use crate::output::{Provenance, Table};
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
@@ -36,6 +37,13 @@ pub struct MeasureConfig {
     /// Frames (FITS) with world coordinates, including mosaics and tile-compressed .fz
     #[cfg_attr(feature = "cli", arg(value_name = "FRAME"))]
     pub image: Vec<PathBuf>,
+    /// Tables of streaks, instead of predicted satellites: CSV or ECSV with their ends, streaks.txt of ASTRiDE, or the
+    /// catalog of acstools.findsat_mrt. With --elements or --shells the streaks are identified
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TABLE", num_args = 1..))]
+    pub streaks: Vec<PathBuf>,
+    /// Position error (one sigma) of the ends of --streaks with its unit; 3 pixels if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "streaks"))]
+    pub place_sigma: Option<String>,
     /// HDUs to use, counted from 0; all images with world coordinates if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", num_args = 1.., value_delimiter = ','))]
     pub hdu: Vec<usize>,
@@ -87,6 +95,9 @@ pub struct MeasureConfig {
 pub struct Measurements {
     /// Measured streaks and upper limits.
     pub passes: Vec<MeasuredPass>,
+    /// Table of all measurements. For streaks of tables it has a row for each streak, also for those that are not
+    /// measured.
+    pub table: Table,
     /// Satellites whose positions cannot be computed, for each frame.
     pub left_out: Vec<LeftOut>,
     /// Site of the frames.
@@ -100,54 +111,51 @@ pub struct Measurements {
 }
 
 impl MeasureConfig {
-    /// Opens the frames, predicts the satellites in them, and measures their streaks.
+    /// Opens the frames, predicts the satellites in them, and measures their streaks, or measures the streaks of tables.
     ///
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
+    /// Streaks of tables need no satellites.
     ///
     /// # Errors
-    /// A frame has no image, world coordinates, time or site, or a value is out of range.
+    /// A frame has no image, world coordinates, time or site, a table is invalid, or a value is out of range.
     pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>, watch: &Watch) -> Result<Measurements, ConfigError> {
         if self.stars.is_some() && (self.zero_point.is_some() || self.zero_point_1s.is_some()) {
             return Err(ConfigError::Both { first: "--stars", second: "--zero-point" });
         }
         let satellite_size_m = checked_size(self.satellite_size)?;
+        let place_sigma = self.place_sigma.as_deref().map(|text| parse_angle_deg("place-sigma", text)).transpose()?;
         let table = self.stars.as_deref().map(StarTable::read).transpose()?;
+        let mut listed = MeasuredTables::read(&self.streaks, &self.image)?;
         let frames: Vec<(TargetFrame, bool)> =
-            self.image.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
-        let (Some(first), Some(last)) = (
+            listed.frames.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
+        let (first, last) = (
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
-        ) else {
-            return Err(ConfigError::invalid("missing frames; specify FRAME..., FITS files"));
-        };
-        let (config, remark) = with_site(config, &frames)?;
-        let of_all = match sky {
-            Some(sky) => sky(first)?,
-            None => Arc::new(config.prepare(first, last)?),
+        );
+        let has_sky = self.streaks.is_empty() || sky.is_some() || config.has_satellites();
+        let (config, remark) = if has_sky { with_site(config, &frames)? } else { (config.clone(), None) };
+        let of_all = match (first.zip(last), sky) {
+            (None, _) if self.streaks.is_empty() => {
+                return Err(ConfigError::invalid("missing frames; specify FRAME..., FITS files"));
+            }
+            (None, _) => None,
+            (Some(_), _) if !has_sky => None,
+            (Some((first, _)), Some(sky)) => Some(sky(first)?),
+            (Some((first, last)), None) => Some(Arc::new(config.prepare(first, last)?)),
         };
         // The warnings of a given sky are not repeated here.
-        let mut warnings = if sky.is_some() { Vec::new() } else { of_all.warnings.clone() };
-        let mut remarks: Vec<String> = remark.into_iter().collect();
-        let (mut passes, mut left_out) = (Vec::new(), Vec::new());
+        let mut warnings = of_all.iter().filter(|_| sky.is_none()).flat_map(|all| all.warnings.clone()).collect();
+        let mut remarks: Vec<String> = remark.into_iter().chain(std::mem::take(&mut listed.remarks)).collect();
+        let (mut passes, mut left_out, mut rows) = (Vec::new(), Vec::new(), Vec::new());
         for (frame, is_calibrated) in &frames {
-            let prepared = match sky {
-                Some(sky) => sky(frame.opened)?,
-                None => of_all.clone(),
+            let prepared = match (&of_all, sky) {
+                (None, _) => None,
+                (Some(_), Some(sky)) => Some(sky(frame.opened)?),
+                (Some(all), None) => Some(all.clone()),
             };
+            let sky = prepared.as_ref().map(|prepared| prepared.sky.watched(watch));
             let shown = frame.file.path().display();
-            let ignored = frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"));
-            warnings.extend(ignored);
-            if !is_calibrated && table.is_none() {
-                warnings.push(format!(
-                    "{shown}: no zero point: magnitudes are instrumental, -2.5 log10 of the counts; specify --zero-point or --stars"
-                ));
-            }
-            if frame.chips.iter().any(|target| target.electrons_per_unit.is_none()) {
-                let doubt = frame.doubtful_gain.as_ref().map(|doubt| format!(" ({doubt})")).unwrap_or_default();
-                warnings.push(format!(
-                    "{shown}: the gain is unknown{doubt}: errors do not contain the photon noise of the streaks; specify --gain"
-                ));
-            }
+            state_frame(frame, *is_calibrated || table.is_some(), &mut warnings);
             let photometry = photometry(&config, frame)?;
             let (optics, is_seeing_known) = self.optics(&config, frame)?;
             let filter = config.light.band.as_deref().or(frame.filter.as_deref());
@@ -167,7 +175,22 @@ impl MeasureConfig {
                 measure,
                 cuts: self.cuts,
             };
-            let measured: FrameMeasurements = measure_frame(&prepared.sky.watched(watch), frame, &options)?;
+            let measured: FrameMeasurements = match &sky {
+                Some(sky) if self.streaks.is_empty() => measure_frame(sky, frame, &options)?,
+                sky => {
+                    let mut streaks = listed.of(frame.file.path());
+                    let mut unknown = Vec::new();
+                    if let Some(sky) = sky {
+                        unknown = identify_listed(sky, frame, &mut streaks, place_sigma, &photometry)?;
+                    }
+                    let sigma_arcsec = place_sigma.map(|deg| deg * 3600.0);
+                    let (found, done) = measure_listed(frame, &streaks, sigma_arcsec, &options, watch)?;
+                    let of_frame = found.iter().filter_map(|one| one.measured.as_ref().ok());
+                    let of_frame = of_frame.map(|pass| MeasuredPass::clone(pass)).collect();
+                    rows.extend(found);
+                    FrameMeasurements { passes: of_frame, left_out: unknown, ..done }
+                }
+            };
             for (hdu, from_stars) in &measured.star_zero_points {
                 state_stars(
                     &format!("{shown}: HDU {hdu}"),
@@ -199,10 +222,12 @@ impl MeasureConfig {
             left_out.extend(measured.left_out);
         }
         let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-        let mut provenance = of_all.provenance.clone();
+        let mut provenance = of_all.as_ref().map_or_else(Provenance::new, |all| all.provenance.clone());
         state_scales(&mut provenance, &scale, &config.photometry()?);
-        let site = of_all.sky.viewpoint().site().map(|observer| observer.site().clone());
-        Ok(Measurements { passes, left_out, site, provenance, remarks, warnings })
+        let viewpoint = of_all.as_ref().and_then(|all| all.sky.viewpoint().site());
+        let site = viewpoint.map(|observer| observer.site().clone());
+        let table = if self.streaks.is_empty() { measurement_table(&passes) } else { listed_table(&rows) };
+        Ok(Measurements { passes, table, left_out, site, provenance, remarks, warnings })
     }
 
     /// Opens a frame; returns it and whether it has a zero point.
@@ -242,6 +267,23 @@ impl MeasureConfig {
             inner_radius_m: telescope.as_ref().map_or(0.0, |telescope| telescope.inner_radius_m),
         };
         Ok((optics, given.is_some()))
+    }
+}
+
+/// Adds the HDUs of a frame that are ignored, and its missing calibration, to the warnings.
+fn state_frame(frame: &TargetFrame, has_zero_point: bool, warnings: &mut Vec<String>) {
+    let shown = frame.file.path().display();
+    warnings.extend(frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}")));
+    if !has_zero_point {
+        warnings.push(format!(
+            "{shown}: no zero point: magnitudes are instrumental, -2.5 log10 of the counts; specify --zero-point or --stars"
+        ));
+    }
+    if frame.chips.iter().any(|target| target.electrons_per_unit.is_none()) {
+        let doubt = frame.doubtful_gain.as_ref().map(|doubt| format!(" ({doubt})")).unwrap_or_default();
+        warnings.push(format!(
+            "{shown}: the gain is unknown{doubt}: errors do not contain the photon noise of the streaks; specify --gain"
+        ));
     }
 }
 

@@ -25,6 +25,8 @@ mod inputs;
 mod mask;
 #[cfg(all(feature = "fits", unix))]
 mod measure;
+#[cfg(all(feature = "fits", unix))]
+mod measured_tables;
 mod observation;
 mod prepared;
 mod site;

@@ -144,8 +144,9 @@ impl StreakTable {
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
             return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
         }
-        let [id, name, image, hdu] = ["id", "name", "image", "hdu"].map(|column| rows.find(column));
-        let id = id.or(name);
+        let [id, streak, name, image, hdu] =
+            ["id", "streak", "name", "image", "hdu"].map(|column| rows.find(column));
+        let id = id.or(streak).or(name);
         let more = also(&rows).map_err(&failed)?;
         let names = rows.names().to_vec();
         let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
@@ -164,7 +165,7 @@ impl StreakTable {
         let of_ends =
             FORM_COLUMNS.iter().flat_map(|(_, columns)| columns.iter().flat_map(|column| [column.0, column.1]));
         let known: Vec<&str> =
-            ["id", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
+            ["id", "streak", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
         // A column may have another unit than the one in the known name.
         let stem = |name: &str| name.rsplit_once('_').map(|(stem, _)| stem.to_owned());
         let is_known = |name: &str| {
@@ -204,11 +205,15 @@ impl StreakRow<'_> {
         column.map_or("", |column| self.cells.text(column))
     }
 
+    /// Returns the table and the line, for errors.
+    pub(crate) fn origin(&self) -> String {
+        format!("{}: line {}", self.table.path.display(), self.line)
+    }
+
     /// Returns the error of an invalid cell, with file, line and column.
     pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> ImagesError {
         let given = if given.is_empty() { "missing".to_owned() } else { format!("'{}'", Quoted::new(given)) };
-        let (path, line) = (self.table.path.display(), self.line);
-        ImagesError::invalid(format!("{path}: line {line}: {column}"), given, allowed)
+        ImagesError::invalid(format!("{}: {column}", self.origin()), given, allowed)
     }
 
     /// Returns the number in a cell; `None` if the column is missing or the cell is empty.
@@ -227,8 +232,8 @@ impl StreakRow<'_> {
         }
     }
 
-    /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the
-    /// row from 1 if it is empty.
+    /// Returns the name of the streak: the cell `id`, or `streak` or `name` in a table without this column, or the number
+    /// of the row from 1 if it is empty.
     pub fn id(&self, number: usize) -> String {
         match self.text(self.table.id) {
             "" => number.to_string(),
@@ -253,6 +258,12 @@ impl StreakRow<'_> {
                 Ok(Some(hdu))
             }
         }
+    }
+
+    /// Returns true if a cell of an end is not empty.
+    pub fn has_ends(&self) -> bool {
+        let columns = self.table.forms.iter().flat_map(|form| &form.columns);
+        columns.into_iter().any(|column| !self.cells.text(column.column).is_empty())
     }
 
     /// Returns the ends of the streak: those of the first form whose four cells have numbers, in the order pixel ends,

@@ -17,6 +17,7 @@ use crate::orbit::LeftOut;
 use crate::passes::Sky;
 use crate::photometry::PhotometryOptions;
 use crate::streaks::{CountScale, Optics, TargetFrame};
+use crate::watch::Watch;
 
 /// Source of the zero points of a frame.
 #[derive(Copy, Clone, Debug)]
@@ -128,13 +129,30 @@ pub fn measure_frame(
         ..PredictOptions::default()
     };
     let (predicted, left_out) = predictions(sky, frame, &options.photometry, &expected)?;
-    let mut done = FrameMeasurements { left_out, ..FrameMeasurements::default() };
+    let (measured, done) = measure_predictions(frame, &predicted, options, sky.watch())?;
+    Ok(FrameMeasurements { passes: measured.into_iter().map(|(_, pass)| pass).collect(), left_out, ..done })
+}
+
+/// Measures predicted streaks in a frame. Returns the measurements, each with the index of its prediction, and the zero
+/// points and planes.
+///
+/// # Errors
+/// Pixels cannot be read, or the image of a star cannot be drawn.
+pub fn measure_predictions(
+    frame: &TargetFrame,
+    predicted: &[Prediction],
+    options: &FrameOptions<'_>,
+    watch: &Watch,
+) -> Result<(Vec<(usize, MeasuredPass)>, FrameMeasurements), MeasureError> {
+    let mut done = FrameMeasurements::default();
+    let mut passes = Vec::new();
     for (index, target) in frame.chips.iter().enumerate() {
-        let of_chip: Vec<&Prediction> = predicted.iter().filter(|prediction| prediction.chip == index).collect();
+        let of_chip: Vec<(usize, &Prediction)> =
+            predicted.iter().enumerate().filter(|(_, prediction)| prediction.chip == index).collect();
         if of_chip.is_empty() {
             continue;
         }
-        sky.watch().check()?;
+        watch.check()?;
         let chip = &target.chip;
         let mut plane = frame.file.read_plane(chip.hdu)?;
         done.planes_used.extend(remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?);
@@ -154,7 +172,7 @@ pub fn measure_frame(
         let is_calibrated = !matches!(options.zero_points, ZeroPoints::Missing);
         let mut scale = ChipScale { scale: chip.scale, is_calibrated, sigma_mag: None };
         if let ZeroPoints::Stars(stars) = options.zero_points {
-            let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known, sky.watch())?;
+            let from_stars = star_zero_point(&image, &chip.wcs, stars, &optics, options.is_seeing_known, watch)?;
             let zero_point_mag = from_stars.zero_point_mag.map_or(0.0, |zero_point| zero_point.value);
             scale = ChipScale {
                 scale: CountScale::of_frame(zero_point_mag, frame.exposure_s)?,
@@ -167,8 +185,9 @@ pub fn measure_frame(
             }
             done.star_zero_points.push((chip.hdu, from_stars));
         }
-        let measured = of_chip.par_iter().map(|prediction| -> Result<Option<MeasuredPass>, MeasureError> {
-            sky.watch().check()?;
+        let measured = of_chip.par_iter().map(|(number, prediction)| -> Result<Option<(usize, MeasuredPass)>, _> {
+            watch.check()?;
+            let (optics, measure) = width_of(prediction, optics, measure);
             let Some(measured) = measure_streak(&image, &prediction.streak, &optics, &measure)? else {
                 return Ok(None);
             };
@@ -179,11 +198,23 @@ pub fn measure_frame(
                 Ok(streak_cut(&image, &measured, &profile_of(&image, &prediction.streak, &drawn)?))
             });
             let cut = cut.transpose()?;
-            Ok(on_sky(frame, prediction, measured, &scale).map(|one| MeasuredPass { cut, ..one }))
+            Ok(on_sky(frame, prediction, measured, &scale).map(|one| (*number, MeasuredPass { cut, ..one })))
         });
-        done.passes.extend(measured.collect::<Result<Vec<_>, _>>()?.into_iter().flatten());
+        passes.extend(measured.collect::<Result<Vec<_>, MeasureError>>()?.into_iter().flatten());
     }
-    Ok(done)
+    Ok((passes, done))
+}
+
+/// Returns the optics and the options of a streak. A given width of its image replaces seeing and defocus. Without a width
+/// and a distance, the width is fitted, and the seeing is its first estimate.
+fn width_of(prediction: &Prediction, optics: Optics, measure: MeasureOptions) -> (Optics, MeasureOptions) {
+    match (prediction.image_fwhm_arcsec, prediction.satellite.range_km) {
+        (Some(seeing_arcsec), _) => {
+            (Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, ..optics }, measure)
+        }
+        (None, Some(_)) => (optics, measure),
+        (None, None) => (optics, MeasureOptions { fit_width: true, ..measure }),
+    }
 }
 
 fn on_sky(

@@ -39,6 +39,10 @@ pub struct PredictedStreak {
     pub lateness_sigma_s: f64,
     /// Upper limit of the delays that are searched, seconds.
     pub largest_delay_s: f64,
+    /// Times at the two ends of a streak whose ends are given, seconds after the shutter opened. The streak then has no
+    /// delay; `cross_sigma_pix` is the error (one sigma) of each end across and along the streak, and the path extends
+    /// beyond the ends by several sigmas. `None` for a predicted track.
+    pub ends_s: Option<[f64; 2]>,
     /// Error (one sigma) across the track, pixels.
     pub cross_sigma_pix: f64,
     /// Range of the satellite, km.
@@ -88,6 +92,14 @@ pub enum Flag {
     PixelNoise,
     /// The elements are too old to predict the position: a streak may be of another satellite, and there is no limit.
     Position,
+    /// An end of a streak of a table is at the edge of the image or outside of it: the streak may continue there.
+    Open,
+    /// A streak of a table is outside of the image, and not measured.
+    Outside,
+    /// Fewer than 12 pixels of a streak of a table are in the image, and it is not measured.
+    Short,
+    /// The table has no ends of the streak, and it is not measured.
+    NoEnds,
 }
 
 impl Flag {
@@ -101,6 +113,10 @@ impl Flag {
             Self::NoGain => "no_gain",
             Self::PixelNoise => "pixel_noise",
             Self::Position => "position",
+            Self::Open => "open",
+            Self::Outside => "outside",
+            Self::Short => "short",
+            Self::NoEnds => "no_ends",
         }
     }
 }

@@ -10,7 +10,8 @@
 //! errors. `streak` combines them into a [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut`
 //! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
 //! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files
-//! without the pixels that `bad_pixels` finds in masks and variances, and `table` creates the output tables.
+//! without the pixels that `bad_pixels` finds in masks and variances, `given` measures the streaks of a table, and
+//! `table` creates the output tables.
 //!
 //! ```
 //! use streakcast::images::{LightArea, PixelPosition, Plane};
@@ -37,6 +38,7 @@
 //!     drift_pix_s: [0.0; 2],
 //!     lateness_sigma_s: 0.1,
 //!     largest_delay_s: 1.0,
+//!     ends_s: None,
 //!     cross_sigma_pix: 1.0,
 //!     range_km: 600.0,
 //!     radius_m: 1.0,
@@ -59,6 +61,8 @@ mod error;
 mod fit;
 #[cfg(all(feature = "fits", unix))]
 mod frame;
+#[cfg(all(feature = "fits", unix))]
+mod given;
 mod measurement;
 mod noise;
 #[cfg(all(feature = "fits", unix))]
@@ -78,6 +82,8 @@ pub use background::Background;
 pub use error::MeasureError;
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use frame::{FrameMeasurements, FrameOptions, ZeroPoints, measure_frame};
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use given::{ListedStreak, StreakList, measure_listed};
 pub use measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 pub use streak::measure_streak;
 
@@ -87,9 +93,10 @@ pub use streak::measure_streak;
 #[doc(hidden)]
 pub use self::{
     frame::MeasuredPass,
-    predict::PredictOptions,
+    given::ListedMeasurement,
+    predict::{KnownSatellite, PredictOptions},
     star_table::{CatalogueStar, StarTable},
-    table::{ScoreObserver, measurement_table, score_table},
+    table::{ScoreObserver, listed_table, measurement_table, score_table},
     zero_point::{StarZeroPoint, star_zero_point},
 };
 #[doc(hidden)]

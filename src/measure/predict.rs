@@ -29,7 +29,7 @@ pub struct PredictOptions {
 
 /// Error (one sigma) of the size in a brightness model, relative to the size. The sizes are those of the largest bright
 /// part; which part is bright depends on the geometry.
-const SIZE_SIGMA: f64 = 0.5;
+pub const SIZE_SIGMA: f64 = 0.5;
 
 impl Default for PredictOptions {
     fn default() -> Self {
@@ -37,21 +37,37 @@ impl Default for PredictOptions {
     }
 }
 
-/// Predicted streak of one satellite on one chip.
-#[derive(Clone, Debug)]
-pub struct Prediction {
+/// What is known about the satellite of a streak. All fields may be missing for a streak of a table.
+#[derive(Clone, Debug, Default)]
+pub struct KnownSatellite {
     /// NORAD catalogue number.
-    pub norad_id: NoradId,
-    /// Name in the element set; empty if it has none.
+    pub norad_id: Option<NoradId>,
+    /// Name in the element set; empty if it is unknown.
     pub name: Arc<str>,
     /// Age of the elements, days.
-    pub element_age_days: f64,
-    /// False if the elements are too old to predict positions.
-    pub is_position_known: bool,
+    pub element_age_days: Option<f64>,
     /// Predicted brightness at the middle of the track.
     pub brightness: Option<Brightness>,
     /// Phase angle at the middle of the track, radians.
-    pub phase_angle_rad: f64,
+    pub phase_angle_rad: Option<f64>,
+    /// Distance at the middle of the track, km.
+    pub range_km: Option<f64>,
+    /// Diameter in the brightness model, m.
+    pub model_size_m: Option<f64>,
+}
+
+/// Predicted streak of one satellite on one chip, or a streak of a table.
+#[derive(Clone, Debug)]
+pub struct Prediction {
+    /// Name of the streak in its table; empty for the prediction of a satellite.
+    pub id: Arc<str>,
+    /// The satellite.
+    pub satellite: KnownSatellite,
+    /// False if the elements are too old to predict positions.
+    pub is_position_known: bool,
+    /// Full width at half maximum of the image of the light, arcsec; `None` for that of the seeing, the distance and the
+    /// size, or a fitted one if the distance is unknown.
+    pub image_fwhm_arcsec: Option<f64>,
     /// Index of the chip in [`TargetFrame::chips`].
     pub chip: usize,
     /// Track in pixels with its errors.
@@ -93,13 +109,19 @@ pub fn predictions(
         for (index, chip) in frame.chips.iter().enumerate() {
             if let Some(streak) = predicted_streak(pass, frame, chip, &interval, options)? {
                 found.push(Prediction {
-                    norad_id: pass.norad_id,
-                    name: sky.elements()[pass.element_index].name.clone(),
-                    element_age_days: pass.element_age_days,
+                    id: "".into(),
+                    satellite: KnownSatellite {
+                        norad_id: Some(pass.norad_id),
+                        name: sky.elements()[pass.element_index].name.clone(),
+                        element_age_days: Some(pass.element_age_days),
+                        brightness: pass.mid.brightness.clone(),
+                        phase_angle_rad: Some(pass.mid.geometry.phase_angle_rad()),
+                        range_km: Some(pass.mid.range_km),
+                        model_size_m: Some(interval.sky().model(pass.element_index).size_m()),
+                    },
+                    image_fwhm_arcsec: None,
                     is_position_known: pass.position_source != PositionSource::ElementSet
                         || of_known_age.is_known(pass.element_index, pass.element_age_days),
-                    brightness: pass.mid.brightness.clone(),
-                    phase_angle_rad: pass.mid.geometry.phase_angle_rad(),
                     chip: index,
                     streak,
                 });
@@ -147,6 +169,7 @@ fn predicted_streak(
         path,
         lateness_sigma_s: pass.along_track_sigma_s,
         largest_delay_s: options.most_late_s,
+        ends_s: None,
         cross_sigma_pix,
         range_km: pass.mid.range_km,
         radius_m: 0.5 * options.size_m.unwrap_or(model_size_m),

@@ -35,8 +35,11 @@ const ALIGN_PIX: f64 = 12.0;
 const ALIGN_PARTS: usize = 8;
 const ALIGN_COLUMNS: usize = 4;
 const ALIGN_SIGMAS: f64 = 20.0;
+/// Smallest signal to noise at which given ends are fitted along the streak, and largest change in sigmas of their error.
+const ENDS_FROM: f64 = 10.0;
+const END_SIGMAS: f64 = 3.0;
 /// Smallest number of pixels along the track.
-const LEAST_LENGTH_PIX: usize = 12;
+pub(super) const LEAST_LENGTH_PIX: usize = 12;
 /// Share of a streak's length with saturated pixels from which the flux is a lower limit.
 const SATURATED_SHARE: f64 = 0.05;
 /// Share of the length that may be near the edge of the frame, or masked, without a flag.
@@ -56,6 +59,8 @@ pub(super) struct Shift {
     offset_pix: f64,
     tilt_rad: f64,
     late_s: f64,
+    /// Changes of the times at the ends of a streak whose ends are given, seconds.
+    ends_s: [f64; 2],
 }
 
 /// Measures the streak of one satellite in one image; `None` if fewer than 12 pixels of its track are in the image.
@@ -112,6 +117,11 @@ pub(super) struct Drawn {
 }
 
 impl Measuring<'_> {
+    /// Returns true for a streak whose ends are given.
+    fn is_given(&self) -> bool {
+        self.predicted.ends_s.is_some()
+    }
+
     /// Returns the corridor that contains the errors of the prediction.
     fn extent(&self, options: &MeasureOptions) -> Extent {
         let [nx, ny] = self.corridor.normal();
@@ -122,9 +132,18 @@ impl Measuring<'_> {
         let drift_rad_s = (dx.hypot(dy) * self.image.pixel_scale_arcsec / 3600.0).to_radians();
         /// Error of the angle of a track and of the world coordinates, radians.
         const ANGLE_ERROR_RAD: f64 = 1e-3;
+        /// Largest difference in angle that is searched, for a predicted track and for a streak whose ends are given.
+        const LARGEST_TILT_RAD: [f64; 2] = [0.05, 0.2];
+        let tilt_rad = if self.is_given() {
+            // The angle between two ends with independent errors.
+            let sigma_rad = 2f64.sqrt() * self.predicted.cross_sigma_pix / (self.corridor.len() as f64);
+            (ANGLE_ERROR_RAD + options.corridor_sigmas * sigma_rad).min(LARGEST_TILT_RAD[1])
+        } else {
+            (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(LARGEST_TILT_RAD[0])
+        };
         Extent {
             across_pix: (across_pix + self.profile.fwhm_pix()).min(options.most_corridor_pix),
-            tilt_rad: (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(0.05),
+            tilt_rad,
             late_s,
         }
     }
@@ -148,7 +167,10 @@ impl Measuring<'_> {
         };
         let nodes = predicted.nodes();
         let [first_s, last_s] = [nodes[0].time_s, nodes[nodes.len() - 1].time_s].map(|time_s| time_s + shift.late_s);
-        let [from_s, to_s] = [first_s.max(0.0), last_s.min(exposure_s)];
+        let [from_s, to_s] = match self.predicted.ends_s {
+            Some([from_s, to_s]) => [(from_s + shift.ends_s[0]).max(first_s), (to_s + shift.ends_s[1]).min(last_s)],
+            None => [first_s.max(0.0), last_s.min(exposure_s)],
+        };
         /// Smallest time between two nodes, seconds.
         const LEAST_STEP_S: f64 = 1e-7;
         if to_s - from_s < 2.0 * LEAST_STEP_S {
@@ -190,10 +212,11 @@ impl Measuring<'_> {
             offset_pix: found.minor_pix * cos,
             tilt_rad: found.slope * cos * cos * sense,
             late_s: found.late_s - found.minor_pix * along / corridor.speed_pix_s,
+            ends_s: [0.0; 2],
         };
         // Without an end in the image the delay is not measurable, and the predicted time is used.
         let ends = self.ends(&shift)?;
-        if ends == 0 {
+        if ends == 0 || self.is_given() {
             shift.late_s = 0.0;
         }
         if options.fit_width {
@@ -215,6 +238,7 @@ impl Measuring<'_> {
         blocks.weigh(&band, &stars.mask, &drawn.template);
         let is_saturated = self.is_saturated(&band, &drawn.template);
         let mut seeing_arcsec = None;
+        let mut fitted_ends = Vec::new();
         for iteration in 0..ITERATIONS {
             let fits = fit_blocks(&band, &band.values, &stars.mask, &drawn.template, 0, &blocks);
             let Some(amplitude) = combined(&fits) else { return Ok(None) };
@@ -225,8 +249,14 @@ impl Measuring<'_> {
                 break;
             }
             let moved = self.refined(&band, &stars.mask, &drawn.template, &blocks, &fits, &mut shift);
-            if iteration == 1 && ends > 0 {
+            if iteration == 1 && ends > 0 && !self.is_given() {
                 self.fit_lateness(&band, &stars.mask, &blocks, extent, &mut shift)?;
+            }
+            if matches!(iteration, 1 | 3) && amplitude.value > ENDS_FROM * sigma {
+                fitted_ends = self.ends_inside();
+                for end in &fitted_ends {
+                    self.fit_end(&band, &stars.mask, &blocks, *end, &mut shift)?;
+                }
             }
             if iteration == 2 && options.fit_width && amplitude.value > WIDTH_FROM * sigma {
                 seeing_arcsec = Some(self.fit_width(&band, &stars.mask, &blocks, &shift)?);
@@ -262,6 +292,7 @@ impl Measuring<'_> {
         }
         let inflation =
             if seeing_arcsec.is_some() { self.width_inflation(&band, &stars.mask, &blocks, &shift)? } else { 1.0 };
+        let inflation = inflation * self.ends_inflation(&band, &stars.mask, &blocks, &shift, &fitted_ends)?;
         let sigma = (background_sigma * background_sigma * inflation + photon.unwrap_or(0.0) * inflation).sqrt();
         let noise_ratio = background_sigma / pixel_sigma.max(1e-300);
 
@@ -294,7 +325,7 @@ impl Measuring<'_> {
 
         let inside = self.inside(&drawn.path);
         let ends = self.ends(&shift)?;
-        let late_s = if is_detected && ends > 0 {
+        let late_s = if is_detected && ends > 0 && !self.is_given() {
             let sigma_s = self.lateness_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, noise_ratio)?;
             sigma_s.map(|sigma| Estimate { value: shift.late_s, sigma })
         } else {
@@ -303,8 +334,13 @@ impl Measuring<'_> {
         let offset_sigma = offset_sigma(&band, &stars.mask, &drawn.template, &blocks, &amplitude) * noise_ratio;
         let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
         let size_sigma = if is_detected { self.size_sigma(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
-        let rate = amplitude.value * without_fit_bias(signal_to_noise, ends);
+        let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
+        let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
         let sigma = sigma.hypot(size_sigma);
+        // The light of fitted ends is that of the time between the given ends.
+        let (path, longer) = self.within_given_times(&drawn.path)?;
+        let inside = self.inside(&path);
+        let [rate, sigma, size_sigma] = [rate, sigma, size_sigma].map(|light| light * longer);
         Ok(Some(StreakMeasurement {
             is_detected,
             rate: Estimate { value: rate, sigma },
@@ -321,7 +357,7 @@ impl Measuring<'_> {
             width_pix: self.profile.fwhm_pix(),
             length_pix,
             inside_s: inside,
-            path: drawn.path,
+            path,
             flags,
             corridor_pix: extent.across_pix,
         }))
@@ -491,6 +527,104 @@ impl Measuring<'_> {
         failed.map_or(Ok(()), Err)
     }
 
+    /// Returns the given ends that are in the image and not at its edge, which can be fitted.
+    fn ends_inside(&self) -> Vec<usize> {
+        let Some(ends_s) = self.predicted.ends_s else { return Vec::new() };
+        let area = &self.image.light_area;
+        let margin = END_SIGMAS * self.predicted.cross_sigma_pix;
+        let is_inside = |end: &usize| {
+            let at = self.predicted.path.point_at(ends_s[*end]);
+            let away = [-margin, margin];
+            away.iter().all(|x| away.iter().all(|y| area.contains(PixelPosition { x: at.x + x, y: at.y + y })))
+        };
+        (0..2).filter(is_inside).collect()
+    }
+
+    /// Fits one of the given ends along the streak, within its error.
+    fn fit_end(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        end: usize,
+        shift: &mut Shift,
+    ) -> Result<(), MeasureError> {
+        let sigma_s = self.predicted.cross_sigma_pix / self.corridor.speed_pix_s;
+        let reach_s = END_SIGMAS * sigma_s;
+        let moved = |time_s: f64| {
+            let mut moved = *shift;
+            moved.ends_s[end] = time_s;
+            moved
+        };
+        let mut failed = None;
+        let mut of = |time_s: f64| match self.squares(band, mask, blocks, &moved(time_s)) {
+            Ok(squares) => squares.unwrap_or(f64::NAN),
+            Err(error) => {
+                failed = Some(error);
+                f64::NAN
+            }
+        };
+        let step_s = 0.5 * sigma_s;
+        let samples = (-6..=6).map(|step| f64::from(step) * step_s);
+        let best = samples
+            .map(|time_s| (time_s, of(time_s)))
+            .filter(|(_, squares)| squares.is_finite())
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(best) = best {
+            let tolerance_s = 0.01 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+            let bounds = [(best.0 - step_s).max(-reach_s), (best.0 + step_s).min(reach_s)];
+            shift.ends_s[end] = minimum(of, bounds, best, tolerance_s).0;
+        }
+        failed.map_or(Ok(()), Err)
+    }
+
+    /// Returns the factor by which the variance of the light of a streak is larger because its ends are fitted, too:
+    /// 1 / (1 - Σ ρ²) with the correlation ρ of the template of unit light and its derivative by the time of each end.
+    fn ends_inflation(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+        ends: &[usize],
+    ) -> Result<f64, MeasureError> {
+        let unit = |shift: &Shift| -> Result<Option<Vec<f32>>, MeasureError> {
+            let Some(Drawn { path, template }) = self.drawn(band, shift)? else { return Ok(None) };
+            let nodes = path.nodes();
+            let duration_s = (nodes[nodes.len() - 1].time_s - nodes[0].time_s) as f32;
+            Ok(Some(template.into_iter().map(|light| light / duration_s).collect()))
+        };
+        let step_s = 0.25 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+        let mut squares = 0.0;
+        for end in ends {
+            let mut moved = *shift;
+            moved.ends_s[*end] += step_s;
+            let (Some(same), Some(other)) = (unit(shift)?, unit(&moved)?) else { continue };
+            // Pixels without a value in the frame have no value in the derivative.
+            let change = other.iter().zip(&same).zip(&band.values);
+            let change = change.map(|((other, same), value)| if value.is_nan() { f32::NAN } else { other - same });
+            let fits = fit_blocks(band, &change.collect::<Vec<f32>>(), mask, &same, 0, blocks);
+            let sum = |of: fn(&BlockFit) -> f64| fits.iter().map(of).sum::<f64>();
+            let norm = sum(|fit| fit.weight) * sum(|fit| fit.squares);
+            squares += if norm > 0.0 { sum(|fit| fit.signal).powi(2) / norm } else { 0.0 };
+        }
+        Ok(1.0 / (1.0 - squares.clamp(0.0, 0.9)))
+    }
+
+    /// Returns the path of a streak with fitted ends in the time between the given ends, and the factor by which its
+    /// light per second is larger; any other path and 1.
+    fn within_given_times(&self, path: &StreakPath) -> Result<(StreakPath, f64), MeasureError> {
+        let Some([from_s, to_s]) = self.predicted.ends_s else { return Ok((path.clone(), 1.0)) };
+        let nodes = path.nodes();
+        let (first_s, last_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
+        // Ends beyond the margin of the chip are not part of the path.
+        let given = self.predicted.path.nodes();
+        let (from_s, to_s) = (from_s.max(given[0].time_s), to_s.min(given[given.len() - 1].time_s));
+        let longer = (last_s - first_s) / (to_s - from_s);
+        let moved = nodes.iter().map(|node| PathNode { time_s: from_s + (node.time_s - first_s) / longer, ..*node });
+        Ok((StreakPath::new(moved.collect())?, longer))
+    }
+
     /// Returns the error of the delay from the curvature of the sum of squares: σ² = 2 σ_pixel² / S''.
     fn lateness_sigma(
         &self,
@@ -606,7 +740,7 @@ impl Measuring<'_> {
         let nodes = path.nodes();
         let (first, last) = (&nodes[0], &nodes[nodes.len() - 1]);
         let is_end = |is_exposed: bool, node: &PathNode| {
-            is_exposed && node.rate > 0.0 && self.image.light_area.contains(node.at)
+            (is_exposed || self.is_given()) && node.rate > 0.0 && self.image.light_area.contains(node.at)
         };
         Ok(usize::from(is_end(first.time_s <= 1e-9, first)) + usize::from(is_end(last.time_s >= end_s - 1e-9, last)))
     }

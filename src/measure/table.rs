@@ -1,6 +1,7 @@
 //! Tables of measurements: all columns, and the upload format of IAU CPS SCORE.
 
 use super::frame::MeasuredPass;
+use super::given::ListedMeasurement;
 use super::measurement::Flag;
 use crate::geometry::Site;
 use crate::output::{Column, Kind, Table, TableField, Value};
@@ -13,9 +14,9 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(text("image", "File of the frame."), |one| one.image.as_str().into()),
     TableField::new(Column::new("hdu", Kind::Integer, "HDU of the chip, from 0."), |one| one.hdu.into()),
     TableField::new(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |one| {
-        i64::from(one.prediction.norad_id.0).into()
+        one.prediction.satellite.norad_id.map(|id| i64::from(id.0)).into()
     }),
-    TableField::new(text("name", "Name of the satellite."), |one| Value::nonempty(&one.prediction.name)),
+    TableField::new(text("name", "Name of the satellite."), |one| Value::nonempty(&one.prediction.satellite.name)),
     TableField::new(Column::new("detected", Kind::Boolean, "True if the streak was found."), |one| {
         one.measured.is_detected.into()
     }),
@@ -54,7 +55,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     ),
     TableField::new(
         Column::real("size_m", "m", 3, "Diameter of the satellite, given or assumed by its brightness model."),
-        |one| (2.0 * one.prediction.streak.radius_m).into(),
+        |one| one.prediction.satellite.range_km.map(|_| 2.0 * one.prediction.streak.radius_m).into(),
     ),
     TableField::new(
         Column::real("limit_magnitude", "mag", 4, "For a streak not found: faintest magnitude that is excluded."),
@@ -78,6 +79,13 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     ),
     TableField::new(Column::small("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
         one.measured.rate.sigma.into()
+    }),
+    TableField::new(
+        Column::small("flux", "", 4, "Light in the frame, in its unit: rate multiplied by duration_s."),
+        |one| (one.measured.rate.value * one.duration_s).into(),
+    ),
+    TableField::new(Column::small("flux_sigma", "", 4, "Error (one sigma) of flux."), |one| {
+        (one.measured.rate.sigma * one.duration_s).into()
     }),
     TableField::new(
         Column::real(
@@ -115,7 +123,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     }),
     TableField::new(
         Column::small("late_expected_sigma_s", "s", 4, "Error (one sigma) of the prediction along the track."),
-        |one| one.prediction.streak.lateness_sigma_s.into(),
+        |one| Some(one.prediction.streak.lateness_sigma_s).filter(|_| one.prediction.id.is_empty()).into(),
     ),
     TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |one| {
         one.measured.ends.into()
@@ -130,22 +138,23 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         |one| one.measured.corridor_pix.into(),
     ),
     TableField::new(Column::real("predicted_magnitude", "mag", 3, "Magnitude of the model."), |one| {
-        one.prediction.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
+        one.prediction.satellite.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
     }),
     TableField::new(Column::real("range_km", "km", 3, "Predicted distance."), |one| {
-        one.prediction.streak.range_km.into()
+        one.prediction.satellite.range_km.into()
     }),
     TableField::new(Column::real("phase_angle_deg", "deg", 3, "Predicted angle Sun-satellite-observer."), |one| {
-        one.prediction.phase_angle_rad.to_degrees().into()
+        one.prediction.satellite.phase_angle_rad.map(f64::to_degrees).into()
     }),
     TableField::new(Column::real("element_age_days", "d", 3, "Age of the elements."), |one| {
-        one.prediction.element_age_days.into()
+        one.prediction.satellite.element_age_days.into()
     }),
     TableField::new(
         Column::new(
             "flags",
             Kind::List { separator: " " },
-            "Remarks: saturated, edge, masked, width, no_gain, pixel_noise, position.",
+            "Remarks: saturated, edge, masked, width, no_gain, pixel_noise, position; for streaks of a table also open, \
+             and outside, short and no_ends for those that are not measured.",
         ),
         |one| Value::List(one.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
     ),
@@ -159,6 +168,38 @@ fn found(one: &MeasuredPass, value: f64) -> Value {
 /// Returns the table of all measurements.
 pub fn measurement_table(passes: &[MeasuredPass]) -> Table {
     Table::from_records(FIELDS, passes)
+}
+
+/// Returns the table of the streaks of tables: the columns of [`measurement_table`] after the name of each streak and the
+/// probability of its identification. Streaks that are not measured have a flag and empty cells.
+pub fn listed_table(streaks: &[ListedMeasurement]) -> Table {
+    let measured = measurement_table(&[]);
+    let mut columns = vec![
+        text("streak", "Name of the streak in its table."),
+        Column::real("probability", "", 6, "Probability that the streak is of the satellite with this name."),
+    ];
+    let names: Vec<&str> = measured.columns.iter().map(|column| column.name).collect();
+    columns.extend(measured.columns.iter().copied());
+    let cells = |streak: &ListedMeasurement| -> Vec<Value> {
+        let reason = match &streak.measured {
+            Ok(pass) => return FIELDS.iter().map(|field| field.value_of(pass)).collect(),
+            Err(reason) => reason.name().to_owned(),
+        };
+        let cell = |name: &&str| match *name {
+            "image" => streak.image.as_str().into(),
+            "hdu" => streak.hdu.into(),
+            "norad_id" => streak.satellite.norad_id.map(|id| i64::from(id.0)).into(),
+            "name" => Value::nonempty(&streak.satellite.name),
+            "flags" => Value::List(vec![reason.clone()]),
+            _ => Value::Null,
+        };
+        names.iter().map(cell).collect()
+    };
+    let rows = streaks.iter().map(|streak| {
+        let named = [streak.id.as_str().into(), streak.probability.into()];
+        named.into_iter().chain(cells(streak)).collect()
+    });
+    Table { columns, rows: rows.collect() }
 }
 
 /// Observer as stated in a SCORE upload.
@@ -211,6 +252,7 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
     let is_usable = |one: &&MeasuredPass| {
         one.is_calibrated
             && one.prediction.is_position_known
+            && one.prediction.satellite.norad_id.is_some()
             && !(one.measured.is_detected && one.measured.flags.contains(&Flag::Saturated))
     };
     let rows = passes.iter().filter(is_usable).map(|one| {
@@ -231,8 +273,8 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         };
         let limit = if is_detected { one.faintest_mag } else { one.limit_mag };
         vec![
-            Value::nonempty(&one.prediction.name),
-            one.prediction.norad_id.0.to_string().into(),
+            Value::nonempty(&one.prediction.satellite.name),
+            one.prediction.satellite.norad_id.map(|id| id.0.to_string()).into(),
             one.epoch.into(),
             time_sigma_s.into(),
             one.magnitude.map(|magnitude| magnitude.value).into(),
@@ -251,7 +293,7 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
             Value::Null,
             Value::Null,
             Value::Null,
-            one.prediction.streak.range_km.into(),
+            one.prediction.satellite.range_km.into(),
             Value::Null,
             Value::Null,
             Value::Null,

@@ -246,12 +246,17 @@ impl<R> TableField<R> {
     pub const fn new(column: Column, value: fn(&R) -> Value) -> Self {
         Self { column, value }
     }
+
+    /// Returns the value of a record.
+    pub fn value_of(&self, record: &R) -> Value {
+        (self.value)(record)
+    }
 }
 
 impl Table {
     /// Builds a table with one row for each record, in their order.
     pub fn from_records<R>(fields: &[TableField<R>], records: impl IntoIterator<Item = impl Borrow<R>>) -> Self {
-        let row = |record: &R| fields.iter().map(|field| (field.value)(record)).collect();
+        let row = |record: &R| fields.iter().map(|field| field.value_of(record)).collect();
         Self {
             columns: fields.iter().map(|field| field.column).collect(),
             rows: records.into_iter().map(|record| row(record.borrow())).collect(),

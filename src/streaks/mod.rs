@@ -68,6 +68,8 @@ mod light;
 mod masking;
 mod optics;
 mod psf;
+#[cfg(all(feature = "fits", unix))]
+mod regions;
 mod render;
 mod tracking;
 mod truth;
@@ -83,7 +85,7 @@ pub(crate) use frame::TargetChip;
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use injection::{Injection, InjectionPlan, InjectionSky, RandomPlan, SyntheticPlan};
 #[cfg(all(feature = "fits", unix))]
-pub(crate) use light::ChosenStreaks;
+pub(crate) use light::{ChosenStreaks, GivenColumns, GivenStreak, GivenWidth};
 pub use light::{
     Glint, LightCurve, Modulation, RandomStreaks, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling,
 };
@@ -115,7 +117,7 @@ pub use self::{
 #[doc(hidden)]
 pub use self::{
     frame::{FrameOverrides, StarField, SyntheticFrame, SyntheticShot, TargetFrame},
-    injection::{InjectedFrame, Injections},
+    injection::{InjectedFrame, Injections, LabelFile, LabelFormat},
     masking::{FrameMask, MaskOptions, MaskedStreak, mask_frame},
 };
 pub(crate) use psf::{PointLight, draw_points};

@@ -62,6 +62,7 @@ fn five_streaks_in_a_frame(bencher: Bencher) {
                 drift_pix_s: [1.0, 1.0],
                 lateness_sigma_s: 0.3,
                 largest_delay_s: 5.0,
+                ends_s: None,
                 cross_sigma_pix: 100.0,
                 range_km: 600.0,
                 radius_m: 1.0,

@@ -38,6 +38,7 @@ mod maps;
 mod mask;
 #[cfg(unix)]
 mod measure;
+mod measure_tables;
 #[cfg(unix)]
 mod measure_real;
 mod opsim;

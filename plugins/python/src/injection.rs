@@ -13,7 +13,7 @@ use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
 /// Adds streaks to the file in the request, and writes the result to `output`. Returns `summary`, `truth`, `points`,
-/// `trails`, `bits`, `remarks` and `warnings`.
+/// `trails`, `bits`, `labels` (names and texts of files), `remarks` and `warnings`.
 #[pyfunction]
 pub fn inject<'py>(
     py: Python<'py>,
@@ -52,6 +52,11 @@ fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'p
         result.set_item("bits", (frame.planes.streak_bit, frame.planes.injected_bit))?;
         warnings.extend(frame.warnings.iter().map(|warning| failure::as_arguments(warning)));
     }
+    let labels = injections.labels.iter().map(|file| {
+        let name = file.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        (name, file.text.clone())
+    });
+    result.set_item("labels", labels.collect::<Vec<_>>())?;
     let remarks: Vec<String> = injections.remarks.iter().map(|remark| failure::as_arguments(remark)).collect();
     result.set_item("remarks", remarks)?;
     result.set_item("warnings", warnings)?;

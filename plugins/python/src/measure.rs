@@ -4,14 +4,13 @@ use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use streakcast::config::{Config, MeasureConfig, SkyOf};
-use streakcast::measure::measurement_table;
 
 use crate::columns::columns;
 use crate::failure;
 use crate::injection::exception;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// Measures the frames in the request. Returns `measurements` as columns, `warnings` and `remarks`.
+/// Measures the frames in the request, or the streaks of its tables, which need no satellites. Returns `measurements` as columns, `warnings` and `remarks`.
 #[pyfunction]
 #[pyo3(signature = (request, setup, config, sky_cache))]
 pub fn measure<'py>(
@@ -19,17 +18,18 @@ pub fn measure<'py>(
     request: &str,
     setup: &str,
     config: Option<&str>,
-    sky_cache: Py<SkyCache>,
+    sky_cache: Option<Py<SkyCache>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let measure: MeasureConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
     let done = failure::without_lock(py, |watch| {
-        let sky = |moment: Epoch| sky_cache.get().prepared(moment);
-        measure.measure(&setup, Some(&sky as SkyOf<'_>), watch).map_err(exception)
+        let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));
+        let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
+        measure.measure(&setup, sky, watch).map_err(exception)
     })?;
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let result = PyDict::new(py);
-    result.set_item("measurements", columns(py, &measurement_table(&done.passes))?)?;
+    result.set_item("measurements", columns(py, &done.table)?)?;
     result.set_item("warnings", as_arguments(&done.warnings))?;
     result.set_item("remarks", as_arguments(&done.remarks))?;
     Ok(result)

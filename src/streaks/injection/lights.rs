@@ -9,7 +9,7 @@ use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
 use super::super::error::StreaksError;
 use super::super::frame::TargetFrame;
 use super::super::light::{
-    ChosenLight, ChosenStreak, ChosenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack, Source,
+    ChosenLight, ChosenStreak, GivenStreak, GivenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack, Source,
     SourceName, SourcePart, StreakNumber, satellites,
 };
 use super::plan::{InjectionPlan, RandomPlan};
@@ -53,7 +53,7 @@ pub fn sources(
     }
     if let Some(chosen) = &plan.chosen {
         let names = [file_name(frame.file.path()), file_name(output)];
-        let of_frame = chosen.streaks.iter().filter(|streak| names.iter().any(|name| streak.is_of(name)));
+        let of_frame = chosen.streaks.iter().filter(|streak| names.iter().any(|name| streak.given.is_of(name)));
         return of_frame.map(|streak| chosen_source(streak, plan, frame, shot)).collect();
     }
     let Some(sky) = sky else { return Ok(Vec::new()) };
@@ -119,21 +119,24 @@ fn chosen_source(
     frame: &TargetFrame,
     shot: &Shot<'_>,
 ) -> Result<Source, StreaksError> {
-    let chip = chip_of(streak, frame)?;
-    if !chip.is_on_sky && matches!(streak.ends, StreakEnds::Sky(_)) {
-        return Err(streak.invalid("ends", "directions on the sky", "pixels in a frame without world coordinates"));
+    let given = &streak.given;
+    let chip = chip_of(given, frame)?;
+    if !chip.is_on_sky && matches!(given.ends, StreakEnds::Sky(_)) {
+        return Err(given.invalid("ends", "directions on the sky", "pixels in a frame without world coordinates"));
     }
     // A light of this magnitude gives 1 in the unit of the frame.
     let unit_mag = chip.scale.zero_point_mag();
-    let mut track = streak.track(chip, (frame.opened, frame.exposure_s), (shot.tracking, &shot.centre), unit_mag)?;
-    let image_fwhm_arcsec = match streak.width {
-        ChosenWidth::Seeing => Some(plan.optics.seeing_arcsec),
-        ChosenWidth::Distance { .. } => None,
-        ChosenWidth::Pixels(fwhm_pix) => Some(fwhm_pix * chip.pixel_scale_arcsec()),
-        ChosenWidth::Arcsec(fwhm_arcsec) => Some(fwhm_arcsec),
+    let magnitude = if let ChosenLight::Magnitude(magnitude) = streak.light { magnitude } else { unit_mag };
+    let time = (frame.opened, frame.exposure_s);
+    let mut track = given.track(chip, time, (shot.tracking, &shot.centre), magnitude)?;
+    let image_fwhm_arcsec = match given.width {
+        GivenWidth::Unknown => Some(plan.optics.seeing_arcsec),
+        GivenWidth::Distance { .. } => None,
+        GivenWidth::Pixels(fwhm_pix) => Some(fwhm_pix * chip.pixel_scale_arcsec()),
+        GivenWidth::Arcsec(fwhm_arcsec) => Some(fwhm_arcsec),
     };
-    let radius_m = match streak.width {
-        ChosenWidth::Distance { size_m, .. } => 0.5 * size_m.or(plan.satellite_size_m).unwrap_or(0.0),
+    let radius_m = match given.width {
+        GivenWidth::Distance { size_m, .. } => 0.5 * size_m.or(plan.satellite_size_m).unwrap_or(0.0),
         _ => 0.0,
     };
     let curve = streak.curve.clone().or_else(|| plan.modulation.curve.clone());
@@ -142,12 +145,12 @@ fn chosen_source(
         let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
         let middle_s = track.closest_s(&shot.centre, seen).unwrap_or(0.0);
         Source {
-            name: SourceName::Chosen(streak.id.as_str().into()),
+            name: SourceName::Chosen(given.id.as_str().into()),
             mag_source: "table".to_owned(),
             element_age_days: None,
-            hdu: match streak.ends {
+            hdu: match given.ends {
                 StreakEnds::Pixels(_) => Some(chip.hdu),
-                StreakEnds::Sky(_) => streak.hdu,
+                StreakEnds::Sky(_) => given.hdu,
             },
             image_fwhm_arcsec,
             parts: Source::parts(track, &modulation, middle_s, radius_m, None),
@@ -169,19 +172,11 @@ fn chosen_source(
     Ok(source(&track))
 }
 
-/// Returns the chip of a streak. Pixels need one if the frame has several.
-fn chip_of<'a>(streak: &ChosenStreak, frame: &'a TargetFrame) -> Result<&'a Chip, StreaksError> {
-    let hdus: Vec<String> = frame.chips.iter().map(|target| target.chip.hdu.to_string()).collect();
-    let allowed = || format!("HDU {} of {}", hdus.join(", "), frame.file.path().display());
-    match (streak.hdu, &frame.chips[..]) {
-        (Some(hdu), chips) => match chips.iter().find(|target| target.chip.hdu == hdu) {
-            Some(target) => Ok(&target.chip),
-            None => Err(streak.invalid("hdu", hdu, allowed())),
-        },
-        (None, [only]) => Ok(&only.chip),
-        (None, [first, ..]) if matches!(streak.ends, StreakEnds::Sky(_)) => Ok(&first.chip),
-        (None, _) => Err(streak.invalid("hdu", "missing", allowed())),
-    }
+/// Returns the chip of a streak; the first one for ends on the sky without an HDU.
+fn chip_of<'a>(streak: &GivenStreak, frame: &'a TargetFrame) -> Result<&'a Chip, StreaksError> {
+    let hdus: Vec<usize> = frame.chips.iter().map(|target| target.chip.hdu).collect();
+    let index = streak.chip_index(&hdus, frame.file.path())?;
+    Ok(&frame.chips[index.unwrap_or(0)].chip)
 }
 
 /// Returns the name of a file without its folder.

@@ -9,6 +9,7 @@ use super::super::light::{ChosenStreaks, Modulation, RandomStreaks};
 use super::super::optics::Optics;
 use super::super::tracking::Tracking;
 use super::super::truth::MaskPreset;
+use super::labels::LabelFormat;
 use crate::frames::{Direction, Gcrs};
 use crate::images::Detector;
 use crate::photometry::{Band, MagSystem, PhotometryOptions};
@@ -54,6 +55,8 @@ pub struct InjectionPlan {
     pub seed: u64,
     /// Number of points along each streak in the table of points.
     pub truth_points: usize,
+    /// Formats of labels that are written beside the frames.
+    pub labels: Vec<LabelFormat>,
     /// Survey or pipeline whose mask bits are used.
     pub mask_preset: MaskPreset,
     /// If true, neither masks nor truth tables are appended to the file.

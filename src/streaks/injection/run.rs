@@ -14,6 +14,7 @@ use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
 use super::super::light::{ChosenStreaks, Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
 use super::frames::Frames;
+use super::labels::{LabelFile, LabelledImage, label_files, write_labels};
 use super::lights::{InjectionSky, file_name, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::frames::{Direction, seconds_after};
@@ -52,6 +53,8 @@ pub struct InjectedFrame {
     pub points: Table,
     /// Lines of the streaks, for pictures.
     pub marks: Vec<Mark>,
+    /// Outlines of the streaks on each chip.
+    pub labelled: Vec<LabelledImage>,
     /// Bits of the mask planes.
     pub planes: MaskPlanes,
     /// Summary in one line.
@@ -69,6 +72,8 @@ pub struct Injections {
     pub remarks: Vec<String>,
     /// Warnings about all frames.
     pub warnings: Vec<String>,
+    /// Files of labels that were written.
+    pub labels: Vec<LabelFile>,
     /// Provenance of the truth.
     pub provenance: Provenance,
 }
@@ -153,6 +158,10 @@ impl<'a> Injection<'a> {
             done => StreaksError::Batch { source: Box::new(error), done, count },
         })?;
 
+        let labelled: Vec<(&Path, &[LabelledImage])> =
+            frames.iter().map(|frame| (frame.output.as_path(), &frame.labelled[..])).collect();
+        let labels = label_files(&plan.labels, &labelled);
+        write_labels(&labels)?;
         let mut provenance = sky.map_or_else(Provenance::new, |sky| sky.provenance.clone());
         let synthetic = plan.synthetic.as_ref().map(|synthetic| &synthetic.path);
         if let (Some(first), Some(image)) = (known.first(), plan.images.first().or(synthetic)) {
@@ -168,6 +177,7 @@ impl<'a> Injection<'a> {
                 .chain(known.iter().flat_map(|frame| planes(frame).into_iter().chain(overscan(frame))))
                 .collect(),
             warnings,
+            labels,
             provenance,
         })
     }
@@ -263,6 +273,11 @@ fn one(
         trails: trail_table(&rows),
         points: points_table(&rows),
         marks: streaks.iter().map(mark).collect(),
+        labelled: frame
+            .chips
+            .iter()
+            .map(|target| LabelledImage::of(&target.chip, frame.chips.len() == 1, &streaks))
+            .collect(),
         planes,
         summary: summary(&streaks, &drawn, &injected),
         warnings: unknown_filter
@@ -278,11 +293,11 @@ fn check_images(chosen: &ChosenStreaks, frames: &[TargetFrame], outputs: &[PathB
     let paths = frames.iter().map(|frame| frame.file.path()).chain(outputs.iter().map(PathBuf::as_path));
     let names: Vec<String> = paths.map(file_name).collect();
     for streak in &chosen.streaks {
-        if let Some(image) = &streak.image
+        if let Some(image) = &streak.given.image
             && !names.contains(image)
         {
             let names = listed(names.iter().map(String::as_str));
-            return Err(streak.invalid("image", format!("'{}'", Quoted::new(image)), format!("a frame: {names}")));
+            return Err(streak.given.invalid("image", format!("'{}'", Quoted::new(image)), format!("a frame: {names}")));
         }
     }
     Ok(())

@@ -12,6 +12,8 @@ mod satellites;
 mod table;
 mod write;
 
+pub(super) use area::{Area, polygons};
+pub(super) use corridor::Cell;
 pub use measured::{MeasuredStreak, UnusedReason, read_measured_streaks};
 pub use satellites::{FrameMask, LeftOutReason, MaskOptions, MaskedStreak, StreakOrigin, mask_frame};
 pub use table::{corridor_table, left_out_table, region_file};

@@ -3,6 +3,7 @@
 use std::fmt::{self, Write};
 
 use super::super::frame::TargetFrame;
+use super::super::regions::{Region, region_text};
 use super::satellites::{FrameMask, LeftOutReason, LeftOutSatellite, MaskedStreak, StreakOrigin};
 use crate::frames::{Direction, Gcrs};
 use crate::output::{Column, Kind, Table, TableField, Value};
@@ -150,26 +151,12 @@ impl fmt::Display for LeftOutReason {
 
 /// Returns a region file of SAOImage DS9 with the polygons of several frames.
 pub fn region_file<'a>(frames: impl IntoIterator<Item = (&'a TargetFrame, &'a str, &'a FrameMask)>) -> String {
-    let mut lines = vec![
-        "# Region file format: DS9 version 4.1".to_owned(),
-        format!("# streakcast {} mask", env!("CARGO_PKG_VERSION")),
-        "icrs".to_owned(),
-    ];
-    for (frame, image, mask) in frames {
-        for Row { hdu, streak, polygon, .. } in rows(frame, image, mask) {
-            let corners: Vec<String> = polygon
-                .iter()
-                .map(|corner| {
-                    let [ra_deg, dec_deg] = degrees(corner);
-                    format!("{ra_deg:.6},{dec_deg:.6}")
-                })
-                .collect();
-            // Braces would end the text of a region, and line ends the region.
-            let plain = |text: &str| text.replace(|c: char| c.is_control() || "{}#;".contains(c), " ");
-            let name = if streak.name.is_empty() { streak.norad_id.to_string() } else { plain(&streak.name) };
-            let tag = plain(&format!("{image} HDU {hdu}"));
-            lines.push(format!("polygon({}) # text={{{name}}} tag={{{tag}}}", corners.join(",")));
-        }
-    }
-    lines.join("\n") + "\n"
+    let regions = frames.into_iter().flat_map(|(frame, image, mask)| {
+        rows(frame, image, mask).map(move |Row { hdu, streak, polygon, .. }| Region {
+            corners: polygon.iter().map(degrees).collect(),
+            name: if streak.name.is_empty() { streak.norad_id.to_string() } else { streak.name.to_string() },
+            tag: format!("{image} HDU {hdu}"),
+        })
+    });
+    region_text("mask", "icrs", 6, regions)
 }

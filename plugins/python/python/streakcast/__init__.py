@@ -9,7 +9,7 @@ True
 `StreakModel` contains satellites, site, field of view, brightness models and policy, and computes crossings for arrays
 of exposures. `StreakModel.forecast` returns the visible passes of nights, `StreakModel.overhead` the positions of all
 satellites above the site, `StreakModel.ephemeris` those of given satellites at any times, and `StreakModel.identify`
-the satellites that may have caused a streak. `StreakModel.measure` measures the streaks in frames, `StreakModel.mask` masks them, and `learn` computes
+the satellites that may have caused a streak. `StreakModel.measure` and `measure_streaks` measure the streaks in frames, `StreakModel.mask` masks them, and `learn` computes
 offsets of satellites from their magnitudes. `inject` adds streaks to frames and arrays. `body_map`, `sky_map`,
 `standard_magnitudes` and `sky_magnitudes` use only brightness models, without satellites.
 
@@ -26,7 +26,7 @@ from ._core import SetupError, StreakcastError, UnknownPositionsError, __version
 from ._injection import Injected, inject
 from ._learn import learn
 from ._mask import StreakMask
-from ._measure import Measurements
+from ._measure import Measurements, measure_streaks
 from .errors import ChangedFileError, StreakcastWarning
 from .light import body_map, model_names, sky_magnitudes, sky_map, standard_magnitudes
 from .model import StreakModel
@@ -52,6 +52,7 @@ __all__ = [
     "body_map",
     "inject",
     "learn",
+    "measure_streaks",
     "model_names",
     "sky_magnitudes",
     "sky_map",

@@ -104,6 +104,7 @@ class InjectionResult(TypedDict):
     summary: str
     truth: list[Column]
     points: list[Column]
+    labels: list[tuple[str, str]]
     trails: list[Column]
     bits: tuple[int, int]
     remarks: list[str]
@@ -132,7 +133,7 @@ def measure(
     request: str,
     setup: str,
     config: Optional[str],
-    sky_cache: SkyCache,
+    sky_cache: Optional[SkyCache],
 ) -> Measured: ...
 def mask(
     request: str,

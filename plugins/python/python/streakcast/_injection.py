@@ -16,6 +16,7 @@ from . import _core
 from ._frames import Image, as_files, is_path, read_hdu_list
 from ._quantities import count, finite_scalar, is_quantity, number, scalar
 from ._setup import absolute, document
+from ._streak_tables import streak_files
 from ._tables import TRUTH, Main, table_of
 from ._times import to_tai
 from ._warnings import warn
@@ -29,6 +30,7 @@ from .typing import (
     Output,
     PathLike,
     Pixels,
+    StreaksLike,
     Table,
     TimeLike,
     WholeLike,
@@ -69,6 +71,8 @@ class Injected(NamedTuple):
     frame: FrameLike
     #: Remarks, for example about columns of a table of streaks that are not used.
     remarks: tuple[str, ...] = ()
+    #: Text of each file of labels, by its name. The files are written beside ``output``.
+    labels: Mapping[str, str] = {}
 
 
 def inject(
@@ -84,7 +88,7 @@ def inject(
     streak_density: FloatLike | None = None,
     magnitude: FloatArrayLike | None = None,
     streak_rate_deg_s: FloatArrayLike | None = None,
-    streaks: PathLike | None = None,
+    streaks: StreaksLike | None = None,
     satellite_size: FloatLike | None = None,
     telescope: PathLike | Options | None = None,
     band: str | None = None,
@@ -105,6 +109,7 @@ def inject(
     resolve_panels: bool = False,
     truth_points: int = 11,
     mask_bits: str = "lsst",
+    labels: str | Sequence[str] = (),
     pixels_only: bool = False,
     table: Output = "auto",
 ) -> Injected:
@@ -139,8 +144,9 @@ def inject(
         Magnitude of the random objects if they did not move: one value, or the brightest and the faintest.
     streak_rate_deg_s : float, pair or `~astropy.units.Quantity`, optional
         Angular rate of random streaks, deg/s: one value, or the slowest and the fastest; default 0.2 to 0.8.
-    streaks : path, optional
+    streaks : path, `~astropy.table.Table`, dict of columns or list of dicts, optional
         Table of streaks (CSV or ECSV), instead of satellites: one row a streak, with its ends and its magnitude or peak.
+        Light curves in tables that are not files need absolute paths.
     satellite_size : float or `~astropy.units.Quantity`, optional
         Diameter of the satellites, m, 0 for points; default: that of the model, 2 m for random streaks.
     telescope : str, path or dict, optional
@@ -181,6 +187,9 @@ def inject(
         Points along each streak in ``points``.
     mask_bits : {"lsst", "desdm", "last", "ztf", "hst"}
         Survey that defines the mask bits.
+    labels : {"coco", "yolo", "ds9"} or a list of them
+        Labels for the training of detectors: outlines of the streaks as COCO JSON, oriented boxes of YOLO, or regions of
+        DS9. In COCO and YOLO, y increases with the rows of the array.
     pixels_only : bool
         Whether the mask and truth extensions of a file, and the mask of an array, are omitted.
     table : {"auto", "qtable", "dict"}
@@ -209,13 +218,14 @@ def inject(
         streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
         magnitude=_numbers(magnitude, "mag", "magnitude"),
         streak_rate_deg_s=_numbers(streak_rate_deg_s, "deg / s", "streak_rate_deg_s"), psf=psf,
-        streaks=None if streaks is None else absolute(streaks), satellite_size=_scalar(satellite_size, "m", "satellite_size"),
+        satellite_size=_scalar(satellite_size, "m", "satellite_size"),
         zero_point=_scalar(zero_point, "mag", "zero_point"), zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
         gain=_scalar(gain, "electron / adu", "gain"), seed=count(seed, "seed", 0),
         track_rate=_numbers(track_rate, "arcsec / s", "track_rate"),
         tumbling=_mixed(tumbling, ("s", "mag", "cycle"), "tumbling"),
         glint=[_mixed(glint, ("mag", "s", "s"), f"glints[{index}]") for index, glint in enumerate(glints)],
         resolve_panels=bool(resolve_panels), truth_points=count(truth_points, "truth_points", 2), mask_bits=mask_bits,
+        labels=[labels] if isinstance(labels, str) else list(labels),
         pixels_only=bool(pixels_only), no_noise=not noise, hdu=_integers(hdu),
         seeing=_angle(seeing, "seeing"), pixel_scale=_angle(pixel_scale, "pixel_scale"),
         detector=None if detector is None else absolute(detector),
@@ -256,7 +266,9 @@ def inject(
     if is_path(frame) and os.path.realpath(str(output)) == os.path.realpath(str(frame)):
         raise ValueError(f"{output} is the input; allowed: another output file")
     or_else = " (or pixel_scale=... for random streaks)" if is_random else ""
-    with as_files([frame], header, needs_header=pixel_scale is None, or_else=or_else) as files:
+    with streak_files(streaks) as tables, as_files([frame], header, needs_header=pixel_scale is None, or_else=or_else) as files:
+        if tables:
+            options["streaks"] = tables[0]
         target = os.path.join(files.folder, "injected") if output is None else absolute(output)
         request = json.dumps(_without_none({**options, "image": [*files.paths]}))
         result = _core.inject(request, json.dumps(setup), config, sky_cache, target)
@@ -282,6 +294,7 @@ def inject(
         summary=result["summary"],
         frame=done.frame,
         remarks=tuple(files.shown(remark) for remark in result["remarks"]),
+        labels=dict(result["labels"]),
     )
 
 

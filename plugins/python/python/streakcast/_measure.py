@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypedDict
 
@@ -13,18 +13,37 @@ import numpy.typing as npt
 from . import _core
 from ._exposure_queries import ExposureQueries
 from ._frames import as_files, frames_of
-from ._injection import _angle, _integers, _scalar, _without_none
+from ._injection import _angle, _integers, _moment, _scalar, _without_none
 from ._quantities import scalar
 from ._setup import absolute, document
+from ._streak_tables import streak_files
 from ._tables import Main, arrays_of, table_of
-from .typing import FloatArray, FloatLike, FrameLike, HeaderLike, Json, Options, Output, PathLike, Table, TimeLike, WholeArray, WholeLike
+from ._warnings import warn
+from .typing import (
+    FloatArray,
+    FloatLike,
+    FrameLike,
+    HeaderLike,
+    Json,
+    MeasureOptions,
+    Options,
+    Output,
+    PathLike,
+    StreaksLike,
+    Table,
+    TimeLike,
+    WholeArray,
+    WholeLike,
+)
 
 if TYPE_CHECKING:
     from astropy.units import Quantity
+    from typing_extensions import Unpack
 
 #: Flags of measurements from which nothing is learned.
 _DOUBTFUL = frozenset(("saturated", "masked", "position"))
 _MEASUREMENTS = Main(("name", "detected", "limit_magnitude"), ("magnitude", "magnitude_sigma"))
+_STREAKS = Main(("streak", "name", "detected", "limit_magnitude"), ("magnitude", "magnitude_sigma"))
 
 
 class LearnArguments(TypedDict):
@@ -46,7 +65,7 @@ class LearnArguments(TypedDict):
 class Measurements:
     """Measured streaks and upper limits in frames."""
 
-    #: One row per predicted track and chip, with the columns of ``streakcast measure``: `~astropy.table.QTable` or
+    #: One row per predicted track or given streak and chip, with the columns of ``streakcast measure``: `~astropy.table.QTable` or
     #: dictionary of arrays.
     table: Table
     #: Zero points from stars, and other remarks.
@@ -63,6 +82,8 @@ class MeasureQueries(ExposureQueries):
         self,
         frames: FrameLike | Sequence[FrameLike],
         *,
+        streaks: StreaksLike | Sequence[PathLike] | None = None,
+        place_sigma: str | Quantity | None = None,
         header: HeaderLike | None = None,
         start: TimeLike | None = None,
         exposure: FloatLike | None = None,
@@ -88,6 +109,12 @@ class MeasureQueries(ExposureQueries):
             FITS files with world coordinates, including mosaics and compressed ones, or frames in memory, as for
             `streakcast.inject`. Pixels in ``mask`` of an `~astropy.nddata.NDData`, and those without a positive
             variance, are not used.
+        streaks : path or list of paths, `~astropy.table.Table`, dict of columns, or list of dicts, optional
+            Table of streaks that are measured instead of the predicted ones: ends in pixels or on the sky, ``streaks.txt``
+            of ASTRiDE, or a catalog of ``acstools.findsat_mrt``. Streaks are named if a satellite of the model has
+            probably made them. Several files belong to the frames in their order.
+        place_sigma : str or `~astropy.units.Quantity`, optional
+            Position error (one sigma) of the ends of ``streaks``, with its unit; default: 3 pixels.
         header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
             World coordinates of an array and the other keywords of its header; required for one array.
         start : time, optional
@@ -139,42 +166,128 @@ class MeasureQueries(ExposureQueries):
         StreakcastWarning
             A frame has no zero point, the gain is unknown, chips were omitted, or element sets are old.
         """
-        if not hasattr(_core, "measure"):
-            raise NotImplementedError("measure is not in this build: it needs CFITSIO, which does not build on Windows")
-        if zero_point is not None and zero_point_1s is not None:
-            raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
-        request: dict[str, Json] = dict(
-            hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
-            satellite_size=_scalar(satellite_size, "m", "satellite_size"),
-            fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
-            zero_point=_scalar(zero_point, "mag", "zero_point"),
-            zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),
-        )  # fmt: skip
         if start is not None:
-            request["start"] = _core.utc_text(*self._moment(start, scale))
-        if exposure is not None:
-            request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
-        camera = {key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None}
-        setup = {**self._state["setup"], **document(camera)}
+            start = _core.utc_text(*self._moment(start, scale))
         sky_cache, _ = self._open()
-        several = frames_of(frames)
-        with as_files(several, header, what="frame" if len(several) == 1 else "frames") as files:
-            request["image"] = [*files.paths]
-            result = _core.measure(json.dumps(_without_none(request)), json.dumps(setup), self._state["config"], sky_cache)
-        self._warn_once(sky_cache, [files.shown(message) for message in result["warnings"]])
-        measurements = files.named(result["measurements"])
-        columns = arrays_of(measurements)
-        observed, predicted = columns["magnitude"], columns["predicted_magnitude"]
-        is_doubtful = np.array([not _DOUBTFUL.isdisjoint(flags) for flags in columns["flags"]], dtype=np.bool_)
-        is_usable = columns["calibrated"] & ~is_doubtful & np.isfinite(observed) & np.isfinite(predicted)
-        return Measurements(
-            table=table_of(measurements, table, main=_MEASUREMENTS),
-            remarks=tuple(files.shown(remark) for remark in result["remarks"]),
-            learn_arguments=LearnArguments(
-                norad_id=columns["norad_id"][is_usable],
-                time=np.datetime_as_string(columns["mid_utc"][is_usable], timezone="UTC"),
-                observed=observed[is_usable],
-                predicted=predicted[is_usable],
-                sigma=columns["magnitude_sigma"][is_usable],
-            ),
-        )
+        measurements, warnings = _measure(
+            frames, streaks, (self._state["setup"], self._state["config"], sky_cache), place_sigma=place_sigma, header=header,
+            start=start, exposure=exposure, hdu=hdu, seeing=seeing, fit_width=fit_width, psf=psf, satellite_size=satellite_size,
+            stars=stars, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain, band=band, telescope=telescope, table=table,
+        )  # fmt: skip
+        self._warn_once(sky_cache, warnings)
+        return measurements
+
+
+def measure_streaks(
+    frames: FrameLike | Sequence[FrameLike],
+    streaks: StreaksLike | Sequence[PathLike],
+    *,
+    place_sigma: str | Quantity | None = None,
+    **options: Unpack[MeasureOptions],
+) -> Measurements:
+    """Measures streaks whose ends a table gives, without satellites; the result is identical to that of ``streakcast measure
+    --streaks``. `StreakModel.measure` with ``streaks`` also identifies their satellites.
+
+    Parameters
+    ----------
+    frames : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU, or a list of them
+        Frames, as for `StreakModel.measure`.
+    streaks : path or list of paths, `~astropy.table.Table`, dict of columns, or list of dicts
+        Table of streaks, as for `StreakModel.measure`.
+    place_sigma : str or `~astropy.units.Quantity`, optional
+        Position error (one sigma) of the ends, with its unit; default: 3 pixels.
+    **options
+        Other arguments of `StreakModel.measure`.
+
+    Returns
+    -------
+    Measurements
+
+    Raises
+    ------
+    StreakcastError
+        World coordinates or the time are missing, a table is invalid, or a number is out of range.
+    TypeError
+        A number is given as time without a scale, or an angle has no unit.
+
+    Warns
+    -----
+    StreakcastWarning
+        A frame has no zero point, the gain is unknown, or chips were omitted.
+    """
+    start, scale = options.pop("start", None), options.pop("scale", None)
+    if start is not None:
+        start = _moment(start, scale)
+    measurements, warnings = _measure(frames, streaks, ({}, None, None), place_sigma=place_sigma, start=start, **options)
+    for message in dict.fromkeys(warnings):
+        warn(message)
+    return measurements
+
+
+def _measure(
+    frames: FrameLike | Sequence[FrameLike],
+    streaks: StreaksLike | Sequence[PathLike] | None,
+    sky: tuple[Mapping[str, Json], str | None, _core.SkyCache | None],
+    *,
+    place_sigma: str | Quantity | None,
+    start: str | None,
+    header: HeaderLike | None = None,
+    exposure: FloatLike | None = None,
+    hdu: WholeLike | None = None,
+    seeing: str | Quantity | None = None,
+    fit_width: bool = False,
+    psf: str = "moffat",
+    satellite_size: FloatLike | None = None,
+    stars: PathLike | None = None,
+    zero_point: FloatLike | None = None,
+    zero_point_1s: FloatLike | None = None,
+    gain: FloatLike | None = None,
+    band: str | None = None,
+    telescope: PathLike | Options | None = None,
+    table: Output = "auto",
+) -> tuple[Measurements, list[str]]:
+    """Returns the measurements and the warnings. Arguments are those of `StreakModel.measure`; ``start`` is UTC as text."""
+    if not hasattr(_core, "measure"):
+        raise NotImplementedError("measure is not in this build: it needs CFITSIO, which does not build on Windows")
+    if zero_point is not None and zero_point_1s is not None:
+        raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
+    if place_sigma is not None and streaks is None:
+        raise ValueError("place_sigma is given without streaks; allowed: with streaks")
+    request: dict[str, Json] = dict(
+        hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
+        satellite_size=_scalar(satellite_size, "m", "satellite_size"), place_sigma=_angle(place_sigma, "place_sigma"),
+        fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
+        zero_point=_scalar(zero_point, "mag", "zero_point"),
+        zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),
+        start=start,
+    )  # fmt: skip
+    if exposure is not None:
+        request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
+    camera = {key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None}
+    setup, config, sky_cache = sky
+    setup = {**setup, **document(camera)}
+    several = frames_of(frames)
+    what = "frame" if len(several) == 1 else "frames"
+    with streak_files(streaks) as tables, as_files(several, header, what=what) as files:
+        request["image"], request["streaks"] = [*files.paths], [*tables]
+        result = _core.measure(json.dumps(_without_none(request)), json.dumps(setup), config, sky_cache)
+    measured = files.named(result["measurements"])
+    columns = arrays_of(measured)
+    observed, predicted = columns["magnitude"], columns["predicted_magnitude"]
+    is_doubtful = np.array([not _DOUBTFUL.isdisjoint(flags) for flags in columns["flags"]], dtype=np.bool_)
+    is_usable = np.isfinite(observed) & np.isfinite(predicted) & ~is_doubtful
+    # Streaks that are not measured have no value here.
+    is_usable &= np.ma.filled(columns["calibrated"], False)
+    learn_arguments = LearnArguments(
+        norad_id=np.ma.getdata(columns["norad_id"])[is_usable],
+        time=np.datetime_as_string(columns["mid_utc"][is_usable], timezone="UTC"),
+        observed=observed[is_usable],
+        predicted=predicted[is_usable],
+        sigma=columns["magnitude_sigma"][is_usable],
+    )
+    measurements = Measurements(
+        table=table_of(measured, table, main=_MEASUREMENTS if streaks is None else _STREAKS),
+        remarks=tuple(files.shown(remark) for remark in result["remarks"]),
+        learn_arguments=learn_arguments,
+    )
+    return measurements, [files.shown(message) for message in result["warnings"]]

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from astropy.io.fits import CompImageHDU, HDUList, Header, ImageHDU, PrimaryHDU
     from astropy.nddata import NDData
     from astropy.table import QTable
+    from astropy.table import Table as AstropyTable
     from astropy.time import Time
     from astropy.units import Quantity
     from astropy.wcs import WCS
@@ -43,6 +44,7 @@ __all__ = [
     "LearnedSatellite",
     "LightOptions",
     "LimitLike",
+    "MeasureOptions",
     "ModelLike",
     "ModelOptions",
     "NightLike",
@@ -55,6 +57,7 @@ __all__ = [
     "Samples",
     "SiteLike",
     "SkyLightOptions",
+    "StreaksLike",
     "Table",
     "TableLike",
     "TargetLike",
@@ -122,6 +125,8 @@ Pixels = npt.NDArray[Union[np.float32, np.float64, np.uint8, np.int16, np.uint16
 #: Frame: path of a FITS file, its HDUs, one HDU, an `NDData` (for example `CCDData`), or an array, also masked or with a
 #: unit.
 FrameLike = Union[PathLike, Pixels, "HDUList", "PrimaryHDU", "ImageHDU", "CompImageHDU", "NDData"]
+#: Table of streaks: a path, an astropy table, a dictionary of columns, or a list with a dictionary for each streak.
+StreaksLike = Union[PathLike, "AstropyTable", Mapping[str, Sequence[Any]], Sequence[Mapping[str, Any]]]
 #: Point along a track: values by name; `None` if a value is missing.
 Sample = Mapping[str, Union[str, float, None]]
 #: Points along a track.
@@ -259,6 +264,27 @@ class FieldOptions(_ExposureOptions, total=False):
     mjd_scale: str | None
 
 
+class MeasureOptions(TypedDict, total=False):
+    """Further arguments of `streakcast.measure_streaks`, which are those of `streakcast.StreakModel.measure`."""
+
+    header: HeaderLike | None
+    start: TimeLike | None
+    exposure: FloatLike | None
+    scale: str | None
+    hdu: WholeLike | None
+    seeing: str | Quantity | None
+    fit_width: bool
+    psf: str
+    satellite_size: FloatLike | None
+    stars: PathLike | None
+    zero_point: FloatLike | None
+    zero_point_1s: FloatLike | None
+    gain: FloatLike | None
+    band: str | None
+    telescope: PathLike | Options | None
+    table: Output
+
+
 class ModelOptions(_ExposureOptions, total=False):
     """Further arguments of `streakcast.StreakModel`."""
 
@@ -287,7 +313,7 @@ class InjectionOptions(TypedDict, total=False):
     streak_density: FloatLike | None
     magnitude: FloatArrayLike | None
     streak_rate_deg_s: FloatArrayLike | None
-    streaks: PathLike | None
+    streaks: StreaksLike | None
     satellite_size: FloatLike | None
     telescope: PathLike | Options | None
     band: str | None
@@ -308,5 +334,6 @@ class InjectionOptions(TypedDict, total=False):
     resolve_panels: bool
     truth_points: int
     mask_bits: str
+    labels: str | Sequence[str]
     pixels_only: bool
     table: Output

@@ -67,7 +67,8 @@ impl Outputs {
             ));
         }
         let tables = typed.truth.iter().chain(&typed.trails);
-        let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).collect();
+        let labels = typed.injection.label_paths(&outputs.frames)?;
+        let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).chain(&labels).collect();
         check_distinct(inputs, &all)?;
         Ok(outputs)
     }
@@ -186,6 +187,9 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     notices.warn_first(done.frames.iter().flat_map(|frame| frame.warnings.clone()), "warnings about frames");
     for frame in &done.frames {
         notices.info(&format!("wrote {}: {}", frame.output.display(), frame.summary));
+    }
+    for file in &done.labels {
+        notices.wrote(&file.path);
     }
     pictures(&typed, &done, &notices)?;
     outputs.write_tables(&done, &notices)?;

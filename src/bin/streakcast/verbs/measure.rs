@@ -8,7 +8,7 @@ use serde_json::json;
 use streakcast::Watch;
 use streakcast::config::{Config, MeasureConfig, Measurements};
 use streakcast::measure::MeasuredPass;
-use streakcast::measure::{ScoreObserver, measurement_table, score_table};
+use streakcast::measure::{ScoreObserver, score_table};
 use streakcast::output::format_utc;
 use streakcast::output::{Provenance, Section, Table, counted};
 
@@ -62,6 +62,26 @@ const ON_SCREEN: &[Shown] = &[
     shown("flags", "flags"),
 ];
 
+/// Columns on the screen for streaks of tables.
+const OF_TABLES: &[Shown] = &[
+    shown("streak", "streak"),
+    shown("image", "image"),
+    shown("hdu", "hdu"),
+    shown("name", "name"),
+    rounded("probability", "P", 3),
+    shown("detected", "found"),
+    rounded("magnitude", "mag", 2),
+    rounded("magnitude_sigma", "sigma", 2),
+    rounded("limit_magnitude", "limit", 2),
+    rounded("predicted_magnitude", "model", 1),
+    rounded("flux", "flux", 0),
+    rounded("flux_sigma", "sigma", 0),
+    rounded("offset_arcsec", "offset arcsec", 1),
+    rounded("length_pix", "length pix", 0),
+    rounded("seeing_arcsec", "width arcsec", 2),
+    shown("flags", "flags"),
+];
+
 /// Tables in the columns of SCORE, the observation repository of the IAU CPS.
 #[derive(Copy, Clone, PartialEq, Eq)]
 enum Upload {
@@ -73,10 +93,16 @@ enum Upload {
 
 pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
-    Required::of(&config)
-        .input(!typed.measure.image.is_empty(), "frames", "FRAME..., FITS files")
-        .satellites()
-        .check()?;
+    let has_tables = !typed.measure.streaks.is_empty();
+    if has_tables {
+        // Rows of a table may name their frames.
+        Required::of(&config).check()?;
+    } else {
+        Required::of(&config)
+            .input(!typed.measure.image.is_empty(), "frames", "FRAME..., FITS files")
+            .satellites()
+            .check()?;
+    }
     let upload = match typed.output.format.as_deref() {
         Some("score") => Some(Upload::Score),
         Some("fit") => Some(Upload::Fit),
@@ -99,16 +125,21 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let mut done = MeasureConfig { cuts, ..typed.measure.clone() }.measure(&config, None, &Watch::default())?;
     done.remarks.iter().for_each(|remark| notices.info(remark));
     notices.warn(&done.warnings);
-    summary(&notices, &done);
+    summary(&notices, &done, has_tables);
     if let Some(path) = &typed.picture {
         picture(path, &done, &notices)?;
     }
     let table = match upload {
         Some(upload) => upload_table(&done, &observer, upload)?,
-        None => measurement_table(&done.passes),
+        None => done.table.clone(),
     };
     let frames: Vec<String> = typed.measure.image.iter().map(|path| path.display().to_string()).collect();
-    done.provenance.state("options", json!({ "frames": frames, "satellite_size_m": typed.measure.satellite_size }));
+    let mut options = json!({ "frames": frames, "satellite_size_m": typed.measure.satellite_size });
+    if has_tables {
+        let tables = typed.measure.streaks.iter().map(|path| path.display().to_string());
+        options["streaks"] = tables.collect::<Vec<_>>().into();
+    }
+    done.provenance.state("options", options);
     // Uploads must begin with the line of column names, so no provenance is written.
     let none = Provenance::default();
     let left_out = left_out_table(&done.left_out);
@@ -120,18 +151,25 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
             ],
             main: &table,
             provenance: if upload.is_some() { &none } else { &done.provenance },
-            style: Style { columns: ON_SCREEN, bold_row: None },
+            style: Style { columns: if has_tables { OF_TABLES } else { ON_SCREEN }, bold_row: None },
         },
         &notices,
     )?;
-    Ok(if done.passes.is_empty() { Outcome::No } else { Outcome::Done })
+    Ok(if done.table.rows.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
 /// Draws the frame along each track.
 fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Result<()> {
     use streakcast::plot::{CutPanel, PictureFormat, streak_cuts};
     let title = |pass: &MeasuredPass| {
-        let name = if pass.prediction.name.is_empty() { "satellite" } else { &*pass.prediction.name };
+        let satellite = &pass.prediction.satellite;
+        let name = match (&*pass.prediction.id, &*satellite.name) {
+            ("", "") => "satellite".to_owned(),
+            ("", name) => name.to_owned(),
+            (id, "") => format!("streak {id}"),
+            (id, name) => format!("streak {id}: {name}"),
+        };
+        let number = satellite.norad_id.map_or_else(String::new, |id| format!(" ({id})"));
         let light = match (&pass.magnitude, pass.limit_mag) {
             (Some(light), _) => format!("{:.3} +- {:.3} mag", light.value, light.sigma),
             (None, Some(limit)) => format!("not found, fainter than {limit:.2} mag"),
@@ -139,7 +177,7 @@ fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Resul
         };
         let system = if pass.is_calibrated { "" } else { " (instrumental)" };
         let time = format_utc(pass.epoch, 1);
-        format!("{name} ({}), HDU {}, {time}: {light}{system}", pass.prediction.norad_id, pass.hdu)
+        format!("{name}{number}, HDU {}, {time}: {light}{system}", pass.hdu)
     };
     let titles: Vec<String> = done.passes.iter().map(title).collect();
     let panels = titles.iter().zip(&done.passes).filter_map(|(title, pass)| {
@@ -158,7 +196,7 @@ fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Resul
     });
     let panels: Vec<CutPanel<'_>> = panels.collect();
     if panels.is_empty() {
-        return Err(anyhow!("no track for --picture; allowed: frames with predicted tracks"));
+        return Err(anyhow!("no track for --picture; allowed: frames with predicted tracks or streaks of a table"));
     }
     let chart = streak_cuts("Measured streaks", &panels)?;
     let chart = match &done.site {
@@ -194,8 +232,12 @@ fn observer(typed: &MeasureArguments, upload: Option<Upload>) -> anyhow::Result<
 }
 
 fn upload_table(done: &Measurements, observer: &ScoreObserver, upload: Upload) -> anyhow::Result<Table> {
-    let site =
-        done.site.as_ref().ok_or_else(|| anyhow!("the observer is in orbit; allowed with --format score: a site"))?;
+    let without = if done.provenance.get("elements").is_some() {
+        "the observer is in orbit; allowed with --format score: a site"
+    } else {
+        "streaks without --elements have no satellites; allowed with --format score: --elements and a site"
+    };
+    let site = done.site.as_ref().ok_or_else(|| anyhow!(without))?;
     if let Some(bare) = done.passes.iter().find(|pass| !pass.is_calibrated) {
         return Err(anyhow!("{} has no zero point; specify --zero-point or --zero-point-1s", bare.image));
     }
@@ -207,12 +249,17 @@ fn upload_table(done: &Measurements, observer: &ScoreObserver, upload: Upload) -
     Ok(table)
 }
 
-fn summary(notices: &Notices, done: &Measurements) {
+fn summary(notices: &Notices, done: &Measurements, has_tables: bool) {
     let found = done.passes.iter().filter(|pass| pass.measured.is_detected).count();
+    let missed = done.passes.len() - found;
+    if has_tables {
+        let all = counted(done.table.rows.len(), "row", "rows");
+        let outside = done.table.rows.len() - done.passes.len();
+        let named = done.passes.iter().filter(|pass| pass.prediction.satellite.norad_id.is_some()).count();
+        let streaks = counted(found, "streak", "streaks");
+        notices.info(&format!("{all}: {streaks} found, {missed} not found, {outside} not measured; {named} with a satellite"));
+        return;
+    }
     let all = counted(done.passes.len(), "predicted track", "predicted tracks");
-    notices.info(&format!(
-        "{all}: {} measured, {} not found",
-        counted(found, "streak", "streaks"),
-        done.passes.len() - found
-    ));
+    notices.info(&format!("{all}: {} measured, {missed} not found", counted(found, "streak", "streaks")));
 }

@@ -1,0 +1,75 @@
+"""Tables of streaks as files: the library reads paths; tables in memory are written to temporary files."""
+
+from __future__ import annotations
+
+import csv
+import os
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any, cast
+
+from ._frames import is_path
+from ._quantities import is_of, is_quantity
+from ._setup import absolute
+from .typing import PathLike, StreaksLike
+
+
+@contextmanager
+def streak_files(streaks: StreaksLike | Sequence[PathLike] | None) -> Iterator[list[str]]:
+    """Writes a table that is not a path to a temporary file, which exists inside the context; no file for `None`.
+
+    Errors name the table ``streaks`` instead of the temporary file.
+    """
+    if streaks is None:
+        yield []
+        return
+    if is_path(streaks):
+        yield [absolute(cast("PathLike", streaks))]
+        return
+    if isinstance(streaks, Sequence) and streaks and all(is_path(one) for one in streaks):
+        yield [absolute(cast("PathLike", one)) for one in streaks]
+        return
+    with tempfile.TemporaryDirectory(prefix="streakcast-") as folder:
+        path = os.path.join(folder, "streaks")
+        _write(streaks, path)
+        try:
+            yield [path]
+        except Exception as error:
+            raise type(error)(str(error).replace(folder + os.sep, "")) from None
+
+
+def _write(streaks: object, path: str) -> None:
+    if isinstance(streaks, Mapping) and any(is_quantity(column) for column in streaks.values()):
+        from astropy.table import QTable
+
+        streaks = QTable(dict(streaks))
+    if is_of("astropy.table", "Table", streaks):
+        getattr(streaks, "write")(path, format="ascii.ecsv")
+        return
+    rows = _rows(streaks)
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, names, restval="")
+        writer.writeheader()
+        writer.writerows({name: _cell(value, name) for name, value in row.items()} for row in rows)
+
+
+def _rows(streaks: object) -> list[dict[str, Any]]:
+    if isinstance(streaks, Mapping):
+        lengths = {len(column) for column in streaks.values()}
+        if len(lengths) > 1:
+            raise ValueError(f"columns of streaks have the lengths {sorted(lengths)}; allowed: columns of one length")
+        return [dict(zip(streaks, row)) for row in zip(*streaks.values())]
+    if isinstance(streaks, Sequence) and not isinstance(streaks, (str, bytes)) and all(isinstance(row, Mapping) for row in streaks):
+        return [dict(row) for row in streaks]
+    raise TypeError(
+        f"streaks is {type(streaks).__name__}; allowed: a path, an astropy Table, a dictionary of columns, or a list of dictionaries"
+    )
+
+
+def _cell(value: Any, name: str) -> Any:
+    if is_quantity(value):
+        raise TypeError(f"{name} of a streak is a Quantity; allowed: a number in the unit of the column, or a table with units")
+    # NaN marks a missing number, as in tables of astropy.
+    return "" if value is None or value != value else value

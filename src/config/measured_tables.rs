@@ -1,0 +1,127 @@
+//! Tables of streaks that are measured: the frames of their rows, and the satellites of the streaks.
+
+use std::path::{Path, PathBuf};
+
+use super::error::ConfigError;
+use super::identify::{POSITION_SIGMA_PIX, TIME_SIGMA_S};
+use crate::identify::{IdentifyOptions, MeasuredStreak, Timing, identify_streak};
+use crate::measure::{KnownSatellite, ListedStreak, StreakList};
+use crate::message::Quoted;
+use crate::orbit::LeftOut;
+use crate::passes::Sky;
+use crate::photometry::PhotometryOptions;
+use crate::streaks::TargetFrame;
+
+/// Smallest probability of a satellite with which a streak is named.
+const LIKELY: f64 = 0.5;
+
+/// Tables of streaks, with the frames of their rows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MeasuredTables {
+    /// Frames: those that are given, and then those that rows name.
+    pub frames: Vec<PathBuf>,
+    /// Remarks about the columns of the tables.
+    pub remarks: Vec<String>,
+    /// Each table with its frame; `None` for the only table, whose rows are of all frames.
+    tables: Vec<(StreakList, Option<PathBuf>)>,
+}
+
+impl MeasuredTables {
+    /// Reads tables and finds the frames of their rows: the given `frames` of that name, or else the file relative to the
+    /// folder of the table. Rows of a single table without a name are of all frames; those of several tables are of the
+    /// frame at the place of the table.
+    ///
+    /// # Errors
+    /// A table is invalid, or a row has no frame.
+    pub fn read(tables: &[PathBuf], frames: &[PathBuf]) -> Result<Self, ConfigError> {
+        let mut found = Self { frames: frames.to_vec(), ..Self::default() };
+        for (number, path) in tables.iter().enumerate() {
+            let mut list = StreakList::read(path)?;
+            found.remarks.append(&mut list.remarks);
+            let folder = path.parent().unwrap_or(Path::new(""));
+            for streak in &mut list.streaks {
+                match &mut streak.image {
+                    Some(image) if !frames.iter().any(|frame| frame.ends_with(&*image)) => {
+                        let file = folder.join(&*image);
+                        if !file.is_file() {
+                            return Err(ConfigError::invalid(format!(
+                                "{}: image is '{}'; allowed: the name of a FRAME, or a file in the folder of the table",
+                                streak.origin,
+                                Quoted::new(image)
+                            )));
+                        }
+                        *image = file.display().to_string();
+                        if !found.frames.contains(&file) {
+                            found.frames.push(file);
+                        }
+                    }
+                    Some(_) => {}
+                    None if tables.len() == 1 && !frames.is_empty() => {}
+                    None if tables.len() == frames.len() => {}
+                    None => {
+                        return Err(ConfigError::invalid(format!(
+                            "{}: image is missing, with {} tables of streaks and {} frames; allowed: the file of the frame, \
+                             or one table, or as many tables as FRAME...",
+                            streak.origin,
+                            tables.len(),
+                            frames.len()
+                        )));
+                    }
+                }
+            }
+            let of_table = (tables.len() > 1).then(|| frames.get(number).cloned()).flatten();
+            found.tables.push((list, of_table));
+        }
+        Ok(found)
+    }
+
+    /// Returns the streaks of a frame, in the order of the tables.
+    pub fn of(&self, frame: &Path) -> Vec<ListedStreak> {
+        let rows = self.tables.iter().flat_map(|(list, of_table)| {
+            list.streaks.iter().filter(move |streak| match (&streak.image, of_table) {
+                (None, Some(of_table)) => of_table == frame,
+                _ => streak.is_of(frame),
+            })
+        });
+        rows.cloned().collect()
+    }
+}
+
+/// Adds the satellite to each streak without one that a satellite of the sky has probably made. Returns the satellites
+/// whose positions cannot be computed.
+///
+/// # Errors
+/// Positions cannot be computed at the time of the frame.
+pub(super) fn identify_listed(
+    sky: &Sky,
+    frame: &TargetFrame,
+    streaks: &mut [ListedStreak],
+    place_sigma_deg: Option<f64>,
+    photometry: &PhotometryOptions,
+) -> Result<Vec<LeftOut>, ConfigError> {
+    let options = IdentifyOptions { include_dark: false, photometry: *photometry };
+    let mut left_out = Vec::new();
+    for streak in streaks.iter_mut().filter(|streak| streak.satellite.norad_id.is_none()) {
+        let Some((ends, pixel_arcsec)) = streak.on_sky(frame) else { continue };
+        let sigma_rad = place_sigma_deg.unwrap_or(POSITION_SIGMA_PIX * pixel_arcsec / 3600.0).to_radians();
+        let time = (frame.opened, frame.exposure_s);
+        // A streak that is too short or too long to be of a satellite keeps its row.
+        let Ok(measured) = MeasuredStreak::from_ends(ends, time, Timing::Within, sigma_rad, TIME_SIGMA_S) else {
+            continue;
+        };
+        let found = identify_streak(sky, &measured, &options)?;
+        left_out = found.left_out;
+        let Some(best) = found.candidates.first().filter(|best| best.probability >= LIKELY) else { continue };
+        streak.probability = Some(best.probability);
+        streak.satellite = KnownSatellite {
+            norad_id: Some(best.norad_id),
+            name: sky.elements()[best.element_index].name.clone(),
+            element_age_days: Some(best.element_age_days),
+            brightness: best.passage.brightness.clone(),
+            phase_angle_rad: Some(best.passage.geometry.phase_angle_rad()),
+            range_km: Some(best.passage.range_km),
+            model_size_m: Some(sky.model(best.element_index).size_m()),
+        };
+    }
+    Ok(left_out)
+}

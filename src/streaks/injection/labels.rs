@@ -1,0 +1,291 @@
+//! Labels of injected streaks, with which detectors of streaks are trained: COCO, YOLO with oriented boxes, and DS9.
+//!
+//! The outline of a streak is the part of it in the image, widened by its full width at half maximum on both sides and at
+//! both ends. Streaks of which only the wings reach the image have no label.
+//!
+//! Images of COCO and YOLO have their origin at the corner of the first pixel of the file, and y increases with the rows of
+//! the file. This is the order of the rows of the array that astropy returns. A picture with the first row at the bottom,
+//! as DS9 shows it, needs height - y.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::super::chip::Chip;
+use super::super::drawn::DrawnStreak;
+use super::super::error::StreaksError;
+use super::super::masking::{Area, Cell, polygons};
+use super::super::regions::{Region, region_text};
+use super::lights::file_name;
+use crate::images::{ImagesError, PixelPosition};
+use crate::output::write_atomically;
+
+/// Smallest distance of the outline from the middle of the streak, pixels.
+const LEAST_HALF_WIDTH_PIX: f64 = 1.0;
+
+/// Format of labels.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum LabelFormat {
+    /// One JSON file of all frames: images, annotations with polygons, categories.
+    Coco,
+    /// One text file for each image, with oriented boxes (`class x1 y1 x2 y2 x3 y3 x4 y4`).
+    Yolo,
+    /// One region file for each image.
+    Ds9,
+}
+
+/// Outlines of the streaks on one chip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelledImage {
+    /// HDU of the chip.
+    pub hdu: usize,
+    /// False if the frame has several chips.
+    pub is_only: bool,
+    /// Rows and columns.
+    pub size: [usize; 2],
+    /// The streaks.
+    pub labels: Vec<Label>,
+}
+
+/// Outline of one streak.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Name of the source.
+    pub name: String,
+    /// Brightest magnitude.
+    pub magnitude: Option<f64>,
+    /// Ends of the streak, pixels.
+    pub ends: [PixelPosition; 2],
+    /// Polygons around the streak, pixels; several for a bent streak.
+    pub outline: Vec<Vec<PixelPosition>>,
+    /// Number of pixels in the outline.
+    pub pixels: usize,
+}
+
+/// File of labels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LabelFile {
+    /// Format.
+    pub format: LabelFormat,
+    /// Path.
+    pub path: PathBuf,
+    /// Content.
+    pub text: String,
+}
+
+impl LabelFormat {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Coco, Self::Yolo, Self::Ds9];
+
+    /// Returns the name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Coco => "coco",
+            Self::Yolo => "yolo",
+            Self::Ds9 => "ds9",
+        }
+    }
+
+    /// Returns a format by its name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn by_name(name: &str) -> Result<Self, StreaksError> {
+        let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
+        found.ok_or_else(|| {
+            StreaksError::invalid("format of labels", format!("{name:?}"), Self::ALL.map(Self::name).join(", "))
+        })
+    }
+
+    /// Returns the path of the labels of an image of a frame, beside the frame; for COCO, that of all `frames`.
+    pub fn path(self, frame: &Path, frames: usize, hdu: Option<usize>) -> PathBuf {
+        let name = file_name(frame);
+        let stem = [".fits.fz", ".fits", ".fit", ".fts", ".fz"].iter().find_map(|end| name.strip_suffix(end));
+        let stem = stem.unwrap_or(&name);
+        let chip = hdu.map_or_else(String::new, |hdu| format!("-hdu{hdu}"));
+        frame.with_file_name(match self {
+            Self::Coco if frames > 1 => "coco.json".to_owned(),
+            Self::Coco => format!("{stem}.coco.json"),
+            Self::Yolo => format!("{stem}{chip}.txt"),
+            Self::Ds9 => format!("{stem}{chip}.reg"),
+        })
+    }
+}
+
+impl LabelledImage {
+    /// Returns the outlines of the streaks on a chip.
+    pub fn of(chip: &Chip, is_only: bool, streaks: &[DrawnStreak<'_>]) -> Self {
+        let of_chip = streaks.iter().filter(|streak| streak.hdu == chip.hdu);
+        Self {
+            hdu: chip.hdu,
+            is_only,
+            size: [chip.rows, chip.columns],
+            labels: of_chip.filter_map(|streak| Label::of(chip, streak)).collect(),
+        }
+    }
+}
+
+impl Label {
+    fn of(chip: &Chip, streak: &DrawnStreak<'_>) -> Option<Self> {
+        let [first, last] = streak.ends()?.map(|point| point.at);
+        let radius_pix = streak.width_pix.max(LEAST_HALF_WIDTH_PIX);
+        let cells = (0..).zip(streak.points.windows(2)).map(|(number, pair)| Cell {
+            ends: [pair[0].at, pair[1].at],
+            radius_pix,
+            light_pix: radius_pix,
+            times_s: [f64::from(number), f64::from(number + 1)],
+        });
+        let cells: Vec<Cell> = cells.collect();
+        let outline = polygons(&cells, &chip.light_area);
+        let pixels = Area::of_cells(&cells, &chip.light_area).pixels();
+        (!outline.is_empty()).then(|| Self {
+            name: streak.source.name.to_string(),
+            magnitude: streak.peak_magnitude,
+            ends: [first, last],
+            outline,
+            pixels,
+        })
+    }
+
+    fn corners(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.outline.iter().flatten().map(|at| from_corner(*at))
+    }
+
+    /// Returns the smallest and the largest coordinates of the outline.
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        let mut bounds = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+        for corner in self.corners() {
+            for axis in 0..2 {
+                bounds[0][axis] = bounds[0][axis].min(corner[axis]);
+                bounds[1][axis] = bounds[1][axis].max(corner[axis]);
+            }
+        }
+        bounds
+    }
+
+    /// Returns the corners of the rectangle along the line between the ends that contains the outline.
+    fn oriented_box(&self) -> [[f64; 2]; 4] {
+        let [from, to] = self.ends;
+        let (dx, dy) = (to.x - from.x, to.y - from.y);
+        let length = dx.hypot(dy);
+        let [ex, ey] = if length > 0.0 { [dx / length, dy / length] } else { [1.0, 0.0] };
+        let (mut along, mut across) = ([f64::INFINITY, f64::NEG_INFINITY], [f64::INFINITY, f64::NEG_INFINITY]);
+        for [x, y] in self.corners() {
+            let (u, v) = (x * ex + y * ey, y * ex - x * ey);
+            along = [along[0].min(u), along[1].max(u)];
+            across = [across[0].min(v), across[1].max(v)];
+        }
+        let corner = |u: f64, v: f64| [u * ex - v * ey, u * ey + v * ex];
+        [
+            corner(along[0], across[0]),
+            corner(along[1], across[0]),
+            corner(along[1], across[1]),
+            corner(along[0], across[1]),
+        ]
+    }
+}
+
+/// Converts a position, counted from the centre of the first pixel, to one from its outer corner.
+fn from_corner(at: PixelPosition) -> [f64; 2] {
+    [at.x + 0.5, at.y + 0.5]
+}
+
+/// Returns the files of labels of several frames.
+pub fn label_files(formats: &[LabelFormat], frames: &[(&Path, &[LabelledImage])]) -> Vec<LabelFile> {
+    let mut files = Vec::new();
+    for &format in formats {
+        if format == LabelFormat::Coco {
+            let first = frames.first().map(|(path, _)| format.path(path, frames.len(), None));
+            files.extend(first.map(|path| LabelFile { format, path, text: coco(frames) }));
+            continue;
+        }
+        for (path, images) in frames {
+            files.extend(images.iter().map(|image| LabelFile {
+                format,
+                path: format.path(path, frames.len(), (!image.is_only).then_some(image.hdu)),
+                text: if format == LabelFormat::Yolo { yolo(image) } else { ds9(image) },
+            }));
+        }
+    }
+    files
+}
+
+/// Writes files of labels.
+///
+/// # Errors
+/// A file cannot be written.
+pub fn write_labels(files: &[LabelFile]) -> Result<(), StreaksError> {
+    for LabelFile { path, text, .. } in files {
+        write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(ImagesError::io(path))?;
+    }
+    Ok(())
+}
+
+fn rounded(number: f64) -> f64 {
+    (number * 1000.0).round() / 1000.0
+}
+
+fn coco(frames: &[(&Path, &[LabelledImage])]) -> String {
+    let (mut images, mut annotations) = (Vec::new(), Vec::<Value>::new());
+    for (path, of_frame) in frames {
+        for LabelledImage { hdu, size: [rows, columns], labels, .. } in *of_frame {
+            let image_id = images.len() + 1;
+            images.push(json!({
+                "id": image_id, "file_name": file_name(path), "hdu": hdu, "width": columns, "height": rows,
+            }));
+            for label in labels {
+                let polygon = |corners: &Vec<PixelPosition>| -> Vec<f64> {
+                    corners.iter().flat_map(|at| from_corner(*at)).map(rounded).collect()
+                };
+                let segmentation: Vec<Vec<f64>> = label.outline.iter().map(polygon).collect();
+                let magnitude = label.magnitude.map(rounded);
+                let [[left, low], [right, high]] = label.bounds();
+                let bounds = [left, low, right - left, high - low].map(rounded);
+                annotations.push(json!({
+                    "id": annotations.len() + 1,
+                    "image_id": image_id,
+                    "category_id": 1,
+                    "segmentation": segmentation,
+                    "area": label.pixels,
+                    "bbox": bounds,
+                    "iscrowd": 0,
+                    "streak": label.name,
+                    "magnitude": magnitude,
+                }));
+            }
+        }
+    }
+    let description = format!(
+        "streakcast {}: injected streaks; y increases with the rows of the FITS file",
+        env!("CARGO_PKG_VERSION")
+    );
+    let document = json!({
+        "info": { "description": description },
+        "images": images,
+        "annotations": annotations,
+        "categories": [{ "id": 1, "name": "streak", "supercategory": "streak" }],
+    });
+    document.to_string() + "\n"
+}
+
+/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. Corners
+/// beyond an edge of the image are moved to it, because the format has no coordinates outside of 0 to 1.
+fn yolo(image: &LabelledImage) -> String {
+    let [rows, columns] = image.size.map(|count| count as f64);
+    let line = |label: &Label| {
+        let share = |[x, y]: [f64; 2]| [x / columns, y / rows].map(|share| format!(" {:.6}", share.clamp(0.0, 1.0)));
+        format!("0{}\n", label.oriented_box().into_iter().flat_map(share).collect::<String>())
+    };
+    image.labels.iter().map(line).collect()
+}
+
+fn ds9(image: &LabelledImage) -> String {
+    let regions = image.labels.iter().flat_map(|label| {
+        label.outline.iter().map(|polygon| Region {
+            corners: polygon.iter().map(|at| at.fits()).collect(),
+            name: label.name.clone(),
+            tag: format!("HDU {}", image.hdu),
+        })
+    });
+    region_text("labels", "image", 3, regions)
+}

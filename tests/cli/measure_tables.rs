@@ -1,0 +1,188 @@
+//! `measure --streaks`: streaks of tables, with known light, in several frames.
+
+use std::fs;
+
+use crate::common::cli::{done, json, path, records, run};
+use crate::common::injected::{column, numbers};
+use tempfile::TempDir;
+
+/// Required share of fluxes within one sigma.
+const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.63..=0.73;
+/// Largest difference of a mean flux from the truth, in sigmas of the mean.
+const MEAN_SIGMAS: f64 = 3.0;
+/// Side of a frame, and distance of the streaks in it, pixels.
+const SIDE: usize = 600;
+const STEP: usize = 150;
+const FRAMES: usize = 15;
+
+const SKY: &str = "columns = 600\nrows = 600\npixel_scale_arcsec = 0.5\nzero_point_1s_mag = 25.0\n\
+                   sky_mag_arcsec2 = 21.0\n[detector]\ngain_e_adu = 1.5\nread_noise_e = 6.0\nbias_adu = 200.0\n";
+
+/// A number from 0 to 1 that depends on two indices.
+fn drawn(index: usize, number: usize) -> f64 {
+    let mut x = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (number as u64 + 1).wrapping_mul(0xd1b5_4a32_d192_ed03);
+    x ^= x >> 29;
+    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x ^= x >> 32;
+    (x >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// A normally distributed number.
+fn normal(index: usize, number: usize) -> f64 {
+    (-2.0 * (1.0 - drawn(index, number)).ln()).sqrt() * (std::f64::consts::TAU * drawn(index, number + 1)).cos()
+}
+
+/// Injects 16 streaks into each of 15 frames. Returns the rows of the truth, and the ends with errors of `sigma_pix`.
+fn injected(folder: &TempDir, sigma_pix: f64) -> (Vec<csv::StringRecord>, String) {
+    let (description, chosen, truth) = (path(folder, "sky.toml"), path(folder, "chosen.csv"), path(folder, "truth.csv"));
+    fs::write(&description, SKY).unwrap();
+    let mut rows = "id,image,x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n".to_owned();
+    let mut ends = "id,image,x1_pix,y1_pix,x2_pix,y2_pix\n".to_owned();
+    let places = (0..FRAMES).flat_map(|frame| (0..16).map(move |place| (frame, place)));
+    for (index, (frame, place)) in places.enumerate() {
+        let [x, y] = [place % 4, place / 4].map(|cell| (STEP / 2 + STEP * cell) as f64);
+        let (length, angle) = (50.0 + 50.0 * drawn(index, 0), std::f64::consts::TAU * drawn(index, 1));
+        let (dx, dy) = (0.5 * length * angle.cos(), 0.5 * length * angle.sin());
+        let name = format!("s{index},frame-{:04}.fits", frame + 1);
+        let true_ends = [x - dx, y - dy, x + dx, y + dy];
+        let [a, b, c, d] = true_ends;
+        rows += &format!("{name},{a},{b},{c},{d},{}\n", 15.5 + 2.0 * drawn(index, 2));
+        let given: Vec<String> = (0..4).map(|at| (true_ends[at] + sigma_pix * normal(index, 10 + 2 * at)).to_string()).collect();
+        ends += &format!("{name},{}\n", given.join(","));
+    }
+    fs::write(&chosen, rows).unwrap();
+    let output = path(folder, "");
+    done(&[
+        &["inject", "--synthetic", &description, "--frames", &FRAMES.to_string(), "-o", &output, "--streaks", &chosen],
+        &["--exposure", "30s", "--seeing", "1.5arcsec", "--truth", &truth, "--quiet"],
+    ]);
+    (records(&fs::read_to_string(truth).unwrap()), ends)
+}
+
+#[test]
+fn verif_fluxes_of_tables_are_within_their_errors() {
+    // Ends of the table are those of the streaks, or have errors of 2 pixels as those of detectors.
+    for (sigma_pix, more) in [(0.0, &["--seeing", "1.5arcsec"][..]), (2.0, &["--place-sigma", "1arcsec"])] {
+        let folder = TempDir::new().unwrap();
+        let (truth, ends) = injected(&folder, sigma_pix);
+        let table = path(&folder, "trails.csv");
+        fs::write(&table, ends).unwrap();
+        let rows = records(&done(&[&["measure", "--streaks", &table, "--format", "csv", "--quiet"], more]));
+        let streaks = column(&rows, "streak");
+        assert_eq!(streaks.len(), 16 * FRAMES);
+        let (names, counts) = (column(&truth, "name"), numbers(&truth, "counts"));
+        let (flux, sigma, rate) = (numbers(&rows, "flux"), numbers(&rows, "flux_sigma"), numbers(&rows, "rate"));
+        let (mut within, mut deviations) = (0, 0.0);
+        for (row, name) in streaks.iter().enumerate() {
+            let truth = counts[names.iter().position(|found| found == name).unwrap()];
+            let deviation = (flux[row] - truth) / sigma[row];
+            within += usize::from(deviation.abs() < 1.0);
+            deviations += deviation;
+            assert!((rate[row] * 30.0 / flux[row] - 1.0).abs() < 2e-3, "{name}");
+        }
+        let count = streaks.len() as f64;
+        let share = within as f64 / count;
+        assert!(WITHIN_ONE_SIGMA.contains(&share), "{sigma_pix}: {share}");
+        assert!(deviations.abs() / count.sqrt() < MEAN_SIGMAS, "{sigma_pix}: {}", deviations / count);
+        assert!(column(&rows, "norad_id").iter().all(String::is_empty));
+    }
+}
+
+#[test]
+fn streaks_outside_of_the_frame_have_rows_with_flags() {
+    let folder = TempDir::new().unwrap();
+    let (truth, _) = injected(&folder, 0.0);
+    let frame = path(&folder, "frame-0001.fits");
+    let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| numbers(&truth, name)[0]);
+    let [x1, y1, x2, y2] = ends;
+    let table = path(&folder, "edge.csv");
+    let rows = format!(
+        "id,norad_id,name,x1_pix,y1_pix,x2_pix,y2_pix\nwhole,44713,STARLINK-1007,{x1},{y1},{x2},{y2}\n\
+         outside,,,-500,-500,-300,-200\nhalf,,,40,300,-60,310\nthrough,,,-100,{SIDE},1200,500\n\
+         short,,,500,500,505,503\npoint,,,300,300,300,300\nnone,,,,,,\n"
+    );
+    fs::write(&table, rows).unwrap();
+    let document = json(&[&["measure", &frame, "--streaks", &table, "--seeing", "1.5arcsec", "--quiet"]]);
+    let rows = document["measurements"].as_array().unwrap();
+    let cells = |name: &str| rows.iter().map(|row| row[name].clone()).collect::<Vec<_>>();
+    assert_eq!(cells("streak"), ["whole", "outside", "half", "through", "short", "point", "none"]);
+    let flags: Vec<String> = cells("flags").iter().map(ToString::to_string).collect();
+    for (flags, flag) in flags.iter().zip(["", "outside", "open", "open", "short", "short", "no_ends"]) {
+        assert!(flags.contains(flag), "{flags} {flag}");
+    }
+    assert!(!flags[0].contains("open"), "{flags:?}");
+    assert_eq!((&rows[0]["norad_id"], &rows[0]["name"]), (&44713.into(), &"STARLINK-1007".into()));
+    assert_eq!(rows[0]["detected"], true);
+    // Unknown values are missing, not zero or false.
+    for name in ["detected", "rate", "flux", "magnitude", "limit_magnitude", "mid_utc", "range_km", "size_m"] {
+        assert!(rows[1][name].is_null(), "{name}: {}", rows[1]);
+    }
+    assert!(rows[2]["duration_s"].as_f64().unwrap() < 15.0 && rows[2]["ends"] == 1, "{}", rows[2]);
+    let row = |text: &str| format!("id,image,hdu,norad_id,x1_pix,y1_pix,x2_pix,y2_pix\n{text}\n");
+    for (text, words) in [
+        (row("a,,,,1,2,3,"), "line 2: y2_pix is missing; allowed"),
+        (row("a,none.fits,,,1,2,3,4"), "line 2: image is 'none.fits'; allowed"),
+        (row("a,,7,,1,2,3,4"), "line 2: hdu is 7; allowed: HDU 0 of"),
+        (row("a,,,x,1,2,3,4"), "line 2: norad_id is 'x'; allowed"),
+        (row("a,,,,1,2,3,4").replace("norad_id", "enter_s").replace(",,,,1", ",,,99,1"), "enter_utc is 99.000 s"),
+    ] {
+        fs::write(&table, &text).unwrap();
+        let (code, _, error) = run(&[&["measure", &frame, "--streaks", &table, "--quiet"]]);
+        assert_eq!((code, error.trim().lines().count()), (2, 1), "{text}: {error}");
+        assert!(error.contains(words), "{text}: {error}");
+    }
+    fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4\n").unwrap();
+    let (code, _, error) = run(&[&["measure", "--streaks", &table, "--quiet"]]);
+    assert!(code == 2 && error.contains("line 2: image is missing"), "{error}");
+    let (code, _, error) = run(&[&["measure", &frame, "--place-sigma", "1arcsec"]]);
+    assert!(code == 2 && error.contains("--streaks"), "{error}");
+}
+
+/// Catalogs of detectors have no names of frames: each belongs to the frame at its place.
+#[test]
+fn several_tables_belong_to_the_frames_in_order_and_streaks_are_identified() {
+    let folder = TempDir::new().unwrap();
+    let description = path(&folder, "wide.toml");
+    let sky = crate::common::injected::unrounded()
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
+    fs::write(&description, sky).unwrap();
+    let satellites = ["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+    let (mut frames, mut tables, mut expected) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, start) in ["2026-08-14T23:29:05Z", "2026-08-14T23:31:05Z"].into_iter().enumerate() {
+        let (frame, truth) = (path(&folder, &format!("v{number}.fits")), path(&folder, "truth.csv"));
+        done(&[
+            &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth, "--seeing", "90arcsec"],
+            &["--start", start, "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"],
+            &satellites,
+        ]);
+        let rows = records(&fs::read_to_string(&truth).unwrap());
+        let ids = numbers(&rows, "norad_id");
+        let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| column(&rows, name));
+        let table = path(&folder, &format!("v{number}.csv"));
+        let lines = (0..ids.len()).map(|row| {
+            let cells = ends.each_ref().map(|end| end[row].clone());
+            format!("v{number}-{row},{}\n", cells.join(","))
+        });
+        fs::write(&table, format!("id,x1_pix,y1_pix,x2_pix,y2_pix\n{}", lines.collect::<String>())).unwrap();
+        expected.extend(ids.iter().enumerate().map(|(row, id)| (format!("v{number}-{row}"), *id)));
+        frames.push(frame);
+        tables.push(table);
+    }
+    let arguments = ["measure", &frames[0], &frames[1], "--streaks", &tables[0], &tables[1]];
+    let document = json(&[&arguments, &satellites]);
+    let rows = document["measurements"].as_array().unwrap();
+    let found: Vec<(String, f64)> = rows
+        .iter()
+        .map(|row| (row["streak"].as_str().unwrap().to_owned(), row["norad_id"].as_f64().unwrap_or_default()))
+        .collect();
+    assert!(!expected.is_empty());
+    assert_eq!(found, expected);
+    for row in rows {
+        assert!(row["probability"].as_f64().unwrap() > 0.5 && row["range_km"].as_f64().unwrap() > 300.0, "{row}");
+        assert!(row["predicted_magnitude"].is_number() && row["element_age_days"].is_number(), "{row}");
+    }
+    // Rows without a name of the file cannot be divided among more frames.
+    let (code, _, error) = run(&[&["measure", &frames[0], "--streaks", &tables[0], &tables[1], "--quiet"]]);
+    assert!(code == 2 && error.contains("image is missing, with 2 tables"), "{error}");
+}
