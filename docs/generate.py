@@ -36,6 +36,7 @@ TABLES = [
     ("identify", ["identify", *SATELLITES, "--end", "198.655,5.967", "--end", "199.194,9.426", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"], None),
     ("inject --truth", ["inject", "--synthetic", "examples/synthetic.toml", "-o", "frame.fits", "--random-streaks", "1", "--magnitude", "5", "--exposure",
                         "30s", "--seeing", "1.5arcsec", "--truth", "truth.ecsv"], "truth.ecsv"),
+    ("measure --streaks", ["measure", "--streaks", "truth.ecsv"], None),
     ("mask --polygons", ["mask", "frame.fits", *SATELLITES, "--width", "10arcsec", "--polygons", "mask.ecsv"], "mask.ecsv"),
     ("statistics", ["statistics", *SATELLITES, "--night", "2026-08-14", "--exposure", "30s"], None),
     ("map sky", ["map", "sky", "--model", "starlink-v1.5", "--sun-altitude-deg", "-16", "--height-km", "550"], None),

@@ -179,9 +179,14 @@ pub struct InjectionConfig {
     /// Seeing: FWHM of the point spread function with its unit, for example 1.2arcsec; that of --telescope if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Streaks"))]
     pub seeing: Option<String>,
-    /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double
+    /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double; or a file: an image (.fits), or the set of
+    /// PSFEx (.psf), instead of seeing, defocus and size
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", default_value = "moffat", help_heading = "Streaks"))]
     pub psf: String,
+    /// Oversampling of the image of --psf: number of its pixels along a pixel of the frame; OVERSAMP in its header, or else 1,
+    /// if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Streaks"))]
+    pub psf_oversampling: Option<usize>,
     /// Zero point: magnitude of a star with a total of 1 in the frame's unit; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Counts"))]
     pub zero_point: Option<f64>,
@@ -260,6 +265,7 @@ impl Default for InjectionConfig {
             resolve_panels: false,
             seeing: None,
             psf: "moffat".to_owned(),
+            psf_oversampling: None,
             zero_point: None,
             zero_point_1s: None,
             gain: None,

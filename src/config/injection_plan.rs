@@ -12,13 +12,14 @@ use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
 use super::values::{Numbers, parse_angle_deg, parse_exposure_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
-use crate::images::{CountBasis, Detector, ImagesError, Telescope};
+use crate::images::{CountBasis, Detector, ImagesError, PsfFile, Telescope};
 use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
-    ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LabelFormat, LightCurve, MaskPreset,
-    Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan, Tumbling,
+    ChosenStreaks, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LabelFormat, LightCurve,
+    MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan,
+    Tumbling,
 };
 use crate::watch::Watch;
 
@@ -92,7 +93,8 @@ impl InjectionConfig {
     /// Returns the paths of all input files; outputs must not replace them.
     pub fn files(&self) -> Vec<PathBuf> {
         let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector, &self.streaks];
-        self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
+        let psf = self.has_psf_file().then(|| PathBuf::from(&self.psf));
+        self.image.iter().chain(one.into_iter().flatten()).cloned().chain(psf).collect()
     }
 
     fn label_formats(&self) -> Result<Vec<LabelFormat>, ConfigError> {
@@ -193,6 +195,7 @@ impl InjectionConfig {
             modulation,
             resolve_panels: self.resolve_panels,
             optics: self.optics(telescope.as_ref())?,
+            psf_file: self.psf_file()?,
             psf_name: self.psf.clone(),
             telescope: telescope.map(|telescope| telescope.name),
             detector: detector.or(synthetic.as_ref().map(|synthetic| synthetic.frame.detector.clone())),
@@ -339,7 +342,44 @@ impl InjectionConfig {
         Ok(Some(RandomPlan { streaks, is_per_square_degree: self.streak_density.is_some() }))
     }
 
+    /// Returns true if the point spread function is that of a file.
+    pub fn has_psf_file(&self) -> bool {
+        PsfFile::is_name(&self.psf)
+    }
+
+    /// Reads the file of the point spread function, and rejects options that have no effect with it.
+    fn psf_file(&self) -> Result<Option<PsfFile>, ConfigError> {
+        if !self.has_psf_file() {
+            return match self.psf_oversampling {
+                Some(_) => Err(ConfigError::invalid(format!(
+                    "--psf-oversampling is given with --psf {}; allowed: with a file of --psf",
+                    self.psf
+                ))),
+                None => Ok(None),
+            };
+        }
+        let idle = [
+            ("--seeing", self.seeing.is_some()),
+            ("--satellite-size", self.satellite_size.is_some()),
+            ("--resolve-panels", self.resolve_panels),
+            ("--synthetic", self.synthetic.is_some()),
+        ];
+        if let Some((first, _)) = idle.into_iter().find(|(_, is_given)| *is_given) {
+            return Err(ConfigError::Both { first, second: "a file of --psf" });
+        }
+        Ok(Some(PsfFile::read(Path::new(&self.psf), self.psf_oversampling)?))
+    }
+
     fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, ConfigError> {
+        if self.has_psf_file() {
+            // The file replaces seeing and defocus.
+            return Ok(Optics {
+                form: SeeingForm::Gaussian,
+                seeing_arcsec: f64::NAN,
+                outer_radius_m: 0.0,
+                inner_radius_m: 0.0,
+            });
+        }
         let seeing_arcsec = match (&self.seeing, telescope) {
             (Some(text), _) => arcsec("seeing", text)?,
             (None, Some(telescope)) => telescope.seeing_arcsec,
@@ -434,7 +474,9 @@ pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
         ("double", None) => {
             Ok(SeeingForm::DoubleGaussian { widening: DEFAULT_WIDENING, wide_share: DEFAULT_WIDE_SHARE })
         }
-        _ => Err(ConfigError::invalid(format!("invalid psf {text:?}; allowed: gaussian, moffat, moffat:BETA, double"))),
+        _ => Err(ConfigError::invalid(format!(
+            "invalid psf {text:?}; allowed: gaussian, moffat, moffat:BETA, double; inject also a file .fits or .psf"
+        ))),
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::ConfigError;
 use super::identify::{POSITION_SIGMA_PIX, TIME_SIGMA_S};
+use crate::frames::seconds_between;
 use crate::identify::{IdentifyOptions, MeasuredStreak, Timing, identify_streak};
 use crate::measure::{KnownSatellite, ListedStreak, StreakList};
 use crate::message::Quoted;
@@ -14,6 +15,9 @@ use crate::streaks::TargetFrame;
 
 /// Smallest probability of a satellite with which a streak is named.
 const LIKELY: f64 = 0.5;
+
+/// Share of the exposure from which the time between the ends is that of the whole exposure.
+const WHOLE_SHARE: f64 = 0.97;
 
 /// Tables of streaks, with the frames of their rows.
 #[derive(Clone, Debug, Default)]
@@ -113,6 +117,16 @@ pub(super) fn identify_listed(
         left_out = found.left_out;
         let Some(best) = found.candidates.first().filter(|best| best.probability >= LIKELY) else { continue };
         streak.probability = Some(best.probability);
+        if let Some(given) = streak.given.as_mut().filter(|given| !given.has_times()) {
+            // A streak that the satellite crosses in less than the exposure continues outside of the frame. Its light is
+            // that of the time between the ends.
+            let duration_s = ends[0].separation_rad(&ends[1]) / best.angular_rate_rad_s;
+            if duration_s < WHOLE_SHARE * frame.exposure_s {
+                let middle_s = seconds_between(frame.opened, best.passage.epoch);
+                let from_s = (middle_s - 0.5 * duration_s).clamp(0.0, frame.exposure_s - duration_s);
+                given.set_seconds([from_s, from_s + duration_s]);
+            }
+        }
         streak.satellite = KnownSatellite {
             norad_id: Some(best.norad_id),
             name: sky.elements()[best.element_index].name.clone(),

@@ -27,6 +27,8 @@ mod pixels;
 #[cfg(feature = "plot")]
 mod preview;
 #[cfg(all(feature = "fits", unix))]
+mod psf_file;
+#[cfg(all(feature = "fits", unix))]
 mod streak_catalogues;
 mod streak_cost;
 #[cfg(all(feature = "fits", unix))]
@@ -46,6 +48,8 @@ pub use light_area::LightArea;
 pub use patch::Patch;
 pub(crate) use patch::PatchRows;
 pub use pixels::{PixelPosition, Plane};
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use psf_file::{PsfFile, PsfGrid};
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use streak_table::{StreakEnds, StreakRow, StreakTable};
 pub(crate) use telescope::{ARCSEC_PER_RAD, effective_magnitude, surface_brightness_mag_arcsec2};

@@ -144,9 +144,8 @@ impl StreakTable {
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
             return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
         }
-        let [id, streak, name, image, hdu] =
-            ["id", "streak", "name", "image", "hdu"].map(|column| rows.find(column));
-        let id = id.or(streak).or(name);
+        let [id, name, image, hdu] = ["id", "name", "image", "hdu"].map(|column| rows.find(column));
+        let id = id.or(name);
         let more = also(&rows).map_err(&failed)?;
         let names = rows.names().to_vec();
         let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
@@ -165,7 +164,7 @@ impl StreakTable {
         let of_ends =
             FORM_COLUMNS.iter().flat_map(|(_, columns)| columns.iter().flat_map(|column| [column.0, column.1]));
         let known: Vec<&str> =
-            ["id", "streak", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
+            ["id", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
         // A column may have another unit than the one in the known name.
         let stem = |name: &str| name.rsplit_once('_').map(|(stem, _)| stem.to_owned());
         let is_known = |name: &str| {
@@ -232,8 +231,8 @@ impl StreakRow<'_> {
         }
     }
 
-    /// Returns the name of the streak: the cell `id`, or `streak` or `name` in a table without this column, or the number
-    /// of the row from 1 if it is empty.
+    /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the
+    /// row from 1 if it is empty.
     pub fn id(&self, number: usize) -> String {
         match self.text(self.table.id) {
             "" => number.to_string(),

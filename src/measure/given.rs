@@ -6,8 +6,8 @@ use std::sync::Arc;
 use super::error::MeasureError;
 use super::frame::{FrameMeasurements, FrameOptions, MeasuredPass, measure_predictions};
 use super::measurement::{Flag, PredictedStreak};
-use super::streak::LEAST_LENGTH_PIX;
 use super::predict::{KnownSatellite, Prediction, SIZE_SIGMA};
+use super::streak::LEAST_LENGTH_PIX;
 use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{PixelPosition, StreakEnds, StreakTable};
@@ -231,6 +231,7 @@ fn placed(
         id: streak.id.as_str().into(),
         satellite: KnownSatellite { range_km, ..streak.satellite.clone() },
         is_position_known: true,
+        has_times: given.has_times(),
         chip: number,
         image_fwhm_arcsec: match given.width {
             GivenWidth::Pixels(fwhm_pix) => Some(fwhm_pix * scale_arcsec),

@@ -65,6 +65,9 @@ pub struct Prediction {
     pub satellite: KnownSatellite,
     /// False if the elements are too old to predict positions.
     pub is_position_known: bool,
+    /// False for a streak of a table without times at its ends: they are those of the shutter if the streak ends in the
+    /// frame.
+    pub has_times: bool,
     /// Full width at half maximum of the image of the light, arcsec; `None` for that of the seeing, the distance and the
     /// size, or a fitted one if the distance is unknown.
     pub image_fwhm_arcsec: Option<f64>,
@@ -120,6 +123,7 @@ pub fn predictions(
                         model_size_m: Some(interval.sky().model(pass.element_index).size_m()),
                     },
                     image_fwhm_arcsec: None,
+                    has_times: true,
                     is_position_known: pass.position_source != PositionSource::ElementSet
                         || of_known_age.is_known(pass.element_index, pass.element_age_days),
                     chip: index,

@@ -141,11 +141,7 @@ impl Measuring<'_> {
         } else {
             (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(LARGEST_TILT_RAD[0])
         };
-        Extent {
-            across_pix: (across_pix + self.profile.fwhm_pix()).min(options.most_corridor_pix),
-            tilt_rad,
-            late_s,
-        }
+        Extent { across_pix: (across_pix + self.profile.fwhm_pix()).min(options.most_corridor_pix), tilt_rad, late_s }
     }
 
     /// Returns the path of a shifted streak while the shutter is open; `None` if it is too short.
@@ -564,9 +560,12 @@ impl Measuring<'_> {
                 f64::NAN
             }
         };
-        let step_s = 0.5 * sigma_s;
-        let samples = (-6..=6).map(|step| f64::from(step) * step_s);
-        let best = samples
+        let (step_s, start_s) = (0.75 * sigma_s, shift.ends_s[end]);
+        // The sum of squares has a single minimum only within a few widths of the end, so several positions are tried
+        // first. Later the end is only refined.
+        let steps = if start_s == 0.0 { -4..=4 } else { 0..=0 };
+        let best = steps
+            .map(|step| start_s + f64::from(step) * step_s)
             .map(|time_s| (time_s, of(time_s)))
             .filter(|(_, squares)| squares.is_finite())
             .min_by(|a, b| a.1.total_cmp(&b.1));

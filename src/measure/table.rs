@@ -253,6 +253,8 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         one.is_calibrated
             && one.prediction.is_position_known
             && one.prediction.satellite.norad_id.is_some()
+            // The magnitude of a streak that continues outside of the frame needs the times at the edge.
+            && (one.prediction.has_times || !one.measured.flags.contains(&Flag::Open))
             && !(one.measured.is_detected && one.measured.flags.contains(&Flag::Saturated))
     };
     let rows = passes.iter().filter(is_usable).map(|one| {

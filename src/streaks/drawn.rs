@@ -6,9 +6,13 @@ use super::chip::{Chip, ChipPath};
 use super::error::StreaksError;
 use super::light::{SkyPoint, Source, SourcePart};
 use super::optics::Optics;
-use super::render::draw;
+use super::render::{StreakPath, draw};
+#[cfg(all(feature = "fits", unix))]
+use super::render::{draw_image, image_width_pix};
 use super::tracking::Tracking;
 use crate::frames::{Direction, Gcrs, seconds_after};
+#[cfg(all(feature = "fits", unix))]
+use crate::images::PsfGrid;
 use crate::images::{Patch, PixelPosition};
 use crate::streaks::RadialProfile;
 
@@ -102,6 +106,91 @@ pub fn draw_on_chip<'a>(
     chip: &'a Chip,
     shot: &Shot<'_>,
 ) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+    draw_lights(source, chip, shot, &|part, nearest_s, optics| {
+        let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
+        let profile = optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
+        Ok(Box::new(profile))
+    })
+}
+
+/// Same as [`draw_on_chip`], with a point spread function from a file in place of seeing, defocus and size.
+///
+/// # Errors
+/// The errors of [`draw_on_chip`], and a point spread function without light.
+#[cfg(all(feature = "fits", unix))]
+pub(crate) fn draw_image_on_chip<'a>(
+    source: &'a Source,
+    chip: &'a Chip,
+    shot: &Shot<'_>,
+    psf: &PsfGrid,
+) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+    let reach_arcsec = psf.reach_pix() * chip.pixel_scale_arcsec();
+    let optics = Optics { seeing_arcsec: reach_arcsec, ..*shot.optics };
+    let shot = Shot { optics: &optics, ..*shot };
+    let mut drawn = draw_lights(source, chip, &shot, &|_, _, _| Ok(Box::new(psf)))?;
+    drawn.iter_mut().for_each(|streak| streak.size_m = None);
+    Ok(drawn)
+}
+
+/// Image of a light at one place.
+trait PointImage {
+    /// Returns the distance of the farthest pixel with light, pixels.
+    fn reach_pix(&self) -> f64;
+
+    /// Draws a path of the light on a chip.
+    ///
+    /// # Errors
+    /// The image has no light somewhere on the path.
+    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError>;
+
+    /// Returns the full width at half maximum of a line at this position and angle, measured across the line, in pixels
+    /// and in arcsec.
+    fn width(&self, chip: &Chip, at: PixelPosition, angle_rad: f64) -> [f64; 2];
+}
+
+impl PointImage for RadialProfile {
+    fn reach_pix(&self) -> f64 {
+        self.pixel_reach_pix()
+    }
+
+    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError> {
+        Ok(draw(path, self, chip.rows, chip.columns))
+    }
+
+    fn width(&self, chip: &Chip, _: PixelPosition, angle_rad: f64) -> [f64; 2] {
+        let width_pix = width_across(self, angle_rad);
+        [width_pix, width_pix * self.mean_pixels_across(angle_rad) * chip.pixel_scale_arcsec()]
+    }
+}
+
+#[cfg(all(feature = "fits", unix))]
+impl PointImage for &PsfGrid {
+    fn reach_pix(&self) -> f64 {
+        PsfGrid::reach_pix(self)
+    }
+
+    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError> {
+        draw_image(path, self, chip.rows, chip.columns)
+    }
+
+    fn width(&self, chip: &Chip, at: PixelPosition, angle_rad: f64) -> [f64; 2] {
+        let width_pix = image_width_pix(self, at, angle_rad).unwrap_or(f64::NAN);
+        let side = chip.pixel_aspect().sqrt();
+        let (sin, cos) = angle_rad.sin_cos();
+        // A pixel has unit area, so the product of the lengths across and along is 1.
+        [width_pix, width_pix / (cos * side).hypot(sin / side) * chip.pixel_scale_arcsec()]
+    }
+}
+
+/// Returns the image of a part of a source that is nearest to the middle of the chip at a time.
+type ImageOf<'b> = &'b dyn Fn(&SourcePart, f64, &Optics) -> Result<Box<dyn PointImage + 'b>, StreaksError>;
+
+fn draw_lights<'a>(
+    source: &'a Source,
+    chip: &'a Chip,
+    shot: &Shot<'_>,
+    image_of: ImageOf<'_>,
+) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
     let mut drawn = Vec::new();
     let Some((middle, _)) = chip.circle().filter(|_| source.hdu.is_none_or(|hdu| hdu == chip.hdu)) else {
         return Ok(drawn);
@@ -118,15 +207,14 @@ pub fn draw_on_chip<'a>(
     {
         let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
         let Some(nearest_s) = part.track.closest_s(&middle, seen) else { continue };
-        let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
-        let profile = optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
+        let image = image_of(part, nearest_s, &optics)?;
         let paths = chip
-            .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
+            .paths(&part.track, shot.tracking, &shot.centre, image.reach_pix())
             .map_err(|error| error.at(format_args!("HDU {}: path", chip.hdu)))?;
         for chip_path in paths.iter().filter(|chip_path| chip_path.path.total() > 0.0) {
-            let patch = draw(&chip_path.path, &profile, chip.rows, chip.columns).within(&chip.light_area);
+            let patch = image.draw(&chip_path.path, chip)?.within(&chip.light_area);
             if !patch.is_empty() && patch.sum() > 0.0 {
-                drawn.push(drawn_streak(source, part, chip, shot, chip_path, patch, &profile));
+                drawn.push(drawn_streak(source, part, chip, shot, chip_path, patch, &*image));
             }
         }
     }
@@ -171,7 +259,7 @@ fn drawn_streak<'a>(
     shot: &Shot<'_>,
     chip_path: &ChipPath,
     patch: Patch,
-    profile: &RadialProfile,
+    image: &dyn PointImage,
 ) -> DrawnStreak<'a> {
     let path = &chip_path.path;
     let point_at = |time_s: f64| point(path.point_at(time_s), path.rate_at(time_s), time_s, chip, shot);
@@ -185,7 +273,11 @@ fn drawn_streak<'a>(
     });
     let ends = points.first().zip(points.last());
     let angle_rad = ends.map_or(0.0, |(from, to)| (to.at.y - from.at.y).atan2(to.at.x - from.at.x));
-    let width_pix = width_across(profile, angle_rad);
+    let middle = ends.map_or_else(
+        || chip.middle(),
+        |(from, to)| PixelPosition { x: 0.5 * (from.at.x + to.at.x), y: 0.5 * (from.at.y + to.at.y) },
+    );
+    let [width_pix, width_arcsec] = image.width(chip, middle, angle_rad);
     let seconds = chip_path.inside_s.map_or(0.0, |[from_s, to_s]| to_s - from_s);
     let length_pix = ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum());
     let arc_arcsec: f64 =
@@ -212,7 +304,7 @@ fn drawn_streak<'a>(
         length_pix,
         middle: chip_path.inside_s.and_then(|[from_s, to_s]| point_at(0.5 * (from_s + to_s))),
         peak_magnitude: brightest.and_then(|rate| chip.scale.magnitude(rate)),
-        width_arcsec: width_pix * profile.mean_pixels_across(angle_rad) * chip.pixel_scale_arcsec(),
+        width_arcsec,
         width_pix,
         rate_arcsec_s: per_second(arc_arcsec),
         frame_rate_arcsec_s: per_second(frame_arc_arcsec),

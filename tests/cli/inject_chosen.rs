@@ -247,3 +247,99 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
         assert!(!std::path::Path::new(&output).exists());
     }
 }
+
+/// Returns true if a position is in a polygon.
+fn is_inside(polygon: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+    let crossed =
+        sides.filter(|([ax, ay], [bx, by])| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax));
+    crossed.count() % 2 == 1
+}
+
+#[test]
+fn verif_labels_contain_the_streaks() {
+    let folder = TempDir::new().unwrap();
+    // The second streak leaves the frame of 400 by 300 pixels; the third is outside of it.
+    let table =
+        "id,magnitude,x1_pix,y1_pix,x2_pix,y2_pix\none,11,40,60,160,100.5\ntwo,11,300,200,460,330\nno,9,900,9,950,9\n";
+    let (added, truth) = injected(&folder, table, &["--labels", "coco,yolo,ds9"]);
+    let widths = numbers(&truth, "width_pix");
+    let read = |name: &str| fs::read_to_string(path(&folder, name)).unwrap();
+    let coco: serde_json::Value = serde_json::from_str(&read("out.coco.json")).unwrap();
+    let image = &coco["images"][0];
+    assert_eq!(
+        (&image["width"], &image["height"], &image["file_name"]),
+        (&400.into(), &300.into(), &"out.fits".into())
+    );
+    let annotations = coco["annotations"].as_array().unwrap();
+    assert_eq!(annotations.iter().map(|one| one["streak"].as_str().unwrap()).collect::<Vec<_>>(), ["one", "two"]);
+    assert_eq!(coco["categories"][0]["id"], annotations[0]["category_id"]);
+    let pairs = |numbers: Vec<f64>| numbers.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>();
+    let yolo = read("out.txt");
+    let boxes: Vec<Vec<[f64; 2]>> = yolo
+        .lines()
+        .map(|line| {
+            let cells: Vec<f64> = line.split(' ').map(|cell| cell.parse().unwrap()).collect();
+            assert_eq!((cells.len(), cells[0]), (9, 0.0), "{line}");
+            assert!(cells.iter().all(|cell| (0.0..=1.0).contains(cell)), "{line}");
+            pairs(cells[1..].to_vec()).into_iter().map(|[x, y]| [400.0 * x, 300.0 * y]).collect()
+        })
+        .collect();
+    let regions = read("out.reg");
+    assert!(regions.contains("\nimage\n") && regions.contains("text={one}"), "{regions}");
+    let polygons: Vec<Vec<[f64; 2]>> = regions
+        .lines()
+        .filter_map(|line| line.strip_prefix("polygon(")?.split(')').next())
+        .map(|corners| pairs(corners.split(',').map(|cell| cell.parse().unwrap()).collect()))
+        .collect();
+    assert_eq!((boxes.len(), polygons.len()), (2, 2));
+    for (number, annotation) in annotations.iter().enumerate() {
+        let segments = annotation["segmentation"].as_array().unwrap();
+        assert_eq!(segments.len(), 1);
+        let outline = pairs(segments[0].as_array().unwrap().iter().map(|one| one.as_f64().unwrap()).collect());
+        let bbox: Vec<f64> = annotation["bbox"].as_array().unwrap().iter().map(|one| one.as_f64().unwrap()).collect();
+        let (mut all, mut inside, mut pixels) = (0.0, [0.0; 3], 0);
+        for y in 0..ROWS {
+            // The streaks are in the left and in the right half of the frame.
+            for x in (0..COLUMNS).filter(|x| (*x >= 200) == (number == 1)) {
+                let (light, middle) = (added[y * COLUMNS + x], [x as f64 + 0.5, y as f64 + 0.5]);
+                // Regions of DS9 count from the centre of the first pixel, which is 1.
+                let in_each = [
+                    is_inside(&outline, middle),
+                    is_inside(&boxes[number], middle),
+                    is_inside(&polygons[number], [x as f64 + 1.0, y as f64 + 1.0]),
+                ];
+                all += light;
+                pixels += usize::from(in_each[0]);
+                inside.iter_mut().zip(in_each).for_each(|(sum, is_in)| *sum += if is_in { light } else { 0.0 });
+                if in_each[0] {
+                    let [left, low] = [bbox[0], bbox[1]];
+                    assert!(
+                        middle[0] > left && middle[0] < left + bbox[2] && middle[1] > low && middle[1] < low + bbox[3]
+                    );
+                }
+            }
+        }
+        // A Moffat profile has some per cent of its light beyond its full width at half maximum, and a streak that leaves the frame more.
+        for sum in inside {
+            assert!(sum > 0.85 * all && sum < all, "{number}: {sum} of {all}");
+        }
+        let area = annotation["area"].as_f64().unwrap();
+        assert!((area / pixels as f64 - 1.0).abs() < 0.05, "{area} {pixels}");
+        assert!(area < 3.0 * widths[number] * 200.0, "{area}");
+    }
+    let (code, _, error) = run(&[
+        &["inject", "--image", &path(&folder, "plain.fits"), "-o", &path(&folder, "x.fits")],
+        &["--streaks", &path(&folder, "streaks.csv"), "--labels", "voc"],
+        SEEING,
+    ]);
+    assert!(code == 2 && error.contains("coco, yolo, ds9"), "{error}");
+    // The labels may not replace an input.
+    fs::copy(path(&folder, "streaks.csv"), path(&folder, "y.txt")).unwrap();
+    let (code, _, error) = run(&[
+        &["inject", "--image", &path(&folder, "plain.fits"), "-o", &path(&folder, "y.fits")],
+        &["--streaks", &path(&folder, "y.txt"), "--labels", "yolo"],
+        SEEING,
+    ]);
+    assert!(code == 2 && error.contains("is also an input"), "{error}");
+}

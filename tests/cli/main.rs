@@ -26,6 +26,7 @@ mod inject_chosen;
 mod inject_detector;
 #[cfg(unix)]
 mod inject_outputs;
+mod inject_psf;
 #[cfg(unix)]
 mod inject_raw;
 #[cfg(unix)]
@@ -38,9 +39,9 @@ mod maps;
 mod mask;
 #[cfg(unix)]
 mod measure;
-mod measure_tables;
 #[cfg(unix)]
 mod measure_real;
+mod measure_tables;
 mod opsim;
 mod plot;
 #[cfg(unix)]

@@ -1,5 +1,6 @@
 """Injection into files and arrays: results equal those of the command line program; errors for invalid arguments."""
 
+import json
 import os
 import subprocess
 
@@ -204,3 +205,17 @@ def test_invalid_arguments_are_reported(injector, tmp_path):
 def test_other_threads_run_during_an_injection(injector):
     frame = pixels("float32")
     assert steps_while(lambda: injector.inject(frame, header=header(), seeing="1arcmin", seed=1)) > ENOUGH
+
+
+def test_verif_labels_and_tables_in_memory():
+    rows = [dict(id="a", x1_pix=20.0, y1_pix=30.0, x2_pix=70.0, y2_pix=60.0, magnitude=6.0)]
+    options = dict(header=header(), seeing="60arcsec", noise=False, labels=["coco", "yolo"])
+    done = streakcast.inject(pixels("float32"), streaks=rows, **options)
+    assert list(done.truth["name"]) == ["a"]
+    coco = json.loads(done.labels["injected.coco.json"])
+    corners = np.array([float(cell) for cell in done.labels["injected.txt"].split()[1:]]).reshape(4, 2) * SIZE
+    left, low, width, height = coco["annotations"][0]["bbox"]
+    # Row 0 of the array is at y = 0. Nearly all of the added light is in the box.
+    inside = done.added[int(low) : int(low + height) + 1, int(left) : int(left + width) + 1]
+    assert inside.sum() > 0.9 * done.added.sum()
+    np.testing.assert_allclose(corners.mean(axis=0), [44.5, 44.5], atol=0.1)

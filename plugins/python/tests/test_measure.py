@@ -142,3 +142,45 @@ def test_pixels_without_information_are_not_measured(frame, model):
     some = half & (np.arange(len(half))[:, None] < 20)
     assert f"(VARIANCE): {some.sum()} bad pixels" in remarks(uncertainty=InverseVariance(np.where(some, 0.0, 1.0)))
     assert f"(VARIANCE): {some.sum()} bad pixels" in remarks(uncertainty=StdDevUncertainty(np.where(some, np.inf, 1.0)))
+
+
+def streak_rows(truth):
+    names = ("x1_pix", "y1_pix", "x2_pix", "y2_pix")
+    return [{"id": row["name"], **{name: float(row[name]) for name in names}} for row in truth if row["x1_pix"]]
+
+
+def test_streaks_of_tables_in_memory_equal_those_of_files(frame, model, tmp_path):
+    path, truth = frame
+    rows = streak_rows(truth)
+    table = tmp_path / "streaks.csv"
+    table.write_text("\n".join(",".join(map(str, line)) for line in [rows[0], *(row.values() for row in rows)]) + "\n")
+    expected = streakcast.measure_streaks(path, table, table="dict").table
+    assert list(expected["streak"]) == [row["id"] for row in rows]
+    assert np.ma.getmaskarray(expected["norad_id"]).all() and not any(expected["name"])
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    QTable = pytest.importorskip("astropy.table").QTable
+    for streaks in (rows, columns, QTable(columns), [str(table)]):
+        found = streakcast.measure_streaks(path, streaks, table="dict").table
+        np.testing.assert_array_equal(found["flux"], expected["flux"])
+    counts = np.array([float(row["counts"]) for row in truth if row["x1_pix"]])
+    found = expected["detected"]
+    error = np.abs(expected["flux"] - counts)[found]
+    assert found.any() and (error < SIGMAS * expected["flux_sigma"][found] + FLUX_BIAS * counts[found]).all()
+    # With the satellites of a model, streaks are named.
+    named = model.measure(path, streaks=rows, table="dict")
+    numbers = [int(row["norad_id"]) for row in truth if row["x1_pix"]]
+    assert list(named.table["norad_id"]) == numbers and len(named.learn_arguments["norad_id"]) >= 1
+
+
+def test_streaks_outside_of_the_frame_have_rows(frame):
+    outside = [{"id": "away", "x1_pix": -90, "y1_pix": -90, "x2_pix": -10, "y2_pix": -50}, {"id": "none", "x1_pix": None}]
+    columns = ("x1_pix", "y1_pix", "x2_pix", "y2_pix")
+    rows = [{"id": row["id"], **{name: row.get(name) for name in columns}} for row in outside]
+    measured = streakcast.measure_streaks(frame[0], rows)
+    assert [list(flags) for flags in measured.table["flags"]] == [["outside"], ["no_ends"]]
+    assert np.isnan(measured.table["flux"]).all() and len(measured.learn_arguments["norad_id"]) == 0
+    for streaks, words in (([1, 2], "allowed: a path, an astropy Table"), ({"x": [1], "y": [1, 2]}, "of one length"), ([{"x1_pix": 1}], "streaks")):
+        with pytest.raises((TypeError, ValueError, streakcast.StreakcastError), match=words):
+            streakcast.measure_streaks(frame[0], streaks)
+    with pytest.raises(ValueError, match="place_sigma is given without streaks"):
+        streakcast.StreakModel(mpc="X05", shells="starlink-gen1").measure(frame[0], place_sigma="1arcsec")

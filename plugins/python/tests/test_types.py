@@ -25,6 +25,7 @@ from streakcast import typing as types
 PACKAGE = Path(streakcast.__file__).parent
 #: Names that the package imports only for type checks.
 NAMES = {
+    "AstropyTable": astropy.table.Table,
     "Client": distributed.Client,
     "CompImageHDU": astropy.io.fits.CompImageHDU,
     "EarthLocation": astropy.coordinates.EarthLocation,

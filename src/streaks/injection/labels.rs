@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use super::super::chip::Chip;
 use super::super::drawn::DrawnStreak;
 use super::super::error::StreaksError;
-use super::super::masking::{Area, Cell, polygons};
+use super::super::masking::{Cell, polygons};
 use super::super::regions::{Region, region_text};
 use super::lights::file_name;
 use crate::images::{ImagesError, PixelPosition};
@@ -58,8 +58,6 @@ pub struct Label {
     pub ends: [PixelPosition; 2],
     /// Polygons around the streak, pixels; several for a bent streak.
     pub outline: Vec<Vec<PixelPosition>>,
-    /// Number of pixels in the outline.
-    pub pixels: usize,
 }
 
 /// File of labels.
@@ -137,14 +135,21 @@ impl Label {
         });
         let cells: Vec<Cell> = cells.collect();
         let outline = polygons(&cells, &chip.light_area);
-        let pixels = Area::of_cells(&cells, &chip.light_area).pixels();
         (!outline.is_empty()).then(|| Self {
             name: streak.source.name.to_string(),
             magnitude: streak.peak_magnitude,
             ends: [first, last],
             outline,
-            pixels,
         })
+    }
+
+    /// Returns the area of the polygons, square pixels: half of the sum of x_i y_(i+1) - x_(i+1) y_i of each.
+    fn area_pix(&self) -> f64 {
+        let of_polygon = |corners: &Vec<PixelPosition>| {
+            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+            0.5 * sides.map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>().abs()
+        };
+        self.outline.iter().map(of_polygon).sum()
     }
 
     fn corners(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
@@ -238,7 +243,7 @@ fn coco(frames: &[(&Path, &[LabelledImage])]) -> String {
                     corners.iter().flat_map(|at| from_corner(*at)).map(rounded).collect()
                 };
                 let segmentation: Vec<Vec<f64>> = label.outline.iter().map(polygon).collect();
-                let magnitude = label.magnitude.map(rounded);
+                let (magnitude, area) = (label.magnitude.map(rounded), rounded(label.area_pix()));
                 let [[left, low], [right, high]] = label.bounds();
                 let bounds = [left, low, right - left, high - low].map(rounded);
                 annotations.push(json!({
@@ -246,7 +251,7 @@ fn coco(frames: &[(&Path, &[LabelledImage])]) -> String {
                     "image_id": image_id,
                     "category_id": 1,
                     "segmentation": segmentation,
-                    "area": label.pixels,
+                    "area": area,
                     "bbox": bounds,
                     "iscrowd": 0,
                     "streak": label.name,

@@ -5,12 +5,12 @@ use std::path::Path;
 use serde_json::json;
 
 use super::super::chip::{Chip, direction_on};
-use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
+use super::super::drawn::{DrawnStreak, Shot, draw_image_on_chip, draw_on_chip};
 use super::super::error::StreaksError;
 use super::super::frame::TargetFrame;
 use super::super::light::{
-    ChosenLight, ChosenStreak, GivenStreak, GivenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack, Source,
-    SourceName, SourcePart, StreakNumber, satellites,
+    ChosenLight, ChosenStreak, GivenStreak, GivenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack,
+    Source, SourceName, SourcePart, StreakNumber, satellites,
 };
 use super::plan::{InjectionPlan, RandomPlan};
 use crate::frames::{Direction, EopTable, Gcrs};
@@ -124,6 +124,10 @@ fn chosen_source(
     if !chip.is_on_sky && matches!(given.ends, StreakEnds::Sky(_)) {
         return Err(given.invalid("ends", "directions on the sky", "pixels in a frame without world coordinates"));
     }
+    if plan.psf_file.is_some() && given.width != GivenWidth::Unknown {
+        let allowed = "no fwhm_pix, fwhm_arcsec or range_km with a file of --psf, which gives the image of the light";
+        return Err(given.invalid("width of the streak", "given", allowed));
+    }
     // A light of this magnitude gives 1 in the unit of the frame.
     let unit_mag = chip.scale.zero_point_mag();
     let magnitude = if let ChosenLight::Magnitude(magnitude) = streak.light { magnitude } else { unit_mag };
@@ -159,8 +163,8 @@ fn chosen_source(
     if let ChosenLight::Peak(peak) = streak.light {
         let stand_in = source(&track);
         let mut brightest = 0.0f64;
-        for target in &frame.chips {
-            for drawn in draw_on_chip(&stand_in, &target.chip, shot)? {
+        for index in 0..frame.chips.len() {
+            for drawn in drawn(&stand_in, frame, index, plan, shot)? {
                 let values = drawn.patch.iter().flat_map(|span| span.values.to_vec());
                 brightest = values.map(f64::from).fold(brightest, f64::max);
             }
@@ -170,6 +174,21 @@ fn chosen_source(
         track.points.iter_mut().for_each(|point| point.magnitude = magnitude);
     }
     Ok(source(&track))
+}
+
+/// Draws a source on a chip of a frame, with the point spread function of the plan.
+pub fn drawn<'a>(
+    source: &'a Source,
+    frame: &'a TargetFrame,
+    index: usize,
+    plan: &InjectionPlan,
+    shot: &Shot<'_>,
+) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+    let chip = &frame.chips[index].chip;
+    match &plan.psf_file {
+        Some(file) => draw_image_on_chip(source, chip, shot, file.of_chip(index, frame.chips.len())?),
+        None => draw_on_chip(source, chip, shot),
+    }
 }
 
 /// Returns the chip of a streak; the first one for ends on the sky without an HDU.
@@ -201,7 +220,10 @@ pub fn history(
     let mut lines = vec![format!("streakcast {version} inject: {} sources, seed {seed}", sources.len())];
     let (optics, psf) = (&plan.optics, &plan.psf_name);
     let telescope = plan.telescope.as_ref().map_or_else(String::new, |name| format!(", {name}"));
-    lines.push(format!("streakcast image of a star: {psf}, FWHM {} arcsec{telescope}", optics.seeing_arcsec));
+    lines.push(match &plan.psf_file {
+        Some(file) => format!("streakcast image of a star: {}", file.path.display()),
+        None => format!("streakcast image of a star: {psf}, FWHM {} arcsec{telescope}", optics.seeing_arcsec),
+    });
     let magnitudes = span(streaks.iter().filter_map(|streak| streak.peak_magnitude));
     let zero_points = span(streaks.iter().map(|streak| streak.zero_point_mag));
     if let (Some(magnitudes), Some(zero_points)) = (magnitudes, zero_points) {
@@ -247,8 +269,11 @@ pub fn state(
             "image": image.display().to_string(),
             "start_utc": format_utc(frame.opened, 6),
             "exposure_s": frame.exposure_s,
-            "seeing_arcsec": plan.optics.seeing_arcsec,
-            "psf": plan.optics.form.to_string(),
+            "seeing_arcsec": plan.psf_file.is_none().then_some(plan.optics.seeing_arcsec),
+            "psf": match &plan.psf_file {
+                Some(file) => file.path.display().to_string(),
+                None => plan.optics.form.to_string(),
+            },
             "outer_radius_m": plan.optics.outer_radius_m,
             "inner_radius_m": plan.optics.inner_radius_m,
             "telescope": plan.telescope,

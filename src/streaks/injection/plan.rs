@@ -11,7 +11,7 @@ use super::super::tracking::Tracking;
 use super::super::truth::MaskPreset;
 use super::labels::LabelFormat;
 use crate::frames::{Direction, Gcrs};
-use crate::images::Detector;
+use crate::images::{Detector, PsfFile};
 use crate::photometry::{Band, MagSystem, PhotometryOptions};
 
 /// Frames, lights, optics, detector and output options of an injection.
@@ -37,6 +37,8 @@ pub struct InjectionPlan {
     pub resolve_panels: bool,
     /// Seeing and telescope.
     pub optics: Optics,
+    /// Point spread function from a file, in place of seeing, defocus and size.
+    pub psf_file: Option<PsfFile>,
     /// Name of the shape of a star's image, for the history of the frame.
     pub psf_name: String,
     /// Name of the telescope; `None` if it is not given.

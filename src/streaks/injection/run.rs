@@ -8,14 +8,14 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::super::chip::Chip;
-use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
+use super::super::drawn::{DrawnStreak, Shot};
 use super::super::error::StreaksError;
 use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
 use super::super::light::{ChosenStreaks, Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
 use super::frames::Frames;
 use super::labels::{LabelFile, LabelledImage, label_files, write_labels};
-use super::lights::{InjectionSky, file_name, has_light, history, sources, state};
+use super::lights::{InjectionSky, drawn, file_name, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
@@ -237,19 +237,20 @@ fn one(
     let streaks: Vec<DrawnStreak<'_>> = frame
         .chips
         .par_iter()
-        .map(|target| {
-            let drawn = seen.par_iter().map(|source| {
+        .enumerate()
+        .map(|(index, _)| {
+            let of_chip = seen.par_iter().map(|source| {
                 watch.check()?;
-                draw_on_chip(source, &target.chip, &shot)
+                drawn(source, frame, index, plan, &shot)
             });
-            let drawn = drawn.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
+            let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
             Ok(drawn.into_iter().flatten().collect())
         })
         .collect::<Result<Vec<Vec<_>>, StreaksError>>()?
         .into_iter()
         .flatten()
         .collect();
-    let drawn = drawn_sources(&streaks);
+    let lit = drawn_sources(&streaks);
     let planes = plan.mask_preset.planes(&frame.mask_planes).map_err(|error| error.at(shown.display()))?;
     let options = InjectOptions {
         noise: plan.noise,
@@ -257,7 +258,7 @@ fn one(
         seed,
         planes,
         write_truth: !plan.pixels_only,
-        history: history(sky.map_or(&Provenance::new(), |sky| sky.provenance), plan, &drawn, &streaks, seed),
+        history: history(sky.map_or(&Provenance::new(), |sky| sky.provenance), plan, &lit, &streaks, seed),
     };
     let injected = inject(frame, &streaks, &options, output, watch)?;
     let rows: Vec<TruthRow<'_>> = truth_rows(&streaks, &injected.clipped_counts, frame.exposure_s, seed);
@@ -279,11 +280,11 @@ fn one(
             .map(|target| LabelledImage::of(&target.chip, frame.chips.len() == 1, &streaks))
             .collect(),
         planes,
-        summary: summary(&streaks, &drawn, &injected),
+        summary: summary(&streaks, &lit, &injected),
         warnings: unknown_filter
             .into_iter()
             .chain(warnings(frame, &injected))
-            .chain(outside(plan, &sources, &drawn, shown))
+            .chain(outside(plan, &sources, &lit, shown))
             .collect(),
     })
 }
@@ -297,7 +298,11 @@ fn check_images(chosen: &ChosenStreaks, frames: &[TargetFrame], outputs: &[PathB
             && !names.contains(image)
         {
             let names = listed(names.iter().map(String::as_str));
-            return Err(streak.given.invalid("image", format!("'{}'", Quoted::new(image)), format!("a frame: {names}")));
+            return Err(streak.given.invalid(
+                "image",
+                format!("'{}'", Quoted::new(image)),
+                format!("a frame: {names}"),
+            ));
         }
     }
     Ok(())

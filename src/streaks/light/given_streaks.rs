@@ -165,6 +165,16 @@ impl GivenStreak {
         })
     }
 
+    /// Returns true if the time at an end is given.
+    pub(crate) fn has_times(&self) -> bool {
+        self.times != [EndTime::Shutter; 2]
+    }
+
+    /// Sets the times at the two ends, seconds after the shutter opened.
+    pub(crate) fn set_seconds(&mut self, ends_s: [f64; 2]) {
+        self.times = ends_s.map(EndTime::Seconds);
+    }
+
     /// Returns true if the row belongs to a frame with this file name.
     pub fn is_of(&self, file_name: &str) -> bool {
         self.image.as_deref().is_none_or(|image| image == file_name)
@@ -192,12 +202,7 @@ impl GivenStreak {
     }
 
     /// Returns the error of a value of this row.
-    pub(crate) fn invalid(
-        &self,
-        what: &str,
-        given: impl Display,
-        allowed: impl Into<String>,
-    ) -> StreaksError {
+    pub(crate) fn invalid(&self, what: &str, given: impl Display, allowed: impl Into<String>) -> StreaksError {
         StreaksError::invalid(format!("{}: {what}", self.origin), given, allowed)
     }
 

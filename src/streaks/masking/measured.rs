@@ -68,6 +68,8 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Streaks
     let [across, tilt, seeing] = [column("offset_sigma_pix")?, column("tilt_deg")?, column("seeing_arcsec")?];
     let [late, late_sigma, flags] = [column("late_s")?, column("late_sigma_s")?, column("flags")?];
     let name = rows.find("name");
+    // In tables of streaks that were given, the tilt is relative to the given streak, not to the predicted track.
+    let has_given_tracks = rows.find("streak").is_some();
     let mut streaks = Vec::new();
     for row in rows {
         let row = row.map_err(failed)?;
@@ -77,7 +79,9 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Streaks
             value if value > 0.0 => Ok(value),
             _ => Err(failed(row.wrong(column, "a number above 0"))),
         };
-        if !row.truth(detected).map_err(failed)? {
+        // Streaks that were given may be unmeasured, or of unknown satellites.
+        let is_without = has_given_tracks && (row.is_missing(detected) || row.is_missing(id));
+        if is_without || !row.truth(detected).map_err(failed)? {
             continue;
         }
         let late_s = match (optional(late)?, optional(late_sigma)?) {
@@ -95,7 +99,7 @@ pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Streaks
             rate: positive(rate)?,
             // Tables of earlier versions have errors of less than 0.0005 pixels as 0.
             across_sigma_pix: row.number_in(across, [0.0, f64::MAX]).map_err(failed)?.max(LEAST_SIGMA_PIX),
-            tilt_rad: number(tilt)?.to_radians(),
+            tilt_rad: if has_given_tracks { 0.0 } else { number(tilt)?.to_radians() },
             late_s,
             seeing_arcsec: optional(seeing)?.filter(|seeing| *seeing > 0.0),
             is_saturated: row.text(flags).contains("saturated"),

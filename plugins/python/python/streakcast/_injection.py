@@ -94,6 +94,7 @@ def inject(
     band: str | None = None,
     seeing: str | Quantity | None = None,
     psf: str = "moffat",
+    psf_oversampling: int | None = None,
     zero_point: FloatLike | None = None,
     zero_point_1s: FloatLike | None = None,
     gain: FloatLike | None = None,
@@ -156,7 +157,10 @@ def inject(
     seeing : str or `~astropy.units.Quantity`, optional
         FWHM of the image of a star, with its unit; default: that of the telescope.
     psf : str
-        ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
+        ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``; or the path of an image (``.fits``) or of a file of
+        PSFEx (``.psf``), in place of seeing, defocus and size.
+    psf_oversampling : int, optional
+        Number of pixels of the image of ``psf`` along a pixel of the frame; default: OVERSAMP in its header, or else 1.
     zero_point, zero_point_1s : float or `~astropy.units.Quantity`, optional
         Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second; default:
         from the header.
@@ -218,6 +222,7 @@ def inject(
         streak_density=_scalar(streak_density, "1 / deg2", "streak_density"),
         magnitude=_numbers(magnitude, "mag", "magnitude"),
         streak_rate_deg_s=_numbers(streak_rate_deg_s, "deg / s", "streak_rate_deg_s"), psf=psf,
+        psf_oversampling=None if psf_oversampling is None else count(psf_oversampling, "psf_oversampling", 1),
         satellite_size=_scalar(satellite_size, "m", "satellite_size"),
         zero_point=_scalar(zero_point, "mag", "zero_point"), zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"),
         gain=_scalar(gain, "electron / adu", "gain"), seed=count(seed, "seed", 0),

@@ -215,10 +215,7 @@ def measure_streaks(
     StreakcastWarning
         A frame has no zero point, the gain is unknown, or chips were omitted.
     """
-    start, scale = options.pop("start", None), options.pop("scale", None)
-    if start is not None:
-        start = _moment(start, scale)
-    measurements, warnings = _measure(frames, streaks, ({}, None, None), place_sigma=place_sigma, start=start, **options)
+    measurements, warnings = _measure(frames, streaks, ({}, None, None), place_sigma=place_sigma, **options)
     for message in dict.fromkeys(warnings):
         warn(message)
     return measurements
@@ -230,8 +227,9 @@ def _measure(
     sky: tuple[Mapping[str, Json], str | None, _core.SkyCache | None],
     *,
     place_sigma: str | Quantity | None,
-    start: str | None,
     header: HeaderLike | None = None,
+    start: TimeLike | None = None,
+    scale: str | None = None,
     exposure: FloatLike | None = None,
     hdu: WholeLike | None = None,
     seeing: str | Quantity | None = None,
@@ -246,7 +244,7 @@ def _measure(
     telescope: PathLike | Options | None = None,
     table: Output = "auto",
 ) -> tuple[Measurements, list[str]]:
-    """Returns the measurements and the warnings. Arguments are those of `StreakModel.measure`; ``start`` is UTC as text."""
+    """Returns the measurements and the warnings. Arguments are those of `StreakModel.measure`."""
     if not hasattr(_core, "measure"):
         raise NotImplementedError("measure is not in this build: it needs CFITSIO, which does not build on Windows")
     if zero_point is not None and zero_point_1s is not None:
@@ -259,8 +257,9 @@ def _measure(
         fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
         zero_point=_scalar(zero_point, "mag", "zero_point"),
         zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),
-        start=start,
     )  # fmt: skip
+    if start is not None:
+        request["start"] = start if isinstance(start, str) and scale is None else _moment(start, scale)
     if exposure is not None:
         request["exposure"] = f"{scalar(exposure, 's', 'exposure')!r}s"
     camera = {key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None}

@@ -125,12 +125,17 @@ Pixels = npt.NDArray[Union[np.float32, np.float64, np.uint8, np.int16, np.uint16
 #: Frame: path of a FITS file, its HDUs, one HDU, an `NDData` (for example `CCDData`), or an array, also masked or with a
 #: unit.
 FrameLike = Union[PathLike, Pixels, "HDUList", "PrimaryHDU", "ImageHDU", "CompImageHDU", "NDData"]
-#: Table of streaks: a path, an astropy table, a dictionary of columns, or a list with a dictionary for each streak.
-StreaksLike = Union[PathLike, "AstropyTable", Mapping[str, Sequence[Any]], Sequence[Mapping[str, Any]]]
 #: Point along a track: values by name; `None` if a value is missing.
 Sample = Mapping[str, Union[str, float, None]]
 #: Points along a track.
 Samples = Sequence[Sample]
+#: Table of streaks: a path, an astropy table, a dictionary of columns, or a list with a dictionary for each streak.
+StreaksLike = Union[
+    PathLike,
+    "AstropyTable",
+    Mapping[str, Union[Sequence[Union[str, float, None]], npt.NDArray[Any], "Quantity"]],
+    Sequence[Sample],
+]
 # The data types of the columns differ, so that they cannot be stated for all together.
 #: Columns by name, each an array with one cell per row.
 Columns = dict[str, npt.NDArray[Any]]
@@ -319,6 +324,7 @@ class InjectionOptions(TypedDict, total=False):
     band: str | None
     seeing: str | Quantity | None
     psf: str
+    psf_oversampling: int | None
     zero_point: FloatLike | None
     zero_point_1s: FloatLike | None
     gain: FloatLike | None

@@ -174,7 +174,11 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
             "streaks",
             "--elements FILE, --shells NAME, --random-streaks N with --magnitude MAG, or --streaks TABLE",
         )
-        .input(injection.seeing.is_some() || config.telescope.is_some(), "seeing", "--seeing ANGLE or --telescope NAME")
+        .input(
+            injection.seeing.is_some() || config.telescope.is_some() || injection.has_psf_file(),
+            "seeing",
+            "--seeing ANGLE, --telescope NAME or --psf FILE",
+        )
         .check()?;
     let notices = crate::start::begin(&config)?;
     let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
@@ -205,6 +209,11 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
 /// same keys in a
 /// configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
+    if typed.injection.has_psf_file() && typed.config.telescope.is_some() {
+        return Err(anyhow!(
+            "--telescope has no effect with a file of --psf; allowed: --psf gaussian, moffat or double"
+        ));
+    }
     let (flags, site) = (&typed.config, &typed.config.site);
     let of_satellites = [
         ("--extinction", flags.extinction.is_some()),

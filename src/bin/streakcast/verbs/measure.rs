@@ -257,7 +257,9 @@ fn summary(notices: &Notices, done: &Measurements, has_tables: bool) {
         let outside = done.table.rows.len() - done.passes.len();
         let named = done.passes.iter().filter(|pass| pass.prediction.satellite.norad_id.is_some()).count();
         let streaks = counted(found, "streak", "streaks");
-        notices.info(&format!("{all}: {streaks} found, {missed} not found, {outside} not measured; {named} with a satellite"));
+        notices.info(&format!(
+            "{all}: {streaks} found, {missed} not found, {outside} not measured; {named} with a satellite"
+        ));
         return;
     }
     let all = counted(done.passes.len(), "predicted track", "predicted tracks");

@@ -1,0 +1,288 @@
+//! Point spread functions from files: an image, or the position-dependent set of images that PSFEx writes.
+//!
+//! An image (FITS, two axes of odd size) is that of a star whose centre is the centre of the image, on pixels of the frame
+//! or, with an oversampling N, on cells of 1/N of a pixel, whose light is summed to pixels. It is converted to samples of
+//! the light in a pixel of the frame as a function of the distance of the pixel from the star.
+//!
+//! PSFEx (Bertin 2011, ASP Conf. 442, 435) stores such samples: `PSF_MASK` has one plane for each term of a polynomial in
+//! the position, x^i y^j with i + j up to POLDEG1, in the order of j and then of i, where x = (X - POLZERO1) / POLSCAL1 and
+//! y = (Y - POLZERO2) / POLSCAL2 with FITS pixels X, Y. The distance of the samples is PSF_SAMP pixels.
+
+use std::path::{Path, PathBuf};
+
+use super::error::ImagesError;
+use super::fits::{FrameFile, HduKind};
+use super::header::Header;
+use super::pixels::PixelPosition;
+use crate::message::Quoted;
+
+/// Largest number of samples along a side, and largest side in pixels of the frame.
+const MOST_SAMPLES: usize = 1025;
+const MOST_PIXELS: f64 = 513.0;
+/// Largest oversampling, and range of the distance of samples, pixels.
+const MOST_OVERSAMPLING: usize = 16;
+const STEPS_PIX: [f64; 2] = [0.05, 2.0];
+/// Largest degree of a polynomial.
+const MOST_DEGREE: usize = 10;
+
+/// Point spread functions of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PsfFile {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// One for all chips, or one for each chip of a frame, in order.
+    grids: Vec<PsfGrid>,
+}
+
+/// Samples of the light in a pixel as a function of its distance from a star.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PsfGrid {
+    /// Rows and columns, odd. The star is at the middle sample.
+    pub size: [usize; 2],
+    /// Distance between samples, pixels of the frame.
+    pub step_pix: f64,
+    /// Samples, one set for each term of the polynomial.
+    terms: Vec<Vec<f64>>,
+    polynomial: Option<Polynomial>,
+}
+
+#[derive(Copy, Clone, Debug, PartialEq)]
+struct Polynomial {
+    zero: [f64; 2],
+    scale: [f64; 2],
+    degree: usize,
+}
+
+impl PsfFile {
+    /// Returns true for the name of such a file: it ends in .fits, .fit, .fz or .psf.
+    pub fn is_name(text: &str) -> bool {
+        let end = Path::new(text).extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        ["fits", "fit", "fts", "fz", "psf"].contains(&end.as_str())
+    }
+
+    /// Reads a file. `oversampling` replaces the keyword OVERSAMP of an image, which is 1 if it is missing.
+    ///
+    /// # Errors
+    /// The file cannot be read, has no image of odd size with a positive sum and finite values, or a keyword is out of
+    /// range.
+    pub fn read(path: &Path, oversampling: Option<usize>) -> Result<Self, ImagesError> {
+        let file = FrameFile::open(path)?;
+        let of_psfex: Vec<usize> = file
+            .hdus()
+            .iter()
+            .filter(|hdu| hdu.kind == HduKind::Table)
+            .map(|hdu| hdu.index)
+            .filter(|&hdu| file.header(hdu).is_ok_and(|header| header.integer("PSFAXIS1").is_some()))
+            .collect();
+        let grids = if of_psfex.is_empty() {
+            vec![image(&file, oversampling)?]
+        } else if oversampling.is_some() {
+            let what = format!("{}: --psf-oversampling", path.display());
+            return Err(ImagesError::invalid(what, "given for a file of PSFEx", "an image (PSF_SAMP is the sampling)"));
+        } else {
+            of_psfex.into_iter().map(|hdu| psfex(&file, hdu)).collect::<Result<_, _>>()?
+        };
+        Ok(Self { path: path.to_owned(), grids })
+    }
+
+    /// Returns the point spread function of a chip, which is the `index`-th of `count` chips of a frame.
+    ///
+    /// # Errors
+    /// The file has neither one set for all chips nor one for each.
+    pub fn of_chip(&self, index: usize, count: usize) -> Result<&PsfGrid, ImagesError> {
+        match &self.grids[..] {
+            [only] => Ok(only),
+            several if several.len() == count => Ok(&several[index]),
+            several => {
+                let what = format!("{}: number of tables PSF_MASK", self.path.display());
+                Err(ImagesError::invalid(what, several.len(), format!("1, or {count}, one for each image")))
+            }
+        }
+    }
+}
+
+impl PsfGrid {
+    /// Returns true if the point spread function depends on the position.
+    pub fn is_variable(&self) -> bool {
+        self.polynomial.is_some()
+    }
+
+    /// Returns the farthest pixel from the star that has light, pixels.
+    pub fn reach_pix(&self) -> f64 {
+        0.5 * self.step_pix * (self.size[0].max(self.size[1]) as f64) + 1.0
+    }
+
+    /// Returns the samples at a position in the frame; `None` if their sum is not positive there.
+    pub fn at(&self, position: PixelPosition) -> Option<Vec<f64>> {
+        let samples = match self.polynomial {
+            None => self.terms[0].clone(),
+            Some(Polynomial { zero, scale, degree }) => {
+                let fits = position.fits();
+                let [x, y] = [0, 1].map(|axis| (fits[axis] - zero[axis]) / scale[axis]);
+                let powers = (0..=degree).flat_map(|j| (0..=degree - j).map(move |i| [i, j]));
+                let mut samples = vec![0.0; self.terms[0].len()];
+                for (term, [i, j]) in self.terms.iter().zip(powers) {
+                    let factor = x.powi(i as i32) * y.powi(j as i32);
+                    samples.iter_mut().zip(term).for_each(|(sum, value)| *sum += factor * value);
+                }
+                samples
+            }
+        };
+        (samples.iter().sum::<f64>() > 0.0).then_some(samples)
+    }
+}
+
+fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, ImagesError> {
+    let shown = file.path().display();
+    let Some(&hdu) = file.images().first() else {
+        let allowed = "an image with two axes, or a table PSF_MASK of PSFEx";
+        return Err(ImagesError::invalid(format!("{shown}: point spread function"), "missing", allowed));
+    };
+    let [rows, columns] = file.image_size(hdu)?;
+    check_size(&format!("{shown}: HDU {hdu}"), [rows, columns])?;
+    let header = file.header(hdu)?;
+    let stated = header.number("OVERSAMP");
+    let oversampling = match (given, stated) {
+        (Some(number), _) => number as f64,
+        (None, stated) => stated.unwrap_or(1.0),
+    };
+    let is_whole = oversampling.fract() == 0.0 && (1.0..=MOST_OVERSAMPLING as f64).contains(&oversampling);
+    if !is_whole {
+        let what = format!("{shown}: oversampling of the point spread function");
+        return Err(ImagesError::invalid(what, oversampling, format!("a whole number from 1 to {MOST_OVERSAMPLING}")));
+    }
+    let plane = file.read_plane(hdu)?;
+    let cells: Vec<f64> = plane.values().iter().map(|value| f64::from(*value)).collect();
+    check_values(&format!("{shown}: HDU {hdu}"), &cells)?;
+    let (samples, size) = summed(cells, [rows, columns], oversampling as usize);
+    let grid = PsfGrid { size, step_pix: 1.0 / oversampling, terms: vec![samples], polynomial: None };
+    check_extent(&shown.to_string(), &grid)?;
+    Ok(grid)
+}
+
+/// Returns the light in a pixel of `number` by `number` cells around each cell. The image becomes larger by a pixel.
+fn summed(cells: Vec<f64>, [rows, columns]: [usize; 2], number: usize) -> (Vec<f64>, [usize; 2]) {
+    let half = number / 2;
+    // A pixel of an even number of cells contains half of the cells at its edges.
+    let weights: Vec<f64> = (0..=2 * half)
+        .map(|index| if number.is_multiple_of(2) && (index == 0 || index == 2 * half) { 0.5 } else { 1.0 })
+        .collect();
+    let (wide, high) = (columns + 2 * half, rows + 2 * half);
+    let mut along = vec![0.0; rows * wide];
+    for row in 0..rows {
+        for column in 0..columns {
+            for (shift, weight) in weights.iter().enumerate() {
+                along[row * wide + column + shift] += weight * cells[row * columns + column];
+            }
+        }
+    }
+    let mut samples = vec![0.0; high * wide];
+    for row in 0..rows {
+        for (shift, weight) in weights.iter().enumerate() {
+            for column in 0..wide {
+                samples[(row + shift) * wide + column] += weight * along[row * wide + column];
+            }
+        }
+    }
+    (samples, [high, wide])
+}
+
+fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, ImagesError> {
+    let what = |name: &str| format!("{}: HDU {hdu}: {name}", file.path().display());
+    let header: &Header = file.header(hdu)?;
+    let whole = |name: &str, range: std::ops::RangeInclusive<usize>| -> Result<usize, ImagesError> {
+        let found = header.integer(name).and_then(|number| usize::try_from(number).ok());
+        found.filter(|number| range.contains(number)).ok_or_else(|| {
+            let given = header.integer(name).map_or_else(|| "missing".to_owned(), |number| number.to_string());
+            ImagesError::invalid(what(name), given, format!("{} to {}", range.start(), range.end()))
+        })
+    };
+    let number = |name: &str, [least, most]: [f64; 2]| -> Result<f64, ImagesError> {
+        let found = header.number(name);
+        found.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
+            let given = found.map_or_else(|| "missing".to_owned(), |number| number.to_string());
+            ImagesError::invalid(what(name), given, format!("{least} to {most}"))
+        })
+    };
+    let size = [whole("PSFAXIS2", 1..=MOST_SAMPLES)?, whole("PSFAXIS1", 1..=MOST_SAMPLES)?];
+    check_size(&what("PSF_MASK"), size)?;
+    let planes = if header.integer("PSFNAXIS").unwrap_or(3) > 2 { whole("PSFAXIS3", 1..=66)? } else { 1 };
+    let step_pix = number("PSF_SAMP", STEPS_PIX)?;
+    let polynomial = match whole("POLNAXIS", 0..=2)? {
+        0 => None,
+        2 => {
+            for (name, axis) in [("POLNAME1", 'X'), ("POLNAME2", 'Y')] {
+                let given = header.text(name).unwrap_or_default();
+                if !(given.starts_with(axis) && given.ends_with("_IMAGE")) {
+                    let allowed = format!("a position in the image, such as {axis}_IMAGE");
+                    return Err(ImagesError::invalid(what(name), format!("'{}'", Quoted::new(&given)), allowed));
+                }
+            }
+            whole("POLNGRP", 1..=1)?;
+            let degree = whole("POLDEG1", 0..=MOST_DEGREE)?;
+            let far = [-1e7, 1e7];
+            let scale = [number("POLSCAL1", [1e-6, 1e7])?, number("POLSCAL2", [1e-6, 1e7])?];
+            let zero = [number("POLZERO1", far)?, number("POLZERO2", far)?];
+            (degree > 0).then_some(Polynomial { zero, scale, degree })
+        }
+        one => return Err(ImagesError::invalid(what("POLNAXIS"), one, "0 or 2, a polynomial in x and y")),
+    };
+    let expected = polynomial.map_or(1, |polynomial| (polynomial.degree + 1) * (polynomial.degree + 2) / 2);
+    if planes != expected {
+        let allowed = format!("{expected}, the number of terms of the polynomial");
+        return Err(ImagesError::invalid(what("PSFAXIS3"), planes, allowed));
+    }
+    let failed = |error: fitsio::errors::Error| {
+        let given = Quoted::new(&error.to_string()).to_string();
+        ImagesError::invalid(what("PSF_MASK"), given, "a column of a binary table")
+    };
+    let mut table = fitsio::FitsFile::open(file.path()).map_err(failed)?;
+    let values: Vec<f64> =
+        table.hdu(hdu).and_then(|hdu| hdu.read_col::<f64>(&mut table, "PSF_MASK")).map_err(failed)?;
+    let samples = size[0] * size[1];
+    if values.len() != planes * samples {
+        let allowed = format!("{}, one row of {planes} planes", planes * samples);
+        return Err(ImagesError::invalid(what("number of values in PSF_MASK"), values.len(), allowed));
+    }
+    if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
+        return Err(ImagesError::invalid(what("PSF_MASK"), bad, "finite values"));
+    }
+    check_values(&what("PSF_MASK"), &values[..samples])?;
+    let terms = values.chunks_exact(samples).map(<[f64]>::to_vec).collect();
+    let grid = PsfGrid { size, step_pix, terms, polynomial };
+    check_extent(&what("PSF_MASK"), &grid)?;
+    Ok(grid)
+}
+
+fn check_size(what: &str, [rows, columns]: [usize; 2]) -> Result<(), ImagesError> {
+    if [rows, columns].iter().any(|side| side % 2 == 0 || *side > MOST_SAMPLES) {
+        let given = format!("{columns} by {rows} pixels");
+        let allowed = format!("odd numbers up to {MOST_SAMPLES}, so that the star is at the middle pixel");
+        return Err(ImagesError::invalid(format!("{what}: size of the point spread function"), given, allowed));
+    }
+    Ok(())
+}
+
+fn check_values(what: &str, values: &[f64]) -> Result<(), ImagesError> {
+    if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
+        return Err(ImagesError::invalid(format!("{what}: point spread function"), bad, "finite values"));
+    }
+    let sum: f64 = values.iter().sum();
+    if sum <= 0.0 {
+        return Err(ImagesError::invalid(format!("{what}: sum of the point spread function"), sum, "above 0"));
+    }
+    Ok(())
+}
+
+fn check_extent(what: &str, grid: &PsfGrid) -> Result<(), ImagesError> {
+    let side = grid.step_pix * grid.size[0].max(grid.size[1]) as f64;
+    if side > MOST_PIXELS + 1.0 {
+        let given = format!("{side:.0} pixels of the frame");
+        return Err(ImagesError::invalid(
+            format!("{what}: side of the point spread function"),
+            given,
+            format!("at most {MOST_PIXELS}"),
+        ));
+    }
+    Ok(())
+}

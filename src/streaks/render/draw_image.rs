@@ -1,0 +1,208 @@
+//! Drawing of a path with a point spread function from a file.
+
+use std::collections::BTreeMap;
+
+use super::path::StreakPath;
+use crate::images::{Patch, PatchRows, PixelPosition, PsfGrid};
+use crate::streaks::error::StreaksError;
+
+/// Number of positions of a star within a pixel, along each axis, for which its light in pixels is computed. Points of the
+/// path are divided among the nearest four of them, which adds 0.03 pixels in quadrature to the width.
+const PHASES: i64 = 16;
+/// Largest distance of the points that form the path, pixels.
+const STEP_PIX: f64 = 0.05;
+/// Side of the squares in which a variable point spread function is that of their middle, pixels.
+const BLOCK_PIX: f64 = 64.0;
+
+/// Light at the positions of a square of the frame, in units of 1/16 of a pixel.
+type Lights = BTreeMap<[i64; 2], f64>;
+
+/// Draws a path in a frame of `rows` by `columns` pixels. The light of each point is conserved: the pixels of a star have
+/// the sum of its light at each position within a pixel.
+///
+/// # Errors
+/// The sum of a variable point spread function is not positive somewhere on the path.
+pub fn draw_image(path: &StreakPath, psf: &PsfGrid, rows: usize, columns: usize) -> Result<Patch, StreaksError> {
+    let mut blocks: BTreeMap<[i64; 2], Lights> = BTreeMap::new();
+    let reach = psf.reach_pix() + 1.0;
+    let is_near = |at: PixelPosition| {
+        let within = |at: f64, count: usize| at > -reach && at < count as f64 - 1.0 + reach;
+        within(at.x, columns) && within(at.y, rows)
+    };
+    for piece in path.pieces() {
+        let [x, y] = [&piece.x, &piece.y].map(|cubic| cubic.control_points(0.0, piece.duration_s));
+        // The speed along a cubic is at most three times the longest side of its Bézier control polygon.
+        let longest = (1..4).map(|i| (x[i] - x[i - 1]).hypot(y[i] - y[i - 1])).fold(0.0, f64::max);
+        let count = (3.0 * longest / STEP_PIX).ceil().clamp(1.0, 1e8);
+        let step_s = piece.duration_s / count;
+        for number in 0..count as usize {
+            let since_s = number as f64 * step_s;
+            let middle_s = since_s + 0.5 * step_s;
+            let at = PixelPosition { x: piece.x.at(middle_s), y: piece.y.at(middle_s) };
+            if !is_near(at) {
+                continue;
+            }
+            let light = piece.rate.integral(since_s + step_s) - piece.rate.integral(since_s);
+            let block = if psf.is_variable() { [at.x, at.y].map(|at| (at / BLOCK_PIX).floor() as i64) } else { [0, 0] };
+            add(blocks.entry(block).or_default(), at, light);
+        }
+    }
+    let mut stamps = BTreeMap::new();
+    let mut extents = PatchRows::new(rows, columns);
+    for (block, lights) in &blocks {
+        let middle = block.map(|index| (index as f64 + 0.5) * BLOCK_PIX);
+        let middle = PixelPosition { x: middle[0], y: middle[1] };
+        let samples = psf.at(middle).ok_or_else(|| {
+            let [x, y] = middle.fits();
+            StreaksError::invalid(
+                format!("sum of the point spread function at ({x:.0}, {y:.0})"),
+                "0 or less",
+                "above 0",
+            )
+        })?;
+        for cell in lights.keys() {
+            let phase = cell.map(|index| index.rem_euclid(PHASES));
+            let stamp = stamps.entry((*block, phase)).or_insert_with(|| Stamp::of(psf, &samples, phase));
+            for (row, range, _) in stamp.rows(*cell, rows, columns) {
+                extents.add(row, range);
+            }
+        }
+    }
+    let mut patch = extents.into_patch();
+    for (block, lights) in &blocks {
+        for (cell, light) in lights {
+            let stamp = &stamps[&(*block, cell.map(|index| index.rem_euclid(PHASES)))];
+            for (row, range, values) in stamp.rows(*cell, rows, columns) {
+                let pixels = patch.span_mut(row, range);
+                pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel += (light * value) as f32);
+            }
+        }
+    }
+    Ok(patch)
+}
+
+/// Divides the light of a point among the nearest four positions.
+fn add(lights: &mut Lights, at: PixelPosition, light: f64) {
+    let fine = [at.x, at.y].map(|at| at * PHASES as f64);
+    let first = fine.map(|at| at.floor() as i64);
+    let share = [0, 1].map(|axis| fine[axis] - first[axis] as f64);
+    for (dx, wx) in [(0, 1.0 - share[0]), (1, share[0])] {
+        for (dy, wy) in [(0, 1.0 - share[1]), (1, share[1])] {
+            if wx * wy > 0.0 {
+                *lights.entry([first[0] + dx, first[1] + dy]).or_default() += light * wx * wy;
+            }
+        }
+    }
+}
+
+/// Light of a star of unit light in the pixels around it, for one position within a pixel.
+struct Stamp {
+    /// Number of pixels to the left of and below the pixel of the star.
+    before: [i64; 2],
+    /// Columns and rows.
+    size: [usize; 2],
+    values: Vec<f64>,
+}
+
+impl Stamp {
+    fn of(psf: &PsfGrid, samples: &[f64], phase: [i64; 2]) -> Self {
+        let [rows, columns] = psf.size;
+        let axis = |count: usize, phase: i64| -> (i64, Vec<Vec<(usize, f64)>>) {
+            let middle = 0.5 * (count as f64 - 1.0);
+            let half = ((middle + 1.0) * psf.step_pix).ceil() as i64;
+            let star = phase as f64 / PHASES as f64;
+            let weights = (-half..=half + 1).map(|pixel| weights(count, (pixel as f64 - star) / psf.step_pix + middle));
+            (half, weights.collect())
+        };
+        let ((left, across), (below, up)) = (axis(columns, phase[0]), axis(rows, phase[1]));
+        let mut values = Vec::with_capacity(across.len() * up.len());
+        let mut line = vec![0.0; columns];
+        for of_row in &up {
+            line.fill(0.0);
+            for (row, weight) in of_row {
+                let samples = &samples[row * columns..(row + 1) * columns];
+                line.iter_mut().zip(samples).for_each(|(sum, sample)| *sum += weight * sample);
+            }
+            values.extend(
+                across.iter().map(|of_pixel| of_pixel.iter().map(|(at, weight)| weight * line[*at]).sum::<f64>()),
+            );
+        }
+        let sum: f64 = values.iter().sum();
+        if sum > 0.0 {
+            values.iter_mut().for_each(|value| *value /= sum);
+        }
+        Self { before: [left, below], size: [across.len(), up.len()], values }
+    }
+
+    /// Returns the rows of the frame that the stamp reaches for a star in a cell: columns and values.
+    fn rows(
+        &self,
+        cell: [i64; 2],
+        rows: usize,
+        columns: usize,
+    ) -> impl Iterator<Item = (usize, std::ops::Range<usize>, &[f64])> {
+        let [left, bottom] = [0, 1].map(|axis| cell[axis].div_euclid(PHASES) - self.before[axis]);
+        let [width, height] = self.size;
+        let first = left.clamp(0, columns as i64);
+        let end = (left + width as i64).clamp(first, columns as i64);
+        let range = first as usize..end as usize;
+        (0..height as i64).filter_map(move |row| {
+            let in_frame = usize::try_from(bottom + row).ok().filter(|row| *row < rows && !range.is_empty())?;
+            let from = row as usize * width + (first - left) as usize;
+            Some((in_frame, range.clone(), &self.values[from..from + range.len()]))
+        })
+    }
+}
+
+/// Returns the weights of the samples nearest to a position, by the cubic through four of them. Samples beyond the ends
+/// are 0.
+fn weights(count: usize, at: f64) -> Vec<(usize, f64)> {
+    let first = at.floor();
+    let t = at - first;
+    let cubic = [
+        -t * (t - 1.0) * (t - 2.0) / 6.0,
+        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+        -(t + 1.0) * t * (t - 2.0) / 2.0,
+        (t + 1.0) * t * (t - 1.0) / 6.0,
+    ];
+    let inside = |(index, weight): (usize, f64)| {
+        let sample = first as i64 - 1 + index as i64;
+        usize::try_from(sample).ok().filter(|sample| *sample < count && weight != 0.0).map(|sample| (sample, weight))
+    };
+    cubic.into_iter().enumerate().filter_map(inside).collect()
+}
+
+/// Returns the full width at half maximum of a line of light at an angle from the rows, measured across the line, pixels.
+pub fn image_width_pix(psf: &PsfGrid, at: PixelPosition, angle_rad: f64) -> Option<f64> {
+    let samples = psf.at(at)?;
+    let [rows, columns] = psf.size;
+    let (sin, cos) = angle_rad.sin_cos();
+    let half = (rows.max(columns) as f64 * 0.75).ceil();
+    // Light in strips along the line that are as wide as the distance of the samples.
+    let mut strips = vec![0.0; 2 * half as usize + 2];
+    for row in 0..rows {
+        for column in 0..columns {
+            let [dx, dy] = [(column, columns), (row, rows)].map(|(at, count)| at as f64 - 0.5 * (count as f64 - 1.0));
+            let across = dy * cos - dx * sin + half;
+            let (first, share) = (across.floor(), across.fract());
+            let value = samples[row * columns + column];
+            strips[first as usize] += (1.0 - share) * value;
+            strips[first as usize + 1] += share * value;
+        }
+    }
+    let peak = (0..strips.len()).max_by(|a, b| strips[*a].total_cmp(&strips[*b]))?;
+    let level = 0.5 * strips[peak];
+    // Distance from the peak at which the light falls to half, towards either side.
+    let falls = |side: isize| {
+        let mut last = peak as isize;
+        while let Some(value) = usize::try_from(last + side).ok().and_then(|next| strips.get(next)) {
+            if *value < level {
+                let before = strips[last as usize];
+                return (last - peak as isize).unsigned_abs() as f64 + (before - level) / (before - value);
+            }
+            last += side;
+        }
+        (last - peak as isize).unsigned_abs() as f64
+    };
+    Some((falls(-1) + falls(1)) * psf.step_pix)
+}

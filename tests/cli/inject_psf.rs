@@ -1,0 +1,266 @@
+//! `inject --psf FILE`: point spread functions from images and from files of PSFEx.
+
+use std::fs;
+
+use crate::common::cli::{done, path, run};
+use crate::common::injected::{unrounded, values};
+use tempfile::TempDir;
+
+const ROWS: usize = 300;
+const COLUMNS: usize = 400;
+/// Largest relative error of the flux of a streak in the frame.
+const FLUX: f64 = 1e-4;
+/// Counts of a star of magnitude 11: `zero_point_1s_mag` of 25 in 30 s, with a gain of 2.
+fn counts() -> f64 {
+    10f64.powf(-0.4 * (11.0 - 25.0 - 2.5 * (30.0f64 / 2.0).log10()))
+}
+
+fn block(cards: &[String]) -> Vec<u8> {
+    let mut bytes: Vec<u8> =
+        cards.iter().chain(&["END".to_owned()]).flat_map(|card| format!("{card:<80}").into_bytes()).collect();
+    bytes.resize(bytes.len().next_multiple_of(2880), b' ');
+    bytes
+}
+
+fn card(name: &str, value: impl std::fmt::Display) -> String {
+    format!("{name:<8}= {value:>20}")
+}
+
+fn padded(values: impl Iterator<Item = f32>) -> Vec<u8> {
+    let mut bytes: Vec<u8> = values.flat_map(f32::to_be_bytes).collect();
+    bytes.resize(bytes.len().next_multiple_of(2880), 0);
+    bytes
+}
+
+/// FITS file with an image.
+fn image(sides: &[usize], values: impl Iterator<Item = f32>, more: &[String]) -> Vec<u8> {
+    let mut cards = vec![card("SIMPLE", "T"), card("BITPIX", -32), card("NAXIS", sides.len())];
+    cards.extend(sides.iter().enumerate().map(|(axis, side)| card(&format!("NAXIS{}", axis + 1), side)));
+    cards.extend(more.iter().cloned());
+    [block(&cards), padded(values)].concat()
+}
+
+/// Gaussian with standard deviations along x and y, in samples.
+fn gaussian(side: usize, sigmas: [f64; 2]) -> impl Iterator<Item = f32> {
+    let middle = 0.5 * (side as f64 - 1.0);
+    (0..side * side).map(move |at| {
+        let [x, y] = [at % side, at / side].map(|at| at as f64 - middle);
+        (-0.5 * ((x / sigmas[0]).powi(2) + (y / sigmas[1]).powi(2))).exp() as f32
+    })
+}
+
+/// File of PSFEx with planes of `side` by `side` samples, and other values of its keywords.
+fn psfex(side: usize, planes: &[Vec<f32>], step: f64, degree: usize, changed: &[(&str, &str)]) -> Vec<u8> {
+    let count = side * side * planes.len();
+    let mut cards = vec![
+        "XTENSION= 'BINTABLE'".to_owned(),
+        card("BITPIX", 8),
+        card("NAXIS", 2),
+        card("NAXIS1", 4 * count),
+        card("NAXIS2", 1),
+        card("PCOUNT", 0),
+        card("GCOUNT", 1),
+        card("TFIELDS", 1),
+        "EXTNAME = 'PSF_DATA'".to_owned(),
+        card("POLNAXIS", if degree > 0 { 2 } else { 0 }),
+        card("POLNGRP", 1),
+        "POLNAME1= 'X_IMAGE '".to_owned(),
+        card("POLZERO1", 200.0),
+        card("POLSCAL1", 400.0),
+        "POLNAME2= 'Y_IMAGE '".to_owned(),
+        card("POLZERO2", 150.0),
+        card("POLSCAL2", 300.0),
+        card("POLDEG1", degree),
+        card("PSF_SAMP", step),
+        card("PSFNAXIS", 3),
+        card("PSFAXIS1", side),
+        card("PSFAXIS2", side),
+        card("PSFAXIS3", planes.len()),
+        format!("TFORM1  = '{count}E'"),
+        "TTYPE1  = 'PSF_MASK'".to_owned(),
+        format!("TDIM1   = '({side},{side},{})'", planes.len()),
+    ];
+    for (name, value) in changed {
+        let at = cards.iter().position(|card| card.starts_with(&format!("{name:<8}="))).unwrap();
+        cards[at] = format!("{name:<8}= {value:>20}");
+    }
+    let primary = block(&[card("SIMPLE", "T"), card("BITPIX", 8), card("NAXIS", 0), card("EXTEND", "T")]);
+    [primary, block(&cards), padded(planes.iter().flatten().copied())].concat()
+}
+
+struct Frame {
+    folder: TempDir,
+}
+
+impl Frame {
+    /// A frame with constant sky, and a table with two streaks in its left and right half.
+    fn new() -> Self {
+        let frame = Self { folder: TempDir::new().unwrap() };
+        fs::write(frame.path("sky.toml"), unrounded()).unwrap();
+        fs::write(frame.path("none.csv"), "x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n-900,-900,-800,-900,30\n").unwrap();
+        let table = "x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n60.3,60.7,150.2,150.9,11\n260,200.4,350,200.4,11\n";
+        fs::write(frame.path("two.csv"), table).unwrap();
+        let [sky, none, plain] = ["sky.toml", "none.csv", "plain.fits"].map(|name| frame.path(name));
+        done(&[
+            &["inject", "--synthetic", &sky, "-o", &plain, "--streaks", &none, "--exposure", "30s"],
+            &["--seeing", "2arcsec", "--pixels-only", "--quiet"],
+        ]);
+        frame
+    }
+
+    fn path(&self, name: &str) -> String {
+        path(&self.folder, name)
+    }
+
+    /// Adds the streaks with this point spread function. Returns the added light.
+    fn added(&self, psf: &[&str]) -> Vec<f64> {
+        let [plain, table, output] = ["plain.fits", "two.csv", "out.fits"].map(|name| self.path(name));
+        done(&[
+            &[
+                "inject",
+                "--image",
+                &plain,
+                "-o",
+                &output,
+                "--streaks",
+                &table,
+                "--no-noise",
+                "--pixels-only",
+                "--quiet",
+            ],
+            psf,
+        ]);
+        let pairs = values(&plain, 0).into_iter().zip(values(&output, 0));
+        pairs.map(|(before, after)| f64::from(after) - f64::from(before)).collect()
+    }
+}
+
+/// Light in the left (0) or the right (1) half of a frame, and its middle and standard deviation along y.
+fn half(added: &[f64], number: usize) -> [f64; 3] {
+    let [mut sum, mut first, mut second] = [0.0; 3];
+    for y in 0..ROWS {
+        for x in 200 * number..200 * number + 200 {
+            let light = added[y * COLUMNS + x];
+            sum += light;
+            first += light * (y as f64 + 1.0);
+            second += light * (y as f64 + 1.0).powi(2);
+        }
+    }
+    [sum, first / sum, (second / sum - (first / sum).powi(2)).max(0.0).sqrt()]
+}
+
+#[test]
+fn verif_an_image_draws_streaks_of_its_shape_with_all_of_their_light() {
+    /// Largest difference from the analytic profile, relative to the brightest pixel.
+    const PROFILE: f64 = 0.01;
+    let frame = Frame::new();
+    // Standard deviation of 1.4 pixels, in cells of a quarter of a pixel, whose light is summed to pixels.
+    let (fine, coarse) = (frame.path("fine.fits"), frame.path("coarse.fits"));
+    fs::write(&fine, image(&[61, 61], gaussian(61, [5.6, 5.6]), &[card("OVERSAMP", 4)])).unwrap();
+    let seeing = format!("{}arcsec", 1.4 * 2.354_82);
+    let expected = frame.added(&["--psf", "gaussian", "--seeing", &seeing]);
+    let found = frame.added(&["--psf", &fine]);
+    let peak = expected.iter().copied().fold(0.0, f64::max);
+    let difference = found.iter().zip(&expected).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+    assert!(difference < PROFILE * peak, "{difference} {peak}");
+    // A long image in x on pixels of the frame. Its sum is not 1.
+    fs::write(&coarse, image(&[31, 31], gaussian(31, [3.0, 1.2]).map(|value| 7.0 * value), &[])).unwrap();
+    for (psf, sigma) in [(vec!["--psf", &fine], 1.4f64.hypot(12f64.recip().sqrt())), (vec!["--psf", &coarse], 1.2)] {
+        let added = frame.added(&psf);
+        for number in [0, 1] {
+            let sum = half(&added, number)[0];
+            assert!((sum / counts() - 1.0).abs() < FLUX, "{psf:?}: {sum} {}", counts());
+        }
+        // The second streak is along x: its width in y is that of the image, whose centre is on the line.
+        let [_, middle, width] = half(&added, 1);
+        assert!((middle - 200.4).abs() < 2e-3, "{middle}");
+        assert!((width - sigma).abs() < 0.02, "{width} {sigma}");
+    }
+    // The flag replaces the keyword.
+    let same = frame.added(&["--psf", &fine, "--psf-oversampling", "4"]);
+    assert_eq!(same, found);
+    assert!(frame.added(&["--psf", &fine, "--psf-oversampling", "2"]) != found);
+}
+
+#[test]
+fn verif_a_file_of_psfex_changes_with_the_position() {
+    let frame = Frame::new();
+    let file = frame.path("stars.psf");
+    let plane = |sigma: f64| gaussian(45, [sigma, sigma]).collect::<Vec<f32>>();
+    // Samples every half pixel: standard deviation of 1.5 pixels.
+    fs::write(&file, psfex(45, &[plane(3.0)], 0.5, 0, &[])).unwrap();
+    let [sum, middle, width] = half(&frame.added(&["--psf", &file]), 1);
+    assert!(
+        (sum / counts() - 1.0).abs() < FLUX && (middle - 200.4).abs() < 2e-3 && (width - 1.5).abs() < 0.02,
+        "{width}"
+    );
+    // The middle plus (X - 200) / 400 times a difference: narrow at the left, wide at the right.
+    let [narrow, wide] = [2.4, 4.0]
+        .map(|sigma: f64| plane(sigma).iter().map(|value| value / (sigma * sigma) as f32).collect::<Vec<f32>>());
+    let mean: Vec<f32> = narrow.iter().zip(&wide).map(|(a, b)| 0.5 * (a + b)).collect();
+    let slope: Vec<f32> = narrow.iter().zip(&wide).map(|(a, b)| b - a).collect();
+    let zero = vec![0.0f32; 45 * 45];
+    let planes = [mean.clone(), slope.clone(), zero.clone()];
+    fs::write(&file, psfex(45, &planes, 0.5, 1, &[])).unwrap();
+    let table = "x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n40,100.4,80,100.4,11\n320,100.4,360,100.4,11\n";
+    fs::write(frame.path("two.csv"), table).unwrap();
+    let added = frame.added(&["--psf", &file]);
+    let [left, right] = [half(&added, 0), half(&added, 1)];
+    for [sum, middle, _] in [left, right] {
+        assert!((sum / counts() - 1.0).abs() < FLUX && (middle - 100.4).abs() < 2e-3, "{sum} {middle}");
+    }
+    // Variances of the mixtures at X = 60 and X = 340 in squares of the middles of 64 pixels (32.5 and 352.5).
+    let variance = |x: f64| {
+        let share = 0.5 + (x - 200.0) / 400.0;
+        (1.0 - share) * 1.2f64.powi(2) + share * 2.0f64.powi(2)
+    };
+    assert!(
+        (left[2] - variance(60.0).sqrt()).abs() < 0.1 && (right[2] - variance(340.0).sqrt()).abs() < 0.1,
+        "{left:?} {right:?}"
+    );
+    assert!(right[2] > left[2] + 0.3, "{left:?} {right:?}");
+    for (bytes, words) in [
+        (psfex(45, &planes, 0.5, 1, &[("POLNAME1", "'FLUX_MAX'")]), "POLNAME1 is 'FLUX_MAX'; allowed"),
+        (psfex(45, &planes, 0.5, 1, &[("POLDEG1", "2")]), "PSFAXIS3 is 3; allowed: 6"),
+        (psfex(45, &planes, 0.5, 1, &[("PSF_SAMP", "0")]), "PSF_SAMP is 0; allowed"),
+        (psfex(45, &planes, 0.5, 1, &[("PSFAXIS1", "46")]), "46 by 45 pixels; allowed: odd"),
+    ] {
+        fs::write(&file, bytes).unwrap();
+        rejected(&frame, &["--psf", &file], words);
+    }
+}
+
+fn rejected(frame: &Frame, psf: &[&str], words: &str) {
+    let [plain, table, output] = ["plain.fits", "two.csv", "bad.fits"].map(|name| frame.path(name));
+    let (code, _, error) = run(&[&["inject", "--image", &plain, "-o", &output, "--streaks", &table, "--quiet"], psf]);
+    assert_eq!((code, error.trim().lines().count()), (2, 1), "{words}: {error}");
+    assert!(error.contains(words), "{words}: {error}");
+    assert!(!std::path::Path::new(&output).exists());
+}
+
+#[test]
+fn invalid_point_spread_functions_give_one_line() {
+    let frame = Frame::new();
+    let file = frame.path("psf.fits");
+    let ones = |count: usize| std::iter::repeat_n(1.0f32, count);
+    for (bytes, words) in [
+        (image(&[3, 3], (0..9).map(|at| if at == 4 { f32::NAN } else { 1.0 }), &[]), "NaN; allowed: finite"),
+        (image(&[3, 3], ones(9).map(|one| -one), &[]), "sum of the point spread function is -9; allowed: above 0"),
+        (image(&[4, 3], ones(12), &[]), "4 by 3 pixels; allowed: odd numbers"),
+        (image(&[3, 3, 3], ones(27), &[]), "missing; allowed: an image with two axes"),
+        (image(&[1027, 3], ones(3081), &[]), "1027 by 3 pixels; allowed: odd numbers up to 1025"),
+        (image(&[1001, 3], ones(3003), &[]), "1001 pixels of the frame; allowed: at most 513"),
+        (image(&[3, 3], ones(9), &[card("OVERSAMP", 2.5)]), "is 2.5; allowed: a whole number"),
+        (b"no FITS file".to_vec(), "psf.fits"),
+    ] {
+        fs::write(&file, bytes).unwrap();
+        rejected(&frame, &["--psf", &file], words);
+    }
+    fs::write(&file, image(&[3, 3], ones(9), &[])).unwrap();
+    rejected(&frame, &["--psf", &file, "--seeing", "1arcsec"], "--seeing");
+    rejected(&frame, &["--psf", &file, "--psf-oversampling", "0"], "is 0; allowed: a whole number from 1 to 16");
+    rejected(&frame, &["--psf", "gaussian", "--seeing", "1arcsec", "--psf-oversampling", "2"], "allowed: with a file");
+    rejected(&frame, &["--psf", &frame.path("missing.fits")], "missing.fits");
+    fs::write(frame.path("two.csv"), "x1_pix,y1_pix,x2_pix,y2_pix,magnitude,fwhm_pix\n60,60,150,150,11,3\n").unwrap();
+    rejected(&frame, &["--psf", &file], "line 2: width of the streak is given; allowed");
+}
