@@ -16,7 +16,6 @@ use super::super::drawn::DrawnStreak;
 use super::super::error::StreaksError;
 use super::super::masking::{Cell, polygons};
 use super::super::regions::{Region, region_text};
-use super::lights::file_name;
 use crate::images::{ImagesError, PixelPosition};
 use crate::output::write_atomically;
 
@@ -224,6 +223,11 @@ pub fn write_labels(files: &[LabelFile]) -> Result<(), StreaksError> {
         write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(ImagesError::io(path))?;
     }
     Ok(())
+}
+
+/// Returns the name of a file without its folder.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn rounded(number: f64) -> f64 {

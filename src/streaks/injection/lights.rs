@@ -12,6 +12,7 @@ use super::super::light::{
     ChosenLight, ChosenStreak, GivenStreak, GivenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack,
     Source, SourceName, SourcePart, StreakNumber, satellites,
 };
+use super::labels::file_name;
 use super::plan::{InjectionPlan, RandomPlan};
 use crate::frames::{Direction, EopTable, Gcrs};
 use crate::images::StreakEnds;
@@ -196,11 +197,6 @@ fn chip_of<'a>(streak: &GivenStreak, frame: &'a TargetFrame) -> Result<&'a Chip,
     let hdus: Vec<usize> = frame.chips.iter().map(|target| target.chip.hdu).collect();
     let index = streak.chip_index(&hdus, frame.file.path())?;
     Ok(&frame.chips[index.unwrap_or(0)].chip)
-}
-
-/// Returns the name of a file without its folder.
-pub fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn area_deg2(chip: &Chip) -> f64 {
