@@ -8,7 +8,9 @@ use hifitime::Epoch;
 use super::document::Config;
 use super::error::ConfigError;
 use super::values::{ModelSource, is_file_name};
-use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
+use crate::elements::{
+    Constellation, Deployment, DeploymentFile, Generation, Keep, ReadOptions, Satellites, SourceFile,
+};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
 use crate::input;
@@ -25,7 +27,7 @@ pub struct LoadedInputs {
     pub(super) shadow: ShadowModel,
     pub(super) eop: EopTable,
     pub(super) catalogue: Option<Satellites>,
-    pub(super) constellations: Vec<Constellation>,
+    pub(super) deployment: Deployment,
     pub(super) choice: ModelChoice,
 }
 
@@ -47,14 +49,14 @@ impl Config {
 
     pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, ConfigError> {
         let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
-        let constellations = self.constellations()?;
-        if catalogue.is_none() && constellations.is_empty() {
+        let deployment = self.deployment()?;
+        if catalogue.is_none() && deployment.is_empty() {
             let allowed =
                 "--elements FILE..., or --shells starlink-gen1 (simulated, no download; see streakcast shells)";
             return Err(ConfigError::Missing { what: "satellites", allowed });
         }
         let choice = self.model_choice()?;
-        Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, constellations, choice })
+        Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, deployment, choice })
     }
 
     /// Returns the model of drag in SGP4. If omitted, satellites that hold their orbits by thrust have no drag.
@@ -114,15 +116,15 @@ impl Config {
         ReadOptions { accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false), keep }
     }
 
-    /// Returns the simulated constellations.
+    /// Returns the simulated constellations by night.
     ///
     /// # Errors
     /// A name is unknown, or a file is invalid.
-    pub fn constellations(&self) -> Result<Vec<Constellation>, ConfigError> {
-        let (mut bundled, mut own): (Vec<Constellation>, _) = (Vec::new(), Vec::new());
+    pub fn deployment(&self) -> Result<Deployment, ConfigError> {
+        let (mut bundled, mut files): (Vec<Constellation>, _) = (Vec::new(), Vec::new());
         for name in &self.shells {
             if is_file_name(name) {
-                own.extend(parse_file("shells", Path::new(name), Constellation::from_toml)?);
+                files.push(parse_file("shells", Path::new(name), DeploymentFile::from_toml)?);
             } else {
                 // A constellation and a set that contains it, or two such sets, have it once.
                 for one in Constellation::by_name_or_set(name)? {
@@ -132,9 +134,7 @@ impl Config {
                 }
             }
         }
-        Constellation::number_own(own.iter_mut())?;
-        bundled.append(&mut own);
-        Ok(bundled)
+        Ok(Deployment::new(bundled, files)?)
     }
 
     /// Returns the bundled brightness models and those of the model files, by name.

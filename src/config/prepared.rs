@@ -19,7 +19,7 @@ use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
-use crate::schedule::lowest_altitude_rad;
+use crate::schedule::{evening_mjd, lowest_altitude_rad};
 use crate::watch::Watch;
 
 /// Largest number of rejected records listed in JSON; `rejected_count` counts all of them.
@@ -57,7 +57,7 @@ impl Config {
     /// Reads all inputs and prepares the sky for requests from `first` to `last`.
     ///
     /// For each object, the element set closest to the middle of the interval is used. Simulated constellations are
-    /// generated for the start of the UTC day of `first`.
+    /// generated for the start of the UTC day of `first`; those that grow are as deployed in the night of `first`.
     ///
     /// # Errors
     /// Same as [`Config::load`] and [`LoadedInputs::prepare`].
@@ -109,15 +109,16 @@ impl LoadedInputs {
         }
         of_files.extend(warnings::of_ephemerides_without_elements(&without_elements));
         let from_files = elements.len();
-        let shells_made_for = (!self.constellations.is_empty()).then(|| start_of_utc_day(first));
+        let longitude_rad = viewpoint.site().map_or(0.0, |observer| observer.site().longitude_rad);
+        let constellations = self.deployment.at(evening_mjd(first, longitude_rad))?;
+        let shells_made_for = (!constellations.is_empty()).then(|| start_of_utc_day(first));
         if let Some(day) = shells_made_for {
-            let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
+            let stated: Vec<_> = constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
             // All requests of a UTC day use one epoch, so that a schedule and a single exposure of it have the same
             // satellites.
-            elements.extend(self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)));
-            let names: Vec<&str> =
-                self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
+            elements.extend(constellations.iter().flat_map(|constellation| constellation.element_sets(day)));
+            let names: Vec<&str> = constellations.iter().map(|constellation| constellation.name.as_str()).collect();
             of_files.push(warnings::of_simulated(&names, elements.len() - from_files));
         }
         provenance.state("satellites", elements.len());
@@ -422,6 +423,7 @@ fn constellation_json(constellation: &Constellation) -> serde_json::Value {
     json!({
         "name": constellation.name,
         "satellites": constellation.satellites(),
+        "deployed_fraction": constellation.deployed_fraction,
         "synthetic": true,
         "source": constellation.source,
     })

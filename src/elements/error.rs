@@ -142,6 +142,14 @@ pub enum ElementsError {
         /// Largest number accepted.
         most: u64,
     },
+    /// A night is before the first period of growing constellations.
+    #[error(
+        "the file of simulated constellations begins with the night of {first}, after that of the request; allowed: a [[period]] from an earlier date"
+    )]
+    BeforeFirstPeriod {
+        /// Date of the first period.
+        first: String,
+    },
     /// The catalogue number is above the range of Alpha-5.
     #[error("catalogue number {0} does not fit a TLE; allowed: up to 339999 (Alpha-5)")]
     TleId(NoradId),

@@ -12,6 +12,7 @@
 //! # Ok::<(), streakcast::Error>(())
 //! ```
 
+mod deployment;
 mod element_set;
 mod ephemeris;
 mod epoch;
@@ -48,6 +49,7 @@ pub use tle_file::format_tle;
 // code of other features.
 #[doc(hidden)]
 pub use self::{
+    deployment::{Deployment, DeploymentFile, DeploymentPeriod},
     ephemeris::CovarianceAxes,
     generation::{Certainty, GenerationTable},
     on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km},

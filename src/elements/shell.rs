@@ -26,6 +26,7 @@ use std::sync::Arc;
 use hifitime::{Duration, Epoch, TimeScale};
 use serde::Deserialize;
 use serde::de::{Deserializer, SeqAccess, Visitor};
+use toml::value::Datetime;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
@@ -78,6 +79,20 @@ pub struct Shell {
     /// True if no source has the planes of this shell, so that `planes` and `satellites_per_plane` are assumed; only their
     /// product is known.
     pub planes_assumed: bool,
+}
+
+impl Shell {
+    /// Returns the number of planes that are in orbit.
+    fn deployed_planes(&self, fraction: f64) -> u32 {
+        (fraction * f64::from(self.planes)).round() as u32
+    }
+
+    /// Returns true if a plane is one of `deployed` evenly distributed planes.
+    fn has_plane(&self, plane: u32, deployed: u32) -> bool {
+        // ⌊(p + 1) n / P⌋ > ⌊p n / P⌋ for n of P planes
+        let before = |plane: u32| u64::from(plane) * u64::from(deployed) / u64::from(self.planes);
+        before(plane + 1) > before(plane)
+    }
 }
 
 /// Shells of a file: one for each combination of altitude and inclination.
@@ -190,6 +205,8 @@ pub struct Constellation {
     pub shells: Vec<Shell>,
     /// Catalogue number of the first satellite.
     pub first_id: NoradId,
+    /// Fraction of the planes of each shell that are in orbit, 0 to 1; they are evenly distributed among all planes.
+    pub deployed_fraction: f64,
 }
 
 /// Named selection of bundled constellations, such as `planned-2026`.
@@ -208,9 +225,29 @@ pub struct ConstellationSet {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
+    #[serde(default)]
     constellation: Vec<Entry>,
     #[serde(default)]
     set: Vec<ConstellationSet>,
+    #[serde(default)]
+    period: Vec<PeriodEntry>,
+}
+
+/// Constellations, sets of them, and periods of a file.
+#[derive(Debug)]
+pub(super) struct ShellFile {
+    pub constellations: Vec<Constellation>,
+    pub periods: Vec<PeriodEntry>,
+    sets: Vec<ConstellationSet>,
+}
+
+/// `[[period]]` of a file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PeriodEntry {
+    pub from: Datetime,
+    /// Fractions by name.
+    pub shells: toml::Table,
 }
 
 #[derive(Deserialize)]
@@ -230,13 +267,13 @@ impl Constellation {
     /// Returns the bundled constellations.
     pub fn embedded() -> Vec<Self> {
         // Parsing cannot fail: the text is part of the library, and a test parses it.
-        parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|(all, _)| all).unwrap_or_default()
+        parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|file| file.constellations).unwrap_or_default()
     }
 
     /// Returns the bundled sets of constellations.
     #[doc(hidden)]
     pub fn embedded_sets() -> Vec<ConstellationSet> {
-        parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|(_, sets)| sets).unwrap_or_default()
+        parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|file| file.sets).unwrap_or_default()
     }
 
     /// Returns the bundled constellation with this name, or those of the bundled set with this name; case is ignored.
@@ -291,13 +328,14 @@ impl Constellation {
     /// The keys are those of [`Shell`]. `altitude_km` and `inclination_deg` may be lists; then there is a shell for each
     /// combination. `satellites` in a `[[constellation]]` states the total, which is checked. `shells_of`, in place of
     /// shells, is the name of a constellation before it in the file: its shells are repeated, with the planes midway
-    /// between. A file has at most 200 constellations, each of at most 10 million satellites.
+    /// between. A file has at most 200 constellations, each of at most 10 million satellites. Tables `[[period]]` are
+    /// not returned.
     ///
     /// # Errors
     /// * The TOML is invalid, or a key is missing or unknown.
     /// * A number is out of range, or the stated total is not the sum of the shells.
     pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
-        Ok(parse(text, FIRST_OWN_ID, 1)?.0)
+        Ok(ShellFile::from_toml(text)?.constellations)
     }
 
     /// Gives the satellites of user-defined constellations of several files numbers that follow one another.
@@ -308,7 +346,7 @@ impl Constellation {
         let mut count = 0;
         for constellation in own {
             constellation.first_id = NoradId(FIRST_OWN_ID + count as u32);
-            count += constellation.satellites() as u64;
+            count += constellation.planned_satellites() as u64;
             if count > MOST_IN_ALL {
                 return Err(ElementsError::TooManyInShells { most: MOST_IN_ALL });
             }
@@ -316,20 +354,27 @@ impl Constellation {
         Ok(())
     }
 
-    /// Returns the total number of satellites.
+    /// Returns the number of deployed satellites in all shells.
     pub fn satellites(&self) -> usize {
+        let deployed = |shell: &Shell| shell.deployed_planes(self.deployed_fraction) * shell.satellites_per_plane;
+        self.shells.iter().map(|shell| deployed(shell) as usize).sum()
+    }
+
+    /// Returns the number of satellites of all planes.
+    fn planned_satellites(&self) -> usize {
         self.shells.iter().map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
     }
 
-    /// Returns the element sets of all satellites at an epoch, in the order of shells, planes and satellites.
+    /// Returns the element sets of all deployed satellites at an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers start at [`first_id`](Self::first_id). Names have the form `STARLINK-GEN1-S1 P03-07
+    /// Catalogue numbers start at [`first_id`](Self::first_id), and planes that are not deployed keep theirs. Names have the form `STARLINK-GEN1-S1 P03-07
     /// (synthetic)`, with shell, plane and satellite counted from 1. The origin is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);
         let prefix = self.name.to_ascii_uppercase();
         let mut sets = Vec::with_capacity(self.satellites());
+        let mut shell_id = self.first_id.0;
         for (number, shell) in self.shells.iter().enumerate() {
             let inclination = shell.inclination_deg.to_radians();
             let mean_motion = mean_motion_for_radius(EARTH_EQUATORIAL_RADIUS_KM + shell.altitude_km, inclination);
@@ -342,7 +387,8 @@ impl Constellation {
                 None => shell.node_offset_deg + node_drift,
             };
             let (planes, per_plane) = (f64::from(shell.planes), f64::from(shell.satellites_per_plane));
-            for plane in 0..shell.planes {
+            let deployed = shell.deployed_planes(self.deployed_fraction);
+            for plane in (0..shell.planes).filter(|&plane| shell.has_plane(plane, deployed)) {
                 let p = f64::from(plane);
                 // Ω_p = Ω₀ + p spread / P
                 let node = first_node + p * shell.node_spread_deg / planes;
@@ -354,7 +400,7 @@ impl Constellation {
                         + 360.0 * f64::from(shell.phasing) * p / (planes * per_plane);
                     let name = format!("{prefix}-S{} P{:02}-{:02} (synthetic)", number + 1, plane + 1, satellite + 1);
                     sets.push(ElementSet {
-                        norad_id: NoradId(self.first_id.0 + sets.len() as u32),
+                        norad_id: NoradId(shell_id + plane * shell.satellites_per_plane + satellite),
                         name: Arc::from(name),
                         international_designator: Arc::default(),
                         epoch,
@@ -373,6 +419,7 @@ impl Constellation {
                     });
                 }
             }
+            shell_id += shell.planes * shell.satellites_per_plane;
         }
         sets
     }
@@ -387,9 +434,24 @@ fn days_since_reference(epoch: Epoch) -> f64 {
         .to_unit(hifitime::Unit::Day)
 }
 
-/// Reads constellations and sets. Catalogue numbers begin at `first_id`, those of each constellation at a multiple of
-/// `block` after it.
-fn parse(text: &str, first_id: u32, block: u32) -> Result<(Vec<Constellation>, Vec<ConstellationSet>), ElementsError> {
+impl ShellFile {
+    /// Parses a file of the user.
+    ///
+    /// # Errors
+    /// Same as [`Constellation::from_toml`].
+    pub fn from_toml(text: &str) -> Result<Self, ElementsError> {
+        let file = parse(text, FIRST_OWN_ID, 1)?;
+        if file.constellations.is_empty() && file.periods.is_empty() {
+            let message = "the file has neither [[constellation]] nor [[period]]; allowed: at least one of them";
+            return Err(ElementsError::ShellSyntax(message.to_owned()));
+        }
+        Ok(file)
+    }
+}
+
+/// Reads constellations, sets and periods. Catalogue numbers begin at `first_id`, those of each constellation at a
+/// multiple of `block` after it.
+fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, ElementsError> {
     let file: File =
         toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(crate::input::toml_error(&error, text)))?;
     let count = file.constellation.len();
@@ -407,13 +469,13 @@ fn parse(text: &str, first_id: u32, block: u32) -> Result<(Vec<Constellation>, V
             entry.shell = midway(&all, &name, &entry)?;
         }
         let constellation = checked(entry, first_id + used as u32)?;
-        used += (constellation.satellites() as u64).next_multiple_of(u64::from(block));
+        used += (constellation.planned_satellites() as u64).next_multiple_of(u64::from(block));
         if used > MOST_IN_ALL {
             return Err(ElementsError::TooManyInShells { most: MOST_IN_ALL });
         }
         all.push(constellation);
     }
-    Ok((all, file.set))
+    Ok(ShellFile { constellations: all, periods: file.period, sets: file.set })
 }
 
 /// Returns the shells of the constellation `name`, with planes midway between.
@@ -473,7 +535,8 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> 
         return Err(ElementsError::ShellTotal { name: entry.name, stated, sum });
     }
     let shells = entry.shell.iter().flat_map(Shells::each).collect();
-    Ok(Constellation { name: entry.name, source: entry.source, shells, first_id: NoradId(first_id) })
+    let first_id = NoradId(first_id);
+    Ok(Constellation { name: entry.name, source: entry.source, shells, first_id, deployed_fraction: 1.0 })
 }
 
 #[cfg(test)]
@@ -482,7 +545,7 @@ mod tests {
 
     #[test]
     fn verif_the_embedded_constellations_are_as_filed() {
-        let (all, _) = parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).expect("the embedded file is good");
+        let all = parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).expect("the embedded file is good").constellations;
         // `satellites` of each constellation, which the parser compares with the sum, is the number of the filing.
         assert_eq!(all.len(), 30);
         assert!(EMBEDDED.matches("\nsatellites = ").count() == all.len());

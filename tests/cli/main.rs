@@ -13,6 +13,7 @@ mod fetch;
 mod fit;
 mod forecast;
 mod gate;
+mod growth;
 #[cfg(unix)]
 mod help;
 #[cfg(all(unix, not(target_os = "macos")))]

@@ -92,6 +92,48 @@ fn an_exposure_is_avoided_if_one_of_its_crossings_exceeds_the_limit() {
 }
 
 #[test]
+fn many_exposures_in_one_request_have_the_verdicts_of_single_ones() {
+    let server = shared();
+    let night = server.json("/api/v1/night");
+    let rows = night["exposures"].as_array().unwrap();
+    let cells = |row: &serde_json::Value| {
+        let text = |name: &str| row[name].to_string().replace('"', "");
+        ["start_utc", "duration_s", "ra_deg", "dec_deg", "rotation_deg", "band"].map(text)
+    };
+    let list: Vec<String> = rows.iter().map(|row| cells(row).join(",")).collect();
+    let answer = server.json(&format!("/api/v1/exposures?limit_mag=6.6&exposures={}", list.join(";")));
+    assert_eq!(answer["flags"].as_array().unwrap().len(), rows.len());
+    assert_eq!(answer["exposures"].as_array().unwrap().len(), rows.len());
+    let mut verdicts = BTreeSet::new();
+    for (row, flag) in rows.iter().zip(answer["flags"].as_array().unwrap()) {
+        let [start, duration_s, ra, dec, rotation, band] = cells(row);
+        let single = server.json(&format!(
+            "/api/v1/exposure?start_utc={start}&duration_s={duration_s}&ra_deg={ra}&dec_deg={dec}&rotation_deg={rotation}\
+             &band={band}&limit_mag=6.6"
+        ));
+        for (name, value) in flag.as_object().unwrap().iter().filter(|(name, _)| *name != "exposure_id") {
+            assert_eq!(value, &single["flags"][0][name], "{start}: {name}");
+        }
+        verdicts.insert(flag["verdict"].to_string());
+    }
+    assert!(verdicts.len() > 1, "{verdicts:?}");
+    let one = "2026-08-14T23:29:05Z,30,198.9,7.7";
+    for (list, words) in [
+        (one.replace("30", "x"), "allowed: START,DURATION_S,RA_DEG,DEC_DEG"),
+        (one.replace("7.7", "97.7"), "198.9,97.7"),
+        (one.replace('Z', ""), "allowed: START"),
+        (format!("{one},0,r,5"), "allowed: START"),
+        (format!("{one};{one},0,xx"), "allowed: "),
+        (";".to_owned(), "1 to 250 exposures"),
+        ([one; 251].join(";"), "251 exposures"),
+    ] {
+        let problem = server.get(&format!("/api/v1/exposures?exposures={list}"));
+        assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some("exposures")), "{list}");
+        assert!(problem.json()["detail"].as_str().unwrap().contains(words), "{}", problem.json());
+    }
+}
+
+#[test]
 fn a_target_by_name_or_as_text_equals_its_coordinates() {
     let server = shared();
     let at = "start_utc=2026-08-14T23:35:20Z&duration_s=30";

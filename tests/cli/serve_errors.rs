@@ -79,7 +79,7 @@ fn malformed_heads_get_problem_documents() {
     let server = shared();
     let lines = |count: usize| -> String { (0..count).map(|number| format!("X-{number}: 1\r\n")).collect() };
     for (bytes, status, words) in [
-        (format!("GET /{} HTTP/1.1\r\nHost: localhost\r\n\r\n", "a".repeat(40_000)).into_bytes(), 414, "2000 bytes"),
+        (format!("GET /{} HTTP/1.1\r\nHost: localhost\r\n\r\n", "a".repeat(40_000)).into_bytes(), 414, "16000 bytes"),
         (request("GET", &format!("X: {}\r\n", "a".repeat(40_000)), ""), 431, "16 kB or 64 lines"),
         (request("GET", &lines(100), ""), 431, "16 kB or 64 lines"),
         (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03".to_vec(), 400, "without TLS"),

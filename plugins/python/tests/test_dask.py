@@ -112,6 +112,47 @@ def test_workers_read_elements_from_their_path(data, visits, tmp_path):
         same(streakcast.dask.read(files), expected)
 
 
+def test_a_growing_survey_with_streaks_next_starts_and_warnings(visits, tmp_path):
+    growth = tmp_path / "growth.toml"
+    growth.write_text(
+        "[[period]]\nfrom = 2026-07-19\nshells = { starlink-gen1 = 0.5 }\n"
+        "[[period]]\nfrom = 2026-08-20\nshells = { starlink-gen1 = 1.0, oneweb = 1.0 }\n"
+    )
+    model = streakcast.StreakModel(mpc="X05", shells=str(growth), telescope="rubin", limit_mag=6, mjd_scale="utc")
+    few = {name: column[: 4 * EACH] for name, column in visits.items()}
+    pointing, start, exposure_s = (few["ra_deg"], few["dec_deg"]), few["start"], few["exposure_s"]
+    with pytest.warns(streakcast.StreakcastWarning):
+        flags = model.flags(pointing, start, exposure_s, band=few["band"], output="dict")
+    passes = model.passes(pointing, start, exposure_s, band=few["band"], output="dict")
+    assert sorted(model.satellites(night, scale="utc") for night in start[:: 3 * EACH]) == [2204, 4408 + 6372]
+    # The columns of Rubin's opsim databases. A visit of two snaps lasts visitTime.
+    opsim = {"fieldRA": few["ra_deg"], "fieldDec": few["dec_deg"], "observationStartMJD": start, "filter": few["band"]}
+    opsim |= {"visitExposureTime": exposure_s, "visitTime": exposure_s + 4.0, "numExposures": np.ones(len(start))}
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        for _ in range(2):
+            with pytest.warns(streakcast.StreakcastWarning) as issued:
+                files = streakcast.dask.annotate(
+                    opsim, model, client, tmp_path / "nights", streaks=True, next_starts=True
+                )
+            # One warning for all nights, also if they are not computed again.
+            texts = [str(one.message) for one in issued if "simulated constellation" in str(one.message)]
+            assert len(texts) == 2 and all("of 4 nights)" in text for text in texts), texts
+        assert len(files) == 4
+        result, streaks = streakcast.dask.read(files), streakcast.dask.read_streaks(files)
+        opsim["numExposures"] = np.full(len(start), 2)
+        longer = streakcast.dask.read(streakcast.dask.annotate(opsim, model, client, tmp_path / "nights"))
+    assert result["verdict"].tolist() == flags["verdict"].tolist()
+    np.testing.assert_array_equal(result["next_clear_start_utc"], flags["next_clear_start_utc"])
+    assert [list(one) for one in result["norad_ids"]] == [list(one) for one in flags["norad_ids"]]
+    assert streaks["visit"].tolist() == passes["exposure_id"].tolist() and len(streaks["visit"]) > 10
+    np.testing.assert_array_equal(streaks["magnitude_peak"], passes["magnitude_peak"])
+    lengths = model.assess(pointing, start, exposure_s + 4.0, band=few["band"]).streak_length_deg
+    np.testing.assert_array_equal(longer["streak_length_deg"], lengths)
+
+
 def test_all_columns_are_documented():
     names = {"visit", *streakcast.Assessment._fields} - {"crosses"}
     assert [name for name in names if f"``{name}``" not in streakcast.dask.annotate.__doc__] == []

@@ -90,7 +90,7 @@ def test_warnings_of_many_nights_are_merged():
 
 
 def test_names_in_warnings_differ():
-    without = _state._without_numbers
+    without = _state.without_numbers
     assert without("3 of 1,234 records, the farthest by 4.5 days (2026-10-01)") == "# of #### records, the farthest by # days (date)"
     assert without("at 2026-10-01T12:30:00Z") == without("at 2026-10-02T09:00:00Z") == "at date"
     assert without("constellation starlink-gen1 (4,408 satellites)") == "constellation starlink-gen1 (#### satellites)"

@@ -3,5 +3,6 @@
 from .annotate import annotate, visit_columns
 from .cost_map import StreakCostBasisFunction
 from .queue_manager import StreakQueueManager
+from .summary import survey_maps, survey_summary
 
-__all__ = ["StreakCostBasisFunction", "StreakQueueManager", "annotate", "visit_columns"]
+__all__ = ["StreakCostBasisFunction", "StreakQueueManager", "annotate", "survey_maps", "survey_summary", "visit_columns"]

@@ -43,7 +43,7 @@ impl Config {
 
     fn check_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
         const SUBJECT: &str = "elements";
-        if let Err(error) = self.constellations() {
+        if let Err(error) = self.deployment() {
             health.findings.push(Finding::new(
                 Severity::Error,
                 SUBJECT,

@@ -1,4 +1,4 @@
-//! Annotation of an opsim database: a copy with three additional tables.
+//! Annotation of an opsim database: a copy with three additional tables and a view.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -15,7 +15,7 @@ use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";
 const PROVENANCE: &str = "streak_provenance";
-/// View created by an earlier annotation of a scheduler plugin; it joins the observations with the plugin's verdicts.
+/// View of the observations with their verdicts.
 const JOINED: &str = "observations_streaks";
 /// Number of database pages copied in one step.
 const PAGES_PER_STEP: i32 = 16_384;
@@ -75,6 +75,7 @@ fn write_copy(
     let id_type = id_type(&transaction)?;
     write_table(&transaction, STREAKS, annotation.streaks, id_type)?;
     write_table(&transaction, FLAGS, annotation.flags, id_type)?;
+    write_view(&transaction, annotation.flags)?;
     write_provenance(&transaction, annotation.provenance)?;
     transaction.commit()?;
     copy.close().map_err(|(_, error)| error)
@@ -117,10 +118,8 @@ fn write_table(
 /// `INT`), or has no declared type (as after `CREATE TABLE ... AS`) and contains only integers. Otherwise it is `TEXT`:
 /// texts such as '007', '1e3' or '7.0' that were converted to integers would not match the original texts in a join.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
-    let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
-    let columns: Vec<(String, String)> =
-        statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect::<Result<_, _>>()?;
-    let declared = ID.iter().find_map(|id| columns.iter().find(|(name, _)| name == id));
+    let columns = columns_of_observations(connection)?;
+    let declared = id_column(&columns);
     let is_integer = match declared {
         None => false,
         Some((name, declared)) if declared.is_empty() => {
@@ -130,6 +129,34 @@ fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
         Some((_, declared)) => declared.to_ascii_uppercase().contains("INT"),
     };
     Ok(if is_integer { "INTEGER" } else { "TEXT" })
+}
+
+/// Returns names and declared types of the columns of `observations`.
+fn columns_of_observations(connection: &Connection) -> Result<Vec<(String, String)>, rusqlite::Error> {
+    let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
+    statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect()
+}
+
+/// Returns the column of the exposure identifiers.
+fn id_column(columns: &[(String, String)]) -> Option<&(String, String)> {
+    ID.iter().find_map(|id| columns.iter().find(|(name, _)| name == id))
+}
+
+/// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they do
+/// not assign a verdict to each observation.
+fn write_view(connection: &Connection, flags: &Table) -> Result<(), rusqlite::Error> {
+    let query = format!("SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}");
+    let Some((id, _)) = id_column(&columns_of_observations(connection)?).cloned() else { return Ok(()) };
+    if !connection.query_row(&query, [], |row| row.get::<_, bool>(0))? {
+        return Ok(());
+    }
+    let names = flags.columns.iter().map(|column| column.name).filter(|name| *name != "exposure_id");
+    let added: Vec<String> = names.map(|name| format!("f.\"{name}\"")).collect();
+    let view = format!(
+        "CREATE VIEW {JOINED} AS SELECT o.*, {} FROM observations o LEFT JOIN {FLAGS} f ON o.\"{id}\" = f.exposure_id",
+        added.join(", ")
+    );
+    connection.execute(&view, []).map(drop)
 }
 
 fn affinity(column: &Column, id_type: &'static str) -> &'static str {

@@ -207,14 +207,14 @@ class ModelState:
         in one call, and omitted in later calls."""
         similar: dict[str, list[str]] = {}
         for message in dict.fromkeys([*sky_cache.news(), *warnings_of_call]):
-            similar.setdefault(_without_numbers(message), []).append(message)
+            similar.setdefault(without_numbers(message), []).append(message)
         new = {form: messages for form, messages in similar.items() if form not in self._issued_warnings}
         self._issued_warnings.update(new)
         for first, *others in new.values():
             warn(f"{first} (and {len(others)} similar warnings, with other numbers or dates)" if others else first)
 
 
-def _without_numbers(message: str) -> str:
+def without_numbers(message: str) -> str:
     """Returns a message without dates, and with one mark for each digit before the decimal point of a number.
 
     Digits of names, as in ``starlink-gen1`` and ``STARLINK-1008``, are kept.

@@ -9,14 +9,16 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _core
 from ._quantities import number
+from ._state import without_numbers
 from ._times import TwoPartTai, to_tai
+from ._warnings import handle_warnings, warn
 from .model import StreakModel
 from .typing import Columns, PathLike
 
@@ -35,6 +37,15 @@ class VisitsLike(Protocol):
 
 #: Required columns of a table of visits.
 COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
+#: Columns of a table ``observations`` of Rubin's opsim databases that have the meaning of the others.
+OPSIM = {
+    "fieldRA": "ra_deg",
+    "fieldDec": "dec_deg",
+    "observationStartMJD": "start",
+    "visitExposureTime": "exposure_s",
+    "rotSkyPos": "rotation_deg",
+    "filter": "band",
+}
 
 
 def annotate(
@@ -44,20 +55,24 @@ def annotate(
     folder: PathLike,
     *,
     scale: str | None = None,
+    streaks: bool = False,
+    next_starts: bool = False,
     retries: int = 3,
 ) -> list[Path]:
     """Computes the verdicts on the visits of a survey, and writes one Parquet file per night.
 
     Each night is one task. The worker reads the files of the model from their paths (once per worker), uses one thread,
-    and writes the file of the night atomically. Nights with a valid file for the same visits and model are skipped, so
-    that an interrupted run can be resumed. If a worker is lost, its task is run again and its temporary file is
-    deleted.
+    and writes the file of the night atomically. Nights with a valid file for the same visits, model and options are
+    skipped, so that an interrupted run can be resumed. If a worker is lost, its task is run again and its temporary file
+    is deleted.
 
     Parameters
     ----------
     visits : mapping of columns
         ``ra_deg, dec_deg, start, exposure_s`` and, optionally, ``rotation_deg, band``: arrays ``(n,)``, a `QTable` or a
-        data frame.
+        data frame. The columns of ``observations`` in opsim databases (``fieldRA, fieldDec, observationStartMJD,
+        visitExposureTime, rotSkyPos, band`` or ``filter``) are read as they are; a visit of several snaps
+        (``numExposures``) lasts ``visitTime``.
     model : StreakModel
         Model to use. All workers must be able to read its files from the same paths.
     client : distributed.Client
@@ -66,6 +81,12 @@ def annotate(
         Folder of the files ``night-<number>.parquet``, on a file system that all workers can use.
     scale : {"utc", "tai", "tt"}, optional
         Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
+    streaks : bool
+        Whether each night also has a file ``streaks-<number>.parquet`` with one row per visit and satellite: the columns
+        of `StreakModel.passes`, with ``visit`` instead of ``exposure_id``.
+    next_starts : bool
+        Whether the columns of `StreakModel.flags` are written (reasons, next starts, numbers of the satellites) instead
+        of those of `StreakModel.assess`. The search for next starts takes several times as long.
     retries : int
         Number of further attempts for a failed night.
 
@@ -74,23 +95,30 @@ def annotate(
     list of Path
         Files of the nights in time order. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
         ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``,
-        ``p_crossing``, ``elements_age_days``, ``late_s`` and ``streak_cost_s``; `read` returns all nights in one table.
+        ``p_crossing``, ``elements_age_days``, ``late_s`` and ``streak_cost_s``; `read` returns all nights in one table,
+        `read_streaks` all streaks.
+
+    Warns
+    -----
+    StreakcastWarning
+        The warnings of the workers, each once with the number of nights, also those of nights that were skipped.
 
     Raises
     ------
     ValueError
         A column is missing, or columns differ in length.
     """
-    missing = [name for name in COLUMNS if name not in _names(visits)]
+    table = _as_columns(visits)
+    missing = [name for name in COLUMNS if name not in table]
     if missing:
         raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
-    jd1, jd2 = to_tai(_column(visits, "start"), model.mjd_scale if scale is None else scale, "start")
+    jd1, jd2 = to_tai(table["start"], model.mjd_scale if scale is None else scale, "start")
     columns: Columns = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
     for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
-        if name in _names(visits):
-            columns[name] = np.ravel(number(_column(visits, name), unit, name))
-    if "band" in _names(visits):
-        columns["band"] = np.ravel(np.asarray(_column(visits, "band"), dtype=np.str_))
+        if name in table:
+            columns[name] = np.ravel(number(table[name], unit, name))
+    if "band" in table:
+        columns["band"] = np.ravel(np.asarray(table["band"], dtype=np.str_))
     lengths = {name: len(column) for name, column in columns.items()}
     if len(set(lengths.values())) > 1:
         raise ValueError(f"columns of visits differ in length: {lengths}; allowed: columns of one length")
@@ -103,18 +131,27 @@ def annotate(
         rows = np.flatnonzero(nights == night)
         part = {name: column[rows] for name, column in columns.items()}
         path = output / f"night-{int(night):05d}.parquet"
-        key = _digest(part, rows, model)
+        key = _digest(part, rows, model, next_starts)
         files.append(path)
-        if not _is_done(path, key):
+        if not (_is_done(path, key) and (not streaks or _is_done(_streaks_beside(path), key))):
             tasks.append(
-                client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
+                client.submit(
+                    _one_night, part, rows, model, str(path), key, streaks, next_starts,
+                    retries=retries, key=f"night-{int(night)}-{key[:16]}-{streaks:d}",
+                )
             )
     client.gather(tasks)  # type: ignore[no-untyped-call]
     # Deletes temporary files of lost workers. If that fails, the results are not affected.
-    prefixes = tuple(_scratch_prefix(path) for path in files)
-    for partial in [path for path in output.glob(".night-*") if path.name.startswith(prefixes)]:
+    prefixes = tuple(_scratch_prefix(path) for path in (*files, *map(_streaks_beside, files)))
+    for partial in [path for path in output.iterdir() if path.name.startswith(prefixes)]:
         with suppress(OSError):
             partial.unlink()
+    # Warnings of different nights may differ in their numbers and dates.
+    similar: dict[str, list[str]] = {}
+    for message in (message for path in files for message in _warnings_of(path)):
+        similar.setdefault(without_numbers(message), []).append(message)
+    for messages in similar.values():
+        warn(f"{messages[0]} ({len(messages)} of {len(files)} nights)")
     return files
 
 
@@ -130,6 +167,25 @@ def read(files: Sequence[PathLike]) -> Columns:
     -------
     dict of arrays, ``(n_visits,)`` each
     """
+    return _read_all(files)
+
+
+def read_streaks(files: Sequence[PathLike]) -> Columns:
+    """Reads the streaks of all nights into one table, in the order of the visits.
+
+    Parameters
+    ----------
+    files : list of Path
+        Return value of `annotate` with ``streaks=True``.
+
+    Returns
+    -------
+    dict of arrays, ``(n_streaks,)`` each
+    """
+    return _read_all([_streaks_beside(Path(path)) for path in files])
+
+
+def _read_all(files: Sequence[PathLike]) -> Columns:
     import pyarrow
     import pyarrow.parquet
 
@@ -139,8 +195,18 @@ def read(files: Sequence[PathLike]) -> Columns:
     return {name: column[order] for name, column in columns.items()}
 
 
-def _names(visits: VisitsLike) -> list[str]:
-    return [str(name) for name in visits.keys()]
+def _streaks_beside(path: Path) -> Path:
+    return path.with_name(path.name.replace("night-", "streaks-"))
+
+
+def _as_columns(visits: VisitsLike) -> dict[str, object]:
+    """Returns the columns of a table, with those of opsim databases renamed."""
+    names = [str(name) for name in visits.keys()]
+    table = {OPSIM.get(name, name) if OPSIM.get(name) not in names else name: _column(visits, name) for name in names}
+    if {"visitTime", "numExposures"} <= table.keys() and "exposure_s" not in names:
+        snaps, visit_s = np.asarray(table["numExposures"]), np.asarray(table["visitTime"], dtype=float)
+        table["exposure_s"] = np.where(snaps > 1, visit_s, np.asarray(table["exposure_s"], dtype=float))
+    return table
 
 
 def _column(visits: VisitsLike, name: str) -> object:
@@ -149,48 +215,71 @@ def _column(visits: VisitsLike, name: str) -> object:
     return column.to_numpy() if hasattr(column, "to_numpy") else column
 
 
-def _digest(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel) -> str:
+def _digest(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, next_starts: bool) -> str:
     """Returns a hash of all data that determine the result of a night."""
-    digest = hashlib.sha256(json.dumps([_core.__version__, model.key()]).encode())
+    digest = hashlib.sha256(json.dumps([_core.__version__, model.key(), next_starts]).encode())
     for name, column in sorted({**part, "visit": rows}.items()):
         digest.update(name.encode())
         digest.update(np.ascontiguousarray(column).tobytes())
     return digest.hexdigest()
 
 
-def _is_done(path: Path, key: str) -> bool:
+def _metadata(path: Path) -> dict[bytes, bytes]:
     import pyarrow
     import pyarrow.parquet
 
     try:
-        metadata = pyarrow.parquet.read_schema(path).metadata or {}
+        return dict(pyarrow.parquet.read_schema(path).metadata or {})
     except (OSError, pyarrow.ArrowInvalid):
-        return False
-    return bool(metadata.get(b"streakcast_visits") == key.encode())
+        return {}
+
+
+def _is_done(path: Path, key: str) -> bool:
+    return _metadata(path).get(b"streakcast_visits") == key.encode()
+
+
+def _warnings_of(path: Path) -> list[str]:
+    return [str(message) for message in json.loads(_metadata(path).get(b"streakcast_warnings", b"[]"))]
 
 
 def _scratch_prefix(path: Path) -> str:
     return f".{path.name}."
 
 
-def _one_night(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
-    """Writes the verdicts of one night, in a worker. Returns the number of visits."""
+def _one_night(
+    part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str, streaks: bool, next_starts: bool
+) -> int:
+    """Writes the verdicts of one night, and its streaks, in a worker. Returns the number of visits."""
+    # Dask distributes the cores among workers. This is effective only before the first computation in this process.
+    os.environ.setdefault("RAYON_NUM_THREADS", "1")
+    # A worker judges many nights with one copy of the model, which issues each warning once. A new copy issues those of
+    # this night again.
+    model = model.with_options()
+    exposures = (part["ra_deg"], part["dec_deg"]), TwoPartTai(part["jd1"], part["jd2"]), part["exposure_s"]
+    rotation, band = part.get("rotation_deg", 0.0), part.get("band")
+    messages: list[str] = []
+    with handle_warnings(messages.append):
+        if next_starts:
+            flags = dict(model.flags(*exposures, rotation=rotation, band=band, output="dict"))
+            columns: dict[str, object] = {name: column for name, column in flags.items() if name != "exposure_id"}
+        else:
+            verdicts = model.assess(*exposures, rotation=rotation, band=band)
+            columns = {name: getattr(verdicts, name) for name in verdicts._fields if name != "crosses"}
+        if streaks:
+            passes = dict(model.passes(*exposures, rotation=rotation, band=band, output="dict"))
+            crossed = rows[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]
+            _write(_streaks_beside(Path(path)), {"visit": crossed, **passes}, key, messages)
+    _write(Path(path), {"visit": rows, **columns}, key, messages)
+    return len(rows)
+
+
+def _write(target: Path, columns: dict[str, Any], key: str, messages: list[str]) -> None:
     import pyarrow
     import pyarrow.parquet
 
-    # Dask distributes the cores among workers. This is effective only before the first computation in this process.
-    os.environ.setdefault("RAYON_NUM_THREADS", "1")
-    verdicts = model.assess(
-        (part["ra_deg"], part["dec_deg"]),
-        TwoPartTai(part["jd1"], part["jd2"]),
-        part["exposure_s"],
-        rotation=part.get("rotation_deg", 0.0),
-        band=part.get("band"),
-    )
-    names = [name for name in verdicts._fields if name != "crosses"]
-    table = pyarrow.table({"visit": rows, **{name: getattr(verdicts, name) for name in names}})
-    table = table.replace_schema_metadata({"streakcast_visits": key, "streakcast_version": _core.__version__})
-    target = Path(path)
+    table = pyarrow.table({name: _plain(column) for name, column in columns.items()})
+    stated = {"streakcast_visits": key, "streakcast_version": _core.__version__, "streakcast_warnings": json.dumps(messages)}
+    table = table.replace_schema_metadata(stated)
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=_scratch_prefix(target), delete=False) as scratch:
         try:
             pyarrow.parquet.write_table(table, scratch)
@@ -200,4 +289,10 @@ def _one_night(part: Columns, rows: npt.NDArray[np.int64], model: StreakModel, p
             os.unlink(scratch.name)
             raise
     os.replace(scratch.name, target)
-    return len(rows)
+
+
+def _plain(column: Any) -> Any:
+    """Returns a column that Arrow can store: lists of a row stay lists, masked values are null."""
+    if isinstance(column, np.ma.MaskedArray):
+        return column
+    return [list(one) if isinstance(one, (tuple, np.ndarray)) else one for one in column] if column.dtype == object else column

@@ -51,7 +51,8 @@ class StreakModel(MaskQueries):
         same satellites, plain or gzipped; or folders of such files. Element sets of about 3, 7 and 14 days before
         improve the positions of Starlinks.
     shells : str or list of str, optional
-        Simulated constellations by name (``"starlink-gen1"``), or paths of TOML files.
+        Simulated constellations by name (``"starlink-gen1"``), or paths of TOML files. Constellations that grow (tables
+        ``[[period]]``) are as deployed in each night.
     telescope : str, path or dict, optional
         Preset name (``"rubin"``) or TOML file: field of view, and parameters of the pixels lost to a streak.
     fov : str or `~astropy.units.Quantity`, optional

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use streakcast::config::Config;
-use streakcast::elements::{Constellation, ConstellationSet, Shell};
+use streakcast::elements::{Constellation, ConstellationSet, DeploymentPeriod, Shell};
 use streakcast::geometry::Site;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 
@@ -107,14 +107,13 @@ fn listed(table: &Table, search: &Option<String>, notices: &Notices, what: &str,
 pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
     let search = typed.search.as_deref().unwrap_or("");
     let is_file = search.ends_with(".toml");
+    let config = Config { shells: Vec::from_iter(is_file.then(|| search.to_owned())), ..Config::default() };
+    let deployment = config.deployment()?;
     let (all, sets) = match is_file {
-        true => (Config { shells: vec![search.to_owned()], ..Config::default() }.constellations()?, Vec::new()),
+        true => (deployment.always().to_vec(), Vec::new()),
         false => (Constellation::embedded(), Constellation::embedded_sets()),
     };
     let matches = |name: &str| is_file || name.contains(&search.to_lowercase());
-    let total = |set: &ConstellationSet, of: &dyn Fn(&Constellation) -> usize| {
-        all.iter().filter(|one| set.constellations.contains(&one.name)).map(of).sum::<usize>()
-    };
     let altitudes = |shells: &[Shell]| {
         let of = |choose: fn(f64, f64) -> f64| shells.iter().map(|shell| shell.altitude_km).reduce(choose);
         [of(f64::min), of(f64::max)]
@@ -134,19 +133,29 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             constellation.source.as_str().into(),
         ]
     };
-    let row_of_set = |set: &ConstellationSet| {
-        let of_set = all.iter().filter(|one| set.constellations.contains(&one.name));
-        let [lowest_km, highest_km] = altitudes(&of_set.flat_map(|one| one.shells.clone()).collect::<Vec<_>>());
+    let row_of_several = |name: &str, several: &[&Constellation], source: String| {
+        let total = |of: &dyn Fn(&Constellation) -> usize| several.iter().map(|one| of(one)).sum::<usize>();
+        let [lowest_km, highest_km] = altitudes(&several.iter().flat_map(|one| one.shells.clone()).collect::<Vec<_>>());
         vec![
-            set.name.as_str().into(),
-            total(set, &Constellation::satellites).into(),
-            total(set, &|one| one.shells.len()).into(),
+            name.into(),
+            total(&Constellation::satellites).into(),
+            total(&|one| one.shells.len()).into(),
             lowest_km.into(),
             highest_km.into(),
-            total(set, &with_assumed_planes).into(),
+            total(&with_assumed_planes).into(),
             Value::List(Vec::new()),
-            format!("{}: {}", set.source, set.constellations.join(", ")).into(),
+            source.into(),
         ]
+    };
+    let row_of_set = |set: &ConstellationSet| {
+        let of_set: Vec<_> = all.iter().filter(|one| set.constellations.contains(&one.name)).collect();
+        row_of_several(&set.name, &of_set, format!("{}: {}", set.source, set.constellations.join(", ")))
+    };
+    let row_of_period = |period: &DeploymentPeriod| {
+        let share = |one: &Constellation| format!("{} {:.0} %", one.name, 100.0 * one.deployed_fraction);
+        let shares: Vec<String> = period.constellations.iter().map(share).collect();
+        let of_period: Vec<_> = period.constellations.iter().collect();
+        row_of_several(&format!("from {}", period.from), &of_period, shares.join(", "))
     };
     let table = Table {
         columns: vec![
@@ -163,15 +172,16 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             Column::new(
                 "shells",
                 Kind::List { separator: " " },
-                "Altitude in km and inclination in degrees of each shell; empty for a set of constellations.",
+                "Altitude in km and inclination in degrees of each shell; empty for several constellations.",
             ),
-            Column::new("source", Kind::Text, "Source of the orbits, or the constellations of a set."),
+            Column::new("source", Kind::Text, "Source of the orbits, or the constellations of a set or of a period."),
         ],
         rows: all
             .iter()
             .filter(|one| matches(&one.name))
             .map(row)
             .chain(sets.iter().filter(|set| matches(&set.name)).map(row_of_set))
+            .chain(deployment.periods().map(row_of_period))
             .collect(),
     };
     let notices = Notices::new(typed.quiet);

@@ -1,6 +1,9 @@
 //! Computes the verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
@@ -10,7 +13,7 @@ use streakcast::message::Quoted;
 use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::schedule::{
     FlagReport, FlagTotals, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow,
-    Verdict, VerdictKind, check_extension, flag_exposures, streak_table,
+    Verdict, VerdictKind, check_extension, evening_mjd, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -23,8 +26,9 @@ const ROWS_AT_A_TIME: usize = 1000;
 pub struct PreparedSchedule {
     pub schedule: Schedule,
     plan: ObservationPlan,
-    /// Sky, and the first shutter opening; `None` if no row is valid or the batch share is empty.
-    sky: Option<(PreparedSky, Epoch)>,
+    /// Parts of the rows in their order. Only constellations that grow, or a schedule without a valid row, make more or
+    /// less than one part.
+    parts: Vec<Part>,
     /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
@@ -32,6 +36,14 @@ pub struct PreparedSchedule {
     path: PathBuf,
     /// For a batch share: for each row of the file, true if it is in `schedule`.
     pub keep: Option<Vec<bool>>,
+}
+
+/// Successive rows of a schedule with the same satellites.
+struct Part {
+    rows: Range<usize>,
+    sky: Rc<PreparedSky>,
+    /// First shutter opening of all rows with these satellites.
+    first: Epoch,
 }
 
 impl PreparedSchedule {
@@ -57,11 +69,11 @@ impl PreparedSchedule {
             None => None,
         };
         // Without a valid time the sky cannot be prepared. If there are more shares than nights, some have no rows.
-        let sky = match judgeable.filter(|_| !schedule.exposures.is_empty()) {
-            Some((first, last)) => Some((config.prepare(first, last)?, first)),
-            None => None,
+        let parts = match judgeable.filter(|_| !schedule.exposures.is_empty()) {
+            Some(span) => parts(config, &schedule, span)?,
+            None => Vec::new(),
         };
-        let mut provenance = sky.as_ref().map_or_else(Provenance::new, |(prepared, _)| prepared.provenance.clone());
+        let mut provenance = provenance_of(&parts);
         let ObservationPlan { policy, telescope, photometry, .. } = &plan;
         let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
         state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
@@ -77,7 +89,7 @@ impl PreparedSchedule {
             }),
         );
         provenance.state("options", options_json(config, policy, telescope));
-        Ok(Self { schedule, plan, sky, provenance, notices, path: path.to_owned(), keep })
+        Ok(Self { schedule, plan, parts, provenance, notices, path: path.to_owned(), keep })
     }
 
     /// Judges the rows in parts, calls `take` with the rows and the report of each part, and prints the warnings and
@@ -86,11 +98,15 @@ impl PreparedSchedule {
         &self,
         take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
     ) -> anyhow::Result<FlagTotals> {
-        let Self { schedule, plan, notices, .. } = self;
-        let totals = match &self.sky {
-            Some((prepared, first)) => {
-                notices.warn(&prepared.warnings);
-                flag_rows(prepared, schedule, *first, plan, notices, take)?
+        let Self { schedule, plan, notices, parts, .. } = self;
+        let totals = match parts.first() {
+            Some(first) => {
+                let mut warned = BTreeSet::new();
+                let new = |warning: &&String| warned.insert((*warning).clone());
+                let warnings = parts.iter().flat_map(|part| &part.sky.warnings).filter(new).cloned();
+                notices.warn(&warnings.collect::<Vec<_>>());
+                let skies = parts.iter().map(|part| (&*part.sky, part.rows.clone()));
+                flag_rows(skies, schedule, first.first, plan, notices, take)?
             }
             None => invalid_rows(schedule, take)?,
         };
@@ -113,15 +129,17 @@ impl PreparedSchedule {
     pub fn streaks(&self, flags: &[Verdict]) -> Table {
         let ObservationPlan { telescope, photometry, policy, .. } = &self.plan;
         let columns = StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() };
-        let Some((prepared, _)) = &self.sky else { return streak_table(std::iter::empty(), columns) };
-        let sky = &prepared.sky;
-        let request = self.plan.request(sky);
-        let judged = self.schedule.exposures.iter().zip(flags).filter_map(|(row, flag)| {
-            let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
-            row.exposure.as_ref().ok().map(|exposure| (exposure, row.band.as_deref(), limit_mag, &flag.passes))
+        let judged = self.parts.iter().flat_map(|part| {
+            let rows = self.schedule.exposures[part.rows.clone()].iter().zip(&flags[part.rows.clone()]);
+            rows.filter_map(|(row, flag)| {
+                row.exposure.as_ref().ok().map(|exposure| (&part.sky.sky, row, exposure, flag))
+            })
         });
-        let rows = judged.flat_map(|(exposure, band, limit_mag, passes)| {
-            passes.iter().map(move |pass| StreakRow {
+        let rows = judged.flat_map(|(sky, row, exposure, flag)| {
+            let band = row.band.as_deref();
+            let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(band));
+            let request = self.plan.request(sky);
+            flag.passes.iter().map(move |pass| StreakRow {
                 exposure,
                 pass,
                 elements: &sky.elements()[pass.element_index],
@@ -134,6 +152,65 @@ impl PreparedSchedule {
         });
         streak_table(rows, columns)
     }
+}
+
+/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites, and prepares their skies.
+fn parts(config: &Config, schedule: &Schedule, (first, last): (Epoch, Epoch)) -> anyhow::Result<Vec<Part>> {
+    let deployment = config.deployment()?;
+    if deployment.periods().next().is_none() {
+        let rows = 0..schedule.exposures.len();
+        return Ok(vec![Part { rows, sky: Rc::new(config.prepare(first, last)?), first }]);
+    }
+    let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;
+    let period_of = |epoch| deployment.periods_begun(evening_mjd(epoch, longitude_rad));
+    // Rows without a valid time are in the part of the row before them.
+    let mut previous = period_of(first);
+    let periods = schedule.exposures.iter().map(|row| {
+        previous = row.exposure.as_ref().map_or(previous, |exposure| period_of(exposure.start));
+        previous
+    });
+    let periods: Vec<usize> = periods.collect();
+    let mut spans: BTreeMap<usize, (Epoch, Epoch)> = BTreeMap::new();
+    for (exposure, period) in schedule.exposures.iter().zip(&periods) {
+        let Ok(exposure) = &exposure.exposure else { continue };
+        let (start, end) = (exposure.start, seconds_after(exposure.start, exposure.duration_s));
+        let span = spans.entry(*period).or_insert((start, end));
+        *span = (span.0.min(start), span.1.max(end));
+    }
+    let inputs = config.load()?;
+    let mut skies: BTreeMap<usize, (Rc<PreparedSky>, Epoch)> = BTreeMap::new();
+    for (period, (first, last)) in spans {
+        skies.insert(period, (Rc::new(inputs.prepare(first, last)?), first));
+    }
+    let mut parts: Vec<Part> = Vec::new();
+    let mut begin = 0;
+    for rows in periods.chunk_by(|one, next| one == next) {
+        if let Some((sky, first)) = skies.get(&rows[0]) {
+            parts.push(Part { rows: begin..begin + rows.len(), sky: Rc::clone(sky), first: *first });
+        }
+        begin += rows.len();
+    }
+    Ok(parts)
+}
+
+/// Returns the provenance of the first sky, with the simulated constellations of each.
+fn provenance_of(parts: &[Part]) -> Provenance {
+    let Some(first) = parts.first() else { return Provenance::new() };
+    let mut provenance = first.sky.provenance.clone();
+    let mut skies: Vec<&Part> = parts.iter().collect();
+    skies.sort_by_key(|part| part.first);
+    skies.dedup_by(|one, other| Rc::ptr_eq(&one.sky, &other.sky));
+    if skies.len() > 1 {
+        let stated = skies.iter().map(|part| {
+            json!({
+                "first_start_utc": format_utc(part.first, 3),
+                "satellites": part.sky.sky.elements().len(),
+                "shells": part.sky.provenance.get("shells"),
+            })
+        });
+        provenance.state("periods", stated.collect::<Vec<_>>());
+    }
+    provenance
 }
 
 /// Reports on a schedule in which no row can be judged.
@@ -152,27 +229,33 @@ fn invalid_rows(
     Ok(totals)
 }
 
-/// Judges all rows for a prepared sky, in parts, and prints warnings about the satellites and the times. If there are
-/// many rows, a progress bar is shown.
-pub fn flag_rows(
-    prepared: &PreparedSky,
+/// Judges all rows, each range for its sky, in parts, and prints warnings about the satellites and the times. If there
+/// are many rows, a progress bar is shown.
+pub fn flag_rows<'a>(
+    skies: impl Iterator<Item = (&'a PreparedSky, Range<usize>)>,
     schedule: &Schedule,
     first: Epoch,
     plan: &ObservationPlan,
     notices: &Notices,
     take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
 ) -> anyhow::Result<FlagTotals> {
-    let request = plan.request(&prepared.sky);
     let mut totals = FlagTotals::default();
     let bar = notices.progress(schedule.exposures.len());
-    for rows in schedule.exposures.chunks(ROWS_AT_A_TIME) {
-        let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request)?;
-        totals.add(&report);
-        take(rows, report)?;
-        bar.inc(rows.len() as u64);
+    let mut last_sky = None;
+    for (prepared, range) in skies {
+        let request = plan.request(&prepared.sky);
+        for rows in schedule.exposures[range].chunks(ROWS_AT_A_TIME) {
+            let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request)?;
+            totals.add(&report);
+            take(rows, report)?;
+            bar.inc(rows.len() as u64);
+        }
+        last_sky = Some(prepared);
     }
     bar.finish_and_clear();
-    notices.warn_left_out(prepared, totals.left_out(), first)?;
+    if let Some(prepared) = last_sky {
+        notices.warn_left_out(prepared, totals.left_out(), first)?;
+    }
     notices.warn(&totals.warnings());
     Ok(totals)
 }

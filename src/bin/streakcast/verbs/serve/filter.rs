@@ -14,7 +14,7 @@ use super::arguments::ServeArguments;
 use super::problem::Problem;
 
 /// Largest accepted length of path and query, bytes.
-pub const MAX_TARGET_BYTES: usize = 2000;
+pub const MAX_TARGET_BYTES: usize = 16_000;
 
 /// Limits for the requests of a server.
 pub struct RequestFilter {

@@ -90,7 +90,7 @@ pub const STATUSES: &[(u16, &str, &str)] = &[
     (405, "Method Not Allowed", "Methods other than GET and HEAD."),
     (408, "Request Timeout", "The head of the request did not arrive within 10 s."),
     (413, "Content Too Large", "The request has a body."),
-    (414, "URI Too Long", "Path and query are longer than 2000 bytes."),
+    (414, "URI Too Long", "Path and query are longer than 16000 bytes."),
     (429, "Too Many Requests", "The address sends too many requests; Retry-After gives the time to wait."),
     (431, "Request Header Fields Too Large", "The head of the request is above 16 kB or 64 lines."),
     (500, "Internal Server Error", "An error of the program; the server continues."),

@@ -105,7 +105,8 @@ impl Kind {
     }
 }
 
-fn moment(text: &str) -> Option<Epoch> {
+/// Returns a time given in UTC with a `Z` at its end, in the years 1957 to 2099.
+pub fn moment(text: &str) -> Option<Epoch> {
     let epoch = text.ends_with('Z').then(|| parse_instant(text, None).ok()).flatten()?;
     is_covered(epoch).then_some(epoch)
 }

@@ -15,7 +15,7 @@ use streakcast::Watch;
 
 use super::filter::Token;
 use super::filter::{RequestFilter, has_body};
-use super::handlers::{dome, exposure, forecast, health, night, satchecker};
+use super::handlers::{dome, exposure, exposures, forecast, health, night, satchecker};
 use super::openapi::{JSON, Route};
 use super::problem::Problem;
 use super::query::Query;
@@ -56,6 +56,15 @@ pub static ROUTES: &[Route] = &[
         needs_token: true,
         handler: exposure::handle,
         schema: exposure::schema,
+    },
+    Route {
+        path: "/api/v1/exposures",
+        alias: None,
+        summary: "Many exposures in one request: their verdicts; as `flag` of the command line.",
+        parameters: exposures::PARAMETERS,
+        needs_token: true,
+        handler: exposures::handle,
+        schema: exposures::schema,
     },
     Route {
         path: "/api/v1/dome",

@@ -99,7 +99,8 @@ fn load(
     let mut flags = Vec::new();
     let totals = match schedule {
         Some((_, schedule)) => {
-            schedule_verdicts::flag_rows(&prepared, schedule, first, plan, notices, &mut |_, report| {
+            let all = std::iter::once((&prepared, 0..schedule.exposures.len()));
+            schedule_verdicts::flag_rows(all, schedule, first, plan, notices, &mut |_, report| {
                 flags.extend(report.flags);
                 Ok(())
             })?

@@ -3,6 +3,7 @@
 mod document;
 pub mod dome;
 pub mod exposure;
+pub mod exposures;
 pub mod forecast;
 pub mod health;
 pub mod night;

@@ -1,0 +1,160 @@
+"""Summary of an annotated survey: by year, band and altitude of the Sun, and as HEALPix maps."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sqlite3
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Union
+
+import healpy
+import numpy as np
+import numpy.typing as npt
+
+#: Borders of the bins in the altitude of the Sun, degrees.
+SUN_EDGES_DEG = (-90.0, -18.0, -15.0, -12.0, 0.0)
+#: Verdicts of visits whose streaks are not known.
+UNJUDGED = ("unknown", "invalid")
+#: Radius of the LSST camera's field of view, degrees.
+FIELD_RADIUS_DEG = 1.75
+#: Columns of ``observations`` and of ``streak_flags`` that are read.
+OBSERVATIONS = ("fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "sunAlt")
+FLAGS = ("verdict", "n_streaks", "expected_lost_pixel_fraction", "streak_cost_s")
+
+Database = Union[str, "os.PathLike[str]"]
+
+
+def survey_summary(annotated: Database, *, sun_edges_deg: Sequence[float] = SUN_EDGES_DEG) -> dict[str, npt.NDArray[Any]]:
+    """Returns the effects of streaks on a survey, by year, band and altitude of the Sun.
+
+    Parameters
+    ----------
+    annotated : path
+        Database that `annotate` or ``streakcast annotate`` wrote.
+    sun_edges_deg : sequence of float
+        Ascending borders of the bins in ``sunAlt``, the altitude of the Sun, degrees.
+
+    Returns
+    -------
+    dict of arrays, ``(n_bins,)`` each
+        One row for each year, band and bin with visits: ``year`` (from 1, of 365.25 days from the first visit),
+        ``band``, ``sun_min_deg``, ``sun_max_deg``, ``visits``, ``unknown_visits`` (verdict ``unknown`` or ``invalid``;
+        all other columns are for the rest, and NaN if there are none), ``streaked_fraction``, ``avoid_fraction``,
+        ``streak_cost_s`` (mean, seconds of open shutter), ``streak_cost_fraction`` (of the open shutter),
+        ``lost_pixel_fraction`` (mean), and ``coadd_loss_mag``, the loss in depth of all visits of the row.
+
+    Raises
+    ------
+    ValueError
+        The database has no annotation or lacks a column, or the borders do not ascend.
+    """
+    edges = np.asarray(sun_edges_deg, dtype=float)
+    if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
+        raise ValueError(f"sun_edges_deg is {sun_edges_deg}; allowed: at least two ascending altitudes, degrees")
+    visits = _read(annotated)
+    year = ((visits["observationStartMJD"] - np.nanmin(visits["observationStartMJD"])) // 365.25).astype(int) + 1
+    sun_bin = np.digitize(visits["sunAlt"], edges) - 1
+    within = (sun_bin >= 0) & (sun_bin < len(edges) - 1)
+    keys = sorted({(int(one), str(band), int(each)) for one, band, each in zip(year[within], visits["band"][within], sun_bin[within])})
+    rows = []
+    for one, band, each in keys:
+        chosen = (year == one) & (visits["band"] == band) & (sun_bin == each)
+        known = chosen & visits["judged"]
+        row = {"year": one, "band": band, "sun_min_deg": edges[each], "sun_max_deg": edges[each + 1]}
+        row |= {"visits": int(chosen.sum()), "unknown_visits": int((chosen & ~known).sum())}
+        rows.append(row | _effects({name: column[known] for name, column in visits.items()}))
+    return {name: np.array([row[name] for row in rows]) for name in (rows[0] if rows else ())}
+
+
+def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float = FIELD_RADIUS_DEG) -> dict[str, npt.NDArray[Any]]:
+    """Returns the effects of streaks on a survey as HEALPix maps in RING order, NaN outside the survey.
+
+    Parameters
+    ----------
+    annotated : path
+        Database that `annotate` or ``streakcast annotate`` wrote.
+    nside : int
+        Resolution of the maps.
+    field_radius_deg : float
+        Radius of the field of view, degrees: a visit counts in each pixel whose centre it contains.
+
+    Returns
+    -------
+    dict of arrays, ``(12 nside²,)`` each
+        ``visits`` (0 outside the survey), ``streaked_fraction``, ``streak_cost_s`` (mean, seconds of open shutter),
+        ``streak_cost_fraction`` and ``coadd_loss_mag``, as in `survey_summary`. Visits of unknown effects do not count.
+
+    Raises
+    ------
+    ValueError
+        The database has no annotation or lacks a column.
+    """
+    every = _read(annotated)
+    visits = {name: column[every["judged"]] for name, column in every.items()}
+    sums = {name: np.zeros(healpy.nside2npix(nside)) for name in ("visits", "streaked", "cost_s", "open_s")}
+    centres = healpy.ang2vec(visits["fieldRA"], visits["fieldDec"], lonlat=True)
+    streaked, cost_s = visits["n_streaks"] > 0, visits["streak_cost_s"]
+    for index, centre in enumerate(centres):
+        pixels = healpy.query_disc(nside, centre, np.radians(field_radius_deg))
+        sums["visits"][pixels] += 1
+        sums["streaked"][pixels] += streaked[index]
+        sums["cost_s"][pixels] += cost_s[index]
+        sums["open_s"][pixels] += visits["visitExposureTime"][index]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        lost = sums["cost_s"] / sums["open_s"]
+        return {
+            "visits": sums["visits"],
+            "streaked_fraction": sums["streaked"] / sums["visits"],
+            "streak_cost_s": sums["cost_s"] / sums["visits"],
+            "streak_cost_fraction": lost,
+            "coadd_loss_mag": -1.25 * np.log10(1.0 - lost),
+        }
+
+
+def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
+    """Returns the effects of streaks on visits whose effects are known."""
+    if not len(visits["verdict"]):
+        names = ("streaked_fraction", "avoid_fraction", "streak_cost_s", "streak_cost_fraction", "lost_pixel_fraction", "coadd_loss_mag")
+        return dict.fromkeys(names, np.nan)
+    lost = visits["streak_cost_s"].sum() / visits["visitExposureTime"].sum()
+    return {
+        "streaked_fraction": float((visits["n_streaks"] > 0).mean()),
+        "avoid_fraction": float((visits["verdict"] == "avoid").mean()),
+        "streak_cost_s": float(visits["streak_cost_s"].mean()),
+        "streak_cost_fraction": float(lost),
+        "lost_pixel_fraction": float(visits["expected_lost_pixel_fraction"].mean()),
+        # Depth of a coadded image: 1.25 log10(sum of t), with the time t - C of each visit.
+        "coadd_loss_mag": float(-1.25 * np.log10(max(1.0 - lost, 0.0))) if lost < 1.0 else np.inf,
+    }
+
+
+def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
+    """Returns the columns of all visits; ``judged`` is true if the effects of streaks on a visit are known."""
+    path = Path(annotated)
+    if not path.is_file():
+        raise ValueError(f"{path} is not a file; allowed: a database that streakcast annotate wrote")
+    try:
+        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as base:
+            of_flags = [row[1] for row in base.execute("PRAGMA table_info(streak_flags)")]
+            if not of_flags:
+                raise ValueError(f"{path} has no table streak_flags; allowed: a database that streakcast annotate wrote")
+            has = [row[1] for row in base.execute("PRAGMA table_info(observations)")]
+            band = "band" if "band" in has else "filter"
+            missing = [name for name in ("observationId", *OBSERVATIONS, band) if name not in has]
+            missing += [name for name in FLAGS if name not in of_flags]
+            if missing:
+                raise ValueError(f"{path}: missing column {', '.join(missing)}")
+            # The plugin and the command line name the visit in different ways.
+            key = "observationId" if "observationId" in of_flags else "exposure_id"
+            selected = ", ".join([*(f"o.{name}" for name in (*OBSERVATIONS, band)), *(f"f.{name}" for name in FLAGS)])
+            rows = base.execute(f"SELECT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.{key}").fetchall()
+    except sqlite3.Error as error:
+        raise ValueError(f"{path}: {error}") from error
+    names = (*OBSERVATIONS, "band", *FLAGS)
+    columns = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
+    texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
+    numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
+    finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])
+    return {**numbers, **texts, "judged": finite & ~np.isin(texts["verdict"], UNJUDGED)}

@@ -1,0 +1,77 @@
+"""Summary of an annotated survey, compared with sums over single visits."""
+
+import sqlite3
+
+import healpy
+import numpy as np
+import pytest
+from streakcast_rubin import survey_maps, survey_summary
+
+#: Visits: start (MJD), RA, dec, exposure, altitude of the Sun, band, verdict, number of streaks, lost pixels, cost.
+VISITS = [
+    (61_400.1, 10.0, -30.0, 30.0, -20.0, "r", "clear", 0, 0.0, 0.0),
+    (61_400.2, 10.0, -30.0, 30.0, -20.0, "r", "avoid", 1, 0.004, 3.0),
+    (61_400.3, 10.0, -30.0, 15.0, -20.0, "r", "streaked", 2, 0.002, 1.5),
+    (61_400.4, 10.0, -30.0, 30.0, -20.0, "r", "unknown", None, None, None),
+    (61_400.5, 80.0, -60.0, 30.0, -13.0, "z", "clear", 0, 0.0, 0.0),
+    (61_780.1, 10.0, -30.0, 30.0, -20.0, "r", "streaked", 1, 0.001, 0.3),
+    (61_780.2, 10.0, -30.0, 30.0, 5.0, "r", "clear", 0, 0.0, 0.0),
+    (61_780.3, 80.0, -60.0, 30.0, -13.0, "z", "invalid", None, None, None),
+]
+
+
+@pytest.fixture
+def annotated(tmp_path):
+    path = tmp_path / "annotated.db"
+    with sqlite3.connect(path) as base:
+        base.execute(
+            "CREATE TABLE observations (observationId INTEGER, observationStartMJD REAL, fieldRA REAL, fieldDec REAL, "
+            "visitExposureTime REAL, sunAlt REAL, band TEXT)"
+        )
+        base.execute(
+            "CREATE TABLE streak_flags (exposure_id INTEGER, verdict TEXT, n_streaks INTEGER, "
+            "expected_lost_pixel_fraction REAL, streak_cost_s REAL)"
+        )
+        for number, visit in enumerate(VISITS):
+            base.execute("INSERT INTO observations VALUES (?, ?, ?, ?, ?, ?, ?)", (number, *visit[:6]))
+            base.execute("INSERT INTO streak_flags VALUES (?, ?, ?, ?, ?)", (number, *visit[6:]))
+    return path
+
+
+def test_bins_have_the_means_and_sums_of_their_visits(annotated):
+    rows = survey_summary(annotated)
+    assert rows["year"].tolist() == [1, 1, 2, 2] and rows["band"].tolist() == ["r", "z", "r", "z"]
+    # The visit with the Sun above all borders is in no bin.
+    assert rows["visits"].tolist() == [4, 1, 1, 1] and rows["unknown_visits"].tolist() == [1, 0, 0, 1]
+    assert rows["sun_min_deg"].tolist() == [-90.0, -15.0, -90.0, -15.0]
+    np.testing.assert_allclose(rows["streaked_fraction"], [2 / 3, 0.0, 1.0, np.nan])
+    np.testing.assert_allclose(rows["avoid_fraction"], [1 / 3, 0.0, 0.0, np.nan])
+    np.testing.assert_allclose(rows["streak_cost_s"], [1.5, 0.0, 0.3, np.nan])
+    np.testing.assert_allclose(rows["streak_cost_fraction"], [4.5 / 75, 0.0, 0.01, np.nan])
+    np.testing.assert_allclose(rows["lost_pixel_fraction"], [0.002, 0.0, 0.001, np.nan])
+    np.testing.assert_allclose(rows["coadd_loss_mag"], -1.25 * np.log10([1 - 0.06, 1.0, 0.99, np.nan]))
+
+
+def test_maps_count_the_visits_whose_field_has_the_pixel(annotated):
+    maps = survey_maps(annotated, nside=32)
+    inside = healpy.query_disc(32, healpy.ang2vec(10.0, -30.0, lonlat=True), np.radians(1.75))
+    assert set(np.flatnonzero(maps["visits"] == 5)) == set(inside)
+    np.testing.assert_allclose(maps["streaked_fraction"][inside], 0.6)
+    np.testing.assert_allclose(maps["streak_cost_fraction"][inside], 4.8 / 135)
+    assert np.isnan(maps["streak_cost_s"][maps["visits"] == 0]).all()
+    assert maps["visits"].max() == 5 and len(maps["visits"]) == 12 * 32**2
+
+
+def test_databases_without_annotation_are_rejected(annotated, tmp_path):
+    with pytest.raises(ValueError, match="is not a file"):
+        survey_summary(tmp_path / "none.db")
+    with sqlite3.connect(annotated) as base:
+        base.execute("ALTER TABLE observations DROP COLUMN sunAlt")
+    with pytest.raises(ValueError, match="missing column sunAlt"):
+        survey_summary(annotated)
+    with sqlite3.connect(annotated) as base:
+        base.execute("DROP TABLE streak_flags")
+    with pytest.raises(ValueError, match="no table streak_flags; allowed: a database that streakcast annotate wrote"):
+        survey_maps(annotated)
+    with pytest.raises(ValueError, match="at least two ascending altitudes"):
+        survey_summary(annotated, sun_edges_deg=(0.0, -12.0))

@@ -1,0 +1,106 @@
+//! `/api/v1/exposures`: returns the verdicts of many exposures in one response, as `flag`.
+
+use serde_json::Value;
+use streakcast::frames::{Direction, seconds_after};
+use streakcast::passes::Exposure;
+use streakcast::schedule::{FlagTotals, ScheduledExposure, exposure_table, flag_exposures, flag_table};
+
+use super::super::super::passes::left_out_table;
+use super::super::problem::Problem;
+use super::super::query::{Kind, Parameter, Query, moment, number, optional, required};
+use super::super::state::{LIMIT_MAG, RequestState};
+use super::document::{
+    Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
+};
+use super::exposure::of_sky;
+
+/// Largest number of exposures in a request.
+const MOST: usize = 250;
+const ACCEPTED: &str = "START,DURATION_S,RA_DEG,DEC_DEG[,ROTATION_DEG[,BAND]], as 2024-08-14T00:30:00Z,30,188.5,-30.5";
+
+pub const PARAMETERS: &[Parameter] = &[
+    required(
+        "exposures",
+        Kind::Text { longest: 15_000 },
+        "At most 250 exposures, separated by semicolons: START,DURATION_S,RA_DEG,DEC_DEG[,ROTATION_DEG[,BAND]], in UTC, seconds, \
+         and degrees (ICRS). They are numbered from 1.",
+    ),
+    LIMIT_MAG,
+    optional(
+        "rotation_deg",
+        number(-360.0, 360.0, " deg"),
+        "Position angle of exposures without one, degrees; default: that of the server.",
+    ),
+];
+
+pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
+    let text = query.text("exposures").unwrap_or_default();
+    let given: Vec<&str> = text.split(';').filter(|one| !one.trim().is_empty()).collect();
+    if given.is_empty() || given.len() > MOST {
+        let allowed = format!("1 to {MOST} exposures, {ACCEPTED}");
+        return Err(Problem::parameter("exposures", &format!("with {} exposures", given.len()), &allowed));
+    }
+    let default_rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
+    let rows = given.iter().enumerate().map(|(row, text)| scheduled(state, row, text, default_rotation_deg));
+    let rows = rows.collect::<Result<Vec<ScheduledExposure>, _>>()?;
+    let policy = state.policy(query);
+    let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &state.request(&policy));
+    let report = report.map_err(|error| of_sky(&error))?;
+    let exposures: Vec<&Exposure> = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).collect();
+    let first = exposures.iter().map(|one| one.start).min().unwrap_or(state.started);
+    let last = exposures.iter().map(|one| seconds_after(one.start, one.duration_s)).max().unwrap_or(first);
+    let mut caveats = state.caveats_of_verdict(first, last, &report.left_out)?;
+    let mut totals = FlagTotals::default();
+    totals.add(&report);
+    caveats.warnings.extend(totals.lower_limit_warning());
+    let mut document = Document::with_provenance(&state.provenance);
+    document.caveats(&caveats);
+    document.table("exposures", &exposure_table(exposures));
+    document.table("flags", &flag_table(&report.flags));
+    document.table("left_out", &left_out_table(&report.left_out));
+    Ok(document.into_json())
+}
+
+fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) -> Result<ScheduledExposure, Problem> {
+    let invalid = || Problem::parameter("exposures", text.trim(), ACCEPTED);
+    let cells: Vec<&str> = text.split(',').map(str::trim).collect();
+    if !(4..=6).contains(&cells.len()) {
+        return Err(invalid());
+    }
+    let start = moment(cells[0]).ok_or_else(invalid)?;
+    let within = |text: &str, least: f64, greatest: f64| {
+        text.parse().ok().filter(|number| (least..=greatest).contains(number)).ok_or_else(invalid)
+    };
+    let pointing = Direction::from_lon_lat_rad(
+        within(cells[2], 0.0, 360.0)?.to_radians(),
+        within(cells[3], -90.0, 90.0)?.to_radians(),
+    );
+    let rotation_deg = match cells.get(4) {
+        Some(text) if !text.is_empty() => within(text, -360.0, 360.0)?,
+        _ => rotation_deg,
+    };
+    let band = cells.get(5).filter(|band| !band.is_empty()).map(|band| (*band).to_owned());
+    if let Some(band) = &band {
+        state.check_band("exposures", band)?;
+    }
+    let id = (row + 1).to_string();
+    let exposure = Exposure {
+        id: id.clone(),
+        start,
+        duration_s: within(cells[1], 0.0, 3600.0)?,
+        pointing,
+        rotation_rad: rotation_deg.to_radians(),
+    };
+    Ok(ScheduledExposure { id, row, band, exposure: Ok(exposure) })
+}
+
+pub fn schema() -> Value {
+    object_schema(&[
+        ("provenance", provenance_schema()),
+        ("warnings", warnings_schema()),
+        ("left_out_count", left_out_count_schema()),
+        ("exposures", rows_schema(&exposure_table([]).columns)),
+        ("flags", rows_schema(&flag_table(&[]).columns)),
+        ("left_out", rows_schema(&left_out_table(&[]).columns)),
+    ])
+}

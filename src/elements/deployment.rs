@@ -1,0 +1,252 @@
+//! Simulated constellations that grow: from which night on which share of each is in orbit.
+
+use std::collections::BTreeSet;
+
+use hifitime::Epoch;
+use toml::value::Datetime;
+
+use super::element_set::NoradId;
+use super::error::ElementsError;
+use super::shell::{Constellation, PeriodEntry, ShellFile};
+
+/// Largest number of periods in a file.
+const MOST_PERIODS: usize = 1000;
+
+/// Simulated constellations of a request, by night.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Deployment {
+    /// Constellations that are complete in all nights.
+    always: Vec<Constellation>,
+    /// Constellations that grow: the periods of each file, in time order.
+    growing: Vec<Vec<DeploymentPeriod>>,
+}
+
+/// Constellations from one night until the next period begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeploymentPeriod {
+    /// Date of the evening on which the first night of the period begins, such as `2027-01-01`.
+    pub from: String,
+    /// The same date as MJD.
+    pub from_mjd: i64,
+    /// Constellations with their deployed fractions.
+    pub constellations: Vec<Constellation>,
+}
+
+/// File of simulated constellations, with the periods in which they grow.
+#[derive(Debug)]
+pub struct DeploymentFile {
+    constellations: Vec<Constellation>,
+    periods: Vec<DeploymentPeriod>,
+}
+
+impl DeploymentFile {
+    /// Parses a file of the user.
+    ///
+    /// # Errors
+    /// Same as [`Constellation::from_toml`]; or a period is invalid.
+    pub fn from_toml(text: &str) -> Result<Self, ElementsError> {
+        let ShellFile { constellations, periods, .. } = ShellFile::from_toml(text)?;
+        Ok(Self { periods: checked_periods(periods, &constellations)?, constellations })
+    }
+}
+
+impl Deployment {
+    /// Combines bundled constellations and those of files, with catalogue numbers that follow one another.
+    ///
+    /// # Errors
+    /// There are too many satellites, or a bundled constellation is both in `bundled` and in a period of a file.
+    pub fn new(bundled: Vec<Constellation>, mut files: Vec<DeploymentFile>) -> Result<Self, ElementsError> {
+        Constellation::number_own(files.iter_mut().flat_map(|file| &mut file.constellations))?;
+        let mut deployment = Self { always: bundled, growing: Vec::new() };
+        for mut file in files {
+            if file.periods.is_empty() {
+                deployment.always.append(&mut file.constellations);
+                continue;
+            }
+            for one in file.periods.iter_mut().flat_map(|period| &mut period.constellations) {
+                if let Some(own) = file.constellations.iter().find(|own| own.name == one.name) {
+                    one.first_id = own.first_id;
+                }
+            }
+            deployment.growing.push(file.periods);
+        }
+        let mut first_ids: BTreeSet<NoradId> = deployment.always.iter().map(|one| one.first_id).collect();
+        for periods in &deployment.growing {
+            let of_file: Vec<&Constellation> = periods.iter().flat_map(|period| &period.constellations).collect();
+            if let Some(twice) = of_file.iter().find(|one| first_ids.contains(&one.first_id)) {
+                let message = format!(
+                    "constellation {} is specified twice, by name or in periods of two files; allowed: once",
+                    twice.name
+                );
+                return Err(ElementsError::ShellSyntax(message));
+            }
+            first_ids.extend(of_file.iter().map(|one| one.first_id));
+        }
+        Ok(deployment)
+    }
+
+    /// Returns true if there are no simulated constellations in any night.
+    pub fn is_empty(&self) -> bool {
+        self.always.is_empty() && self.growing.is_empty()
+    }
+
+    /// Returns the constellations that are complete in all nights.
+    pub fn always(&self) -> &[Constellation] {
+        &self.always
+    }
+
+    /// Returns the periods of all files.
+    pub fn periods(&self) -> impl Iterator<Item = &DeploymentPeriod> {
+        self.growing.iter().flatten()
+    }
+
+    /// Returns the constellations in the night that begins on the evening `evening_mjd` (MJD of the date).
+    ///
+    /// # Errors
+    /// The night is before the first period of a file, so that its satellites are unknown.
+    pub fn at(&self, evening_mjd: i64) -> Result<Vec<Constellation>, ElementsError> {
+        let mut all = self.always.clone();
+        for periods in &self.growing {
+            let begun = periods.iter().take_while(|period| period.from_mjd <= evening_mjd);
+            let period = begun.last().ok_or_else(|| ElementsError::BeforeFirstPeriod {
+                first: periods.first().map(|period| period.from.clone()).unwrap_or_default(),
+            })?;
+            all.extend(period.constellations.iter().cloned());
+        }
+        Ok(all)
+    }
+
+    /// Returns the number of periods that have begun on the evening `evening_mjd`. Nights with the same number have the
+    /// same constellations.
+    pub fn periods_begun(&self, evening_mjd: i64) -> usize {
+        self.periods().filter(|period| period.from_mjd <= evening_mjd).count()
+    }
+}
+
+/// Checks the periods of a file and completes them with the shells of its own and of the bundled constellations.
+fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<Vec<DeploymentPeriod>, ElementsError> {
+    if entries.len() > MOST_PERIODS {
+        let message = format!("{} periods; allowed: at most {MOST_PERIODS}", entries.len());
+        return Err(ElementsError::ShellSyntax(message));
+    }
+    let mut all: Vec<DeploymentPeriod> = Vec::with_capacity(entries.len());
+    for entry in entries {
+        let period = period(entry, own)?;
+        if let Some(before) = all.last().filter(|before| before.from_mjd >= period.from_mjd) {
+            let message = format!(
+                "period from {} is after that from {}; allowed: periods in time order, each from another date",
+                period.from, before.from
+            );
+            return Err(ElementsError::ShellSyntax(message));
+        }
+        all.push(period);
+    }
+    Ok(all)
+}
+
+fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod, ElementsError> {
+    let from = entry.from.to_string();
+    let wrong = |what: String| ElementsError::ShellSyntax(format!("period from {from}: {what}"));
+    let date = match entry.from {
+        Datetime { date: Some(date), time: None, offset: None } if (1957..2100).contains(&date.year) => date,
+        _ => return Err(wrong("allowed: from = 2027-01-01, a date without quotation marks, 1957 to 2099".to_owned())),
+    };
+    let evening = Epoch::from_gregorian_utc_at_midnight(i32::from(date.year), date.month, date.day);
+    let mut constellations: Vec<Constellation> = Vec::new();
+    for (name, fraction) in entry.shells {
+        let fraction = match fraction {
+            toml::Value::Float(fraction) => fraction,
+            toml::Value::Integer(fraction) => fraction as f64,
+            _ => f64::NAN,
+        };
+        if !(0.0..=1.0).contains(&fraction) {
+            return Err(wrong(format!("the fraction of {name} must be a number; allowed: 0 to 1")));
+        }
+        let found = match own.iter().find(|one| one.name == name) {
+            Some(one) => vec![one.clone()],
+            None => Constellation::by_name_or_set(&name)?,
+        };
+        for mut one in found {
+            if constellations.iter().any(|other| other.name == one.name) {
+                return Err(wrong(format!("constellation {} is in it twice; allowed: once", one.name)));
+            }
+            one.deployed_fraction = fraction;
+            constellations.push(one);
+        }
+    }
+    Ok(DeploymentPeriod { from, from_mjd: evening.to_mjd_utc_days().floor() as i64, constellations })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const JANUARY_2027_MJD: i64 = 61_406;
+
+    fn deployment(text: &str) -> Result<Deployment, ElementsError> {
+        Deployment::new(Vec::new(), vec![DeploymentFile::from_toml(text)?])
+    }
+
+    fn message(text: &str) -> String {
+        deployment(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn nights_have_the_planes_of_their_period() {
+        let growing = deployment(
+            "[[period]]\nfrom = 2026-10-01\nshells = { mine = 0.25 }\n\
+             [[period]]\nfrom = 2027-01-01\nshells = { mine = 1, oneweb = 0.5 }\n\
+             [[constellation]]\nname = 'mine'\nshell = [\
+             { altitude_km = 600, inclination_deg = 53, planes = 8, satellites_per_plane = 3 },\
+             { altitude_km = 700, inclination_deg = 60, planes = 4, satellites_per_plane = 5 }]",
+        )
+        .unwrap();
+        assert!(growing.at(JANUARY_2027_MJD - 93).is_err() && growing.at(JANUARY_2027_MJD - 92).is_ok());
+        let names = |mjd| growing.at(mjd).unwrap().iter().map(|one| one.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(JANUARY_2027_MJD - 1), ["mine"]);
+        assert_eq!(names(JANUARY_2027_MJD), ["mine", "oneweb"]);
+        let [before, after] = [JANUARY_2027_MJD - 1, JANUARY_2027_MJD].map(|mjd| growing.at(mjd).unwrap());
+        // Two of eight planes and one of four; the evenly distributed ones, with the numbers of the complete shell.
+        assert_eq!((before[0].satellites(), after[0].satellites()), (2 * 3 + 5, 8 * 3 + 4 * 5));
+        // 18 + 16 + 16 of 36, 32 and 32 planes.
+        assert_eq!(after[1].satellites(), 18 * 49 + 32 * 72);
+        let epoch = Epoch::from_gregorian_utc_at_midnight(2026, 12, 31);
+        let (few, all) = (before[0].element_sets(epoch), after[0].element_sets(epoch));
+        assert_eq!(few.len(), 11);
+        let planes: Vec<f64> = few.iter().step_by(3).take(2).map(|set| set.right_ascension_of_node_deg).collect();
+        assert!(((planes[1] - planes[0]).rem_euclid(360.0) - 180.0).abs() < 1e-9, "{planes:?}");
+        for set in &few {
+            let same = all.iter().find(|other| other.norad_id == set.norad_id).unwrap();
+            assert_eq!((&same.name, same.mean_anomaly_deg), (&set.name, set.mean_anomaly_deg));
+        }
+    }
+
+    #[test]
+    fn errors_contain_what_is_allowed() {
+        for (text, expected) in [
+            ("[[period]]\nfrom = '2027-01-01'\nshells = {}", "invalid type"),
+            ("[[period]]\nfrom = 2027-01-01T12:00:00\nshells = {}", "allowed: from = 2027-01-01"),
+            (
+                "[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 1.5 }",
+                "the fraction of oneweb must be a number; allowed: 0 to 1",
+            ),
+            ("[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 'all' }", "allowed: 0 to 1"),
+            ("[[period]]\nfrom = 2027-01-01\nshells = { onewebb = 1 }", "unknown shells \"onewebb\""),
+            ("[[period]]\nfrom = 2027-01-01\nshells = { planned-2026 = 1, guowang = 1 }", "guowang is in it twice"),
+            (
+                "[[period]]\nfrom = 2027-01-01\nshells = {}\n[[period]]\nfrom = 2026-01-01\nshells = {}",
+                "allowed: periods in time order",
+            ),
+            ("", "neither [[constellation]] nor [[period]]"),
+        ] {
+            let message = message(text);
+            assert!(message.contains(expected), "{text}: {message}");
+        }
+        let period = "[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 1 }";
+        let twice = Deployment::new(
+            Constellation::by_name_or_set("oneweb").unwrap(),
+            vec![DeploymentFile::from_toml(period).unwrap()],
+        );
+        assert!(twice.unwrap_err().to_string().contains("oneweb is specified twice"));
+    }
+}
