@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::coordinates::{height, latitude, longitude};
+#[cfg(feature = "cli")]
+use super::coordinates::{parse_height_m, parse_latitude_deg, parse_longitude_deg};
 use super::error::ConfigError;
 use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
@@ -167,14 +170,26 @@ pub struct SiteConfig {
     /// Observatory by code of the Minor Planet Center
     #[cfg_attr(feature = "cli", arg(long, value_name = "CODE", help_heading = "Site"))]
     pub mpc: Option<String>,
-    /// Latitude, degrees north (WGS84)
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    /// Latitude, degrees north (WGS84): -33.9, 33.9S or 33°54'S
+    #[serde(deserialize_with = "latitude")]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = parse_latitude_deg, help_heading = "Site")
+    )]
     pub lat: Option<f64>,
-    /// Longitude, degrees east
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    /// Longitude, degrees east: -70.75, 70.75W or 70°45'W
+    #[serde(deserialize_with = "longitude")]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = parse_longitude_deg, help_heading = "Site")
+    )]
     pub lon: Option<f64>,
     /// Height above the ellipsoid, metres; 0 if omitted
-    #[cfg_attr(feature = "cli", arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site"))]
+    #[serde(deserialize_with = "height")]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "M", allow_hyphen_values = true, value_parser = parse_height_m, help_heading = "Site")
+    )]
     pub height: Option<f64>,
 }
 

@@ -32,6 +32,7 @@ pub struct EphemerisConfig {
             long,
             value_name = "TIME",
             num_args = 1..,
+            value_delimiter = ',',
             conflicts_with_all = ["times_file", "start", "end", "step"]
         )
     )]

@@ -92,7 +92,10 @@ pub enum ConfigError {
         allowed: &'static str,
     },
     /// The site is unknown, and no known name is similar.
-    #[error("unknown site {given:?}; allowed: a name listed by streakcast sites, or --lat and --lon", given = Quoted::new(.0))]
+    #[error(
+        "unknown site {given:?}; allowed: a name listed by streakcast sites, or --lat and --lon; streakcast setup --place \
+         TOWN writes those of a town into the home file", given = Quoted::new(.0)
+    )]
     UnknownSite(String),
     /// The file has no element set of the telescope in orbit.
     #[error(

@@ -1,5 +1,7 @@
 //! Configuration of a forecast request.
 
+use std::collections::BTreeSet;
+
 use hifitime::Epoch;
 use serde::Deserialize;
 
@@ -69,7 +71,7 @@ impl SelectionConfig {
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct TimeRangeConfig {
     /// Night that begins on this evening, local date of the site, for example 2024-08-14; tonight if omitted
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"]))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", value_parser = parse_night, conflicts_with_all = ["start", "end"]))]
     pub night: Option<String>,
     /// Start of the time range (of windows: earliest shutter opening), for example 2024-08-14T23:30:00Z
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end"))]
@@ -222,6 +224,47 @@ impl ForecastConfig {
     }
 }
 
+/// Returns the date of an evening as `2024-08-14`, from this form or `2024-8-14`, `20240814`, `2024/8/14`, `14.8.2024`.
+/// The word `tonight`, which the command line replaces, remains.
+///
+/// # Errors
+/// Text of another form, in which day and month may be ambiguous, or a day that does not exist.
+pub fn parse_night(text: &str) -> Result<String, String> {
+    let wrong = || {
+        "not a night; allowed: tonight, or the local date of the evening as year, month and day, for example 2024-08-14"
+            .to_owned()
+    };
+    let night = text.trim();
+    if night == "tonight" {
+        return Ok(night.to_owned());
+    }
+    let mut parts: Vec<&str> = match night {
+        digits if digits.len() == 8 && digits.bytes().all(|byte| byte.is_ascii_digit()) => {
+            vec![&digits[..4], &digits[4..6], &digits[6..]]
+        }
+        other => other.split(['-', '/', '.']).collect(),
+    };
+    // Dates with points begin with the day.
+    if night.contains('.') {
+        parts.reverse();
+    }
+    let separators = night.chars().filter(|mark| !mark.is_ascii_digit());
+    let is_number = |part: &&str| part.bytes().all(|byte| byte.is_ascii_digit());
+    match parts[..] {
+        [year, month, day]
+            if year.len() == 4
+                && [month, day].iter().all(|part| (1..=2).contains(&part.len()))
+                && parts.iter().all(is_number)
+                && separators.collect::<BTreeSet<_>>().len() < 2 =>
+        {
+            let date = format!("{year}-{month:0>2}-{day:0>2}");
+            parse_instant(&format!("{date}T12:00:00Z"), None).map_err(|_| wrong())?;
+            Ok(date)
+        }
+        _ => Err(wrong()),
+    }
+}
+
 /// Returns start and end of the time range. A night lasts from local mean noon to the next noon at the site, and is
 /// given by the local date of its evening.
 ///
@@ -235,7 +278,9 @@ pub fn time_range(
 ) -> Result<(Epoch, Epoch), ConfigError> {
     let (from, to) = match (night, start, end) {
         (Some(night), None, None) => {
-            let evening = parse_instant(&format!("{night}T12:00:00Z"), None).map_err(|_| {
+            let evening =
+                parse_night(night).ok().and_then(|date| parse_instant(&format!("{date}T12:00:00Z"), None).ok());
+            let evening = evening.ok_or_else(|| {
                 ConfigError::invalid(format!(
                     "invalid night '{night}'; allowed: the local date of the evening, for example 2024-08-14"
                 ))
@@ -264,6 +309,33 @@ pub fn time_range(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nights_in_unambiguous_forms() {
+        for text in ["2026-04-25", "2026-4-25", "20260425", "25.04.2026", "25.4.2026", "2026/04/25", " 2026-04-25 "] {
+            assert_eq!(parse_night(text).as_deref(), Ok("2026-04-25"), "{text}");
+        }
+        assert_eq!(parse_night("tonight").as_deref(), Ok("tonight"));
+        for text in [
+            "today",
+            "now",
+            "25/04/2026",
+            "04-25-2026",
+            "2026.04.25",
+            "2026-02-30",
+            "2026-13-01",
+            "26-04-25",
+            "2026-04",
+            "2026-04/25",
+            "2026-04-25T22:00",
+            "",
+            "2026-+4-25",
+            "202604251",
+        ] {
+            let error = parse_night(text).expect_err(text);
+            assert!(error.contains("tonight") && error.contains("2024-08-14"), "{text}: {error}");
+        }
+    }
 
     /// Night and selection are keys of the request, as the Python package writes it; unknown keys are errors.
     #[test]

@@ -6,6 +6,7 @@
 //! [`EphemerisRequest`](crate::forecast::EphemerisRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
 //! [`streaks`](crate::streaks). With the feature `cli`, the command line flags are derived from the same structures.
 
+mod coordinates;
 mod document;
 mod ephemeris;
 mod error;
@@ -33,12 +34,13 @@ mod site;
 mod values;
 mod warnings;
 
+pub use coordinates::{parse_coordinates, parse_height_m, parse_latitude_deg, parse_longitude_deg};
 #[cfg(feature = "cli")]
 pub use document::norad_id;
 pub use document::{Config, ExposureConfig, HomeConfig, LightConfig, Question, RulesConfig, RunConfig, SiteConfig};
 pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
-pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, time_range};
+pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, parse_night, time_range};
 pub use health::{
     AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,
 };

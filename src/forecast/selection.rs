@@ -72,6 +72,12 @@ fn has_words(name: &str, text: &str) -> bool {
     })
 }
 
+/// Returns a text of a selection by name, with a hint if it is a catalogue number.
+fn shown_name(text: &str) -> String {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    if is_number { format!("{text} (--norad {text} selects a catalogue number)") } else { text.to_owned() }
+}
+
 impl Selection {
     /// Returns true if every satellite is selected.
     pub fn is_all(&self) -> bool {
@@ -95,8 +101,8 @@ impl Selection {
     pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
         let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
         let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();
-        let unnamed: Vec<&str> =
-            self.names.iter().filter(|text| named(text, elements).is_empty()).map(String::as_str).collect();
+        let unnamed: Vec<String> =
+            self.names.iter().filter(|text| named(text, elements).is_empty()).map(|text| shown_name(text)).collect();
         let numbers = if unknown.len() == 1 { "number" } else { "numbers" };
         let parts = [
             (!unknown.is_empty()).then(|| format!("NORAD {numbers} {}", unknown.join(" or "))),
@@ -112,7 +118,7 @@ impl Selection {
             |what: &str, items: Vec<String>| (!items.is_empty()).then(|| format!("{what} {}", items.join(" or ")));
         let parts = [
             list("generation", self.generations.iter().map(ToString::to_string).collect()),
-            list("a name with", self.names.clone()),
+            list("a name with", self.names.iter().map(|text| shown_name(text)).collect()),
             list("NORAD number", self.norad_ids.iter().map(ToString::to_string).collect()),
         ];
         parts.into_iter().flatten().collect::<Vec<_>>().join(" and ")

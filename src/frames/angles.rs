@@ -49,6 +49,12 @@ pub fn parse_declination_deg(text: &str) -> Result<f64, FramesError> {
     Ok(if angle.negative { -angle.value } else { angle.value })
 }
 
+/// Parses an angle in degrees of any size: `47.37`, `47d22m12s`, `47:22:12` or `-47°22'12"`; `None` for other forms.
+pub(crate) fn degrees_of(text: &str) -> Option<f64> {
+    let angle = parse(text).filter(|angle| angle.unit != Unit::Hours)?;
+    Some(if angle.negative { -angle.value } else { angle.value })
+}
+
 #[derive(Copy, Clone, PartialEq)]
 enum Unit {
     Plain,

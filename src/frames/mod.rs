@@ -26,6 +26,7 @@ mod sampled;
 mod time;
 mod vector;
 
+pub(crate) use angles::degrees_of;
 pub use earth_orientation::EopTable;
 pub(crate) use equatorial::itrs_to_horizontal;
 pub use error::FramesError;

@@ -94,7 +94,19 @@ pub fn is_stream(path: &Path) -> bool {
 /// # Errors
 /// A pipe, device, socket or directory, or the system reports an error.
 pub fn check_regular(path: &Path) -> io::Result<()> {
-    check_kind(fs::metadata(path)?.file_type())
+    let file = fs::metadata(path).map_err(|error| if is_address(path) { address() } else { error })?;
+    check_kind(file.file_type())
+}
+
+/// Returns true for addresses of the web, which nothing in the library reads.
+pub fn is_address(path: &Path) -> bool {
+    let scheme = path.to_str().and_then(|text| text.split_once("://")).map(|(scheme, _)| scheme.to_ascii_lowercase());
+    scheme.is_some_and(|scheme| ["http", "https", "ftp"].contains(&scheme.as_str()))
+}
+
+fn address() -> io::Error {
+    let why = "is a web address; allowed: a file on this machine (streakcast fetch downloads element sets)";
+    io::Error::new(ErrorKind::NotFound, why)
 }
 
 fn check_kind(kind: FileType) -> io::Result<()> {
@@ -134,10 +146,18 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
     match error.span() {
         Some(span) => {
             let line = text.get(..span.start.min(text.len())).map_or(1, |before| before.matches('\n').count() + 1);
-            format!("line {line}: {what}")
+            format!("line {line}: {what}{}", decimal_comma(text.lines().nth(line - 1).unwrap_or_default()))
         }
         None => what,
     }
+}
+
+/// Returns a hint if the value in a line of TOML is a number with a decimal comma.
+fn decimal_comma(line: &str) -> String {
+    let value = line.split_once('=').map_or("", |(_, value)| value.split('#').next().unwrap_or_default().trim());
+    let with_point = value.replacen(',', ".", 1);
+    let is_decimal = value != with_point && with_point.parse::<f64>().is_ok();
+    if is_decimal { format!("; allowed: a decimal point in place of the comma ({with_point})") } else { String::new() }
 }
 
 /// Returns the line of a key in a TOML text, from 1; `path` are the names of its tables and its own name, in which
@@ -166,6 +186,19 @@ mod tests {
         let line = |path: &[&str]| toml_line(text, path);
         assert_eq!([line(&["lat"]), line(&["plot", "night", "time_zone"])], [Some(1), Some(5)]);
         assert_eq!([line(&["lon"]), line(&["lat", "x"])], [None, None]);
+    }
+
+    #[test]
+    fn decimal_commas_are_named() {
+        let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text);
+        for text in ["a = 1\nlat = 47,37\n", "a = 1\nlat = 47,37 # Zurich"] {
+            let error = error(text);
+            assert!(error.starts_with("line 2: ") && error.ends_with("in place of the comma (47.37)"), "{error}");
+        }
+        assert!(error("[forecast]\nmax-mag = -1,5").ends_with("(-1.5)"));
+        for text in ["a = 1, 2", "a = b,c", "a = x\nlat = 47,37"] {
+            assert!(!error(text).contains("decimal point"), "{}", error(text));
+        }
     }
 
     #[test]

@@ -82,7 +82,8 @@ fn invalid_answers_name_their_flag() {
     fs::write(folder.path().join("notes.txt"), "clouds\n").unwrap();
     for (answers, parts) in [
         (&["--place", "Viena del Norte"][..], ["--place", "unknown place 'Viena del Norte'"]),
-        (&["--place", "93,16"], ["--place", "lat is 93 deg; allowed: -90 to 90 deg"]),
+        (&["--place", "93.0,16.0"], ["--place", "lat is 93 deg; allowed: -90 to 90 deg"]),
+        (&["--place", "47,37"], ["--place", "latitude 47 and longitude 37, or 47.37 with a decimal comma"]),
         (&["--place", "X05", "--time-zone", "Mars/Utopia"], ["--time-zone", "'Mars/Utopia' is not a time zone"]),
         (&["--place", "X05", "--elements", "no.tle"], ["--elements", "no.tle: No such file"]),
         (&["--place", "X05", "--elements", "notes.txt"], ["--elements", "contains no element sets"]),

@@ -30,6 +30,36 @@ fn errors_name_what_is_probably_meant() {
             &vec!["windows", "--mpc", "X05", "--fov", "1deg", "--target", "M31", "--exposure", "30s"],
             "; streakcast setup",
         ),
+        (&[&["forecast", "--date", "2024-08-14"], SKY].concat(), "; tip: similar: --night"),
+        (&[&["forecast", "--night", "today"], SKY].concat(), "allowed: tonight, or the local date of the evening"),
+        (&[&["forecast", "--night", "8/14/2024"], SKY].concat(), "allowed: tonight, or the local date of the evening"),
+        (&vec!["forecast", "--shells", "oneweb", "--lat", "47,37", "--lon", "8.5"], "with a decimal point: 47.37"),
+        (&vec!["forecast", "--shells", "oneweb", "--lat", "-33.9S", "--lon", "8.5"], "with a point, south negative"),
+        (&vec!["forecast", "--shells", "oneweb", "--site", "Zurich"], "streakcast setup --place TOWN"),
+        (&vec!["forecast", "--elements", "https://example.org/a.csv", "--mpc", "X05"], "streakcast fetch downloads"),
+        (&[&["forecast", "--night", "2024-08-14", "--name", "25544"], SKY].concat(), "--norad 25544 selects"),
+        (
+            &[&["windows", "--ra", "280", "--dec", "-30", "--exposure", "30s", "--fov", "1deg", "-o", "w.ics"], SKY]
+                .concat(),
+            "only streakcast forecast writes",
+        ),
+        (&[EXPOSURE, SKY, &["--start", "2024-08-14T03:30", "--fov", "3deg"]].concat(), "(+02:00)"),
+        (
+            &[
+                &[
+                    "forecast",
+                    "--start",
+                    "2024-08-14T03:30",
+                    "--end",
+                    "2024-08-14T04:30Z",
+                    "--time-zone",
+                    "Europe/Zurich",
+                ],
+                SKY,
+            ]
+            .concat(),
+            "allowed: 2024-08-14T03:30+02:00 for local time in the given time zone",
+        ),
     ] {
         let (code, _, stderr) = run(&[arguments]);
         assert!(code == 2 && stderr.contains(part) && stderr.lines().count() == 1, "{arguments:?}: {stderr}");
@@ -46,6 +76,42 @@ fn negative_numbers_are_values_of_all_flags() {
     assert!(stderr.contains("step is -5 deg"), "{stderr}");
     let (_, _, stderr) = run(&[&["forecast", "--night", "2024-08-14", "--samples", "-1"], SKY]);
     assert!(stderr.contains("'-1'") && stderr.contains("samples"), "{stderr}");
+}
+
+/// Forms of coordinates, dates and lists of times other than those of the help, with the same result.
+#[test]
+fn unambiguous_forms_are_accepted() {
+    let site_of = |site: &[&str]| {
+        let night = ["forecast", "--shells", "oneweb", "--sun-altitude-deg", "-89", "--night", "20240814"];
+        json(&[&night, site])["provenance"]["site"].clone()
+    };
+    let expected = site_of(&["--lat", "-33.9", "--lon", "18.5", "--height", "430"]);
+    for site in [
+        ["--lat", "33.9S", "--lon", "18°30'E", "--height", "430m"],
+        ["--lat", "\u{2212}33:54", "--lon", "18d30m", "--height", "0.43 km"],
+    ] {
+        assert_eq!(site_of(&site), expected, "{site:?}");
+    }
+    let dates = ["2024-8-14", "14.08.2024", "2024/08/14"];
+    for night in dates {
+        let options =
+            json(&[&["forecast", "--sun-altitude-deg", "-89", "--night", night], SKY])["provenance"]["options"].clone();
+        assert_eq!(options["night"].as_str(), Some("2024-08-14"), "{night}");
+    }
+    let times = "2024-08-14T00:00:00Z,2024-08-14T00:01:00Z";
+    let rows = json(&[&["ephemeris", "--generation", "starlink-v1.5", "--times", times], SKY])["provenance"]["options"]
+        .clone();
+    assert_eq!(rows["times"].as_i64(), Some(2));
+    let folder = tempfile::tempdir().unwrap();
+    let calendar = path(&folder, "passes.ical");
+    done(&[&["forecast", "--night", "2024-08-14", "--sun-altitude-deg", "-89", "-o", &calendar], SKY]);
+    assert!(fs::read_to_string(&calendar).unwrap().starts_with("BEGIN:VCALENDAR"));
+    let file = path(&folder, "home.toml");
+    fs::write(&file, "lat = \"33°54'S\"\nlon = '18.5E'\nheight = '430m'\n").unwrap();
+    assert_eq!(site_of(&["--config", &file]), expected);
+    fs::write(&file, "lat = 47,37\nlon = 8.5\n").unwrap();
+    let (code, _, stderr) = run(&[&["forecast", "--shells", "oneweb", "--config", &file]]);
+    assert!(code == 2 && stderr.contains("a decimal point in place of the comma (47.37)"), "{stderr}");
 }
 
 #[test]

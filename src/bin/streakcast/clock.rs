@@ -26,7 +26,11 @@ pub fn now() -> Epoch {
 /// `--schedule` by the path of standard input.
 pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsString> {
     let value_of = |flag: &str, value: &str| match (flag, value) {
-        ("--start" | "--end" | "--times", "now") => Some(format_utc(now, 0)),
+        ("--start" | "--end", "now") => Some(format_utc(now, 0)),
+        ("--times", list) if list.split(',').any(|time| time == "now") => {
+            let times = list.split(',').map(|time| if time == "now" { format_utc(now, 0) } else { time.to_owned() });
+            Some(times.collect::<Vec<_>>().join(","))
+        }
         ("--schedule", "-") => Some("/dev/stdin".to_owned()),
         _ => None,
     };
@@ -86,14 +90,31 @@ pub fn set_night(
 ///
 /// # Errors
 /// The site of the configuration is missing or invalid.
-fn set_civil_night(night: &mut Option<String>, config: &Config, zone: &LocalTime) -> anyhow::Result<()> {
-    let Some(text) = night.as_ref() else { return Ok(()) };
+pub fn set_civil_night(night: &mut Option<String>, config: &Config, zone: &LocalTime) -> anyhow::Result<()> {
     // An invalid date is reported when the night is computed.
-    let Ok(noon) = parse_instant(&format!("{text}T12:00:00Z"), None) else { return Ok(()) };
-    let mean_h = config.site()?.longitude_rad.to_degrees() / 15.0;
-    let days = ((zone.ahead_of_utc_h(noon) - mean_h) / 24.0).round();
-    *night = Some(date_of(noon.to_mjd_utc_days().floor() as i64 - days as i64));
+    if let Some(noon) = night.as_deref().and_then(noon_of) {
+        *night = Some(date_of(noon.to_mjd_utc_days().floor() as i64 - civil_days(noon, &config.site()?, zone)));
+    }
     Ok(())
+}
+
+/// Returns the date of an evening in a time zone, from that of local mean time.
+pub fn civil_date(mean_night: &str, site: &Site, zone: Option<&LocalTime>) -> String {
+    match (noon_of(mean_night), zone) {
+        (Some(noon), Some(zone)) => date_of(noon.to_mjd_utc_days().floor() as i64 + civil_days(noon, site, zone)),
+        _ => mean_night.to_owned(),
+    }
+}
+
+/// Returns noon UTC of a date; `None` for another text.
+fn noon_of(date: &str) -> Option<Epoch> {
+    parse_instant(&format!("{date}T12:00:00Z"), None).ok()
+}
+
+/// Returns the civil date minus the date of local mean time, days.
+fn civil_days(noon: Epoch, site: &Site, zone: &LocalTime) -> i64 {
+    let mean_h = site.longitude_rad.to_degrees() / 15.0;
+    ((zone.ahead_of_utc_h(noon) - mean_h) / 24.0).round() as i64
 }
 
 /// Returns a remark about the date of a night at sites whose civil date may be that of the other side of the date line.
@@ -149,6 +170,8 @@ mod tests {
             let mut night = Some("2026-08-22".to_owned());
             set_civil_night(&mut night, &config, &crate::local_time::local_time(zone).unwrap()).unwrap();
             assert_eq!(night.as_deref(), Some(mean_night), "{zone}");
+            let local = crate::local_time::local_time(zone).unwrap();
+            assert_eq!(civil_date(mean_night, &config.site().unwrap(), Some(&local)), "2026-08-22", "{zone}");
             assert_eq!(date_line_remark(Some("2026-08-22"), &config).is_some(), is_stated, "{zone}");
         }
     }
@@ -168,14 +191,14 @@ mod tests {
     #[test]
     fn verif_words_for_the_time_and_standard_input() {
         let now = Epoch::from_gregorian_utc_hms(2026, 11, 25, 13, 5, 7);
-        let words = "streakcast passes --start now --end=now --schedule - --schedule=- --name now -o - --start 2026-01-01 --times 2026-01-01 now -o now";
+        let words = "streakcast passes --start now --end=now --schedule - --schedule=- --name now -o - --start 2026-01-01 --times 2026-01-01 now -o now --times=now,2026-01-01";
         let expanded = expand(words.split(' ').map(OsString::from), now);
         let text = expanded.iter().map(|word| word.to_str().unwrap()).collect::<Vec<_>>().join(" ");
         let at = "2026-11-25T13:05:07Z";
         assert_eq!(
             text,
             format!(
-                "streakcast passes --start {at} --end={at} --schedule /dev/stdin --schedule=/dev/stdin --name now -o - --start 2026-01-01 --times 2026-01-01 {at} -o now"
+                "streakcast passes --start {at} --end={at} --schedule /dev/stdin --schedule=/dev/stdin --name now -o - --start 2026-01-01 --times 2026-01-01 {at} -o now --times={at},2026-01-01"
             )
         );
     }

@@ -83,6 +83,22 @@ pub fn usage_message(error: &clap::Error, command: Command, place: Option<&str>)
     format!("{place}{} (see {path} --help)", message.trim_start_matches("error: "))
 }
 
+/// Names that flags have elsewhere, with the flag that may be meant.
+const OTHER_NAMES: [(&str, &str); 12] = [
+    ("date", "night"),
+    ("day", "night"),
+    ("evening", "night"),
+    ("latitude", "lat"),
+    ("longitude", "lon"),
+    ("elevation", "height"),
+    ("place", "site"),
+    ("observatory", "site"),
+    ("tle", "elements"),
+    ("omm", "elements"),
+    ("satellite", "name"),
+    ("duration", "exposure"),
+];
+
 /// Returns what may be meant by an unknown argument of a verb; `None` if nothing is similar.
 fn tip(argument: &str, verb: &Command) -> Option<String> {
     /// Smallest similarity of the names of flags: with the same first letter, which is rarely wrong, and with another one.
@@ -93,6 +109,10 @@ fn tip(argument: &str, verb: &Command) -> Option<String> {
         let takes_elements = is_file && names().any(|name| name == "elements");
         return takes_elements.then(|| format!("a file of element sets is given by --elements {argument}"));
     };
+    let meant = OTHER_NAMES.iter().filter(|(other, known)| *other == name && names().any(|flag| flag == *known));
+    if let Some((_, known)) = meant.into_iter().next() {
+        return Some(format!("similar: --{known}"));
+    }
     let likeness = |known: &str| {
         // Jaro's similarity, with a tenth of the rest added for each common letter at the beginning (Winkler 1990).
         let (jaro, common) = (strsim::jaro(known, name), known.chars().zip(name.chars()).take_while(|(a, b)| a == b));

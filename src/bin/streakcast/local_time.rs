@@ -1,11 +1,14 @@
 //! Local time of tables, plots and the page: an offset from UTC, or a time zone of the IANA database.
 
+use std::path::PathBuf;
+
 use anyhow::anyhow;
-use clap::Args;
-use hifitime::Epoch;
+use clap::{ArgMatches, Args};
+use hifitime::{Epoch, TimeScale};
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
-use streakcast::config::Config;
+use streakcast::config::{Config, ConfigError};
+use streakcast::frames::{FramesError, parse_instant, seconds_after};
 
 /// Largest offset of a local clock from UTC, hours.
 const MAX_UTC_OFFSET_H: f64 = 14.0;
@@ -42,6 +45,19 @@ impl LocalTime {
         f64::from(self.0.to_offset(second).seconds()) / 3600.0
     }
 
+    /// Returns the changes of local time minus UTC after `from` and before `to`: time, and the new value, hours.
+    pub fn changes(&self, from: Epoch, to: Epoch) -> Vec<(Epoch, f64)> {
+        let time =
+            |epoch: Epoch| Timestamp::from_second(epoch.to_unix_seconds().floor() as i64).unwrap_or(Timestamp::MAX);
+        let following = self.0.following(time(from)).take_while(|change| change.timestamp() < time(to));
+        following
+            .map(|change| {
+                let second = change.timestamp().as_second() as f64;
+                (Epoch::from_unix_seconds(second), f64::from(change.offset().seconds()) / 3600.0)
+            })
+            .collect()
+    }
+
     /// Returns a time as local date and time, rounded to `step_s`, with its offset from UTC: `2026-08-14 23:30:00 +02:00`;
     /// without seconds if the step is a minute.
     pub fn text(&self, epoch: Epoch, step_s: f64) -> String {
@@ -49,6 +65,36 @@ impl LocalTime {
         let moment = Timestamp::from_second(seconds as i64).unwrap_or(Timestamp::MAX).to_zoned(self.0.clone());
         moment.strftime(if step_s < 60.0 { "%Y-%m-%d %H:%M:%S %:z" } else { "%Y-%m-%d %H:%M %:z" }).to_string()
     }
+}
+
+/// Returns the time zone of the flag of a verb, or else that of the configuration file or the home file.
+pub fn of_matches(mut matches: &ArgMatches) -> Option<LocalTime> {
+    while let Some((_, inner)) = matches.subcommand() {
+        matches = inner;
+    }
+    let of_flag = matches.try_get_one::<LocalTime>("time_zone").ok().flatten().cloned();
+    let files = ["file", "home"].into_iter().filter_map(|id| matches.try_get_one::<PathBuf>(id).ok().flatten());
+    let of_file = |file: &PathBuf| local_time(&Config::read(file).ok()?.time_zone?).ok();
+    of_flag.or_else(|| files.into_iter().find_map(of_file))
+}
+
+/// Returns the error of a time without a time scale with the same time in a time zone. Other errors are returned
+/// unchanged.
+pub fn with_offset(error: anyhow::Error, zone: &LocalTime) -> anyhow::Error {
+    let given = match (error.downcast_ref::<ConfigError>(), error.downcast_ref::<FramesError>()) {
+        (Some(ConfigError::Frames(FramesError::NoScale(given))), _) | (_, Some(FramesError::NoScale(given))) => given,
+        _ => return error,
+    };
+    let Ok(local) = parse_instant(given, Some(TimeScale::UTC)) else { return error };
+    // The offset half a day away may differ, so that it is computed again at the time itself.
+    let utc = |ahead_h: f64| seconds_after(local, -3600.0 * ahead_h);
+    let text = zone.text(utc(zone.ahead_of_utc_h(utc(zone.ahead_of_utc_h(local)))), 1.0);
+    let offset = text.rsplit(' ').next().unwrap_or_default();
+    anyhow!(
+        "time '{given}' has no time scale; allowed: {given}{offset} for local time in the given time zone, a time that ends in \
+         Z (UTC), or any time with --time-scale utc, tai or tt",
+        given = given.trim()
+    )
 }
 
 /// Parses a time zone by its name in the IANA database (`Europe/Madrid`), or an offset from UTC in hours ahead
@@ -109,6 +155,39 @@ mod tests {
         }
         for text in ["", "+", "+15:00", "+1:60", "1:2:3", "+-1", "1.5:30", "inf", "1e0", "14.1", "Europe", "Atlantis"] {
             assert!(local_time(text).is_err(), "{text}");
+        }
+    }
+
+    /// Summer time in the European Union ends at 01:00 UTC on the last Sunday of October (Directive 2000/84/EC).
+    #[test]
+    fn changes_of_the_clocks_within_a_night() {
+        let zone = local_time("Europe/Zurich").unwrap();
+        let noon = |day| Epoch::from_gregorian_utc_at_noon(2026, 10, day);
+        let change = Epoch::from_gregorian_utc_hms(2026, 10, 25, 1, 0, 0);
+        assert_eq!(zone.changes(noon(24), noon(25)), [(change, 1.0)]);
+        assert!(zone.changes(noon(25), noon(26)).is_empty());
+        assert!(local_time("+02:00").unwrap().changes(noon(24), noon(25)).is_empty());
+    }
+
+    /// Offsets of summer and of standard time, also in the hours after a change of the clocks.
+    #[test]
+    fn times_without_scale_are_shown_with_their_offset() {
+        let zone = local_time("Europe/Zurich").unwrap();
+        for (given, with_offset_of) in [
+            ("2026-04-25T22:00", "2026-04-25T22:00+02:00"),
+            ("2026-01-25 22:00:30", "2026-01-25 22:00:30+01:00"),
+            ("2026-03-29T03:30", "2026-03-29T03:30+02:00"),
+            ("2026-03-29T01:30", "2026-03-29T01:30+01:00"),
+        ] {
+            let error = parse_instant(given, None).unwrap_err();
+            for error in [anyhow!(error.clone()), anyhow!(ConfigError::Frames(error))] {
+                let text = with_offset(error, &zone).to_string();
+                assert!(text.contains(&format!("allowed: {with_offset_of} for local time")), "{text}");
+            }
+        }
+        for other in ["61000.5", "x"] {
+            let error = parse_instant(other, None).unwrap_err();
+            assert_eq!(with_offset(anyhow!(error.clone()), &zone).to_string(), error.to_string());
         }
     }
 

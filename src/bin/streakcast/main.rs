@@ -186,7 +186,7 @@ fn main() -> ExitCode {
     if !is_server {
         signals::remove_files_at_end();
     }
-    exit_code(match arguments.verb {
+    let outcome = match arguments.verb {
         Verb::Passes(typed) => verbs::passes::run(*typed),
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
@@ -217,5 +217,9 @@ fn main() -> ExitCode {
         Verb::Shells(typed) => verbs::lists::shells(&typed),
         Verb::Completions(typed) => verbs::shell_files::completions(&typed, command),
         Verb::Man(typed) => verbs::shell_files::man(&typed, command),
-    })
+    };
+    exit_code(outcome.map_err(|error| match local_time::of_matches(&matches) {
+        Some(zone) => local_time::with_offset(error, &zone),
+        None => error,
+    }))
 }

@@ -39,6 +39,10 @@ impl Format {
     fn by_extension(path: &Path) -> anyhow::Result<Self> {
         match extension(path).as_str() {
             "" => Ok(Format::Csv),
+            "ics" | "ical" => Err(anyhow!(
+                "{} is a calendar, which only streakcast forecast writes; allowed: {EXTENSIONS}",
+                path.display()
+            )),
             end => Self::by_name(end)
                 .ok_or_else(|| anyhow!("the extension of {} is not a format; allowed: {EXTENSIONS}", path.display())),
         }

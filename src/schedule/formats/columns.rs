@@ -11,7 +11,7 @@ use crate::units::{DEGREES, SECONDS, Unit};
 
 /// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
-const DURATION: &[&str] = &["duration_s", VISIT_EXPOSURE, "exp_time", "t_exptime"];
+const DURATION: &[&str] = &["duration_s", "exposure_s", VISIT_EXPOSURE, "exp_time", "t_exptime"];
 /// Exposure time of a visit of Rubin's simulations: the sum over its snaps.
 const VISIT_EXPOSURE: &str = "visitExposureTime";
 /// Number of snaps of a visit, and time from its start to its end with shutter and readout.
@@ -284,6 +284,14 @@ mod tests {
         let map = find(&["start_mjd", "start_mjd_tai", "dec_deg", "ra_deg", "duration_s", "exposure_id"]).unwrap();
         assert_eq!((map.start.name.as_str(), map.start.scale), ("start_mjd_tai", Some(TimeScale::TAI)));
         assert_eq!((map.rotation, map.band), (None, None));
+    }
+
+    /// The names of tables of targets and of verdicts are both accepted; the first of the list is preferred.
+    #[test]
+    fn exposure_times_have_two_names() {
+        let names = ["start_utc", "dec_deg", "ra_deg", "exposure_s", "exposure_id", "duration_s"];
+        assert_eq!(find(&names[..5]).unwrap().duration, 3);
+        assert_eq!(find(&names).unwrap().duration, 5);
     }
 
     #[test]

@@ -99,7 +99,7 @@ enum Document {
 impl Document {
     fn by_name(name: &str) -> Option<Self> {
         match name {
-            "ics" => Some(Self::Calendar),
+            "ics" | "ical" => Some(Self::Calendar),
             "tdm" => Some(Self::TrackingData),
             "score" => Some(Self::Score),
             _ => None,

@@ -5,8 +5,8 @@ use crate::clock::{date_line_remark, set_tonight};
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{
-    Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_exposure_s, parse_size_deg,
-    state_scales, time_range,
+    Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_exposure_s, parse_night,
+    parse_size_deg, state_scales, time_range,
 };
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Section, format_utc};
@@ -23,7 +23,7 @@ use crate::start::begin;
 #[derive(Args)]
 pub struct StatisticsArguments {
     /// Nights by the local date of their evening, for example 2024-03-20 2024-06-21; or tonight
-    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',')]
+    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', value_parser = parse_night)]
     pub night: Vec<String>,
     /// Altitudes of the Sun for the counts, degrees
     #[arg(

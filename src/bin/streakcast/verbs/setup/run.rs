@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use streakcast::config::{Config, parse_exposure_s};
+use streakcast::config::{Config, parse_coordinates, parse_exposure_s};
 use streakcast::geometry::Site;
 use streakcast::input::check_regular;
 use toml::Value;
@@ -169,15 +169,9 @@ fn config(keys: &str) -> anyhow::Result<Config> {
 /// Reads a place: coordinates, an observatory, or a town.
 fn place(text: &str, towns: &Towns) -> anyhow::Result<Place> {
     let text = text.trim();
-    let numbers: Vec<Result<f64, _>> = text.split([',', ' ']).filter(|part| !part.is_empty()).map(str::parse).collect();
-    if let [Ok(lat), Ok(lon), height @ ..] = &numbers[..]
-        && height.len() < 2
-    {
-        let height = match height.first() {
-            Some(Ok(height)) => format!("height = {height:?}\n"),
-            Some(Err(_)) => bail!("'{text}' is not a place; allowed: LAT,LON or LAT,LON,HEIGHT in degrees and metres"),
-            None => String::new(),
-        };
+    if let Some(coordinates) = parse_coordinates(text) {
+        let (lat, lon, height) = coordinates.map_err(|error| anyhow!(error))?;
+        let height = height.map(|height| format!("height = {height:?}\n")).unwrap_or_default();
         let keys = format!("lat = {lat:?}\nlon = {lon:?}\n{height}");
         return Ok(Place { site: config(&keys)?.site()?, keys, town: None, others: Vec::new() });
     }
@@ -192,8 +186,8 @@ fn place(text: &str, towns: &Towns) -> anyhow::Result<Place> {
         let similar = towns.similar(text);
         let hint = if similar.is_empty() { String::new() } else { format!(" (similar: {})", similar.join("; ")) };
         bail!(
-            "unknown place '{text}'{hint}; allowed: an observatory or code listed by streakcast sites, LAT,LON, or a town \
-             with more than 15,000 people"
+            "unknown place '{text}'{hint}; allowed: an observatory or code listed by streakcast sites, LAT,LON in decimal \
+             degrees with a point (south and west negative), or a town with more than 15,000 people"
         );
     };
     let keys = format!("lat = {:?}\nlon = {:?}\n", town.latitude_deg, town.longitude_deg);
