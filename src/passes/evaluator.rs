@@ -206,13 +206,21 @@ impl PassEvaluator<'_> {
     /// Returns the brightest point, with a given number of steps in the first search.
     pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
         self.photometry?;
-        let magnitude = |time_s: f64| self.brightness(time_s).map_or(f64::INFINITY, |light| light.magnitude.0);
-        let best = times(enter_s, exit_s, steps)
-            .map(|time_s| (time_s, magnitude(time_s)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .filter(|(_, magnitude)| magnitude.is_finite())?;
-        let step_s = (exit_s - enter_s) / steps as f64;
+        let magnitudes: Vec<(f64, f64)> = times(enter_s, exit_s, steps)
+            .map(|time_s| (time_s, magnitude_of(self.brightness(time_s).as_ref())))
+            .collect();
+        self.peak_near(&magnitudes)
+    }
+
+    /// Returns the brightest point of an interval, given its magnitudes at evenly spaced times (infinite in the dark), the
+    /// first and the last of which are its ends.
+    pub fn peak_near(&self, magnitudes: &[(f64, f64)]) -> Option<TrackPoint> {
+        let (enter_s, exit_s) = (magnitudes.first()?.0, magnitudes.last()?.0);
+        let best =
+            *magnitudes.iter().min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, magnitude)| magnitude.is_finite())?;
+        let step_s = (exit_s - enter_s) / (magnitudes.len() - 1) as f64;
         let ends_s = [(best.0 - step_s).max(enter_s), (best.0 + step_s).min(exit_s)];
+        let magnitude = |time_s: f64| magnitude_of(self.brightness(time_s).as_ref());
         let (peak_s, _) = minimum(magnitude, ends_s, best, PEAK_TOLERANCE * step_s);
         self.point(peak_s)
     }
@@ -245,6 +253,11 @@ impl PassEvaluator<'_> {
             .collect();
         directions.windows(2).map(|pair| pair[0].separation_rad(&pair[1])).sum()
     }
+}
+
+/// Returns the magnitude of a brightness; infinity in the dark.
+pub(super) fn magnitude_of(light: Option<&Brightness>) -> f64 {
+    light.map_or(f64::INFINITY, |light| light.magnitude.0)
 }
 
 /// Returns `steps + 1` evenly spaced times.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::above_horizon::{AboveHorizon, HorizonSearch, Sample, Treatment};
 use super::error::{SkyError, check_epoch};
-use super::evaluator::{PassEvaluator, times};
+use super::evaluator::{PassEvaluator, magnitude_of, times};
 use super::intervals::intervals_where;
 use super::scene::Scene;
 use super::sky::Sky;
@@ -353,35 +353,37 @@ impl Search<'_> {
             photometry: Some(&self.request.photometry),
             uncertainty: self.sky.uncertainty_of(element_index, horizon.propagator, culminates),
         };
-        let Some(culmination) = evaluator.point(above.top_s) else { return Ok(None) };
-        if culmination.altitude_rad.is_some_and(|altitude_rad| altitude_rad < self.request.min_culmination_rad) {
+        if self
+            .altitude_rad(&line, above.top_s)
+            .is_some_and(|altitude_rad| altitude_rad < self.request.min_culmination_rad)
+        {
             return Ok(Some(Outcome::TooLow));
         }
         let steps = light_steps(end_s - begin_s, 4.0);
-        let illumination = |time_s: f64| evaluator.illumination(time_s);
-        let full = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) == Illumination::Sunlit);
-        let lit = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s).is_lit());
         let bright = intervals_where(begin_s, end_s, steps, |time_s| evaluator.is_outside_geometric_shadow(time_s));
-        let lit_by_night = both(&lit, &span.dark_s);
-        let bright_by_night = both(&bright, &span.dark_s);
-        let seen_s = if bright_by_night.is_empty() { lit_by_night } else { bright_by_night };
-        let visible = if seen_s.is_empty() { None } else { visibility(&evaluator, &seen_s, above.top_s) };
-        let light = visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref());
-        if visible.is_none() && !self.request.include_dark {
+        let mut seen_s = both(&bright, &span.dark_s);
+        if seen_s.is_empty() {
+            let lit = intervals_where(begin_s, end_s, steps, |time_s| evaluator.illumination(time_s).is_lit());
+            seen_s = both(&lit, &span.dark_s);
+        }
+        if seen_s.is_empty() && !self.request.include_dark {
             return Ok(Some(Outcome::InShadow));
         }
-        let p_brighter = self.request.limit.map(|limit| {
-            let peak = visible.as_ref().and_then(|seen| seen.peak.as_ref());
-            peak.map_or(0.0, |peak| self.probability_brighter(&evaluator, &seen_s, peak, &limit))
-        });
+        // Most passes are too faint, so that their other points are not computed.
+        let (peak, p_brighter) = self.peak(&evaluator, &seen_s);
         if let (Some(limit), Some(p_brighter)) = (self.request.limit, p_brighter)
             && p_brighter < limit.min_probability
         {
-            let by_prior = light.is_some() && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
+            let has_light = peak.as_ref().is_some_and(|peak| peak.brightness.is_some());
+            let by_prior = has_light && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
             return Ok(Some(Outcome::TooFaint { by_prior, p_brighter }));
         }
+        let Some(culmination) = evaluator.point(above.top_s) else { return Ok(None) };
+        let visible = if seen_s.is_empty() { None } else { visibility(&evaluator, &seen_s, above.top_s, peak) };
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| evaluator.point(time_s));
         // First end, and first beginning, of full sunlight within the pass.
+        let is_full = |time_s: f64| evaluator.illumination(time_s) == Illumination::Sunlit;
+        let full = intervals_where(begin_s, end_s, steps, is_full);
         let entry_s = full.iter().map(|interval| interval.1).find(|&time_s| time_s < end_s);
         let exit_s = full.iter().map(|interval| interval.0).find(|&time_s| time_s > begin_s);
         Ok(Some(Outcome::Pass(Box::new(VisiblePass {
@@ -401,35 +403,52 @@ impl Search<'_> {
         }))))
     }
 
-    /// Returns the largest probability of being brighter than the limit in the intervals `seen_s`. Away from the
-    /// brightest point it can be larger than there: the limit is brighter in twilight, and the distribution of
-    /// magnitudes is wider outside the fitted geometry.
-    fn probability_brighter(
-        &self,
-        evaluator: &PassEvaluator<'_>,
-        seen_s: &[(f64, f64)],
-        peak: &TrackPoint,
-        limit: &BrightnessLimit,
-    ) -> f64 {
-        let limit_mag = |time_s: f64| {
+    /// Returns the altitude of the satellite at a time, radians, without its brightness.
+    fn altitude_rad(&self, line: &SightLine<'_>, time_s: f64) -> Option<f64> {
+        let here = self.observer.state(&self.scene.orientation.at_s(time_s));
+        Some(here.altitude_azimuth_rad(&line.aspect_at(time_s).2.geometric)?.0)
+    }
+
+    /// Returns the brightest point in the intervals `seen_s`, and the largest probability of being brighter than the
+    /// limit in them. Away from the brightest point the probability can be larger than there: the limit is brighter in
+    /// twilight, and the distribution of magnitudes is wider outside the fitted geometry.
+    fn peak(&self, evaluator: &PassEvaluator<'_>, seen_s: &[(f64, f64)]) -> (Option<TrackPoint>, Option<f64>) {
+        let limit_mag = |limit: &BrightnessLimit, time_s: f64| {
             if !limit.twilight {
                 return limit.magnitude;
             }
             let sun_rad = self.observer.sun_altitude_rad(&self.scene.orientation, &self.scene.sun, time_s);
             twilight_limit_mag(limit.magnitude, sun_rad)
         };
-        let of = |time_s: f64, light: &Brightness| light.probability_brighter_than(limit_mag(time_s));
-        // The sigma of the best point includes the error of the position only in the second evaluation.
-        let roughly = |time_s: f64| Some((time_s, of(time_s, &evaluator.brightness(time_s)?)));
-        let best = seen_s
-            .iter()
-            .flat_map(|&(from_s, until_s)| times(from_s, until_s, light_steps(until_s - from_s, 8.0)))
-            .filter_map(roughly)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .and_then(|(time_s, _)| Some(of(time_s, evaluator.point(time_s)?.brightness.as_ref()?)));
-        let peak_s = seconds_between(self.scene.start, peak.epoch);
-        let at_peak = peak.brightness.as_ref().map(|light| of(peak_s, light));
-        best.into_iter().chain(at_peak).fold(0.0, f64::max)
+        let probability = |time_s: f64, light: &Brightness| {
+            let limit = self.request.limit.as_ref()?;
+            Some(light.probability_brighter_than(limit_mag(limit, time_s)))
+        };
+        let (mut peak, mut best): (Option<TrackPoint>, Option<(f64, f64)>) = (None, None);
+        for &(from_s, until_s) in seen_s {
+            let mut magnitudes = Vec::new();
+            for time_s in times(from_s, until_s, light_steps(until_s - from_s, 8.0)) {
+                let light = evaluator.brightness(time_s);
+                magnitudes.push((time_s, magnitude_of(light.as_ref())));
+                // The sigma includes the error of the position only in the second evaluation, at the best point.
+                let rough = light.and_then(|light| probability(time_s, &light));
+                if rough.is_some_and(|rough| best.is_none_or(|(_, best)| rough >= best)) {
+                    best = rough.map(|rough| (time_s, rough));
+                }
+            }
+            let brightest = evaluator.peak_near(&magnitudes);
+            let magnitude = |point: &TrackPoint| magnitude_of(point.brightness.as_ref());
+            peak = match (peak, brightest) {
+                (Some(before), Some(now)) if magnitude(&now) < magnitude(&before) => Some(now),
+                (before, now) => before.or(now),
+            };
+        }
+        let at_best = best.and_then(|(time_s, _)| probability(time_s, evaluator.point(time_s)?.brightness.as_ref()?));
+        let at_peak = peak
+            .as_ref()
+            .and_then(|peak| probability(seconds_between(self.scene.start, peak.epoch), peak.brightness.as_ref()?));
+        let largest = at_best.into_iter().chain(at_peak).fold(0.0, f64::max);
+        (peak, self.request.limit.map(|_| largest))
     }
 }
 
@@ -438,20 +457,19 @@ fn light_steps(span_s: f64, fewest: f64) -> usize {
     (span_s / LIGHT_STEP_S).ceil().clamp(fewest, MOST_LIGHT_STEPS) as usize
 }
 
-/// Returns the visible part, from the start of the first to the end of the last interval of `seen`, with the brightest
-/// point in these intervals.
-fn visibility(evaluator: &PassEvaluator<'_>, seen: &[(f64, f64)], top_s: f64) -> Option<Visibility> {
+/// Returns the visible part, from the start of the first to the end of the last interval of `seen`.
+fn visibility(
+    evaluator: &PassEvaluator<'_>,
+    seen: &[(f64, f64)],
+    top_s: f64,
+    peak: Option<TrackPoint>,
+) -> Option<Visibility> {
     let ends = seen.iter().flat_map(|&(from_s, until_s)| [from_s, until_s]);
     let top = seen.iter().any(|&(from_s, until_s)| (from_s..=until_s).contains(&top_s)).then_some(top_s);
     let highest = ends
         .chain(top)
         .filter_map(|time_s| evaluator.point(time_s))
         .max_by(|a, b| a.altitude_rad.partial_cmp(&b.altitude_rad).unwrap_or(std::cmp::Ordering::Equal))?;
-    let brightness = |point: &TrackPoint| point.brightness.as_ref().map_or(f64::INFINITY, |light| light.magnitude.0);
-    let peak = seen
-        .iter()
-        .filter_map(|&(from_s, until_s)| evaluator.peak_in_steps(from_s, until_s, light_steps(until_s - from_s, 8.0)))
-        .min_by(|a, b| brightness(a).total_cmp(&brightness(b)));
     Some(Visibility { begin: evaluator.point(seen.first()?.0)?, highest, end: evaluator.point(seen.last()?.1)?, peak })
 }
 
