@@ -198,6 +198,36 @@ fn the_passes_of_a_night_equal_forecast() {
     }
 }
 
+/// Nights are named by the civil date of their evening, also beyond the date line, and a change of the clocks is stated.
+#[test]
+fn nights_and_offsets_are_those_of_the_time_zone() {
+    let site = |lat: &str, lon: &str, zone: &str| {
+        let satellites = ["--shells", "starlink-gen1", "--fov", "1deg", "--quiet"];
+        Server::start(&[&satellites[..], &["--lat", lat, "--lon", lon, "--time-zone", zone]].concat())
+    };
+    let tonga = site("-21.2", "-175.2", "Pacific/Tongatapu");
+    let night = tonga.json("/api/v1/forecast?max_mag=-9&night=2026-08-22");
+    assert_eq!((&night["date"], &night["night"]["start_utc"]), (&json!("2026-08-22"), &json!("2026-08-21T23:40:48Z")));
+    let same = tonga.json("/api/v1/forecast?max_mag=-9&time_utc=2026-08-22T09:00:00Z");
+    assert_eq!((&same["date"], &same["night"]), (&night["date"], &night["night"]));
+    let zurich = site("47.37", "8.54", "Europe/Zurich");
+    for path in ["night?", "forecast?max_mag=-9&"] {
+        let night = zurich.json(&format!("/api/v1/{path}night=2026-10-24"));
+        let offsets: Vec<(&str, f64)> = night["utc_offsets"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|one| (one["from_utc"].as_str().unwrap(), one["utc_offset_h"].as_f64().unwrap()))
+            .collect();
+        assert_eq!((offsets.len(), offsets[0].1, offsets[1]), (2, 2.0, ("2026-10-25T01:00:00Z", 1.0)), "{path}");
+    }
+    let next = zurich.json("/api/v1/night?night=2026-10-25");
+    assert_eq!(next["utc_offsets"].as_array().unwrap().len(), 1);
+    // More points than are allowed are an error.
+    let many = zurich.get("/api/v1/forecast?max_mag=30&night=2026-10-24&samples=500");
+    assert!(many.status == 400 && many.json()["detail"].as_str().unwrap().contains("allowed: up to 200000 points"));
+}
+
 #[test]
 fn a_server_without_a_schedule_judges_any_exposure() {
     let server = Server::start(&[SHARED, &["--limit-mag", "7"]].concat());

@@ -41,6 +41,16 @@ impl Default for ResponseCache {
 }
 
 impl ResponseCache {
+    /// Returns a response, by a key that is not a path.
+    pub fn get(&self, key: &str) -> Option<String> {
+        String::from_utf8(self.cached().get(key)?.to_vec()).ok()
+    }
+
+    /// Keeps a response.
+    pub fn insert(&self, key: String, response: &str) {
+        self.cached().insert(key, Bytes::copy_from_slice(response.as_bytes()));
+    }
+
     fn cached(&self) -> MutexGuard<'_, Cache<String, Bytes, ByteSize>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,5 +1,6 @@
 //! JSON bodies of responses, their JSON Schemas, and columns that occur only in the API.
 
+use hifitime::Epoch;
 use serde_json::{Value, json};
 use streakcast::output::{Column, Kind, Provenance, Table, json_members, json_rows};
 use streakcast::passes::AltAz;
@@ -138,6 +139,12 @@ pub const SUN: [Column; 3] = [
     Column::real("sun_azimuth_deg", "deg", 3, "Azimuth of the Sun, from north through east."),
 ];
 
+/// Columns for local time minus UTC.
+pub const OFFSETS: [Column; 2] = [
+    Column { kind: Kind::Time { decimals: 0 }, ..Column::time("from_utc", "Time from which the value holds.") },
+    Column::real("utc_offset_h", "h", 4, "Local time minus UTC."),
+];
+
 /// Columns for exposures of the schedule. Times and pointings of invalid exposures are null.
 pub const SCHEDULED: [Column; 8] = [
     Column::new("id", Kind::Text, "Identifier of the exposure in the schedule."),
@@ -164,6 +171,12 @@ pub const SITE: [Column; 5] = [
     Column::real("longitude_deg", "deg", 6, "Longitude, east positive."),
     Column::real("height_m", "m", 1, "Height above the ellipsoid."),
 ];
+
+/// Returns the table of local time minus UTC, hours, by the times from which the values hold.
+pub fn offset_table(offsets: Vec<(Epoch, f64)>) -> Table {
+    let rows = offsets.into_iter().map(|(epoch, hours)| vec![epoch.into(), hours.into()]).collect();
+    Table { columns: OFFSETS.to_vec(), rows }
+}
 
 /// Returns altitude and azimuth, degrees.
 pub fn degrees(position: &AltAz) -> (f64, f64) {

@@ -3,7 +3,9 @@
 use hifitime::Epoch;
 use serde_json::{Value, json};
 use streakcast::config::ForecastConfig;
-use streakcast::forecast::{Forecast, Night, PassColumns, calendar, forecast, night_table, pass_table};
+use streakcast::forecast::{
+    Forecast, ForecastRequest, Night, PassColumns, Selection, calendar, forecast, night_table, pass_table,
+};
 use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::passes::VisiblePasses;
 
@@ -12,9 +14,10 @@ use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::RequestState;
 use super::document::{
-    Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
+    Document, OFFSETS, left_out_count_schema, object_schema, offset_table, provenance_schema, row_schema, rows_schema,
+    warnings_schema,
 };
-use crate::clock::night_at;
+use crate::clock::{civil_date, night_at, set_civil_night};
 
 /// Largest number of points of all passes in a response.
 const MOST_POINTS: usize = 200_000;
@@ -37,41 +40,67 @@ pub const PARAMETERS: &[Parameter] = &[
 pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let night = match (query.text("night"), query.moment("time_utc")) {
         (Some(_), Some(_)) => return Err(Problem::both("night", "time_utc")),
-        (Some(night), None) => night.to_owned(),
+        (Some(night), None) => {
+            let mut night = Some(night.to_owned());
+            if let Some(zone) = &state.local_time {
+                set_civil_night(&mut night, &state.config, zone)
+                    .map_err(|error| Problem::new(400, error.to_string()))?;
+            }
+            night.unwrap_or_default()
+        }
         (None, Some(epoch)) => night_at(&state.site, epoch),
         (None, None) => return Err(Problem::missing("night", "night or time_utc")),
     };
-    let mut wanted = ForecastConfig {
-        max_mag: query.number("max_mag"),
-        samples: query.count("samples").or(Some(0)),
-        ..ForecastConfig::default()
-    };
-    wanted.range.night = Some(night.clone());
+    let (max_mag, samples) = (query.number("max_mag"), query.count("samples").unwrap_or(0));
+    // All times of a night have one response.
+    let key = format!("passes of {night}, {max_mag:?}, {samples}");
+    if let Some(response) = state.cache.get(&key) {
+        return Ok(response);
+    }
+    let response = compute(state, night, max_mag, samples)?;
+    state.cache.insert(key, &response);
+    Ok(response)
+}
+
+/// Returns the response for the night whose evening has a date in local mean time.
+fn compute(state: &RequestState, mean_night: String, max_mag: Option<f64>, samples: usize) -> Result<String, Problem> {
+    let mut wanted = ForecastConfig { max_mag, samples: Some(0), ..ForecastConfig::default() };
+    wanted.range.night = Some(mean_night.clone());
     let invalid = |error: String| Problem::new(400, error);
     let (request, selection) = wanted.resolve(&state.config, 0).map_err(|error| invalid(error.to_string()))?;
-    let found = forecast(state.sky(), &request, &selection).map_err(|error| invalid(error.to_string()))?;
-    let points = found.found.passes.len() * request.samples.max(1);
+    let of = |request: &ForecastRequest, selection: &Selection| {
+        forecast(state.sky(), request, selection).map_err(|error| invalid(error.to_string()))
+    };
+    let mut found = of(&request, &selection)?;
+    let passes = found.found.passes.len();
+    let points = passes * samples.max(1);
     if points > MOST_POINTS {
-        let passes = found.found.passes.len();
         let text = format!(
             "{passes} passes with {points} points; allowed: up to {MOST_POINTS} points, with fewer samples or a brighter max_mag"
         );
         return Err(invalid(text));
+    }
+    if samples > 0 && passes > 0 {
+        // Points are only computed for these passes, after their number is known.
+        let norad_ids = found.found.passes.iter().map(|pass| pass.norad_id.0).collect();
+        let request = ForecastRequest { samples, ..request.clone() };
+        found.found.passes = of(&request, &Selection { norad_ids, ..selection.clone() })?.found.passes;
     }
     let mut caveats = state.caveats_at(request.start, request.end, &found.found.left_out)?;
     caveats.warnings.extend(found.prior_warning(state.sky(), request.max_magnitude));
     caveats.warnings.extend(found.fitted_range_warning());
     caveats.warnings.extend(state.prepared.unknown_part_warning(request.start, request.end));
 
-    let columns = PassColumns { p_brighter: true, more: true, samples: request.samples > 0 };
+    let columns = PassColumns { p_brighter: true, more: true, samples: samples > 0 };
     let rows = || found.rows(state.sky());
     let why_empty = found.why_empty(state.sky(), &request);
     let utc_offset_s = |epoch| state.utc_offset_h(epoch) * 3600.0;
     let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&caveats);
-    document.value("date", night);
+    document.value("date", civil_date(&mean_night, &state.site, state.local_time.as_ref()));
     let middle = seconds_after(request.start, 0.5 * seconds_between(request.start, request.end));
     document.value("utc_offset_h", state.utc_offset_h(middle));
+    document.table("utc_offsets", &offset_table(state.utc_offsets(request.start, request.end)));
     document.value("may_have_passes", found.may_have_passes());
     document.record("night", &night_table(&found, why_empty.as_deref()));
     document.table("passes", &pass_table(rows(), columns));
@@ -102,6 +131,7 @@ pub fn schema() -> Value {
             "utc_offset_h",
             json!({"type": "number", "description": "Local time minus UTC in the middle of the night, hours."}),
         ),
+        ("utc_offsets", rows_schema(&OFFSETS)),
         (
             "may_have_passes",
             json!({"type": "boolean", "description": "True if a night without visible passes may have some: elements are too old, or times uncertain by more than a minute."}),

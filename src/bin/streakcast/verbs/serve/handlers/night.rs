@@ -10,11 +10,11 @@ use streakcast::schedule::{ScheduledExposure, Verdict, evening_mjd, flag_exposur
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, optional};
 use super::super::state::{LIMIT_MAG, RequestState};
-use super::document::degrees;
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
 };
-use super::document::{NIGHTS, SCHEDULED, SITE, SUN};
+use super::document::{NIGHTS, OFFSETS, SCHEDULED, SITE, SUN};
+use super::document::{degrees, offset_table};
 use super::exposure::of_sky;
 use crate::clock::date_of;
 
@@ -97,9 +97,10 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
     document.value("to_utc", format_utc(to, 0));
-    // A night with a change of the clocks has the offset of its middle.
+    // That of the middle of the night; `utc_offsets` has all.
     let middle = seconds_after(from, 0.5 * seconds_between(from, to));
     document.value("utc_offset_h", state.utc_offset_h(middle));
+    document.table("utc_offsets", &offset_table(state.utc_offsets(from, to)));
     document.record("site", &site);
     document.value(
         "field",
@@ -148,6 +149,7 @@ pub fn schema() -> Value {
         ("from_utc", text.clone()),
         ("to_utc", text.clone()),
         ("utc_offset_h", number.clone()),
+        ("utc_offsets", rows_schema(&OFFSETS)),
         ("site", row_schema(&SITE)),
         ("field", field),
         ("limit_mag", json!({"type": ["number", "null"]})),

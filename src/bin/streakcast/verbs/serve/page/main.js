@@ -11,7 +11,7 @@ import { Curve } from "./curve.js";
 import { Tonight, examples } from "./tonight.js";
 import * as crossings from "./crossings.js";
 import { hover } from "./hover.js";
-import { clock, copy, delay, fixed, hour, hours, iso, moment, sexagesimal, typed, zone } from "./words.js";
+import { clock, copy, delay, fixed, fromLocal, hour, hours, iso, moment, offsetAt, sexagesimal, typed, zones } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
@@ -94,7 +94,7 @@ const requestForecast = latest("/api/v1/forecast", (document, parameters) => {
   setTonightBusy(false);
   // The list is not that of the question, which may be sent again.
   tonightQuestion = null;
-  tonight.show({ passes: [], calendar: null }, 0);
+  tonight.show({ passes: [], calendar: null });
   $("calendar").hidden = true;
   $("tonight-title").textContent = "Tonight: unknown";
   $("tonight-words").textContent = "";
@@ -235,7 +235,7 @@ function describe() {
   $("height").value = state.height ?? 550;
   $("sigma").checked = state.sigma === "1";
   showBackground();
-  $("start-label").textContent = `Start, local time (${zone(night.utc_offset_h)})`;
+  $("start-label").textContent = `Start, local time (${zones(night.utc_offsets)})`;
   const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
   const shells = (rests.shells ?? []).map((shell) => `${shell.name} (simulated)`);
   const several = rests.mean_motion;
@@ -252,10 +252,12 @@ function describe() {
   showExamples();
 }
 
+/** Returns the present time of requests for tonight's passes. */
+const present = () => iso(Math.floor(Date.now() / TONIGHT_STEP_MS) * TONIGHT_STEP_MS);
+
 /** Requests tonight's passes; the shown ones stay if nothing has changed. */
 function requestTonight() {
-  const time_utc = iso(Math.floor(Date.now() / TONIGHT_STEP_MS) * TONIGHT_STEP_MS);
-  const parameters = { time_utc, max_mag: state.bright ?? BRIGHT_MAG, samples: PASS_SAMPLES };
+  const parameters = { time_utc: present(), max_mag: state.bright ?? BRIGHT_MAG, samples: PASS_SAMPLES };
   $("bright").value = parameters.max_mag;
   $("order").value = state.order ?? "";
   tonight.order = state.order;
@@ -273,16 +275,16 @@ function setTonightBusy(isBusy) {
 function showTonight(forecast) {
   setTonightBusy(false);
   problem("tonight", null);
-  const hours = forecast.utc_offset_h;
-  tonight.show(forecast, hours);
+  tonight.show(forecast);
   const of = forecast.night;
+  const at = (utc) => hour(moment(utc), offsetAt(forecast.utc_offsets, moment(utc)));
   const number = tonight.passes.length;
-  const dark = of.dark_from_utc ? ` The Sun is below ${fixed(of.sun_altitude_limit_deg, 0)}° from ${hour(moment(of.dark_from_utc), hours)} to ${hour(moment(of.dark_until_utc), hours)}.` : "";
+  const dark = of.dark_from_utc ? ` The Sun is below ${fixed(of.sun_altitude_limit_deg, 0)}° from ${at(of.dark_from_utc)} to ${at(of.dark_until_utc)}.` : "";
   const found = number ? `${number} pass${number > 1 ? "es" : ""} probably brighter than mag ${tonightQuestion.max_mag}` : `${forecast.may_have_passes ? "passes unknown" : "no visible pass"}: ${of.why_empty}`;
   const warnings = forecast.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
   const isUnknown = !number && forecast.may_have_passes;
   $("tonight-title").textContent = isUnknown ? "Tonight: unknown" : `Tonight: ${number} visible pass${number === 1 ? "" : "es"}`;
-  $("tonight-words").textContent = `Night of ${forecast.date}, local time (${zone(hours)}): ${found}.${dark}${warnings}`;
+  $("tonight-words").textContent = `Night of ${forecast.date}, local time (${zones(forecast.utc_offsets)}): ${found}.${dark}${warnings}`;
   $("calendar").hidden = !number;
   $("order-label").hidden = number < 2;
 }
@@ -480,7 +482,7 @@ function answered(document, parameters) {
   $("go").hidden = !(flag.delay_s > 0);
   $("go").dataset.delay = flag.delay_s ?? "";
   const [opens] = document.pointing;
-  $("pointing").textContent = `opens ${clock(moment(opens.utc))} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
+  $("pointing").textContent = `opens ${clock(moment(opens.utc))} UTC, ${clock(moment(opens.utc), offsetAt(night.utc_offsets, moment(opens.utc)))} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(document.passes)?.norad_id;
   isAnswered = parameters === question && parameters.samples != null;
@@ -701,9 +703,14 @@ $("order").addEventListener("change", (event) => {
   tonight.sort(state.order);
   link.write(state, "tonight");
 });
-$("calendar").addEventListener("click", () => tonight.download(tonight.calendar, `passes-${night.night}`));
+$("calendar").addEventListener("click", () => tonight.download(tonight.calendar, `passes-${tonight.night}`));
 $("tonight").addEventListener("toggle", () => tonight.draw());
-setInterval(() => tonight.tick(), 1000);
+setInterval(() => {
+  tonight.tick();
+  // After the night, its list is replaced by that of the next one. For the server, the next night begins at sunrise.
+  const isOver = !$("tonight").hidden && Date.now() > tonight.until;
+  if (isOver && tonightQuestion && tonightQuestion.time_utc !== present()) requestTonight();
+}, 1000);
 $("entry").addEventListener("submit", (event) => {
   event.preventDefault();
   enterTyped();
@@ -720,7 +727,7 @@ async function enterTyped() {
   try {
     // The clocks may differ between this night and the shown one.
     const other = await send("/api/v1/night", { time_utc: iso(ms - night.utc_offset_h * 3600e3) });
-    if (entry === entries) await enter(target, iso(ms - other.utc_offset_h * 3600e3), length);
+    if (entry === entries) await enter(target, iso(fromLocal(other.utc_offsets, ms)), length);
   } catch (error) {
     failed(error, "entry");
   }

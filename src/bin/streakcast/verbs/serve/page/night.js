@@ -3,7 +3,7 @@
 import { css, scheme, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
 import { Backdrop, label, prepare, step } from "./canvas.js";
 import { hover } from "./hover.js";
-import { clock, fixed, hour, moment, zone } from "./words.js";
+import { clock, fixed, hour, moment, offsetAt, zones } from "./words.js";
 
 const MARGIN = { left: 6, right: 6, top: 20, bottom: 20 };
 const HOUR = 3600e3;
@@ -51,7 +51,7 @@ export class Night {
     const share = (x - MARGIN.left) / (this.canvas.getBoundingClientRect().width - MARGIN.left - MARGIN.right);
     if (share < 0 || share > 1) return "";
     const ms = this.from + share * (this.to - this.from);
-    return `${hour(ms)} UTC, ${hour(ms, this.night.utc_offset_h)} local, Sun ${fixed(this.sunAltitude(ms), 0)}°`;
+    return `${hour(ms)} UTC, ${hour(ms, offsetAt(this.night.utc_offsets, ms))} local, Sun ${fixed(this.sunAltitude(ms), 0)}°`;
   }
 
   /** Shows a night; `rows` are exposures with their flags, which are null for those that are not in the schedule. */
@@ -121,7 +121,7 @@ export class Night {
 
   axis(context, at, count, top, bottom, colours) {
     const every = step((this.to - this.from) / HOUR, count, [0.25, 0.5, 1, 2, 3, 6]) * HOUR;
-    const offset = this.night.utc_offset_h;
+    const offsets = this.night.utc_offsets;
     context.textAlign = "center";
     context.font = "11px system-ui, sans-serif";
     for (let ms = Math.ceil(this.from / every) * every; ms <= this.to; ms += every) {
@@ -131,11 +131,11 @@ export class Night {
       if (x < 18 || x > at(this.to) - 18) continue;
       context.fillStyle = colours.muted;
       context.fillText(hour(ms), x, bottom + 14);
-      context.fillText(hour(ms, offset), x, top - 7);
+      context.fillText(hour(ms, offsetAt(offsets, ms)), x, top - 7);
     }
     context.textAlign = "left";
     label(context, "UTC", at(this.from) + 2, bottom - 4, colours.muted, colours.dark);
-    label(context, `local, ${zone(offset)}`, at(this.from) + 2, top + 12, colours.muted, colours.dark);
+    label(context, `local, ${zones(offsets)}`, at(this.from) + 2, top + 12, colours.muted, colours.dark);
   }
 
   /** Returns the altitude of the Sun, degrees. */

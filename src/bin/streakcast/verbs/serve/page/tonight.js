@@ -2,7 +2,7 @@
 
 import { css, theme } from "./colours.js";
 import { path, prepare } from "./canvas.js";
-import { fixed, known, moment, save, span } from "./words.js";
+import { fixed, known, moment, offsetAt, save, span } from "./words.js";
 
 const DEG = Math.PI / 180;
 /** Number of passes that are shown at first, and with each click on the button for more. */
@@ -34,15 +34,18 @@ export class Tonight {
     });
   }
 
-  /** Shows a forecast of the server; `hours` is local time minus UTC. */
-  show(forecast, hours) {
+  /** Shows a forecast of the server. */
+  show(forecast) {
     // The events of the calendar are those of the visible passes, in the same order.
     const [head, ...events] = (forecast.calendar ?? "").split(/(?=^BEGIN:VEVENT\r?$)/m);
     this.calendar = forecast.calendar;
     this.passes = forecast.passes
       .filter((pass) => pass.begin_utc)
       .map((pass, place) => ({ ...pass, begin: moment(pass.begin_utc), end: moment(pass.end_utc), calendar: `${head}${events[place]?.replace(/END:VCALENDAR\s*$/, "")}END:VCALENDAR\r\n` }));
-    this.hours = hours;
+    this.night = forecast.date;
+    // End of darkness, after which the night is over at some time.
+    this.until = moment(forecast.night?.dark_until_utc ?? forecast.night?.end_utc ?? NaN);
+    this.offsets = forecast.utc_offsets;
     this.count = STEP;
     this.fill();
   }
@@ -67,7 +70,7 @@ export class Tonight {
     const item = document.createElement("li");
     const canvas = document.createElement("canvas");
     const name = pass.name || String(pass.norad_id);
-    const at = (utc) => known(moment(utc), pass.along_track_sigma_s, this.hours);
+    const at = (utc) => known(moment(utc), pass.along_track_sigma_s, offsetAt(this.offsets, moment(utc)));
     const where = (of) => `${fixed(pass[`${of}_altitude_deg`], 0)}° high in the ${compass(pass[`${of}_azimuth_deg`])}`;
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", `Track of ${name} on the sky, from ${where("begin")} to ${where("end")}`);

@@ -47,6 +47,21 @@ export function typed(text, evening) {
   return day + (isMorning ? 86400e3 : 0) + hour * 3600e3 + minute * 60e3 + Math.round(second * 1e3);
 }
 
+/** Returns local time minus UTC at a time, hours; `offsets` are the values of the API with the times from which they hold. */
+export const offsetAt = (offsets, ms) => (offsets.findLast((one) => moment(one.from_utc) <= ms) ?? offsets[0]).utc_offset_h;
+
+/**
+ * Returns the time, ms since 1970, at which local clocks show a time (ms since 1970 as of a clock). A time that occurs
+ * twice is the first one; a time that clocks skip is as much later.
+ */
+export function fromLocal(offsets, ms) {
+  const times = offsets.map((one) => ms - one.utc_offset_h * 3600e3);
+  return times.find((utc, place) => offsetAt(offsets, utc) === offsets[place].utc_offset_h) ?? times[0];
+}
+
+/** Returns the names of all time zones of a night. */
+export const zones = (offsets) => [...new Set(offsets.map((one) => zone(one.utc_offset_h)))].join(", then ");
+
 /** Returns the name of a time zone like UTC−5 or UTC+5:30. */
 export function zone(hours) {
   const sign = hours < 0 ? "−" : "+";
