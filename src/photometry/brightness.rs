@@ -83,7 +83,8 @@ pub struct Brightness {
     /// Source of the magnitude.
     pub source: MagnitudeSource,
     /// True if the geometry is within 10° of that of the fitted measurements; farther away the uncertainty is more than
-    /// 1.4 times as large as inside.
+    /// 1.4 times as large as inside. False also for satellites of constellations below 300 km, which have just been
+    /// launched or re-enter; their uncertainty is at least 1.5 mag.
     pub in_fitted_range: bool,
     /// True if the model is for another band and the magnitude was converted with the Sun's colour.
     pub grey_reflectance: bool,

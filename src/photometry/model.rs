@@ -59,6 +59,9 @@ fn is_near_shadow(geometry: &ViewingGeometry, lit_fraction: f64) -> bool {
     lit_fraction < NEAR_SHADOW_LIT || is_grazing
 }
 
+/// Height below which no constellation holds its orbit, km. Satellites there have just been launched or re-enter; drag
+/// determines their attitude, and no model was fitted to them. The lowest shells in use are at 340 km.
+const LOWEST_HELD_KM: f64 = 300.0;
 /// Tolerance of the cosine of a phase angle at the end of a range.
 const ROUNDING: f64 = 1e-9;
 
@@ -407,7 +410,7 @@ impl BrightnessModel {
     }
 
     /// Returns the uncertainty (one sigma) of a single magnitude about the model in a geometry, mag, and whether the
-    /// geometry is within 10° of the fitted one.
+    /// geometry is within 10° of the fitted one and the satellite at a height at which constellations hold their orbits.
     fn scatter_mag(&self, geometry: &ViewingGeometry, cos_phase: f64, lit_fraction: f64) -> (f64, bool) {
         // s² = s0² (1 + (d / 10°)²), with the distance d from the fitted geometry, at most that of a diffuse body
         let distance =
@@ -420,10 +423,15 @@ impl BrightnessModel {
         if is_forward {
             variance += FORWARD_SIGMA_MAG * FORWARD_SIGMA_MAG;
         }
+        // Standard magnitudes and priors hold for any attitude.
+        let is_falling = geometry.height_km < LOWEST_HELD_KM && !matches!(self.law, Law::Object(_));
+        if is_falling {
+            variance = variance.max(DIFFUSE_SIGMA_MAG * DIFFUSE_SIGMA_MAG);
+        }
         if is_near_shadow(geometry, lit_fraction) {
             variance += NEAR_SHADOW_SIGMA_MAG * NEAR_SHADOW_SIGMA_MAG;
         }
-        (variance.sqrt(), distance <= 1.0 && !is_forward)
+        (variance.sqrt(), distance <= 1.0 && !is_forward && !is_falling)
     }
 
     /// Returns the uncertainty (one sigma) of a single measurement about the model inside the fitted range, mag.
@@ -438,7 +446,8 @@ impl BrightnessModel {
     }
 
     /// Returns true for a geometry within 10° of that of the fitted points, or for a model that was not fitted to
-    /// points. Beyond the largest fitted phase angle of a model with a forward lobe the result is false.
+    /// points. Beyond the largest fitted phase angle of a model with a forward lobe the result is false, and also below
+    /// 300 km, except for standard magnitudes of objects and for priors.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
         self.scatter_mag(geometry, geometry.to_sun().cosine(&geometry.to_observer()), 1.0).1
     }

@@ -229,40 +229,17 @@ impl Picture {
 
     /// Draws text whose vertical middle is at `position`.
     pub(super) fn text(&mut self, text: &str, position: (f64, f64), size: f64, horizontal: HPos) {
-        self.marks.push(Mark::Text(Words {
-            text: text.to_owned(),
-            position,
-            size,
-            horizontal,
-            is_upright: false,
-            colour: INK,
-        }));
+        self.marks.push(Mark::Text(Words { horizontal, ..Words::new(text, position, size) }));
     }
 
     /// Draws text in a colour, with its middle at `position`.
     pub(super) fn coloured_text(&mut self, text: &str, position: (f64, f64), size: f64, colour: RGBColor) {
-        let text = text.to_owned();
-        self.marks.push(Mark::Text(Words {
-            text,
-            position,
-            size,
-            horizontal: HPos::Center,
-            is_upright: false,
-            colour,
-        }));
+        self.marks.push(Mark::Text(Words { colour, ..Words::new(text, position, size) }));
     }
 
     /// Draws text that runs upwards, with its middle at `position`.
     pub(super) fn upright(&mut self, text: &str, position: (f64, f64), size: f64) {
-        let text = text.to_owned();
-        self.marks.push(Mark::Text(Words {
-            text,
-            position,
-            size,
-            horizontal: HPos::Center,
-            is_upright: true,
-            colour: INK,
-        }));
+        self.marks.push(Mark::Text(Words { is_upright: true, ..Words::new(text, position, size) }));
     }
 
     /// Draws the text of a legend entry; returns the x position of the next entry.
@@ -410,6 +387,11 @@ impl Picture {
 }
 
 impl Words {
+    /// Returns horizontal text in the colour of lines, with its middle at `position`.
+    fn new(text: &str, position: (f64, f64), size: f64) -> Self {
+        Self { text: text.to_owned(), position, size, horizontal: HPos::Center, is_upright: false, colour: INK }
+    }
+
     /// Returns the text as an element of a drawing backend.
     fn element(&self, canvas: &Canvas) -> Text<'_, (i32, i32), &str> {
         let mut font = (FONT_FAMILY, self.size * canvas.scale).into_font();

@@ -149,7 +149,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         [("satellite", 28.0), (rise, 228.0), (set, 318.0), ("brightest", 408.0), ("alt", 504.0), ("mag", 554.0)];
     list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, &columns, &rows);
     picture.set_scales(vec![scale]);
-    let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; arrows where passes end; grey where not visible. The list has time, altitude and magnitude of the brightest point of each pass. ".to_owned();
+    let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; arrows where passes end; grey where not visible. The list has rise and set of the whole pass, and time, altitude and magnitude of its brightest point. ".to_owned();
     if tracks.len() < input.tracks.len() {
         caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
     }

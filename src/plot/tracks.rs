@@ -164,7 +164,7 @@ pub(super) fn magnitude_text(magnitude: f64, sigma_mag: f64) -> String {
     match (magnitude.is_finite(), sigma_mag.is_finite()) {
         (true, true) => format!("{} ±{}", fixed(magnitude, 1), fixed(sigma_mag, 1)),
         (true, false) => fixed(magnitude, 1),
-        (false, _) => "dark".to_owned(),
+        (false, _) => "not visible".to_owned(),
     }
 }
 

@@ -110,6 +110,19 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
     assert_eq!(gate(&folder, &below).2["fault"], "target");
 }
 
+/// By daylight the line states the Sun; by night it does not.
+#[test]
+fn daylight_is_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    for (now, is_light) in [("2024-08-14T19:00:00.000Z", true), (NOW, false)] {
+        let (code, stderr, status) = gate(&folder, &[&["--ra", "150", "--dec=-30"], LIMIT, &["--now", now]].concat());
+        let sun_deg = status["sun_altitude_deg"].as_f64().unwrap();
+        assert_eq!((code, sun_deg > -6.0), (0, is_light), "{stderr}");
+        assert_eq!(stderr.contains(&format!("; it is not dark: the Sun is at {sun_deg:.1} deg")), is_light, "{stderr}");
+        assert_eq!(status["message"].as_str().unwrap().contains("not dark"), is_light, "{status}");
+    }
+}
+
 #[test]
 fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
     let folder = tempfile::tempdir().unwrap();

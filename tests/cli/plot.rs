@@ -474,6 +474,22 @@ fn verif_tables_of_forecast_are_drawn() {
         assert!(texts.iter().any(|text| text.contains(&format!("(NORAD {id})"))), "{texts:?}");
         assert!(texts.iter().any(|text| text == "magnitude, ±1σ") && !texts.iter().any(|text| text == "in the field"));
     }
+    // Of several passes, the brightest one is drawn and the others are mentioned; a time selects another one.
+    assert!(passes.len() > 1, "only one pass");
+    let out = path(&folder, "chosen.svg");
+    let (_, _, stderr) = run(&[&["plot", "light-curve", "--from", &curves, "-o", &out]]);
+    assert!(stderr.contains(&format!("has {} such passes; the brightest is drawn", passes.len())), "{stderr}");
+    let other = passes.iter().find(|pass| pass["norad_id"] != brightest["norad_id"]).unwrap();
+    let at = other["culmination_utc"].as_str().unwrap();
+    let (code, _, stderr) = run(&[&["plot", "light-curve", "--from", &curves, "--start", at, "-o", &out]]);
+    assert!(code == 0 && !stderr.contains("such passes"), "{stderr}");
+    let number = format!("(NORAD {})", other["norad_id"]);
+    assert!(svg_texts(&out).iter().any(|text| text.contains(&number)), "{number}");
+    let noon = ["--start", "2026-08-14T12:00:00Z"];
+    fails(
+        &[&["light-curve", "--from", &curves, "-o", &out], &noon],
+        &["no pass of table", "one of the starts 2026-08-1"],
+    );
     // A night without passes gives an empty sky chart. A light curve cannot be plotted.
     let empty = path(&folder, "empty.json");
     let (code, _, stderr) = run(&[&night[..3], &["--max-mag", "-9", "--samples", "5", "-o", &empty], SKY]);

@@ -133,7 +133,7 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     has(&chart(&outlines, &many).unwrap(), &["and 8 more, in the data"]);
     // Small fields are labelled in arcminutes. A streak in the shadow has no magnitude.
     let small = [vec![[10.01, 0.0], [10.0, 0.06], [9.99, 0.0]]];
-    has(&chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(), &["+0°02′", "dark"]);
+    has(&chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(), &["+0°02′", "not visible"]);
 }
 
 /// The caption explains the band with its smallest and largest width, and the line is dashed where the geometry is outside
@@ -340,7 +340,7 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     pixels(&picture);
     // Passes without magnitudes, and a night without passes, can be drawn.
     let dark = SkyTrack { magnitude: vec![f64::NAN; 41], ..pass("DARK") };
-    has(&drawn(&[dark]).unwrap(), &["dark"]);
+    has(&drawn(&[dark]).unwrap(), &["not visible"]);
     has(&drawn(&[]).unwrap(), &["no pass", "30°"]);
 }
 

@@ -126,6 +126,19 @@ pub fn line(result: &Result<GateVerdict, Fault>, flags: &Flags) -> String {
     }
 }
 
+/// Name of the Sun's altitude in the status.
+pub const SUN_ALTITUDE: &str = "sun_altitude_deg";
+/// Altitude of the Sun above which the line of a run states it, degrees: the end of civil twilight.
+const TWILIGHT_DEG: f64 = -6.0;
+
+/// Returns a remark for the line of a run by daylight or in bright twilight, for which the search for clear starts does
+/// not wait; empty by night.
+pub fn daylight(status: &Map<String, Value>) -> String {
+    let altitude_deg = status.get(SUN_ALTITUDE).and_then(Value::as_f64);
+    let bright = altitude_deg.filter(|altitude_deg| *altitude_deg > TWILIGHT_DEG);
+    bright.map(|altitude_deg| format!("; it is not dark: the Sun is at {altitude_deg:.1} deg")).unwrap_or_default()
+}
+
 /// Rounds a number to some decimals; `None` if it is not finite.
 pub fn rounded(value: f64, decimals: i32) -> Option<f64> {
     let scale = 10_f64.powi(decimals);

@@ -19,7 +19,7 @@ use streakcast::schedule::{
 
 use super::arguments::{Flags, GateArguments, Request};
 use super::deadline::{NoResult, Step, left, within};
-use super::report::{Counted, GateVerdict, line, rounded, state, write_final, write_waiting};
+use super::report::{Counted, GateVerdict, SUN_ALTITUDE, daylight, line, rounded, state, write_final, write_waiting};
 use super::sky::prepare;
 use super::status_file::{Fault, FaultKind};
 use super::{ekos, indi, targets};
@@ -93,7 +93,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
             result = Err(Fault::new(FaultKind::Clock, message));
         }
     }
-    let line = line(&result, &flags);
+    let line = line(&result, &flags) + &daylight(&status);
     let verdict = match &result {
         Ok(GateVerdict::Clear { .. }) => "clear",
         Ok(GateVerdict::Best { .. }) => "start",
@@ -205,6 +205,9 @@ fn verdict(
 
     let prepared = prepare(flags, request, &site, step, status, notices)?;
     let now = flags.clock.now();
+    let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
+    let sun = prepared.sky.sun_altaz(now).map_err(|error| setup_fault(&error))?;
+    state(status, SUN_ALTITUDE, rounded(sun.altitude_rad.to_degrees(), 2));
     step.begin("computing the crossings");
     let policy = &request.plan.policy;
     notices.warn(policy.band_warning(&BTreeSet::from([band.as_deref()])).as_slice());
@@ -223,7 +226,6 @@ fn verdict(
     if let Some(reason) = unknown {
         return Err(Fault::new(FaultKind::StaleElements, reason));
     }
-    let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
     let below = || {
         let message = format!(
             "target {} is below the horizon of {}; allowed: a target above the horizon",

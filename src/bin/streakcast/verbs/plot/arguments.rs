@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
 
-use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id};
+use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id, parse_night};
 use streakcast::plot::{FileOptions, PictureSize};
 
 use crate::local_time::ZoneArguments;
@@ -95,7 +95,7 @@ pub struct PlotNightArguments {
     #[arg(long, value_name = "FILE", conflicts_with_all = ["elements", "shells", "policy", "max_delay"])]
     pub from: Option<PathBuf>,
     /// Night of a longer schedule, by the evening's local date, for example 2024-08-13; the first if omitted
-    #[arg(long, value_name = "DATE")]
+    #[arg(long, value_name = "DATE", value_parser = parse_night)]
     pub night: Option<String>,
     #[command(flatten)]
     pub rules: RulesConfig,
@@ -134,11 +134,12 @@ pub struct PlotFieldArguments {
 pub struct PlotLightCurveArguments {
     /// Input table: data of an earlier plot light-curve, or output of forecast (--light-curves, or JSON with --samples
     /// N)
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "ra", "dec", "elements", "shells"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["exposure", "ra", "dec", "elements", "shells"])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub exposure: ExposureConfig,
-    /// NORAD catalogue number of a crossing satellite, or of a pass of a forecast; the brightest if omitted
+    /// NORAD catalogue number of a crossing satellite, or of a pass of a forecast; the brightest if omitted. Of several
+    /// passes of a forecast, --start selects the one at that time
     #[arg(long, value_name = "ID", value_parser = norad_id)]
     pub norad: Option<u32>,
     /// Time before entry and after exit, with its unit, at most 10min
@@ -189,7 +190,7 @@ pub struct PlotSkyRateArguments {
     #[arg(long, requires = "night", conflicts_with_all = ["start", "sun_altitude_deg", "repeats", "over"])]
     pub equatorial: bool,
     /// Nights for --equatorial, by the local date of their evening
-    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', requires = "equatorial")]
+    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', value_parser = parse_night, requires = "equatorial")]
     pub night: Vec<String>,
     /// Highest altitude of the Sun for --equatorial, degrees
     #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true, requires = "equatorial")]

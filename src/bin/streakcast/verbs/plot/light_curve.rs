@@ -5,8 +5,8 @@ use serde_json::json;
 use streakcast::config::Config;
 use streakcast::config::parse_duration_s;
 use streakcast::elements::NoradId;
-use streakcast::frames::{mjd_utc, seconds_after};
-use streakcast::output::{Column, Kind, Table, Value};
+use streakcast::frames::{mjd_utc, parse_moment, seconds_after};
+use streakcast::output::{Column, Kind, Table, Value, format_utc};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, TrackPoint};
 use streakcast::plot::{LightCurve, Picture, light_curve};
 
@@ -26,6 +26,8 @@ const POINTS: usize = 400;
 /// Longest time before entry and after exit, seconds.
 const MAX_AROUND_S: f64 = 600.0;
 const DAY_S: f64 = 86_400.0;
+/// Time by which --start may be before a pass or after it, seconds: tables for the terminal are rounded.
+const START_TOLERANCE_S: f64 = 60.0;
 
 const COLUMNS: [Column; 11] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
@@ -53,18 +55,24 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
+        let scale = config.time_scale()?;
         let site = columns.site_with(&config, site);
         let clock = Clock::new(typed.zone.or_of(&columns.time_zone_with(config))?, site.as_ref());
         let picture = if columns.has("in_field") {
-            if let Some(id) = typed.norad {
+            let given = typed.norad.map(|id| format!("--norad {id}"));
+            let given = given.or(typed.exposure.start.as_ref().map(|start| format!("--start {}", start.as_str())));
+            if let Some(given) = given {
                 bail!(
-                    "--norad {id} is given for table {}, which has only one pass; allowed: the command without --norad",
+                    "{given} is given for table {}, which has only one pass; allowed: the command without it",
                     path.display()
                 );
             }
             picture(&columns, typed.limit_mag, clock.as_ref(), title)?
         } else {
-            of_forecast(&columns, typed.norad, typed.limit_mag, clock.as_ref(), title)?
+            let start = typed.exposure.start.as_ref().map(|start| parse_moment(start.as_str(), scale)).transpose()?;
+            let (curve, remark) = curve_of_forecast(&columns, typed.norad, start.map(mjd_utc))?;
+            remark.iter().for_each(|remark| notices.info(remark));
+            of_forecast(&columns, curve, typed.limit_mag, clock.as_ref(), title)?
         };
         target.write_picture(&picture, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
@@ -103,7 +111,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         ]
     };
     let table = Table { columns: COLUMNS.to_vec(), rows: track.iter().map(row).collect() };
-    let moments = |seconds: f64| streakcast::output::format_utc(seconds_after(prediction.exposure.start, seconds), 6);
+    let moments = |seconds: f64| format_utc(seconds_after(prediction.exposure.start, seconds), 6);
     let chords: Vec<[String; 2]> =
         pass.chords.iter().map(|chord| [moments(chord.enter_s), moments(chord.exit_s)]).collect();
     let shutter = [moments(0.0), moments(prediction.exposure.duration_s)];
@@ -160,19 +168,58 @@ fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<
     })
 }
 
-/// Plots one pass of a forecast from rise to set: that of the given satellite, or the brightest one.
-fn of_forecast(
+/// Returns the pass of a forecast of the given satellite at a time (MJD, UTC), or else the brightest one, and a remark
+/// if there are others.
+fn curve_of_forecast(
     columns: &Columns,
     norad: Option<u32>,
+    start_mjd: Option<f64>,
+) -> anyhow::Result<(Curve, Option<String>)> {
+    let all = curves(columns, norad.as_slice())?;
+    let of_satellites = all.len();
+    let ends = |curve: &Curve| (curve.track.time_mjd.first().copied(), curve.track.time_mjd.last().copied());
+    let is_at = |curve: &Curve, mjd: f64| match ends(curve) {
+        (Some(first), Some(last)) => {
+            (first - START_TOLERANCE_S / DAY_S..=last + START_TOLERANCE_S / DAY_S).contains(&mjd)
+        }
+        _ => false,
+    };
+    let text = |mjd: Option<f64>| {
+        mjd.map(|mjd| format_utc(hifitime::Epoch::from_mjd_utc(mjd), 0)).unwrap_or_else(|| "an unknown time".to_owned())
+    };
+    let starts: Vec<String> = all.iter().take(10).map(|curve| text(ends(curve).0)).collect();
+    let found = all.into_iter().filter(|curve| start_mjd.is_none_or(|mjd| is_at(curve, mjd)));
+    // NaN is ordered after all numbers.
+    let brightest = found.min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
+    let curve = brightest.ok_or_else(|| match start_mjd {
+        Some(mjd) => anyhow!(
+            "no pass of table {} at {}; allowed: a time in a pass, for example one of the starts {}",
+            columns.origin(),
+            text(Some(mjd)),
+            starts.join(", ")
+        ),
+        None => anyhow!("table {} has no pass; allowed: one or more", columns.origin()),
+    })?;
+    let remark = (start_mjd.is_none() && of_satellites > 1).then(|| {
+        format!(
+            "the table has {of_satellites} such passes; the brightest is drawn, {} at {}; --norad ID and --start TIME \
+             select another one",
+            curve.track.name,
+            text(ends(&curve).0)
+        )
+    });
+    Ok((curve, remark))
+}
+
+/// Plots one pass of a forecast from rise to set.
+fn of_forecast(
+    columns: &Columns,
+    curve: Curve,
     limit_mag: Option<f64>,
     clock: Option<&Clock>,
     title: Option<&str>,
 ) -> anyhow::Result<Picture> {
-    let found = curves(columns, norad.as_slice())?;
-    // NaN is ordered after all numbers.
-    let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
-    let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], in_fitted_range, track } =
-        brightest.ok_or_else(|| anyhow!("table {} has no pass; allowed: one or more", columns.origin()))?;
+    let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], in_fitted_range, track } = curve;
     let highest = track.altitude_deg.iter().copied().fold(f64::NAN, f64::max);
     let synthetic = if is_synthetic { SYNTHETIC } else { "" };
     let name = format!("{}{synthetic}", track.name);
@@ -231,7 +278,7 @@ fn picture(
     if let [[enter, exit], ..] = in_field.as_slice() {
         let seconds: f64 = in_field.iter().map(|[enter, exit]| (exit - enter) * DAY_S).sum();
         let at = |mjd: f64| {
-            let text = streakcast::output::format_utc(hifitime::Epoch::from_mjd_utc(mjd), 2);
+            let text = format_utc(hifitime::Epoch::from_mjd_utc(mjd), 2);
             text.split('T').nth(1).unwrap_or_default().trim_end_matches('Z').to_owned()
         };
         let last = in_field.last().map_or(*exit, |[_, exit]| *exit);
