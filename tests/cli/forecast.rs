@@ -390,7 +390,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let elsewhere = path(&folder, "nowhere/x.csv");
     for (arguments, parts) in [
-        (&["--night", "14.8.2024"][..], &["invalid night '14.8.2024'", "2024-08-14"][..]),
+        (&["--night", "8/14/2024"][..], &["'8/14/2024' for '--night <DATE>'", "tonight", "2024-08-14"][..]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["; allowed: 0 to 31 days"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-13T00:00:00Z"], &["the end not before the start"]),

@@ -37,7 +37,7 @@ fn verif_statistics_by_season_and_latitude() {
 fn bad_input_is_one_line() {
     let statistics: [(&[&str], &str); 6] = [
         (&[], "--night"),
-        (&["--night", "x"], "invalid night 'x'"),
+        (&["--night", "x"], "'x' for '--night <DATE>...': not a night"),
         (&["--night", "2024-06-21", "--moments", "0"], "1 to 10000"),
         (&["--night", "2024-06-21", "--min-altitude", "95"], "0 to 89 deg"),
         (&["--night", "2024-06-21", "--latitudes", "95"], "-90 to 90 deg"),

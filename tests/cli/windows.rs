@@ -260,7 +260,7 @@ fn invalid_arguments_are_reported() {
     fs::write(&policy, "max_cost_s = 1").unwrap();
     let base: &[&str] = &["windows", "--targets", &targets, "--fov", "6deg"];
     for (arguments, part) in [
-        (&[base, SKY, &["--night", "tomorrow"]][..], "invalid night 'tomorrow'"),
+        (&[base, SKY, &["--night", "tomorrow"]][..], "'tomorrow' for '--night <DATE>': not a night"),
         (
             &[base, SKY, &["--start", "2024-08-14T23:20:00Z", "--end", "2024-08-14T22:20:00Z"]],
             "the end not before the start",

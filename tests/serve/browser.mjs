@@ -569,7 +569,7 @@ try {
     // Simulated Starlinks are rarely brighter than the default limit.
     const page = await open("#bright=6", { viewport: { width: 1440, height: 900 }, acceptDownloads: true }, bareUrl);
     const asked = [...requests].findLast((request) => request.includes("/api/v1/forecast?") && request.includes("max_mag=6"));
-    const { passes, calendar } = await (await fetch(asked)).json();
+    const { date, night, passes, calendar } = await (await fetch(asked)).json();
     assert.ok(passes.length > 12, `${passes.length} passes`);
     assert.equal(await page.textContent("#tonight-title"), `Tonight: ${passes.length} visible passes`);
     const names = () => page.$$eval("#passes h3", (list) => list.map((one) => one.textContent));
@@ -599,12 +599,16 @@ try {
     assert.match(name, new RegExp(`^pass-${passes[0].norad_id}-\\d{8}T\\d{4}Z\\.ics$`));
     assert.ok(one.startsWith("BEGIN:VCALENDAR\r\n") && one.endsWith("END:VEVENT\r\nEND:VCALENDAR\r\n") && one.split("BEGIN:VEVENT").length === 2, one);
     assert.ok(one.includes(`UID:${passes[0].norad_id}-`));
-    assert.equal((await saved("#calendar"))[1], calendar);
+    assert.deepEqual(await saved("#calendar"), [`passes-${date}.ics`, calendar]);
     await page.click("#more");
     assert.deepEqual(await names(), passes.slice(0, 24).map((pass) => pass.name));
     await page.selectOption("#order", "time");
     assert.deepEqual(await names(), passes.toSorted((a, b) => Date.parse(a.begin_utc) - Date.parse(b.begin_utc)).slice(0, 24).map((pass) => pass.name));
     await settled(page);
+    // After the night, the list is that of the next one.
+    const next = new Date(Date.parse(date) + 86400e3).toISOString().slice(0, 10);
+    await page.evaluate((now) => (Date.now = () => now), Date.parse(night.dark_until_utc) + 6 * 3600e3);
+    await eventually(async () => assert.match(await page.textContent("#tonight-words"), new RegExp(`^Night of ${next},`)));
     // With a limit that no pass exceeds, the reason is stated.
     await page.fill("#bright", "-4");
     await page.keyboard.press("Tab");
@@ -825,6 +829,27 @@ try {
     const shown = await night.textContent("#exposure");
     assert.ok(/opens 23:29:05 UTC, 18:29:05 local/.test(shown) && !/\d\.\d{3}|\d ms/.test(shown), shown);
     await night.close();
+  });
+
+  await step("local times follow a change of the clocks", async () => {
+    const page = await open();
+    const found = await page.evaluate(async () => {
+      const { fromLocal, iso, offsetAt, typed, zones } = await import("/words.js");
+      const offsets = (change, before, after) => [["T11:00:00Z", before], [change, after]].map(([time, hours], place) => ({ from_utc: place ? time : `2026-01-01${time}`, utc_offset_h: hours }));
+      const [autumn, spring] = [offsets("2026-10-25T01:00:00Z", 2, 1), offsets("2026-03-29T01:00:00Z", 1, 2)];
+      const utc = (of, evening, text) => iso(fromLocal(of, typed(text, evening)));
+      return [
+        zones(autumn), offsetAt(autumn, Date.parse("2026-10-25T00:59:59Z")), offsetAt(autumn, Date.parse("2026-10-25T01:00:00Z")),
+        ...["23:00", "2:30", "3:30"].map((text) => utc(autumn, "2026-10-24", text)),
+        ...["23:00", "2:30", "3:30"].map((text) => utc(spring, "2026-03-28", text)),
+      ];
+    });
+    assert.deepEqual(found, [
+      "UTC+2, then UTC+1", 2, 1,
+      "2026-10-24T21:00:00Z", "2026-10-25T00:30:00Z", "2026-10-25T02:30:00Z",
+      "2026-03-28T22:00:00Z", "2026-03-29T01:30:00Z", "2026-03-29T01:30:00Z",
+    ]);
+    await page.close();
   });
 
   await step("reasons name the satellites", async () => {

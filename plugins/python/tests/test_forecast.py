@@ -161,7 +161,7 @@ def test_the_old_method_gives_the_same_passes(sky):
 
 def test_invalid_arguments_are_reported(sky):
     cases = [
-        (dict(night="14.8.2026"), "invalid night '14.8.2026'; allowed: the local date of the evening"),
+        (dict(night="8/14/2026"), "invalid night '8/14/2026'; allowed: the local date of the evening"),
         (dict(), "specify night, or start and end"),
         (dict(night=[]), "night is empty; allowed"),
         (dict(night=NIGHT, start=START, end=START), "specify night, or start and end"),

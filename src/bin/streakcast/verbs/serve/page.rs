@@ -21,6 +21,7 @@ pub static FILES: &[(&str, &str, &[u8])] = &[
     ("/contours.js", SCRIPT, include_bytes!("page/contours.js")),
     ("/curve.js", SCRIPT, include_bytes!("page/curve.js")),
     ("/tonight.js", SCRIPT, include_bytes!("page/tonight.js")),
+    ("/tonight_panel.js", SCRIPT, include_bytes!("page/tonight_panel.js")),
     ("/crossings.js", SCRIPT, include_bytes!("page/crossings.js")),
 ];
 

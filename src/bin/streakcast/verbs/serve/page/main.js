@@ -8,10 +8,10 @@ import { Strip } from "./strip.js";
 import { Field, size } from "./field.js";
 import { Dome } from "./dome.js";
 import { Curve } from "./curve.js";
-import { Tonight, examples } from "./tonight.js";
+import { TonightPanel, showExamples } from "./tonight_panel.js";
 import * as crossings from "./crossings.js";
 import { hover } from "./hover.js";
-import { clock, copy, delay, fixed, fromLocal, hour, hours, iso, moment, offsetAt, sexagesimal, typed, zones } from "./words.js";
+import { clock, copy, delay, fixed, fromLocal, hours, iso, moment, offsetAt, sexagesimal, typed, zones } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
@@ -21,13 +21,6 @@ const SAMPLES = 41;
  * updated.
  */
 const REST_MS = 150;
-/** Default magnitude limit of tonight's passes, and points along each pass. */
-const BRIGHT_MAG = 4;
-const PASS_SAMPLES = 25;
-/** Tonight's passes are requested for whole intervals of this length, ms, so that the server computes them once. */
-const TONIGHT_STEP_MS = 600e3;
-/** Number of examples of targets. */
-const EXAMPLES = 5;
 
 /** State in the address. */
 const state = { shift: 0, ...link.read() };
@@ -40,7 +33,6 @@ let detailed = null;
 /** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
-let tonightQuestion = null;
 /** Number of selections of an exposure; responses to requests of earlier ones are dropped. */
 let choice = 0;
 /** Number of the last selection whose response is shown. */
@@ -63,7 +55,7 @@ const strip = new Strip($("strip"), moved);
 const fieldChart = new Field($("field"), selectSatellite);
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
-const tonight = new Tonight($("passes"), $("more"));
+const tonight = new TonightPanel(state, { problem, failed, isNew });
 
 const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
@@ -86,20 +78,6 @@ const requestVerdicts = latest("/api/v1/night", (document) => {
   nightChart.show(night, rows);
   drawNight();
 }, (error) => failed(error, "night"));
-
-const requestForecast = latest("/api/v1/forecast", (document, parameters) => {
-  if (parameters === tonightQuestion) showTonight(document);
-}, (error, parameters) => {
-  if (parameters !== tonightQuestion) return;
-  setTonightBusy(false);
-  // The list is not that of the question, which may be sent again.
-  tonightQuestion = null;
-  tonight.show({ passes: [], calendar: null });
-  $("calendar").hidden = true;
-  $("tonight-title").textContent = "Tonight: unknown";
-  $("tonight-words").textContent = "";
-  failed(error, "tonight");
-});
 
 /** Adds the number of the selection to the parameters of a request, as a property that is not sent. */
 const withChoice = (parameters) => Object.defineProperty(parameters, "choice", { value: choice });
@@ -246,64 +224,8 @@ function describe() {
   // Without a schedule, panels of an exposure are collapsed until a target is entered.
   const isTonight = !night.nights.length;
   $("main").toggleAttribute("data-empty", !rows.length);
-  $("tonight").hidden = !isTonight;
-  $("tonight").open = isTonight && !rows.length;
-  if (isTonight) requestTonight();
-  showExamples();
-}
-
-/** Returns the present time of requests for tonight's passes. */
-const present = () => iso(Math.floor(Date.now() / TONIGHT_STEP_MS) * TONIGHT_STEP_MS);
-
-/** Requests tonight's passes; the shown ones stay if nothing has changed. */
-function requestTonight() {
-  const parameters = { time_utc: present(), max_mag: state.bright ?? BRIGHT_MAG, samples: PASS_SAMPLES };
-  $("bright").value = parameters.max_mag;
-  $("order").value = state.order ?? "";
-  tonight.order = state.order;
-  if (JSON.stringify(parameters) === JSON.stringify(tonightQuestion)) return tonight.sort(state.order);
-  tonightQuestion = parameters;
-  setTonightBusy(true);
-  requestForecast(parameters);
-}
-
-function setTonightBusy(isBusy) {
-  $("tonight").setAttribute("aria-busy", String(isBusy));
-  $("tonight-busy").hidden = !isBusy;
-}
-
-function showTonight(forecast) {
-  setTonightBusy(false);
-  problem("tonight", null);
-  tonight.show(forecast);
-  const of = forecast.night;
-  const at = (utc) => hour(moment(utc), offsetAt(forecast.utc_offsets, moment(utc)));
-  const number = tonight.passes.length;
-  const dark = of.dark_from_utc ? ` The Sun is below ${fixed(of.sun_altitude_limit_deg, 0)}° from ${at(of.dark_from_utc)} to ${at(of.dark_until_utc)}.` : "";
-  const found = number ? `${number} pass${number > 1 ? "es" : ""} probably brighter than mag ${tonightQuestion.max_mag}` : `${forecast.may_have_passes ? "passes unknown" : "no visible pass"}: ${of.why_empty}`;
-  const warnings = forecast.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
-  const isUnknown = !number && forecast.may_have_passes;
-  $("tonight-title").textContent = isUnknown ? "Tonight: unknown" : `Tonight: ${number} visible pass${number === 1 ? "" : "es"}`;
-  $("tonight-words").textContent = `Night of ${forecast.date}, local time (${zones(forecast.utc_offsets)}): ${found}.${dark}${warnings}`;
-  $("calendar").hidden = !number;
-  $("order-label").hidden = number < 2;
-}
-
-/** Shows well-known objects that are high now, as examples of targets. */
-function showExamples() {
-  $("examples").replaceChildren(
-    "High now: ",
-    ...examples(night.site, Date.now(), EXAMPLES).map((name) => {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = name;
-      button.addEventListener("click", () => {
-        $("target").value = name;
-        $("entry").requestSubmit();
-      });
-      return button;
-    }),
-  );
+  tonight.begin(isTonight, !rows.length);
+  showExamples(night.site);
 }
 
 /** Shows the night's numbers of verdicts. */
@@ -692,25 +614,6 @@ $("link").addEventListener("click", async () => {
 $("csv").addEventListener("click", async () => {
   await copyAs("Crossings", crossings.csv(detailed?.passes ?? []));
 });
-$("bright").addEventListener("change", (event) => {
-  if (!event.target.checkValidity() || event.target.value === "") return problem("tonight", "Brighter than: -5 to 10 mag.");
-  state.bright = Number(event.target.value);
-  requestTonight();
-  link.write(state, "tonight");
-});
-$("order").addEventListener("change", (event) => {
-  state.order = event.target.value || undefined;
-  tonight.sort(state.order);
-  link.write(state, "tonight");
-});
-$("calendar").addEventListener("click", () => tonight.download(tonight.calendar, `passes-${tonight.night}`));
-$("tonight").addEventListener("toggle", () => tonight.draw());
-setInterval(() => {
-  tonight.tick();
-  // After the night, its list is replaced by that of the next one. For the server, the next night begins at sunrise.
-  const isOver = !$("tonight").hidden && Date.now() > tonight.until;
-  if (isOver && tonightQuestion && tonightQuestion.time_utc !== present()) requestTonight();
-}, 1000);
 $("entry").addEventListener("submit", (event) => {
   event.preventDefault();
   enterTyped();
