@@ -2,13 +2,14 @@
 # Measures tables of the documentation again.
 #   docs/tables.sh                       accuracy: runs the tests that compare with authorities; needs STREAKCAST_DATA
 #   docs/tables.sh measuring             runs the ignored test `fluxes_of_many` (some 2,600 streaks)
+#   docs/tables.sh coverage              runs the ignored test `coverage_of_many` (6,000 streaks)
 #   docs/tables.sh lu2024                runs `streakcast reproduce lu2024`; needs STREAKCAST_DATA
 #   docs/tables.sh speed                 runs all benches, also with other programs; takes an hour
 #   docs/tables.sh speed --only streaks  runs only the named benches and keeps the other sections
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-usage="usage: docs/tables.sh [accuracy | measuring | lu2024 | speed [--only NAME,...] [--rounds N]]"
+usage="usage: docs/tables.sh [accuracy | measuring | coverage | lu2024 | speed [--only NAME,...] [--rounds N]]"
 python=${PYTHON:-python3}
 mode=${1:-accuracy}
 if [ "$mode" = speed ]; then shift; exec "$python" docs/speed.py "$@"; fi
@@ -24,6 +25,10 @@ case "$mode" in
     measuring)
         cargo test --quiet --test images fluxes_of_many -- --ignored --nocapture >"$work/log"
         grep '^|' "$work/log" >"$work/$mode.md" || { echo "docs/tables.sh: fluxes_of_many prints no table" >&2; exit 1; }
+        ;;
+    coverage)
+        cargo test --quiet --test images coverage_of_many -- --ignored --nocapture >"$work/log"
+        grep '^|' "$work/log" >"$work/$mode.md" || { echo "docs/tables.sh: coverage_of_many prints no table" >&2; exit 1; }
         ;;
     lu2024)
         # Table 1 counts satellites in element sets of six years, because many have reentered. The sets have names, by

@@ -76,7 +76,7 @@ pub struct TimeRangeConfig {
     /// Start of the time range (of windows: earliest shutter opening), for example 2024-08-14T23:30:00Z
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end"))]
     pub start: Option<String>,
-    /// End of the time range, at most 31 days later
+    /// End of the time range, at most 31 days later (of windows: latest shutter closing)
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start"))]
     pub end: Option<String>,
 }

@@ -198,6 +198,8 @@ impl PreparedSky {
         let uncovered = names(uncovered.map(|(index, _)| index), self.sky.elements());
         let all = self.sky.ephemeris_coverage(first, last).count();
         warnings.extend(warnings::of_uncovered(&uncovered, all));
+        let contradictory = self.sky.contradictory_ephemerides().iter().copied();
+        warnings.extend(warnings::of_contradictory(&names(contradictory, self.sky.elements())));
         warnings.extend(warnings::of_age(&self.sky, self.from_files, first, last, is_selected));
         warnings.extend(self.shells_made_for.and_then(|day| warnings::of_shells(day, first, last)));
         warnings.extend(warnings::of_orientation(&self.eop, first, last));

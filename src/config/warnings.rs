@@ -135,6 +135,17 @@ pub(super) fn of_uncovered(names: &[String], all: usize) -> Option<String> {
     })
 }
 
+/// Returns the warning about satellites with ephemerides of one message that contradict each other.
+pub(super) fn of_contradictory(names: &[String]) -> Option<String> {
+    (!names.is_empty()).then(|| {
+        format!(
+            "segments of one ephemeris message overlap and differ by more than 1 km, without USEABLE times that decide; the \
+             one that begins later is used: {}",
+            first_of(names)
+        )
+    })
+}
+
 /// Returns the first names of a list, separated by commas.
 pub(super) fn first_of(names: &[String]) -> String {
     let more = if names.len() > NAMED { ", ..." } else { "" };

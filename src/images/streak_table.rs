@@ -8,7 +8,7 @@ use super::error::ImagesError;
 use super::pixels::PixelPosition;
 use super::streak_catalogues;
 use crate::frames::{Direction, Gcrs};
-use crate::input::{Column, TableRow, TableRows};
+use crate::input::{Column, TableRow, TableRows, comments_warning};
 use crate::message::{Quoted, listed};
 use crate::units::{DEGREES, PIXELS, Unit};
 
@@ -55,6 +55,7 @@ pub struct StreakTable {
     id: Option<Column>,
     image: Option<Column>,
     hdu: Option<Column>,
+    comments_like_rows: usize,
     rows: Vec<TableRow>,
 }
 
@@ -147,9 +148,9 @@ impl StreakTable {
         let [id, name, image, hdu] = ["id", "name", "image", "hdu"].map(|column| rows.find(column));
         let id = id.or(name);
         let more = also(&rows).map_err(&failed)?;
-        let names = rows.names().to_vec();
+        let (names, comments_like_rows) = (rows.names().to_vec(), rows.comments_like_rows);
         let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
-        Ok((Self { path: path.to_owned(), names, forms, id, image, hdu, rows }, more))
+        Ok((Self { path: path.to_owned(), names, forms, id, image, hdu, comments_like_rows, rows }, more))
     }
 
     /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
@@ -172,7 +173,8 @@ impl StreakTable {
         };
         let others: Vec<&str> = self.names.iter().map(String::as_str).filter(|name| !is_known(name)).collect();
         let unused = (!others.is_empty()).then(|| format!("{path}: columns that are not used: {}", listed(others)));
-        several.into_iter().chain(unused).collect()
+        let comments = comments_warning(self.comments_like_rows).map(|warning| format!("{path}: {warning}"));
+        several.into_iter().chain(unused).chain(comments).collect()
     }
 
     /// Returns the rows.

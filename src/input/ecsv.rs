@@ -80,6 +80,8 @@ pub struct Ecsv {
     pub names_line: (usize, usize),
     /// Rows, without line breaks.
     pub rows: Vec<(usize, usize)>,
+    /// Number of comments below the line of names that have as many cells as it.
+    pub comments_like_rows: usize,
     header: Option<YamlOwned>,
 }
 
@@ -138,8 +140,13 @@ impl Ecsv {
             rows.push(row);
         }
         let names = split(&text[names_line.0..names_line.1], delimiter);
+        let is_like_a_row = |line: &&(usize, usize)| {
+            let line = of(**line);
+            line.starts_with('#') && names.len() > 1 && split(line, delimiter).len() == names.len()
+        };
+        let comments_like_rows = body.iter().filter(|line| line.0 > names_line.0).filter(is_like_a_row).count();
         let header_lines = header_lines.to_vec();
-        Ok(Self { delimiter, names, datatype_end, header_lines, names_line, rows, header })
+        Ok(Self { delimiter, names, datatype_end, header_lines, names_line, rows, comments_like_rows, header })
     }
 
     /// Splits a row into cells.

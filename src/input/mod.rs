@@ -9,4 +9,6 @@ pub use file::{
     LARGEST_INPUT, check_regular, check_size, is_stream, open, read, read_at_most, read_to_string, text_of, toml_error,
     toml_line,
 };
-pub use table::{Column, MOST_ROWS, TableRow, TableRows, UNCLOSED, delimiter_of, first_line, unclosed_quote};
+pub use table::{
+    Column, MOST_ROWS, TableRow, TableRows, UNCLOSED, comments_like_rows, comments_warning, delimiter_of, first_line,
+};

@@ -24,6 +24,9 @@ pub struct TableRows {
     units: BTreeMap<String, String>,
     /// Lines that begin with `#` at the start of the file.
     pub comments: String,
+    /// Number of comments below the line of names that have as many cells as it. A first cell that begins with `#` must
+    /// be in quotation marks.
+    pub comments_like_rows: usize,
     count: usize,
 }
 
@@ -133,20 +136,22 @@ impl TableRows {
         }
         if is_ecsv(&text) {
             let ecsv = Ecsv::parse(&text).map_err(|error| invalid(error.to_string()))?;
-            let (names, units) = (unique(ecsv.names.clone())?, ecsv.units());
-            return Ok(Self { rows: Rows::Ecsv(text, Box::new(ecsv), 0, 1, 0), names, units, comments, count: 0 });
+            let (names, units, comments_like_rows) =
+                (unique(ecsv.names.clone())?, ecsv.units(), ecsv.comments_like_rows);
+            let rows = Rows::Ecsv(text, Box::new(ecsv), 0, 1, 0);
+            return Ok(Self { rows, names, units, comments, comments_like_rows, count: 0 });
         }
         let delimiter = delimiter_of(first_line(&text));
-        if let Some(line) = unclosed_quote(&text, delimiter) {
-            return Err(invalid(format!("line {line}: {UNCLOSED}")));
-        }
+        let comments_like_rows =
+            comments_like_rows(&text, delimiter).map_err(|line| invalid(format!("line {line}: {UNCLOSED}")))?;
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .delimiter(delimiter)
             .trim(csv::Trim::All)
             .from_reader(Cursor::new(text));
         let names = unique(reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect())?;
-        Ok(Self { rows: Rows::Csv(reader.into_records()), names, units: BTreeMap::new(), comments, count: 0 })
+        let (rows, units) = (Rows::Csv(reader.into_records()), BTreeMap::new());
+        Ok(Self { rows, names, units, comments, comments_like_rows, count: 0 })
     }
 
     /// Returns the names of all columns.
@@ -175,6 +180,10 @@ impl TableRows {
     /// The unit is unknown or contradicts the name of the column, or several columns have the quantity.
     pub fn optional_numbers(&self, accepted: &[&'static str], unit: &Unit) -> io::Result<Option<Column>> {
         let failed = |error: UnitError| invalid(error.to_string());
+        let mut same = self.names.iter().filter(|name| accepted.contains(&name.as_str()));
+        if let (Some(first), Some(second)) = (same.next(), same.next()) {
+            return Err(failed(UnitError::TwoColumns { first: first.clone(), second: second.clone() }));
+        }
         let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
         let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
         Ok(Some(Column { index, name: accepted[0], scale }))
@@ -245,11 +254,26 @@ fn unique(names: Vec<String>) -> io::Result<Vec<String>> {
 /// Problem of a cell whose quotation mark is not closed.
 pub const UNCLOSED: &str = "the cell that begins with a quotation mark has no other one at its end";
 
-/// Returns the line, from 1, in which a quoted cell of CSV begins that ends nowhere; `None` if there is none. Readers
-/// would take all following rows for a part of it.
-pub fn unclosed_quote(text: &str, delimiter: u8) -> Option<usize> {
+/// Returns a warning about comments that have as many cells as a row; `None` if there are none.
+pub fn comments_warning(comments_like_rows: usize) -> Option<String> {
+    let comments = match comments_like_rows {
+        0 => return None,
+        1 => "1 comment has".to_owned(),
+        several => format!("{several} comments have"),
+    };
+    Some(format!("{comments} as many cells as a row: a first cell that begins with # must be in quotation marks"))
+}
+
+/// Returns the number of comments below the line of names of CSV that have as many cells as it.
+///
+/// # Errors
+/// The line, from 1, in which a quoted cell begins that ends nowhere. Readers would take all following rows for a part of
+/// it.
+pub fn comments_like_rows(text: &str, delimiter: u8) -> Result<usize, usize> {
+    let names = first_line(text).bytes().filter(|byte| *byte == delimiter).count();
     let mut line = 1;
     let (mut is_row_start, mut is_cell_start, mut is_comment) = (true, true, false);
+    let (mut separators, mut has_names, mut like_rows) = (0, false, 0);
     let mut opened = None;
     let mut bytes = text.bytes().peekable();
     while let Some(byte) = bytes.next() {
@@ -263,14 +287,20 @@ pub fn unclosed_quote(text: &str, delimiter: u8) -> Option<usize> {
             }
             continue;
         }
-        is_comment = (is_comment || (is_row_start && byte == b'#')) && byte != b'\n';
+        is_comment |= is_row_start && byte == b'#';
+        separators = if is_row_start { 0 } else { separators } + usize::from(byte == delimiter);
+        if byte == b'\n' || bytes.peek().is_none() {
+            like_rows += usize::from(is_comment && has_names && names > 0 && separators == names);
+            is_comment = false;
+        }
+        has_names |= !is_comment && !byte.is_ascii_whitespace();
         if byte == b'"' && is_cell_start && !is_comment {
             opened = Some(line);
         }
         is_row_start = byte == b'\n';
         is_cell_start = is_row_start || byte == delimiter;
     }
-    opened
+    opened.map_or(Ok(like_rows), Err)
 }
 
 /// Returns the most frequent separator of the line of names; a comma if it has none.
@@ -318,18 +348,26 @@ mod tests {
     }
 
     #[test]
-    fn quotation_marks_that_are_not_closed_have_their_line() {
-        for (text, line) in [
-            ("a,b\n1,\"x\"\n", None),
-            ("a,b\n1,\"x\ny\"\n", None),
-            ("a,b\n# it's a \"comment\n5\" tube,\"x \"\"y\"\"\"\n", None),
-            ("a,b\n1,\"x\n2,y\n3,z\n", Some(2)),
-            ("a,b\n1,x\n\"2,\"\"y\n3,z", Some(3)),
+    fn unclosed_quotation_marks_have_their_line_and_comments_like_rows_are_counted() {
+        for (text, found) in [
+            ("a,b\n1,\"x\"\n", Ok(0)),
+            ("a,b\n1,\"x\ny\"\n", Ok(0)),
+            ("a,b\n# it's a \"comment\n5\" tube,\"x \"\"y\"\"\"\n", Ok(0)),
+            ("# c,d\na,b\n# it is, one\n#2,x\n1,y\n#3,z", Ok(3)),
+            ("a,b\n1,\"x\n#2,y\"\n\"#3\",z\n# note\n#a,b,c\n", Ok(0)),
+            ("a\n1\n# note\n", Ok(0)),
+            ("a,b\n1,\"x\n2,y\n3,z\n", Err(2)),
+            ("a,b\n1,x\n\"2,\"\"y\n3,z", Err(3)),
         ] {
-            assert_eq!(unclosed_quote(text, b','), line, "{text:?}");
-            let error = TableRows::new(text.to_owned()).err().map(|error| error.to_string());
-            assert_eq!(error, line.map(|line| format!("line {line}: {UNCLOSED}")));
+            assert_eq!(comments_like_rows(text, b','), found, "{text:?}");
+            let rows = TableRows::new(text.to_owned());
+            match found {
+                Ok(count) => assert_eq!(rows.unwrap().comments_like_rows, count),
+                Err(line) => assert_eq!(rows.err().unwrap().to_string(), format!("line {line}: {UNCLOSED}")),
+            }
         }
+        let ecsv = "# %ECSV 1.0\n# ---\n# datatype: []\na b\n1 2\n#3 4\n# a longer note\n";
+        assert_eq!(TableRows::new(ecsv.to_owned()).unwrap().comments_like_rows, 1);
     }
 
     #[test]

@@ -249,9 +249,12 @@ fn on_sky(
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,
         limit_mag: scale.magnitude(measured.rate_limit).filter(|_| prediction.is_position_known),
-        // The error of the size is proportional to the light, so it does not matter at the threshold.
+        // The errors of size and form are proportional to the light, so they do not matter at the threshold.
         faintest_mag: scale.magnitude(
-            measured.threshold * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2)).max(0.0).sqrt(),
+            measured.threshold
+                * (measured.rate.sigma.powi(2) - measured.size_sigma.powi(2) - measured.form_sigma.powi(2))
+                    .max(0.0)
+                    .sqrt(),
         ),
         is_calibrated,
         zero_point_mag: scale.zero_point_mag(),

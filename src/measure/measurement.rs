@@ -139,9 +139,11 @@ pub struct StreakMeasurement {
     pub rate: Estimate,
     /// Part of the error of `rate` that the error of the satellite's size causes.
     pub size_sigma: f64,
+    /// Part of the error of `rate` that the form and the width of the point spread function cause, if others fit better.
+    pub form_sigma: f64,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
     pub rate_limit: f64,
-    /// Fitted rate divided by its error without `size_sigma`. Unlike `rate`, the fitted rate is not corrected for the bias
+    /// Fitted rate divided by its error without `size_sigma` and `form_sigma`. Unlike `rate`, the fitted rate is not corrected for the bias
     /// by the fitted position.
     pub signal_to_noise: f64,
     /// Significance in the search, in sigmas of the noise.

@@ -47,6 +47,8 @@ const EDGE_SHARE: f64 = 0.1;
 const MASKED_SHARE: f64 = 0.5;
 /// Relative difference of measured and assumed width above which the width is flagged.
 const WIDTH_TOLERANCE: f64 = 0.2;
+/// Number of sigmas by which another width or form of the profile must fit better than the assumed one.
+const SHAPE_SIGMAS: f64 = 3.0;
 /// Half of the blocks of a streak must have light: the median of all blocks must exceed this fraction of the threshold
 /// of detection.
 const MEDIAN_SHARE: f64 = 0.4;
@@ -255,7 +257,7 @@ impl Measuring<'_> {
                 }
             }
             if iteration == 2 && options.fit_width && amplitude.value > WIDTH_FROM * sigma {
-                seeing_arcsec = Some(self.fit_width(&band, &stars.mask, &blocks, &shift)?);
+                seeing_arcsec = Some(self.fit_width(&band, &stars.mask, &blocks, &shift)?.0);
             }
             let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
             drawn = next;
@@ -297,14 +299,22 @@ impl Measuring<'_> {
         let is_detected = found.significance >= found.threshold && signal_to_noise >= found.threshold && is_spread;
 
         let given_width = seeing_arcsec.is_none();
-        if given_width && is_detected && signal_to_noise > WIDTH_FROM {
+        // Decrease of the sum of the squared residuals that noise causes with a small probability.
+        let noise = (SHAPE_SIGMAS * noise_ratio).powi(2) * amplitude.squares / amplitude.freedom;
+        let mut form_sigma = 0.0;
+        if is_detected && signal_to_noise > WIDTH_FROM {
             let optics = self.optics;
-            let measured = self.fit_width(&band, &stars.mask, &blocks, &shift)?;
+            let (measured_arcsec, decrease) = match seeing_arcsec {
+                Some(fitted) => (fitted, 0.0),
+                None => self.fit_width(&band, &stars.mask, &blocks, &shift)?,
+            };
             (self.optics, self.profile) = (optics, profile_of(self.image, self.predicted, &optics)?);
-            seeing_arcsec = Some(measured);
-            if (measured / optics.seeing_arcsec).ln().abs() > (1.0 + WIDTH_TOLERANCE).ln() {
+            let is_other = (measured_arcsec / optics.seeing_arcsec).ln().abs() > (1.0 + WIDTH_TOLERANCE).ln();
+            if given_width && is_other && decrease > noise {
                 flags.push(Flag::Width);
             }
+            seeing_arcsec = Some(measured_arcsec);
+            form_sigma = self.form_sigma(&band, &stars.mask, &blocks, &shift, &amplitude, measured_arcsec, noise)?;
         }
         if is_saturated {
             flags.push(Flag::Saturated);
@@ -332,7 +342,7 @@ impl Measuring<'_> {
         let size_sigma = if is_detected { self.size_sigma(&band, &stars.mask, &blocks, &shift, options)? } else { 0.0 };
         let along = if self.is_given() { fitted_ends.len() } else { ends.min(1) };
         let rate = amplitude.value * without_fit_bias(signal_to_noise, along);
-        let sigma = sigma.hypot(size_sigma);
+        let sigma = sigma.hypot(size_sigma).hypot(form_sigma);
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
         let inside = self.inside(&path);
@@ -341,6 +351,7 @@ impl Measuring<'_> {
             is_detected,
             rate: Estimate { value: rate, sigma },
             size_sigma,
+            form_sigma,
             rate_limit: rate.max(0.0) + options.limit_sigmas * sigma,
             signal_to_noise,
             significance: found.significance,

@@ -4,12 +4,12 @@
 use super::background::median_and_sigma;
 use super::band::Band;
 use super::error::MeasureError;
-use super::fit::{BlockFit, Blocks, fit_blocks, squares_by_block};
+use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks, squares_by_block};
 use super::search::Found;
 use super::streak::{Measuring, Shift, profile_of};
 use crate::math::minimum::minimum;
 use crate::math::quantile::median;
-use crate::streaks::Optics;
+use crate::streaks::{Optics, SeeingForm};
 
 /// Range of fitted widths relative to the given one.
 const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
@@ -19,6 +19,13 @@ const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
 const PROFILE_WIDTHS: f64 = 16.0;
 const PROFILE_SIGNAL: f64 = 10.0;
 const MOST_WIDENING: f64 = 8.0;
+
+/// Forms that are compared with the assumed one: the wings of stars are between these.
+const FORMS: [SeeingForm; 3] =
+    [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }, SeeingForm::Moffat { beta: 2.5 }];
+/// Range of the width of another form relative to that of the assumed one, and accuracy of its logarithm.
+const FORM_WIDTHS: [f64; 2] = [0.8, 1.25];
+const FORM_WIDTH_TOLERANCE: f64 = 0.02;
 
 impl Measuring<'_> {
     /// Sets the seeing to the width of the median profile across the track, from which the fit of the width starts.
@@ -78,14 +85,15 @@ impl Measuring<'_> {
         }
     }
 
-    /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec.
+    /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec, with the decrease of the sum of the
+    /// squared residuals.
     pub fn fit_width(
         &mut self,
         band: &Band,
         mask: &[bool],
         blocks: &Blocks,
         shift: &Shift,
-    ) -> Result<f64, MeasureError> {
+    ) -> Result<(f64, f64), MeasureError> {
         let given = self.optics;
         let mut best = (0.0, f64::INFINITY);
         let mut of = |this: &mut Self, ln_ratio: f64| -> f64 {
@@ -107,7 +115,55 @@ impl Measuring<'_> {
         minimum(|ln_ratio| of(self, ln_ratio), [low, high], start, TOLERANCE);
         self.optics = Optics { seeing_arcsec: given.seeing_arcsec * best.0.exp(), ..given };
         self.profile = profile_of(self.image, self.predicted, &self.optics)?;
-        Ok(self.optics.seeing_arcsec)
+        Ok((self.optics.seeing_arcsec, start.1 - best.1))
+    }
+
+    /// Returns the error of the amplitude because the point spread function has another form or width than the assumed
+    /// one: the difference from the amplitude with the form and the width that fit best. It is 0 unless the sum of the
+    /// squared residuals with these is smaller by `noise`. `measured_arcsec` is the seeing that was fitted with the
+    /// assumed form.
+    #[expect(clippy::too_many_arguments, reason = "parts of one computation")]
+    pub fn form_sigma(
+        &mut self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+        assumed: &Amplitude,
+        measured_arcsec: f64,
+        noise: f64,
+    ) -> Result<f64, MeasureError> {
+        let (given, profile) = (self.optics, self.profile.clone());
+        let mut of = |optics: Optics| -> Option<Amplitude> {
+            self.profile = profile_of(self.image, self.predicted, &optics).ok()?;
+            let drawn = self.drawn(band, shift).ok()??;
+            combined(&fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks))
+        };
+        let mut forms: Vec<(Optics, Amplitude)> = FORMS
+            .into_iter()
+            .filter(|form| *form != given.form)
+            .chain([given.form])
+            .map(|form| Optics { form, seeing_arcsec: measured_arcsec, ..given })
+            .filter_map(|optics| Some((optics, of(optics)?)))
+            .collect();
+        forms.sort_by(|one, other| one.1.squares.total_cmp(&other.1.squares));
+        let is_better = |other: &Amplitude| other.squares + noise < assumed.squares;
+        let mut best = forms.first().copied().filter(|(_, amplitude)| is_better(amplitude));
+        if let Some((optics, start)) = &mut best {
+            // The best width depends on the form.
+            let (middle_arcsec, first) = (optics.seeing_arcsec, start.squares);
+            let at = |ln_ratio: f64| Optics { seeing_arcsec: middle_arcsec * ln_ratio.exp(), ..*optics };
+            let ln_ratio = minimum(
+                |ln_ratio| of(at(ln_ratio)).map_or(f64::NAN, |amplitude| amplitude.squares),
+                FORM_WIDTHS.map(f64::ln),
+                (0.0, first),
+                FORM_WIDTH_TOLERANCE,
+            )
+            .0;
+            *start = of(at(ln_ratio)).unwrap_or(*start);
+        }
+        self.profile = profile;
+        Ok(best.map_or(0.0, |(_, amplitude)| (amplitude.value - assumed.value).abs()))
     }
 
     /// Returns the factor by which the variance of the flux is larger because the width is fitted, too:

@@ -14,6 +14,9 @@ use crate::watch::Watch;
 const APERTURE_WIDTHS: f64 = 2.0;
 const LEAST_APERTURE_PIX: f64 = 3.0;
 const SKY_RADII: [f64; 2] = [2.0, 3.0];
+/// Smallest width of the weights of a centroid, pixels. The centroids of narrower stars with weights as wide as the star
+/// are up to 0.4 pixels from the star, so that it looks wider.
+const LEAST_WEIGHT_PIX: f64 = 3.0;
 /// Smallest signal to noise of a star, expected from its magnitude.
 const LEAST_SIGNAL_TO_NOISE: f64 = 20.0;
 /// Smallest number of stars.
@@ -312,18 +315,22 @@ impl Stamp {
     fn centred(image: &StreakImage<'_>, expected: PixelPosition, radius_pix: f64, fwhm_pix: f64) -> Option<Self> {
         let mut at = expected;
         let mut stamp = Self::read(image, at, radius_pix)?;
-        // Centroid with Gaussian weights as wide as a star. The weights halve the measured shift, so it is doubled.
+        // Centroid with Gaussian weights as wide as a star. The weights reduce the measured shift by 1 + (s² + p²) / w²
+        // with the widths s of the star, p of a pixel (its variance is 1/12) and w of the weights.
+        let weight_pix = fwhm_pix.max(LEAST_WEIGHT_PIX);
+        let pixel_squared = 8.0 * std::f64::consts::LN_2 / 12.0;
+        let shortened = 1.0 + (fwhm_pix * fwhm_pix + pixel_squared) / (weight_pix * weight_pix);
         for _ in 0..10 {
             let sky = stamp.sky()?.0;
             let [mut sum, mut x, mut y] = [0.0; 3];
             for (pixel, value) in stamp.pixels(radius_pix) {
-                let weight = (-4.0 * std::f64::consts::LN_2 * (pixel.distance(at) / fwhm_pix).powi(2)).exp();
+                let weight = (-4.0 * std::f64::consts::LN_2 * (pixel.distance(at) / weight_pix).powi(2)).exp();
                 let light = weight * (value - sky);
                 sum += light;
                 x += light * (pixel.x - at.x);
                 y += light * (pixel.y - at.y);
             }
-            let moved = PixelPosition { x: at.x + 2.0 * x / sum, y: at.y + 2.0 * y / sum };
+            let moved = PixelPosition { x: at.x + shortened * x / sum, y: at.y + shortened * y / sum };
             // A star that is not found stays at its expected position.
             let is_found = sum > 0.0 && moved.distance(expected) <= fwhm_pix.max(2.0);
             let step_pix = moved.distance(at);

@@ -51,6 +51,11 @@ const STATE_ERROR_KM: f64 = 0.001;
 const SPACINGS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 /// Error of interpolation and frames, km, added in quadrature to the errors from the covariance.
 const INTERPOLATION_KM: f64 = 0.01;
+/// Positions are computed for this time before and after an exposure, seconds: the longest delay that is searched, and a
+/// minute for tracks.
+pub(super) const EPHEMERIS_MARGIN_S: f64 = Lateness::LONGEST_S + 60.0;
+/// Largest difference of two ephemerides of one message at the same time, km. Beyond it they contradict each other.
+const LARGEST_CONTRADICTION_KM: f64 = 1.0;
 
 /// States of one ephemeris in TEME, ready for interpolation.
 #[derive(Clone, Debug)]
@@ -60,8 +65,11 @@ pub(super) struct EphemerisTable {
     /// Time at which the file was created; `None` if omitted.
     created: Option<Epoch>,
     start: Epoch,
-    /// Interval in which positions can be computed, seconds after the start.
+    /// Interval that the ephemeris is for, seconds after the start.
     usable_s: [f64; 2],
+    /// Interval of the states, seconds after the start. States outside `usable_s` are used for late and early satellites,
+    /// which are on the same track.
+    reach_s: [f64; 2],
     /// Times of the states, UTC seconds after the start without leap seconds, as SGP4 counts.
     times_s: Vec<f64>,
     /// Positions, km.
@@ -92,7 +100,9 @@ impl EphemerisTable {
         }
         let nodes = chosen.into_iter().map(|nodes| nodes.unwrap_or([0; NODES])).collect();
         let (file, created, variances) = (ephemeris.file.clone(), ephemeris.created, Vec::new());
-        let mut table = Self { file, created, start, usable_s, times_s, positions, nodes, next_gap, variances };
+        let reach_s = [times_s[0].min(usable_s[0]), times_s[times_s.len() - 1].max(usable_s[1])];
+        let mut table =
+            Self { file, created, start, usable_s, reach_s, times_s, positions, nodes, next_gap, variances };
         table.variances = ephemeris.covariances.iter().map(|one| table.variances_of(one, &axes)).collect();
         table
     }
@@ -115,10 +125,19 @@ impl EphemerisTable {
         self.start
     }
 
-    /// Returns true if the states cover an interval without a gap, seconds after the start.
+    /// Returns true if the ephemeris is for an interval and its states cover it without a gap, seconds after the start.
     pub fn covers(&self, from_s: f64, to_s: f64) -> bool {
+        self.covers_within(self.usable_s, from_s, to_s)
+    }
+
+    /// Returns true if positions can be computed in a whole interval, seconds after the start.
+    fn reaches(&self, from_s: f64, to_s: f64) -> bool {
+        self.covers_within(self.reach_s, from_s, to_s)
+    }
+
+    fn covers_within(&self, limits_s: [f64; 2], from_s: f64, to_s: f64) -> bool {
         let last = self.nodes.len() - 1;
-        if from_s < self.usable_s[0] || to_s > self.usable_s[1] {
+        if from_s < limits_s[0] || to_s > limits_s[1] {
             return false;
         }
         let first = self.times_s.partition_point(|time| *time <= from_s).saturating_sub(1).min(last);
@@ -128,8 +147,12 @@ impl EphemerisTable {
 
     /// Returns the longest covered interval around another one, seconds after the start; `None` if that one is not
     /// covered.
-    pub fn covered_around(&self, [from_s, to_s]: [f64; 2]) -> Option<[f64; 2]> {
-        if !self.covers(from_s, to_s) {
+    pub fn covered_around(&self, inner_s: [f64; 2]) -> Option<[f64; 2]> {
+        self.covered_within(self.usable_s, inner_s)
+    }
+
+    fn covered_within(&self, limits_s: [f64; 2], [from_s, to_s]: [f64; 2]) -> Option<[f64; 2]> {
+        if !self.covers_within(limits_s, from_s, to_s) {
             return None;
         }
         let last = self.nodes.len() - 1;
@@ -137,7 +160,7 @@ impl EphemerisTable {
         let is_gap = |step: &usize| self.next_gap[*step] == *step;
         let first_s = (0..step).rev().find(is_gap).map_or(f64::NEG_INFINITY, |gap| self.times_s[gap + 1]);
         let end_s = self.times_s.get(self.next_gap[step]).copied().unwrap_or(f64::INFINITY);
-        Some([first_s.max(self.usable_s[0]), end_s.min(self.usable_s[1])])
+        Some([first_s.max(limits_s[0]), end_s.min(limits_s[1])])
     }
 
     /// Returns the seconds from the start to a time, as SGP4 counts them.
@@ -154,7 +177,7 @@ impl EphemerisTable {
     pub fn state_at(&self, time_s: f64) -> Option<State<Teme>> {
         // Rounding moves a time at the end of an interval beyond it by less than a microsecond.
         const ROUNDING_S: f64 = 1e-6;
-        if time_s < self.usable_s[0] - ROUNDING_S || time_s > self.usable_s[1] + ROUNDING_S {
+        if time_s < self.reach_s[0] - ROUNDING_S || time_s > self.reach_s[1] + ROUNDING_S {
             return None;
         }
         let after = self.times_s.partition_point(|time| *time < time_s - ROUNDING_S);
@@ -167,6 +190,26 @@ impl EphemerisTable {
         let (position, velocity) =
             lagrange(nodes.map(|node| self.times_s[node]), nodes.map(|node| self.positions[node]), time_s);
         Some(State { position: Position::from_vector(position), velocity: Velocity::from_vector(velocity) })
+    }
+
+    /// Returns true if another ephemeris of the same message is for the same time, but for another orbit.
+    fn contradicts(&self, other: &Self) -> bool {
+        let [own, others] = [(0.0, self), (utc_seconds(self.start, other.start), other)];
+        let from_s = (own.0 + self.usable_s[0]).max(others.0 + other.usable_s[0]);
+        let to_s = (own.0 + self.usable_s[1]).min(others.0 + other.usable_s[1]);
+        let is_same_message = self.file == other.file && self.created == other.created;
+        // Adjoining ephemerides have one time in common.
+        is_same_message
+            && to_s > from_s
+            && [0.25, 0.5, 0.75].iter().any(|share| {
+                let time_s = from_s + share * (to_s - from_s);
+                let [Some(first), Some(second)] =
+                    [own, others].map(|(start_s, table)| table.state_at(time_s - start_s))
+                else {
+                    return false;
+                };
+                (first.position.vector() - second.position.vector()).norm() > LARGEST_CONTRADICTION_KM
+            })
     }
 
     /// Returns the errors of one sigma at a covered time, seconds after the start, for a satellite of this class.
@@ -472,21 +515,145 @@ impl fmt::Display for PositionSource {
     }
 }
 
-/// An ephemeris attached to a satellite with an element set.
+/// One ephemeris of a satellite with an element set, or several that together cover a time without a hole.
 #[derive(Clone, Debug)]
 pub(super) struct Attached {
-    pub table: Arc<EphemerisTable>,
+    /// The ephemerides, the preferred one first.
+    pub segments: Vec<Segment>,
     /// Class of the satellite, for errors that the ephemeris does not state.
     pub class: OrbitClass,
     /// Largest errors of one sigma: seconds along the track, kilometres across it.
     pub largest_errors: (f64, f64),
+}
+
+/// Table of an ephemeris and its start.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    pub table: Arc<EphemerisTable>,
     /// Minutes from the epoch of the element set to the start of the table.
     pub start_minutes: f64,
 }
 
-impl Attached {
+impl Segment {
+    /// Returns true if the positions of two ephemerides at a time agree.
+    fn joins(&self, other: &Self, minutes: f64) -> bool {
+        let [Some(one), Some(other)] = [self, other].map(|segment| segment.table.state_at(segment.seconds(minutes)))
+        else {
+            return true;
+        };
+        (one.position.vector() - other.position.vector()).norm() <= LARGEST_CONTRADICTION_KM
+    }
+
     /// Returns the seconds after the start of the table.
-    pub fn seconds(&self, minutes: f64) -> f64 {
+    fn seconds(&self, minutes: f64) -> f64 {
         (minutes - self.start_minutes) * 60.0
+    }
+}
+
+impl Attached {
+    /// Joins ephemerides of one satellite, the preferred one first.
+    pub fn joined(of_one: &[&Self]) -> Option<Self> {
+        let largest = of_one.iter().map(|one| one.largest_errors);
+        Some(Self {
+            segments: of_one.iter().flat_map(|one| one.segments.iter().cloned()).collect(),
+            class: of_one.first()?.class,
+            largest_errors: largest.fold((0.0, 0.0), |sum: (f64, f64), one| (sum.0.max(one.0), sum.1.max(one.1))),
+        })
+    }
+
+    /// Returns the name of the file; the first one, with the number of the others, of several.
+    pub fn file(&self) -> Arc<str> {
+        let first = self.segments[0].table.file();
+        let mut others: Vec<&Arc<str>> = self.segments.iter().map(|one| one.table.file()).collect();
+        others.sort_unstable();
+        others.dedup();
+        match others.len() {
+            1 => first.clone(),
+            several => format!("{first} and {} more", several - 1).into(),
+        }
+    }
+
+    /// Returns the ephemeris of a time and the seconds after its start: the preferred one of those that are for this time,
+    /// or else one that reaches it.
+    fn at(&self, minutes: f64) -> (&EphemerisTable, f64) {
+        let mut all = self.segments.iter().map(|one| (&*one.table, one.seconds(minutes)));
+        if let [one] = &self.segments[..] {
+            return (&one.table, one.seconds(minutes));
+        }
+        let first =
+            |is_for: &dyn Fn(&EphemerisTable, f64) -> bool| all.clone().find(|(table, time_s)| is_for(table, *time_s));
+        let found = first(&|table, time_s| table.covers(time_s, time_s));
+        let found = found.or_else(|| first(&|table, time_s| table.reaches(time_s, time_s)));
+        found.or_else(|| all.next()).expect("an attached ephemeris has a segment")
+    }
+
+    /// Returns the state at a time after the epoch of the element set; `None` if no ephemeris covers it.
+    pub fn state_at(&self, minutes: f64) -> Option<State<Teme>> {
+        let (table, time_s) = self.at(minutes);
+        // Between adjoining ephemerides, rounding leaves times that neither has exactly.
+        let of_any = || self.segments.iter().find_map(|one| one.table.state_at(one.seconds(minutes)));
+        table.state_at(time_s).or_else(of_any)
+    }
+
+    /// Returns the errors of one sigma at a time after the epoch of the element set.
+    pub fn uncertainty_at(&self, minutes: f64) -> OrbitUncertainty {
+        let (table, time_s) = self.at(minutes);
+        table.uncertainty_at(time_s, self.class)
+    }
+
+    /// Returns true if one ephemeris is for the middle of an interval, minutes after the epoch of the element set, and
+    /// positions can be computed in it and for the delays that are searched.
+    pub fn is_for_middle(&self, [from, to]: [f64; 2]) -> bool {
+        let [one] = &self.segments[..] else { return false };
+        let middle_s = one.seconds(0.5 * (from + to));
+        one.table.covers(middle_s, middle_s)
+            && one.table.reaches(one.seconds(from) - EPHEMERIS_MARGIN_S, one.seconds(to) + EPHEMERIS_MARGIN_S)
+    }
+
+    /// Returns true if the ephemerides are for an interval, minutes after the epoch of the element set, and for `beyond_s`
+    /// before and after it, and positions can be computed for the delays that are searched. Several ephemerides must join.
+    pub fn covers(&self, [from, to]: [f64; 2], beyond_s: f64) -> bool {
+        if let [one] = &self.segments[..] {
+            let (from_s, to_s) = (one.seconds(from) - beyond_s, one.seconds(to) + beyond_s);
+            return one.table.covers(from_s, to_s)
+                && one.table.reaches(from_s - EPHEMERIS_MARGIN_S, to_s + EPHEMERIS_MARGIN_S);
+        }
+        let has_no_hole = |beyond_s: f64, limits: &dyn Fn(&EphemerisTable) -> [f64; 2]| {
+            let (mut known, to) = (from - beyond_s / 60.0, to + beyond_s / 60.0);
+            let mut before: Option<&Segment> = None;
+            loop {
+                let ends = self.segments.iter().filter_map(|one| {
+                    let at_s = one.seconds(known);
+                    let [_, end_s] = one.table.covered_within(limits(&one.table), [at_s, at_s])?;
+                    Some((one, one.start_minutes + end_s / 60.0))
+                });
+                let Some((one, end)) = ends.max_by(|one, other| one.1.total_cmp(&other.1)) else { return false };
+                if before.is_some_and(|before| !before.joins(one, known)) {
+                    return false;
+                }
+                before = Some(one);
+                if end >= to {
+                    return true;
+                }
+                // Rounding of the ends of adjoining ephemerides: a microsecond.
+                const ROUNDING_MINUTES: f64 = 1e-6 / 60.0;
+                if end <= known + ROUNDING_MINUTES {
+                    return false;
+                }
+                known = end + ROUNDING_MINUTES;
+            }
+        };
+        has_no_hole(beyond_s, &|table| table.usable_s)
+            && has_no_hole(beyond_s + EPHEMERIS_MARGIN_S, &|table| table.reach_s)
+    }
+
+    /// Returns true if a part of an interval, minutes after the epoch of the element set, is covered.
+    pub fn overlaps(&self, [from, to]: [f64; 2]) -> bool {
+        self.segments.iter().any(|one| one.table.overlaps(one.seconds(from), one.seconds(to)))
+    }
+
+    /// Returns true if two ephemerides of one message are for the same time and differ.
+    pub fn contradicts(&self, other: &Self) -> bool {
+        self.segments.iter().any(|own| other.segments.iter().any(|one| own.table.contradicts(&one.table)))
     }
 }

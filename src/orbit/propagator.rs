@@ -11,8 +11,7 @@ use rayon::prelude::*;
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
 use thiserror::Error;
 
-use super::ephemeris::{Attached, EphemerisTable, PositionSource};
-use super::lateness::Lateness;
+use super::ephemeris::{Attached, EphemerisTable, PositionSource, Segment};
 use super::resonance::Resonance;
 use super::state::State;
 use super::station_keeping::DragModel;
@@ -32,9 +31,6 @@ const LARGEST_GAP_KM: f64 = 1.0;
 /// The same limit as a velocity for longer steps, km/s. In a minute, h³/12 · |r‴| is 0.4 km; where the forces of Moon
 /// and Sun are strongest, the disagreement is some m/s.
 const LARGEST_MISMATCH_KM_S: f64 = 0.1;
-/// An ephemeris is used where it covers this time before and after an exposure, seconds: the longest delay that is
-/// searched, and a minute for tracks.
-const EPHEMERIS_MARGIN_S: f64 = Lateness::LONGEST_S + 60.0;
 
 /// Reasons for a missing position.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -183,14 +179,22 @@ impl Propagator {
     /// Returns the propagator of the same satellite with positions of an ephemeris.
     fn with_ephemeris(&self, table: &Arc<EphemerisTable>, class: OrbitClass) -> Self {
         let start_minutes = self.minutes_since_epoch(table.start());
-        let attached =
-            Attached { table: table.clone(), class, largest_errors: table.largest_errors(class), start_minutes };
+        let segments = vec![Segment { table: table.clone(), start_minutes }];
+        let attached = Attached { segments, class, largest_errors: table.largest_errors(class) };
         Self { ephemeris: Some(Box::new(attached)), ..self.clone() }
+    }
+
+    /// Returns the propagator of a satellite with several ephemerides, the preferred one first, for times that only
+    /// several of them cover; `None` unless there are several.
+    fn joined(of_one: &[Self]) -> Option<Self> {
+        let attached: Vec<&Attached> = of_one.iter().filter_map(|one| one.ephemeris.as_deref()).collect();
+        let joined = Attached::joined(&attached).filter(|joined| joined.segments.len() > 1)?;
+        Some(Self { ephemeris: Some(Box::new(joined)), ..of_one.first()?.clone() })
     }
 
     /// Returns the source of the positions.
     pub fn position_source(&self) -> PositionSource {
-        let of_file = |attached: &Attached| PositionSource::Ephemeris(attached.table.file().clone());
+        let of_file = |attached: &Attached| PositionSource::Ephemeris(attached.file());
         self.ephemeris.as_deref().map_or(PositionSource::ElementSet, of_file)
     }
 
@@ -204,24 +208,25 @@ impl Propagator {
     /// They are those of its covariance; where it has none, those of an element set with its epoch at the first state.
     #[doc(hidden)]
     pub fn stated_uncertainty(&self, epoch: Epoch) -> Option<OrbitUncertainty> {
-        let attached = self.ephemeris.as_ref()?;
-        Some(attached.table.uncertainty_at(attached.seconds(self.minutes_since_epoch(epoch)), attached.class))
+        Some(self.ephemeris.as_ref()?.uncertainty_at(self.minutes_since_epoch(epoch)))
     }
 
-    /// Returns the table of the attached ephemeris, and the times in seconds after its start.
-    fn table_seconds(&self, times: [Epoch; 2]) -> Option<(&EphemerisTable, [f64; 2])> {
-        let attached = self.ephemeris.as_ref()?;
-        Some((&attached.table, times.map(|epoch| attached.seconds(self.minutes_since_epoch(epoch)))))
+    /// Returns true if the attached ephemeris is for an interval, and for `beyond_s` before and after it.
+    fn covers(&self, ends: [Epoch; 2], beyond_s: f64) -> bool {
+        let ends = ends.map(|epoch| self.minutes_since_epoch(epoch));
+        self.ephemeris.as_ref().is_some_and(|attached| attached.covers(ends, beyond_s))
     }
 
-    /// Returns true if the attached ephemeris covers an interval with a margin on both sides, seconds.
-    fn covers(&self, ends: [Epoch; 2], margin_s: f64) -> bool {
-        self.table_seconds(ends).is_some_and(|(table, [from_s, to_s])| table.covers(from_s - margin_s, to_s + margin_s))
+    /// Returns true if the attached ephemeris is for the middle of an interval and has states in all of it.
+    fn is_for_middle(&self, ends: [Epoch; 2]) -> bool {
+        let ends = ends.map(|epoch| self.minutes_since_epoch(epoch));
+        self.ephemeris.as_ref().is_some_and(|attached| attached.is_for_middle(ends))
     }
 
     /// Returns true if the attached ephemeris covers a part of an interval.
     fn overlaps(&self, ends: [Epoch; 2]) -> bool {
-        self.table_seconds(ends).is_some_and(|(table, [from_s, to_s])| table.overlaps(from_s, to_s))
+        let ends = ends.map(|epoch| self.minutes_since_epoch(epoch));
+        self.ephemeris.as_ref().is_some_and(|attached| attached.overlaps(ends))
     }
 
     /// As [`Propagator::new`], without the published drag where the satellite holds its orbit by thrust.
@@ -359,7 +364,7 @@ impl Propagator {
     pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
         if let Some(attached) = &self.ephemeris {
             let not_covered = OrbitError::NotCovered { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0 };
-            return attached.table.state_at(attached.seconds(minutes)).ok_or(not_covered);
+            return attached.state_at(minutes).ok_or(not_covered);
         }
         let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
         let radius_km = (x * x + y * y + z * z).sqrt();
@@ -396,14 +401,17 @@ pub struct SatelliteIndex {
     propagators: Vec<Option<Propagator>>,
     left_out: Vec<LeftOut>,
     drag: DragModel,
-    /// Propagators with ephemerides by position in the catalogue, the one created last first.
+    /// Propagators with ephemerides by position in the catalogue, the one created last first. If there are several, the
+    /// last propagator has all of them.
     ephemerides: BTreeMap<usize, Vec<Propagator>>,
+    /// Satellites with ephemerides of one message that contradict each other, by their positions in the catalogue.
+    contradictory: Vec<usize>,
 }
 
 /// Part of an interval for which ephemerides are used.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum EphemerisCoverage {
-    /// One ephemeris covers the whole interval and the delays that are searched before and after it.
+    /// Ephemerides cover the whole interval and the delays that are searched before and after it.
     Whole,
     /// Ephemerides cover parts of it.
     Part,
@@ -440,7 +448,7 @@ impl SatelliteIndex {
                 result.map_err(|reason| left_out.push(LeftOut { norad_id, element_index, reason })).ok()
             })
             .collect();
-        Self { propagators, left_out, drag, ephemerides: BTreeMap::new() }
+        Self { propagators, left_out, drag, ephemerides: BTreeMap::new(), contradictory: Vec::new() }
     }
 
     /// Adds ephemerides to the satellites of the same `elements`; those of other satellites are ignored.
@@ -470,17 +478,33 @@ impl SatelliteIndex {
         for (position, propagator) in attached {
             self.ephemerides.entry(position).or_default().push(propagator);
         }
-        for of_one in self.ephemerides.values_mut() {
-            of_one.sort_by_cached_key(|one| Reverse(one.ephemeris.as_ref().map(|attached| attached.table.rank())));
+        for (position, of_one) in &mut self.ephemerides {
+            of_one.sort_by_cached_key(|one| {
+                Reverse(one.ephemeris.as_ref().map(|attached| attached.segments[0].table.rank()))
+            });
+            let attached = of_one.iter().filter_map(|one| one.ephemeris.as_deref());
+            if attached.clone().zip(attached.skip(1)).any(|(one, next)| one.contradicts(next)) {
+                self.contradictory.push(*position);
+            }
+            of_one.extend(Propagator::joined(of_one));
         }
         self
     }
 
+    /// Returns the satellites with ephemerides of one message that are for the same time and differ by more than a
+    /// kilometre, by their positions in the catalogue. The ephemeris that begins later is used.
+    pub fn contradictory_ephemerides(&self) -> &[usize] {
+        &self.contradictory
+    }
+
     /// Returns the propagator of a satellite for an interval such as an exposure: with the last created ephemeris that
-    /// covers it and the delays searched, otherwise SGP4.
+    /// covers it and the delays searched, or with several that together cover it without a hole, otherwise SGP4.
     pub fn propagator_over(&self, element_index: usize, ends: [Epoch; 2]) -> Option<&Propagator> {
         let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
-        of_one.iter().find(|one| one.covers(ends, EPHEMERIS_MARGIN_S)).or_else(|| self.propagator(element_index))
+        let covering = of_one.iter().find(|one| one.covers(ends, 0.0));
+        // Where ephemerides do not join, that of the middle is used beyond its interval, if it has states there.
+        let of_middle = || of_one.iter().find(|one| one.is_for_middle(ends));
+        covering.or_else(of_middle).or_else(|| self.propagator(element_index))
     }
 
     /// Returns true if satellites have ephemerides.
@@ -492,7 +516,7 @@ impl SatelliteIndex {
     /// which these are used.
     pub fn ephemeris_coverage(&self, ends: [Epoch; 2]) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
         self.ephemerides.iter().map(move |(&position, of_one)| {
-            let coverage = if of_one.iter().any(|one| one.covers(ends, EPHEMERIS_MARGIN_S)) {
+            let coverage = if of_one.iter().any(|one| one.covers(ends, 0.0)) {
                 EphemerisCoverage::Whole
             } else if of_one.iter().any(|one| one.overlaps(ends)) {
                 EphemerisCoverage::Part
@@ -516,9 +540,7 @@ impl SatelliteIndex {
     pub(super) fn source_over(&self, element_index: usize, ends: [Epoch; 2], longest_s: f64) -> SearchedPropagator<'_> {
         let Some(sgp4) = self.propagator(element_index) else { return SearchedPropagator::Absent };
         match self.ephemerides.get(&element_index).map(Vec::as_slice) {
-            Some([latest, ..]) if latest.covers(ends, longest_s + EPHEMERIS_MARGIN_S) => {
-                SearchedPropagator::One(latest)
-            }
+            Some([latest, ..]) if latest.covers(ends, longest_s) => SearchedPropagator::One(latest),
             Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => SearchedPropagator::Several,
             _ => SearchedPropagator::One(sgp4),
         }

@@ -213,6 +213,12 @@ impl Sky {
         self.index.ephemeris_coverage([first, last])
     }
 
+    /// Returns the satellites with ephemerides of one message that contradict each other, by the index of their element
+    /// sets; see [`SatelliteIndex::contradictory_ephemerides`](crate::orbit::SatelliteIndex::contradictory_ephemerides).
+    pub(crate) fn contradictory_ephemerides(&self) -> &[usize] {
+        self.index.contradictory_ephemerides()
+    }
+
     /// Returns the treatment of atmospheric drag in SGP4.
     #[doc(hidden)]
     pub fn drag(&self) -> DragModel {

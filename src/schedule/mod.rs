@@ -68,7 +68,7 @@ pub use self::{
     starts::reason_for_unknown_starts,
     streak_costs::BrightStreaks,
     tables::{StreakColumns, StreakRow, exposure_table, flag_table, flag_table_with_exposures, streak_table},
-    targets::{ListedTarget, read_targets},
+    targets::{ListedTarget, TargetList, read_targets},
     totals::{AgeEffect, FlagTotals},
     window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table},
     windows::{clear_windows_without_passes, next_window},

@@ -7,10 +7,14 @@ use std::path::Path;
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ScheduleError;
-use super::formats::{Cell, ColumnMap, RawTable, Row, Rows, ScheduleFormat, StartColumn, StartForm, display, read_raw};
-use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
+use super::formats::{
+    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, RawTable, Row, ScheduleFormat, StartColumn,
+    StartForm, display, read_raw, start_columns,
+};
+use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
+    seconds_between,
 };
 use crate::output::format_utc;
 use crate::passes::Exposure;
@@ -53,7 +57,7 @@ pub struct Schedule {
     pub start_column: String,
     /// Time scale of the start times.
     pub time_scale: TimeScale,
-    /// Number of comments in CSV that have as many cells as a row. An identifier that begins with `#` must be in
+    /// Number of comments in CSV and ECSV that have as many cells as a row. An identifier that begins with `#` must be in
     /// quotation marks.
     pub comments_like_rows: usize,
 }
@@ -110,18 +114,76 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     }
     let scales = Scales::read(path, &table, &map)?;
     let scale = start_scale(path, &table, &map.start, options)?;
+    let read = [
+        (Some(map.duration), &DURATIONS),
+        (Some(map.right_ascension), &RIGHT_ASCENSIONS),
+        (Some(map.declination), &DECLINATIONS),
+    ];
+    let checks = Checks::find(path, &table, &read, map.snaps.map(|(snaps, _)| snaps))?;
+    let other_starts = other_starts(&table, &map.start);
     let exposures = table
         .rows
         .iter()
         .enumerate()
-        .map(|(row, cells)| scheduled_exposure(row, &cells, &map, &scales, scale, options))
+        .map(|(row, cells)| {
+            let mut scheduled = scheduled_exposure(row, &cells, &map, &scales, scale, options);
+            if let (Ok(cells), Ok(exposure)) = (cells.as_ref(), &scheduled.exposure) {
+                let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
+                let checked =
+                    checks.reject(cell).and_then(|()| reject_starts(cell, exposure, &map.start, &other_starts));
+                if let Err(reason) = checked {
+                    scheduled.exposure = Err(reason);
+                }
+            }
+            scheduled
+        })
         .collect();
-    let comments_like_rows = match &table.rows {
-        Rows::Csv(text) => text.comments_like_rows,
-        Rows::Cells(_) => 0,
-    };
+    let comments_like_rows = table.comments_like_rows;
     let start_column = map.start.name;
     Ok(Schedule { format: table.format, exposures, start_column, time_scale: scale, comments_like_rows })
+}
+
+/// Returns the columns of start times that are not read, and their time scales if these are stated.
+fn other_starts(table: &RawTable, read: &StartColumn) -> Vec<(StartColumn, TimeScale)> {
+    start_columns(&table.names)
+        .filter(|column| column.index != read.index && !table.single_precision.contains(&column.name))
+        .filter_map(|column| {
+            let scale = column.scale.or_else(|| table.time_scales.get(&column.name).copied())?;
+            Some((column, scale))
+        })
+        .collect()
+}
+
+/// Rejects a row whose start is another one in another column. Cells that are no times are ignored.
+fn reject_starts<'a>(
+    cell: impl Fn(usize) -> &'a Cell,
+    exposure: &Exposure,
+    read: &StartColumn,
+    others: &[(StartColumn, TimeScale)],
+) -> Result<(), String> {
+    /// Largest difference, seconds, beside the rounding of Julian dates.
+    const DIFFERENCE_S: f64 = 1.0;
+    // Unit of the last digit.
+    let rounding_s = |column: &StartColumn| match cell(column.index) {
+        Cell::Text(text) if column.form != StartForm::Iso => {
+            let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len());
+            DAY_S * 10f64.powi(-(digits.min(12) as i32))
+        }
+        _ => 0.0,
+    };
+    for (column, scale) in others {
+        let most_s = DIFFERENCE_S + rounding_s(column) + rounding_s(read);
+        if let Ok(start) = start_of(cell(column.index), column, *scale)
+            && seconds_between(exposure.start, start).abs() > most_s
+        {
+            let [one, other] = [exposure.start, start].map(|start| format_utc(start, 0));
+            return Err(format!(
+                "{} is {one} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
+                read.name, column.name
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Returns the time scale of the start times: from the name of the column, the header of the file, or the options.
@@ -239,7 +301,7 @@ fn exposure<'a>(
         && !matches!(cell(snaps), Cell::Missing)
         && number(snaps, 1.0, "numExposures", 0.0..=1e6)? > 1.0
     {
-        let visit = visit.ok_or("visit has several snaps (numExposures), and visitTime is missing")?;
+        let visit = visit.ok_or("visit has several snaps (numExposures or nexp), and visitTime is missing")?;
         duration_s = number(visit, scales.visit, "visitTime", duration_s..=LONGEST_EXPOSURE_S)?;
     }
     // Right ascensions may be given in [0, 360] or [-180, 180].

@@ -5,7 +5,7 @@ use std::path::Path;
 use hifitime::Epoch;
 
 use super::error::ScheduleError;
-use super::formats::{Cell, display, read_raw};
+use super::formats::{Cell, Checks, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, display, read_raw};
 use super::windows::WindowTarget;
 use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
@@ -31,6 +31,15 @@ pub struct ListedTarget {
     pub target: Result<WindowTarget, String>,
 }
 
+/// Target list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TargetList {
+    /// The rows in the order of the file.
+    pub targets: Vec<ListedTarget>,
+    /// Number of comments in CSV and ECSV that have as many cells as a row.
+    pub comments_like_rows: usize,
+}
+
 /// Reads a target list (CSV, ECSV, JSON and the other formats of schedules).
 ///
 /// Columns: `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or exposure)`; optional: `unique_id, rotation_deg,
@@ -40,11 +49,7 @@ pub struct ListedTarget {
 ///
 /// # Errors
 /// Same as [`Schedule::read`](super::Schedule::read), and missing columns.
-pub fn read_targets(
-    path: &Path,
-    duration_s: Option<f64>,
-    rotation_rad: f64,
-) -> Result<Vec<ListedTarget>, ScheduleError> {
+pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> Result<TargetList, ScheduleError> {
     let table = read_raw(path)?;
     let find = |accepted: &[&str]| accepted.iter().find_map(|name| table.names.iter().position(|found| found == name));
     let with_unit = |unit: &Unit, accepted: &[&str]| {
@@ -81,6 +86,8 @@ pub fn read_targets(
         scale(exposure, &SECONDS)?,
         scale(rotation, &DEGREES)?,
     ];
+    let read = [(exposure, &DURATIONS), (right_ascension, &RIGHT_ASCENSIONS), (declination, &DECLINATIONS)];
+    let checks = Checks::find(path, &table, &read, None)?;
     let listed = table.rows.iter().enumerate().map(|(row, cells)| {
         let numbered = (row + 1).to_string();
         let cells = match cells.as_ref() {
@@ -98,10 +105,11 @@ pub fn read_targets(
             rotation: cell(rotation).scaled(scales[3]),
         };
         let target = cells_of_target.exposure(&name, duration_s, rotation_rad);
+        let target = target.and_then(|exposure| checks.reject(|index| cell(Some(index))).map(|()| exposure));
         let target = target.map(|exposure| WindowTarget { exposure, band: cell(band).text() });
         ListedTarget { unique_id: cell(unique_id).text().unwrap_or_else(|| name.clone()), name, target }
     });
-    Ok(listed.collect())
+    Ok(TargetList { targets: listed.collect(), comments_like_rows: table.comments_like_rows })
 }
 
 /// Cells of a target in degrees and seconds.
@@ -157,7 +165,22 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        read_targets(&path, duration_s, 0.0)
+        read_targets(&path, duration_s, 0.0).map(|list| list.targets)
+    }
+
+    #[test]
+    fn contradictory_columns_and_comments_like_rows_are_found() {
+        let csv = "name,ra,dec,exposure_s,duration_s,equinox\na,10,20,30,30,2000\n#b,10,20,30,30,2000\n\
+            c,10,20,30,300,2000\nd,10,20,30,30,1950\n";
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        std::fs::write(&path, csv).unwrap();
+        let list = read_targets(&path, None, 0.0).unwrap();
+        let reasons = list.targets.iter().map(|one| one.target.as_ref().err().cloned().unwrap_or_default());
+        let reasons: Vec<String> = reasons.collect();
+        assert_eq!((list.comments_like_rows, reasons[0].as_str()), (1, ""));
+        assert!(reasons[1].starts_with("exposure_s is 30 and duration_s is 300"), "{reasons:?}");
+        assert!(reasons[2].starts_with("equinox is 1950"), "{reasons:?}");
     }
 
     #[test]

@@ -707,7 +707,8 @@ fn names_that_begin_like_comments() {
     let flags = folder.path().join("flags.csv").display().to_string();
     let (code, _, stderr) = run(&[&flag(&schedule), &["-o", &flags]]);
     assert_eq!(code, 0, "{stderr}");
-    let warning = "warning: 1 comment has as many cells as a row: an exposure whose name begins with # must have it in";
+    let warning =
+        "warning: 1 comment has as many cells as a row: a first cell that begins with # must be in quotation marks";
     assert!(stderr.contains(warning), "{stderr}");
     let (code, stdout, stderr) = run(&[&flag(&flags), &["--format", "json"]]);
     assert!(code == 0 && !stderr.contains("as many cells"), "{stderr}");
@@ -715,6 +716,32 @@ fn names_that_begin_like_comments() {
     let ids: Vec<&str> =
         again["flags"].as_array().unwrap().iter().map(|flag| flag["exposure_id"].as_str().unwrap()).collect();
     assert_eq!(ids, ["#7", "9"]);
+}
+
+/// Columns that contradict those that are read, or change their meaning, make rows invalid. Julian dates are rounded.
+#[test]
+fn contradictory_columns_and_other_equinoxes_make_rows_invalid() {
+    let folder = TempDir::new().unwrap();
+    let row = |id: &str, more: &str| format!("{id},2024-08-14T23:30:00Z,30,217,-30,{more}\n");
+    let names = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,exposure_s,start_mjd_tai,equinox,frame,nexp\n";
+    let rows = [
+        ("good", "30,60536.9796,2000,ICRS,1", ""),
+        ("plain", ",,,,", ""),
+        ("long", "300,,,,", "duration_s is 30 and exposure_s is 300: they contradict each other"),
+        ("late", ",60537.0,,,", "start_utc is 2024-08-14T23:30:00Z and start_mjd_tai is 2024-08-14T23:59:23Z"),
+        ("old", ",,B1950,,", "equinox is B1950; allowed: 2000"),
+        ("plane", ",,,galactic,", "frame is galactic; allowed: ICRS"),
+        ("many", ",,,,30", "nexp is 30; allowed: 1"),
+    ];
+    let text: String = rows.iter().map(|(id, more, _)| row(id, more)).collect();
+    let schedule = file(&folder, "s.csv", format!("{names}{text}").as_bytes());
+    let (_, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
+    let flags: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
+    for (found, (id, _, expected)) in flags["flags"].as_array().unwrap().iter().zip(rows) {
+        let reasons = found["reasons"][0].as_str().unwrap_or_default();
+        assert_eq!((found["exposure_id"].as_str(), found["verdict"] == "invalid"), (Some(id), !expected.is_empty()));
+        assert!(reasons.starts_with(expected), "{id}: {reasons}");
+    }
 }
 
 /// A pointing that is above the horizon at opening and at closing may set in between; rotations have a range.

@@ -199,5 +199,6 @@ fn visits_of_several_snaps_last_until_the_last_one() {
     let found = durations("no_time.db", ", numExposures", &format!("(1, {visit}, 2), (2, {visit}, 1)"));
     assert!(found[0].as_ref().unwrap_err().contains("visitTime is missing"), "{found:?}");
     assert_eq!(found[1], Ok(30.0));
+    assert_eq!(durations("nexp.db", ", nexp, visitTime", &format!("(1, {visit}, 2, 34.0)")), [Ok(34.0)]);
     assert_eq!(durations("plain.db", "", &format!("(1, {visit})")), [Ok(30.0)]);
 }

@@ -6,7 +6,8 @@ use serde_json::Value;
 use streakcast::elements::{Constellation, ElementSet, NoradId, Origin, format_tle};
 use tempfile::TempDir;
 
-use crate::common::cli::{json, path, run};
+use crate::common::cli::{json, path, records, run};
+use crate::common::injected::SKY;
 
 const SITE: &[&str] = &["--mpc", "X05", "--fov", "3.5deg"];
 const SCHEDULE: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n\
@@ -40,6 +41,32 @@ fn flags(folder: &TempDir, elements: &str, more: &[&str]) -> Value {
     fs::write(&schedule, SCHEDULE).unwrap();
     let field: &[&str] = if more.contains(&"--fov") { &["--mpc", "X05"] } else { SITE };
     json(&[&["flag", "--elements", elements, "--schedule", &schedule, "--quiet"], field, more])
+}
+
+/// Satellites of unknown position are not drawn, but counted.
+#[test]
+fn satellites_of_unknown_position_are_not_injected() {
+    let folder = tempfile::tempdir().unwrap();
+    let sky = path(&folder, "sky.toml");
+    let text = SKY.replace("columns = 400", "columns = 1200").replace("rows = 300", "rows = 1200");
+    let text = text.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 90.0");
+    fs::write(&sky, text.replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0")).unwrap();
+    let inject = |days: f64| {
+        let file = elements(&folder, "STARLINK-31", days, 1);
+        let (output, truth) = (path(&folder, "o.fits"), path(&folder, "truth.csv"));
+        let shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "120s", "--ra", "198.9", "--dec", "7.7"];
+        let files = ["inject", "--synthetic", &sky, "-o", &output, "--truth", &truth, "--seeing", "270arcsec"];
+        let (code, _, stderr) = run(&[&files, &shot, &["--elements", &file, "--mpc", "X05"]]);
+        assert_eq!(code, 0, "{stderr}");
+        (records(&fs::read_to_string(&truth).unwrap()).len() - 1, stderr)
+    };
+    let (drawn, stderr) = inject(0.5);
+    assert!(drawn > 0 && !stderr.contains("of unknown position"), "{drawn}: {stderr}");
+    let (drawn, stderr) = inject(60.0);
+    assert!(
+        drawn == 0 && stderr.contains("of unknown position left out, because the element sets are too old"),
+        "{stderr}"
+    );
 }
 
 #[test]

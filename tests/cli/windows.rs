@@ -173,6 +173,10 @@ fn lists_in_every_syntax_give_the_same_windows() {
     };
     let expected = windows(&csv);
     assert!(expected.as_array().unwrap().len() > 3, "{expected}");
+    // The last exposure of 30 s ends with the range, as in Python.
+    let last =
+        expected.as_array().unwrap().iter().map(|one| utc(one["last_start_utc"].as_str().unwrap())).max().unwrap();
+    assert!(seconds_between(utc("2024-08-14T23:49:30Z"), last) < 1e-3, "{last}");
     let ecsv = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: name, datatype: string}\n# - {name: ra_deg, unit: deg, datatype: float64}\n\
                 # - {name: dec_deg, unit: deg, datatype: float64}\n# - {name: exposure_s, unit: s, datatype: float64}\n# - {name: unique_id, datatype: string}\n\
                 name ra_deg dec_deg exposure_s unique_id\nA 217.5 -30 30 17\n";

@@ -340,6 +340,8 @@ fn verif_settings_of_cameras_are_no_gains() {
         "GAIN    = 16 / [%]",
         "GAIN    = 1.39 / 0.1dB units",
         "GAIN    = 3 / left shift",
+        "GAIN    = 12\nINSTRUME= 'ZWO ASI294MM Pro'",
+        "GAIN    = 5 / gain\nSWCREATE= 'N.I.N.A. 3.1.2.9001 (x64)'",
     ] {
         let calibration = of(cards);
         assert_eq!(calibration.gain_e_adu, None, "{cards}");
@@ -351,6 +353,8 @@ fn verif_settings_of_cameras_are_no_gains() {
         ("GAIN    = 3.3 / e/DN conversion", 3.3),
         ("GAIN    = 4.5 / camera gain (electrons/ADU)", 4.5),
         ("GAIN    = 1.6", 1.6),
+        ("GAIN    = 1.6\nINSTRUME= 'ALFOSC'", 1.6),
+        ("GAIN    = 0.25 / e-/ADU\nINSTRUME= 'QHY600M'", 0.25),
     ] {
         let calibration = of(cards);
         assert_eq!((calibration.gain_e_adu.expect(cards).value, calibration.doubtful_gain), (gain, None), "{cards}");
@@ -427,6 +431,7 @@ fn verif_all_keywords_of_an_instant_must_agree() {
         "DATE-LOC= '2026-08-21T20:14:59' / local",
         "DATE-LOC= '2026-08-22T03:14:59' / local\nSITELONG= '-00 10 00'",
         "DATE-LOC= '2026-08-22T03:14:59' / local\nTIMEZONE= 0",
+        "DATE-LOC= '2026-08-22T03:14:59' / local\nTIMESYS = 'UTC'",
         "TREFPOS = 'TOPOCENTER'",
         "TIMEREF = 'GPS'",
         "MJD     =                61274 / number of the night",

@@ -94,9 +94,15 @@ fn chips_are_frames_and_planes_belong_to_their_chip() {
     for images in [
         [("SCI", version(1, sky(10.0))), ("SCI", version(2, sky(10.0)))],
         [("IM1", String::new()), ("IM2", String::new())],
-        [("CCD_3", sky(10.0)), ("CCD_4", sky(10.0))],
+        [("IMG_1", sky(10.0)), ("IMG_2", sky(10.0))],
+        [("CCD_3", sky(10.0)), ("CCD_4", sky(10.1))],
     ] {
         assert_eq!(roles(&images).expect("roles").frames, [0, 1], "{images:?}");
+    }
+    // Names that differ by a number do not make frames of one sky.
+    for names in [["LAYER_0", "LAYER_1"], ["EXT1", "EXT2"], ["FLUX", "FLUX_2"]] {
+        let found = roles(&names.map(|name| (name, sky(10.0)))).expect("roles");
+        assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[0][..], Some(0)), "{names:?}");
     }
     // A background model in front of the science image.
     let found = roles(&[("BKG", sky(10.0)), ("SCI", sky(10.0))]).expect("roles");
@@ -144,6 +150,7 @@ fn images_that_can_be_both_are_an_error() {
         vec![("", sky(10.0)), ("SCI", sky(10.0))],
         vec![("SCI", sky(10.0)), ("SCI", sky(10.0))],
         vec![("LEFT", String::new()), ("RIGHT", String::new())],
+        vec![("CCD_3", sky(10.0)), ("CCD_4", sky(10.0))],
     ] {
         let error = roles(&images).expect_err("both");
         assert!(error.contains("a frame or a companion plane; allowed: --hdu 0, --hdu 1 or --hdu 0,1"), "{error}");

@@ -292,6 +292,103 @@ fn fluxes_of_many() {
     check_false_detections(600);
 }
 
+/// Signal to noise, seeing and density of stars of the cells in which the share within one sigma is tested.
+const COVERAGE_SIGNALS: [f64; 4] = [8.0, 20.0, 60.0, 300.0];
+const COVERAGE_SEEING_PIX: [f64; 5] = [0.8, 1.2, 2.0, 3.5, 6.0];
+/// Number of streaks in a cell.
+const COVERAGE_COUNT: u64 = 100;
+
+/// Measures the streaks of a cell, at all angles, half of them with a Moffat profile and half with an end in the frame.
+fn cell(signal_to_noise: f64, seeing_pix: f64, stars_per_megapixel: f64, count: u64) -> Vec<Outcome> {
+    let case = |number: u64| Case {
+        signal_to_noise,
+        angle_deg: (number * 37 % 180) as f64 + 0.5,
+        seeing_pix,
+        form: if number.is_multiple_of(2) { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } },
+        stars_per_megapixel,
+        has_end: number % 4 >= 2,
+        seed: 7_000_000 + 1000 * number + (10.0 * seeing_pix) as u64,
+    };
+    (0..count).into_par_iter().map(|number| measured(case(number), &options(), optics(&case(number)))).collect()
+}
+
+/// Prints the share of fluxes within one sigma, with its binomial error, and the share with the flag `width`, by density
+/// of stars, seeing and signal to noise. The share of each row must be that of one sigma.
+#[test]
+#[ignore = "some 6,000 streaks"]
+fn coverage_of_many() {
+    let names = COVERAGE_SIGNALS.map(|signal| format!("signal to noise {signal}"));
+    println!("| stars per megapixel | seeing, pixels | {} | all | `width` |", names.join(" | "));
+    println!("|---|---|{}---|---|", "---|".repeat(names.len()));
+    let mut failures = Vec::new();
+    for stars_per_megapixel in STARS.into_iter().rev() {
+        for seeing_pix in COVERAGE_SEEING_PIX {
+            let cells = COVERAGE_SIGNALS.map(|signal| cell(signal, seeing_pix, stars_per_megapixel, COVERAGE_COUNT));
+            let text = |outcomes: &[&Outcome]| {
+                let (.., share, found) = bias_and_share(outcomes.iter().copied());
+                let error = (share * (1.0 - share) / found as f64).sqrt();
+                (share, found, format!("{:.0} ± {:.0} % of {found}", 100.0 * share, 100.0 * error))
+            };
+            let shown: Vec<String> = cells.iter().map(|cell| text(&cell.iter().collect::<Vec<_>>()).2).collect();
+            let all: Vec<&Outcome> = cells.iter().flatten().filter(|one| one.measured.is_detected).collect();
+            let (share, found, row) = text(&all);
+            let flagged = all.iter().filter(|one| one.measured.flags.contains(&Flag::Width)).count();
+            let flagged = 100.0 * flagged as f64 / found as f64;
+            println!("| {stars_per_megapixel} | {seeing_pix} | {} | {row} | {flagged:.1} % |", shown.join(" | "));
+            if !within_one_sigma_of(found).contains(&share) || flagged > 100.0 * WRONG_WIDTHS {
+                failures.push((stars_per_megapixel, seeing_pix));
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{failures:?}");
+}
+
+/// Largest share of streaks with exactly the given seeing that have the flag `width`.
+const WRONG_WIDTHS: f64 = 0.03;
+
+/// The width of faint and narrow streaks has a large error, so that it differs from the right one by chance.
+#[test]
+fn verif_streaks_with_the_given_seeing_have_no_flag_of_the_width() {
+    let outcomes = cell(20.0, 0.8, 0.0, 40);
+    let flagged = outcomes.iter().filter(|one| one.measured.flags.contains(&Flag::Width)).count();
+    assert!(flagged as f64 <= WRONG_WIDTHS * outcomes.len() as f64, "{flagged}");
+    // A wrong seeing is flagged.
+    let case = Case { seed: 5, ..outcomes[0].case };
+    let case = Case { signal_to_noise: 100.0, seeing_pix: 3.0, angle_deg: 20.0, has_end: false, ..case };
+    let assumed = Optics { seeing_arcsec: 2.0, ..optics(&case) };
+    assert!(measured(case, &options(), assumed).measured.flags.contains(&Flag::Width));
+}
+
+/// Where the profile of a streak has other wings than the assumed one, the error of the flux contains the difference.
+#[test]
+fn verif_a_wrong_form_of_the_profile_is_part_of_the_error() {
+    let moffat = SeeingForm::Moffat { beta: 3.5 };
+    for (form, assumed) in [(moffat, SeeingForm::Gaussian), (SeeingForm::Gaussian, moffat)] {
+        for seeing_pix in [2.2, 4.0] {
+            for seed in 0..4 {
+                let case = Case {
+                    signal_to_noise: 300.0,
+                    angle_deg: 20.0 + 40.0 * seed as f64,
+                    seeing_pix,
+                    form,
+                    stars_per_megapixel: 0.0,
+                    has_end: false,
+                    seed: 4000 + seed,
+                };
+                let outcome = measured(case, &options(), Optics { form: assumed, ..optics(&case) });
+                let (rate, stated) = (outcome.measured.rate, outcome.measured.form_sigma);
+                let error = (rate.value / outcome.truth - 1.0).abs();
+                println!("{form:?} {seeing_pix}: off by {error:.3}, stated {:.3}", rate.sigma / outcome.truth);
+                assert!(error > 0.02 && error * outcome.truth <= 2.0 * rate.sigma, "{error} {rate:?}");
+                assert!(stated > 0.5 * error * outcome.truth, "{stated} {error}");
+                // With the right form the error is that of the noise.
+                let right = measured(case, &options(), optics(&case)).measured;
+                assert!(right.form_sigma < 0.3 * stated, "{} {stated}", right.form_sigma);
+            }
+        }
+    }
+}
+
 /// At a low signal to noise the fitted position follows the noise, for which the flux is corrected. Nearly all of these
 /// streaks are found, so that the selection by detection does not bias the mean.
 fn check_a_low_signal_to_noise(count: usize) {

@@ -21,6 +21,8 @@ const MARGIN_MAG: f64 = 0.01;
 /// Share of the zero points within one sigma. The range is wide, because the error of a median of few stars is not
 /// normal. In the first run the share was 0.42, outside the range; since then sigma has a floor of 0.002 mag.
 const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.55..=0.90;
+/// Seeing of stars narrower than two pixels, and its largest relative error.
+const NARROW_SEEING_ERRORS: [(f64, f64); 3] = [(0.8, 0.15), (1.0, 0.06), (1.5, 0.03)];
 /// Largest relative error of the seeing.
 const SEEING_ERROR: f64 = 0.03;
 
@@ -172,6 +174,21 @@ fn verif_the_width_of_stars_is_measured_far_from_the_given_seeing() {
         let seeing = found.seeing_arcsec.unwrap_or(f64::NAN);
         println!("given {assumed}: {seeing}");
         assert!((seeing / case.seeing_pix - 1.0).abs() <= SEEING_ERROR, "{assumed}: {found:?}");
+    }
+}
+
+/// Stars narrower than two pixels, whose light is in one or two pixels.
+#[test]
+fn verif_the_width_of_undersampled_stars_is_measured() {
+    for (seeing_pix, largest_error) in NARROW_SEEING_ERRORS {
+        for form in [SeeingForm::Gaussian, SeeingForm::Moffat { beta: 3.5 }] {
+            let case = Case { seeing_pix, form, other_stars: 0.0, seed: 93 };
+            let found = measured(&case, &scattered(60, 94), |_, magnitude| magnitude, Some(seeing_pix));
+            let (seeing, zero_point) = (found.seeing_arcsec.unwrap_or(f64::NAN), found.zero_point_mag.unwrap());
+            println!("{seeing_pix} {form:?}: {seeing:.3}, {:+.4}", zero_point.value - true_zero_point_mag());
+            assert!((seeing / seeing_pix - 1.0).abs() <= largest_error, "{seeing_pix}: {found:?}");
+            assert!((zero_point.value - true_zero_point_mag()).abs() <= BIAS_MAG, "{seeing_pix}: {found:?}");
+        }
     }
 }
 

@@ -822,7 +822,10 @@ fn only_the_usable_interval_of_an_oem_is_used() {
     };
     let middle = from + 0.5 * (to - from);
     let (of_all, of_usable) = (index(&all), index(&usable));
-    for (epoch, expected) in [(from - 5.0 * Unit::Minute, false), (middle, true), (to + 5.0 * Unit::Minute, false)] {
+    let minute = Unit::Minute;
+    // States outside are used for late and early satellites, so that an exposure may be up to the end of the interval.
+    let times = [(from - 1.0 * minute, false), (from + 1.0 * minute, true), (middle, true), (to + 1.0 * minute, false)];
+    for (epoch, expected) in times {
         assert!(is_used(&of_all, epoch), "{epoch}");
         assert_eq!(is_used(&of_usable, epoch), expected, "{epoch}");
     }
@@ -831,4 +834,86 @@ fn only_the_usable_interval_of_an_oem_is_used() {
     assert!(error.contains("USEABLE_STOP_TIME"), "{error}");
     let error = read("a.oem", &with("USEABLE_START_TIME = 2024-08-14")).expect_err("a date");
     assert!(error.contains("USEABLE_START_TIME is \"2024-08-14\""), "{error}");
+}
+
+/// Returns the segments of one message, each with some minutes of the states of `whole` (two minutes apart) as they are,
+/// or of a later orbit.
+fn segments(set: &ElementSet, whole: &[&Ephemeris], minutes: &[[usize; 2]]) -> Vec<Arc<Ephemeris>> {
+    let mut text = String::new();
+    for (whole, [from, to]) in whole.iter().zip(minutes) {
+        let header = oem_header(&set.norad_id.to_string(), "TEME");
+        text += if text.is_empty() { &header } else { &header[header.find("META_START").expect("metadata")..] };
+        for state in &whole.states[from / 2..=to / 2] {
+            write_state(&mut text, state.epoch, &state.position_km, &state.velocity_km_s);
+        }
+    }
+    read("segments.oem", &text).expect("readable").ephemerides
+}
+
+/// Adjoining and overlapping segments of a message are used without a hole, also for exposures across their ends; a time
+/// between segments that neither covers is not.
+#[test]
+fn segments_of_a_satellite_are_used_without_a_hole() {
+    let start = utc("2026-04-26T00:00:00 UTC");
+    let set = Constellation::by_name("starlink-gen1").expect("shells").element_sets(start).remove(0);
+    let whole = sgp4_ephemeris(&set, start, 3);
+    let sets = [set.clone()];
+    let of = |ephemerides: &[Arc<Ephemeris>]| {
+        SatelliteIndex::new(&sets, DragModel::Published).with_ephemerides(&sets, ephemerides, &EopTable::embedded())
+    };
+    let sgp4 = of(&[]);
+    let at = |minutes: f64| start + minutes * Unit::Minute;
+    for (what, minutes, hole) in [
+        ("adjoining", vec![[0, 60], [60, 120], [120, 180]], None),
+        ("overlapping", vec![[0, 70], [60, 180]], None),
+        ("with a hole", vec![[0, 80], [90, 180]], Some(74.0..=96.0)),
+    ] {
+        let index = of(&segments(&set, &[&whole, &whole, &whole], &minutes));
+        assert!(index.contradictory_ephemerides().is_empty(), "{what}");
+        for tenths in 60..=1740 {
+            let minute = f64::from(tenths) / 10.0;
+            // 20 s long.
+            let ends = [at(minute - 1.0 / 6.0), at(minute + 1.0 / 6.0)];
+            let propagator = index.propagator_over(0, ends).expect("a propagator");
+            let is_near = |bounds: &std::ops::RangeInclusive<f64>| {
+                (bounds.start() - minute).abs().min((bounds.end() - minute).abs()) < 0.2
+            };
+            if minute < 6.2 || minute > 173.8 || hole.as_ref().is_some_and(is_near) {
+                continue;
+            }
+            let expected = !hole.as_ref().is_some_and(|hole| hole.contains(&minute));
+            assert_eq!(propagator.has_ephemeris(), expected, "{what}: {minute}");
+            // Also for the delays that are searched.
+            for late_s in [-300.0, -20.0, 0.0, 20.0, 300.0] {
+                let epoch = at(minute) + late_s * Unit::Second;
+                let right = position(sgp4.propagator(0).expect("SGP4"), epoch);
+                let away_km = (position(propagator, epoch).vector() - right.vector()).norm();
+                assert!(away_km < LEFT_OUT_TOLERANCE_KM, "{what}: {minute}, {late_s} s: {away_km} km");
+            }
+        }
+    }
+}
+
+/// Segments of one message that overlap and differ are named; those that only adjoin are not.
+#[test]
+fn contradictory_segments_are_named() {
+    let start = utc("2026-04-26T00:00:00 UTC");
+    let set = Constellation::by_name("starlink-gen1").expect("shells").element_sets(start).remove(0);
+    let other = ElementSet { mean_anomaly_deg: set.mean_anomaly_deg + 1.4, ..set.clone() };
+    let (one, two) = (sgp4_ephemeris(&set, start, 3), sgp4_ephemeris(&other, start, 3));
+    let sets = [set.clone()];
+    for (minutes, contradictory) in [([[0, 90], [60, 180]], &[0][..]), ([[0, 90], [90, 180]], &[][..])] {
+        let ephemerides = segments(&set, &[&one, &two], &minutes);
+        let index = SatelliteIndex::new(&sets, DragModel::Published).with_ephemerides(
+            &sets,
+            &ephemerides,
+            &EopTable::embedded(),
+        );
+        assert_eq!(index.contradictory_ephemerides(), contradictory, "{minutes:?}");
+        // No position is interpolated across the jump.
+        let ends = [start + 89.9 * Unit::Minute, start + 90.2 * Unit::Minute];
+        let propagator = index.propagator_over(0, ends).expect("a propagator");
+        let [first, last] = ends.map(|epoch| position(propagator, epoch));
+        assert!((last.vector() - first.vector()).norm() < 18.0 * 8.0, "{minutes:?}");
+    }
 }

@@ -77,6 +77,29 @@ def test_an_hdu_is_injected_as_its_array(tmp_path, kind, dtype):
         assert np.mean(np.abs(is_changed) > tolerance) <= (0.0 if tolerance == 0.0 else 0.01)
 
 
+@pytest.mark.parametrize("dtype", ["int64", "uint32", "int8"])
+def test_other_integers_are_injected_and_returned(dtype):
+    given = (pixels("int16") // 8).clip(0, 100).astype(dtype)
+    done = streakcast.inject(given, header=header(), **STREAKS)
+    expected = streakcast.inject(given.astype("int32"), header=header(), **STREAKS)
+    assert done.image.dtype == done.frame.dtype == np.dtype(dtype)
+    np.testing.assert_array_equal(done.image, expected.image.clip(-128, 127) if dtype == "int8" else expected.image)
+    with pytest.raises(ValueError, match="beyond those of int32"):
+        streakcast.inject(given.astype("int64") + 2**40, header=header(), **STREAKS)
+
+
+def test_scaled_hdus_of_a_list_are_not_changed(tmp_path):
+    scaled = fits.ImageHDU(pixels("int16"), header())
+    fits.HDUList([fits.PrimaryHDU(), scaled]).writeto(tmp_path / "frame.fits")
+    with fits.open(tmp_path / "frame.fits", mode="update", do_not_scale_image_data=True) as file:
+        file[1].header["BSCALE"], file[1].header["BZERO"] = 2.0, 30000.0
+    with fits.open(tmp_path / "frame.fits") as file:
+        before = file[1].header.tostring()
+        done = streakcast.inject(file, **STREAKS)
+        assert file[1].header.tostring() == before and file[1].header["BSCALE"] == 2.0
+        assert np.median(done.frame[1].data) == pytest.approx(np.median(2.0 * pixels("int16") + 30000.0), abs=4.0)
+
+
 def test_an_hdu_list_is_injected_as_its_file(tmp_path):
     hdus = fits.HDUList([fits.PrimaryHDU(), fits.ImageHDU(pixels("float32"), header(), name="SCI"), fits.ImageHDU(pixels("float32"), name="ERR")])
     hdus.writeto(tmp_path / "frame.fits")
@@ -229,7 +252,7 @@ def test_invalid_frames_are_named(model):
         (TypeError, NDData(image, wcs=SlicedLowLevelWCS(WCS(header()), np.s_[:, :])), {}, "wcs of the frame is .*; allowed: an astropy.wcs.WCS"),
         (ValueError, ccd(wcs=table_wcs), {}, "lookup tables of distortion"),
         (ValueError, raw, {}, "do_not_scale_image_data"),
-        (TypeError, ccd(image.astype("int64")), {}, "allowed: two axes of float32"),
+        (TypeError, ccd(image.astype("complex64")), {}, "allowed: two axes of float32"),
         (ValueError, fits.HDUList([fits.PrimaryHDU()]), {}, "frame"),
         (ValueError, None, {}, r"frame has the shape \(\)"),
     ]:

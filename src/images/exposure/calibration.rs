@@ -161,6 +161,33 @@ const SETTINGS: &str = "db setting settings sensor camera analog analogue digita
      slider";
 /// Keywords that camera programs write beside a gain that is a setting.
 const CAMERA_OFFSETS: &[&str] = &["OFFSET", "BLKLEVEL"];
+/// Keywords with the camera or the program that wrote the header, and beginnings of words of those whose gain is a
+/// setting.
+const CAMERAS: &[&str] = &["INSTRUME", "CAMERA", "CAMMODEL", "DETECTOR", "SWCREATE", "CREATOR", "PROGRAM", "SOFTWARE"];
+const SETTING_CAMERAS: &[&str] = &[
+    "zwo",
+    "asi",
+    "qhy",
+    "toupcam",
+    "touptek",
+    "altair",
+    "svbony",
+    "player",
+    "omegon",
+    "ogma",
+    "risingcam",
+    "canon",
+    "nikon",
+    "sony",
+    "sharpcap",
+    "nina",
+    "n.i.n.a",
+    "firecapture",
+    "kstars",
+    "ekos",
+    "asistudio",
+    "stellarmate",
+];
 /// Largest gain without a unit that is taken as electrons per count. The 16 bits of most detectors hold a full well of
 /// 100,000 electrons at a gain below 2, and those of infrared arrays at a gain below 20.
 const LARGEST_GAIN_E: f64 = 20.0;
@@ -187,6 +214,11 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     // "0.1dB", "[%]"
     let has_other_unit = comment.contains('%') || comment.contains("dB");
     let is_setting = words.has(SETTINGS) || has_other_unit || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
+    let is_camera = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword])).any(|(_, text)| {
+        let lower = text.to_ascii_lowercase();
+        lower.split_whitespace().any(|word| SETTING_CAMERAS.iter().any(|camera| word.starts_with(camera)))
+    });
+    let is_setting = is_setting || (is_camera && keyword == "GAIN");
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {
         let stated = if comment.is_empty() { String::new() } else { format!(" ({})", words.text()) };
         return Err(format!("{keyword} is {value}{stated}: a setting of the camera or electrons per count"));

@@ -199,6 +199,11 @@ impl Comment {
         (stated, is_unclear)
     }
 
+    /// Returns true if the comment states universal time.
+    pub fn is_universal(&self) -> bool {
+        self.has(UNIVERSAL)
+    }
+
     /// Returns true if the comment states a local time.
     pub fn is_local(&self) -> bool {
         if self.has_offset() {
@@ -237,10 +242,19 @@ impl Comment {
         })
     }
 
+    /// Returns the digits after `TAI -`; `None` if there are none.
+    fn offset_from_tai(&self) -> Option<String> {
+        let upper = self.text.to_ascii_uppercase();
+        let rest = upper.split_once("TAI")?.1.trim_start();
+        let rest = rest.strip_prefix('-').or_else(|| rest.strip_prefix("MINUS"))?.trim_start();
+        let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+        (!digits.is_empty()).then_some(digits)
+    }
+
     /// Returns the time scale that the comment states, other than UTC.
     ///
     /// # Errors
-    /// A scale that is not supported, or GPS time, which is also a name for the UTC of a GPS receiver, 18 s earlier.
+    /// A scale that is not supported, TAI minus other than the 37 s of UTC since 2017, or GPS time, which is also a name for the UTC of a GPS receiver, 18 s earlier.
     pub fn scale(&self) -> Result<Option<TimeScale>, &'static str> {
         if self.has(UNIVERSAL) {
             return Ok(None);
@@ -250,6 +264,10 @@ impl Comment {
             || self.words().all(|word| word == "GPS")
         {
             return if self.clauses.is_empty() { Ok(None) } else { Err("in GPS time or in UTC of a GPS receiver") };
+        }
+        // "TAI - 37 s" is UTC.
+        if let Some(offset) = self.offset_from_tai() {
+            return if offset == "37" { Ok(None) } else { Err("in TAI minus another number of seconds than 37") };
         }
         let is = |name: &str| self.words().any(|word| word == name);
         if is("TCB") || is("TCG") {

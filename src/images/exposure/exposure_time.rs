@@ -238,13 +238,22 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     let longitude_deg = site_from_headers(keywords.0).ok().flatten().map(|site| site.longitude_rad.to_degrees());
     let longitude_deg = longitude_deg.or_else(|| longitude_of_unknown_sense_deg(keywords));
     let is_zero_zone = keywords.number(&["TIMEZONE", "TIME-ZONE"], |_| true).map(|(_, hours, _)| hours == 0.0);
-    if is_zero_zone.or(longitude_deg.map(|deg| deg.abs() < ZERO_ZONE_DEG)).unwrap_or(false) {
+    // Without zone and longitude, a header that states UTC is believed: the clock of the computer was in UTC.
+    let is_zero_zone = is_zero_zone.or(longitude_deg.map(|deg| deg.abs() < ZERO_ZONE_DEG));
+    if is_zero_zone.unwrap_or_else(|| states_utc(keywords, start)) {
         return None;
     }
     let given =
         format!("{}, the same reading of the clock as the local time {name}", start.epoch.round(1.milliseconds()));
     let allowed = "a start in UTC and a local time of another zone, a site, TIMEZONE = 0, or --start";
     Some(ImagesError::invalid(format!("start of {}", start.from), given, allowed))
+}
+
+/// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
+fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
+    let by_keyword = keywords.text(&["TIMESYS"]).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
+    let keyword = start.from.split(' ').next().unwrap_or_default();
+    by_keyword || keywords.text_and_comment(keyword).is_some_and(|(.., comment)| comment.is_universal())
 }
 
 /// Returns the error of a date and a time of day of the middle or the end, if the start is on the day before and

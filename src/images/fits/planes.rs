@@ -93,6 +93,9 @@ const PARTS: [&str; 5] = ["MASK", "VARIANCE", "WEIGHT", "IVAR", "FLAG"];
 /// Names of images of the sky.
 const SCIENCE: [&str; 5] = ["SCI", "SCIENCE", "IMAGE", "DATA", "IMG"];
 
+/// Names of chips and amplifiers.
+const CHIPS: [&str; 6] = ["CCD", "CHIP", "AMP", "DET", "DETECTOR", "IM"];
+
 /// Beginnings of the names of distortion tables (HST and the FITS distortion paper).
 const DISTORTION_TABLES: [&str; 4] = ["WCSDVARR", "D2IMARR", "NPOLARR", "DISTORTION"];
 
@@ -114,9 +117,8 @@ impl FrameFile {
 impl FrameImages {
     /// Determines the roles of the images of a file.
     ///
-    /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless its name
-    /// differs from that of the frame only in a number, or has another EXTVER, or the image has a start of its own. The
-    /// same holds for an image of another shape or scale whose centre is in an earlier frame, or that contains the
+    /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless both have the
+    /// name of a science image with another number or EXTVER, or the image has a start of its own. The same holds for an image of another shape or scale whose centre is in an earlier frame, or that contains the
     /// centre of one: a binned copy, a background or a preview. Names of masks, variances and weights, and HDUCLAS2 of
     /// errors and flags, mark companion planes of any shape. Images with the names of distortion tables are never frames.
     ///
@@ -291,6 +293,7 @@ impl Image {
 
     /// Returns the role of an image that has the pixels of an earlier frame or overlaps it.
     fn role_beside(&self, frame: &Self) -> Role {
+        let has_same_sky = self.sky.is_some() && frame.sky.is_some() && self.has_pixels_of(frame);
         if !self.date.is_empty() && !frame.date.is_empty() && self.date != frame.date {
             return Role::Frame;
         }
@@ -300,6 +303,10 @@ impl Image {
             _ => false,
         };
         if !self.name.is_empty() && stem(&self.name) == stem(&frame.name) {
+            // Two chips cannot have one sky: their images are planes, or one of them has wrong world coordinates.
+            if has_same_sky && self.name != frame.name && !is_science(self) {
+                return if CHIPS.contains(&stem(&self.name)) { Role::Unclear } else { Role::Plane };
+            }
             return if self.name != frame.name || has_other_version { Role::Frame } else { Role::Unclear };
         }
         if is_science(self) && !is_science(frame) && self.has_sky() {

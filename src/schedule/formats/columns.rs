@@ -15,7 +15,7 @@ const DURATION: &[&str] = &["duration_s", "exposure_s", VISIT_EXPOSURE, "exp_tim
 /// Exposure time of a visit of Rubin's simulations: the sum over its snaps.
 const VISIT_EXPOSURE: &str = "visitExposureTime";
 /// Number of snaps of a visit, and time from its start to its end with shutter and readout.
-const SNAPS: &[&str] = &["numExposures"];
+const SNAPS: &[&str] = &["numExposures", "nexp"];
 const VISIT: &[&str] = &["visitTime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
 const DECLINATION: &[&str] = &["dec_deg", "fieldDec", "s_dec"];
@@ -70,6 +70,14 @@ const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     (PLANNED_START, StartForm::Mjd, None),
 ];
 
+/// Returns the columns of start times, the preferred one first.
+pub(in crate::schedule) fn start_columns(names: &[String]) -> impl Iterator<Item = StartColumn> + '_ {
+    STARTS.iter().filter_map(|&(name, form, scale)| {
+        let index = names.iter().position(|found| found == name)?;
+        Some(StartColumn { index, name: name.to_owned(), form, scale })
+    })
+}
+
 /// Index of the column of each quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct ColumnMap {
@@ -102,10 +110,7 @@ impl ColumnMap {
         let with_unit = |unit: &Unit, accepted: &[&str]| {
             unit.find(accepted, names).map_err(|source| ScheduleError::Unit { path: display(path), source })
         };
-        let start = STARTS.iter().find_map(|&(name, form, scale)| {
-            let index = names.iter().position(|found| found == name)?;
-            Some(StartColumn { index, name: name.to_owned(), form, scale })
-        });
+        let start = start_columns(names).next();
         let (id, duration, right_ascension, declination) = (
             find(ID),
             with_unit(&SECONDS, DURATION)?,

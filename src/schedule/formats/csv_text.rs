@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::super::error::ScheduleError;
 use super::columns::{Cell, Row, display};
-use crate::input::{MOST_ROWS, UNCLOSED, delimiter_of, first_line, unclosed_quote};
+use crate::input::{MOST_ROWS, UNCLOSED, comments_like_rows, delimiter_of, first_line};
 
 /// Byte positions of the header and the rows of a CSV file.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,18 +92,14 @@ impl CsvText {
     /// There is no line of names, or there are too many rows.
     pub fn new(path: &Path, text: String) -> Result<(Vec<String>, Self), ScheduleError> {
         let mut rows = 0;
-        let (header, end) = visit(path, &text, |_, _| rows += 1)?;
+        let (header, _) = visit(path, &text, |_, _| rows += 1)?;
         if rows > MOST_ROWS {
             return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
         }
         let width = header.len();
-        let delimiter = delimiter_of(first_line(&text));
-        if let Some(line) = unclosed_quote(&text, delimiter) {
-            return Err(ScheduleError::Line { path: display(path), line: line as u64, what: UNCLOSED.to_owned() });
-        }
-        let separator = char::from(delimiter);
-        let is_like_a_row = |line: &&str| line.starts_with('#') && line.matches(separator).count() + 1 == width;
-        let comments_like_rows = text[end..].lines().filter(is_like_a_row).count();
+        let comments_like_rows = comments_like_rows(&text, delimiter_of(first_line(&text))).map_err(|line| {
+            ScheduleError::Line { path: display(path), line: line as u64, what: UNCLOSED.to_owned() }
+        })?;
         Ok((names_of(&header), Self { text, width, rows, comments_like_rows }))
     }
 

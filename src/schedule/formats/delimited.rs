@@ -16,6 +16,7 @@ use crate::input::{Ecsv, MOST_ROWS};
 pub(super) fn read_csv(path: &Path, text: String) -> Result<RawTable, ScheduleError> {
     let (names, rows) = CsvText::new(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Csv, names);
+    table.comments_like_rows = rows.comments_like_rows;
     table.rows = Rows::Csv(rows);
     Ok(table)
 }
@@ -41,6 +42,7 @@ pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleErr
     let width = table.names.len();
     let records = ecsv.rows.iter().map(|(start, end)| ecsv.record(&text[*start..*end]));
     table.rows = Rows::Cells(records.map(|record| cells(record.iter().map(String::as_str), width)).collect());
+    table.comments_like_rows = ecsv.comments_like_rows;
     table.units = ecsv.units();
     table.single_precision = ecsv.single_precision();
     for time in ecsv.time_columns() {

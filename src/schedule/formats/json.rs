@@ -38,7 +38,8 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
         };
         let mut cells = vec![Cell::Missing; columns.len()];
         for (name, value) in object.0 {
-            let value = serde_json::from_str(value.get()).map_err(|error| bad_at(path, text, value, &error))?;
+            let raw = value.get();
+            let value = serde_json::from_str(raw).map_err(|error| bad_at(path, text, value, &error))?;
             let next = columns.len();
             let index = *columns.entry(name).or_insert_with_key(|name| {
                 table.names.push(name.clone());
@@ -50,7 +51,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
             if index == cells.len() {
                 cells.push(Cell::Missing);
             }
-            cells[index] = cell(&value);
+            cells[index] = cell(raw, &value);
         }
         rows.push(Ok(cells));
     }
@@ -211,13 +212,30 @@ fn format(path: &Path, what: &str) -> ScheduleError {
     ScheduleError::Format { path: display(path), what: what.to_owned() }
 }
 
-fn cell(value: &Value) -> Cell {
+fn cell(raw: &str, value: &Value) -> Cell {
     match value {
         Value::Null => Cell::Missing,
         // Integers keep all digits: an identifier may have more digits than a double can represent.
+        Value::Number(_) if raw.trim_start_matches('-').bytes().all(|byte| byte.is_ascii_digit()) => {
+            Cell::Text(raw.to_owned())
+        }
         Value::Number(number) if number.is_f64() => Cell::Number(number.as_f64().unwrap_or(f64::NAN)),
         Value::Number(number) => Cell::Text(number.to_string()),
         Value::String(text) => Cell::from_text(text),
         other => Cell::Text(other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_keep_all_digits() {
+        let text = r#"[{"exposure_id": 123456789012345678901234, "duration_s": -7, "ra_deg": 1.5e1}]"#;
+        let table = read(Path::new("t.json"), text).unwrap();
+        let cells = table.rows.iter().next().unwrap().into_owned().unwrap();
+        assert_eq!(cells[0], Cell::Text("123456789012345678901234".to_owned()));
+        assert_eq!(cells[1..], [Cell::Text("-7".to_owned()), Cell::Number(15.0)]);
     }
 }

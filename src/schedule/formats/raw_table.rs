@@ -59,6 +59,8 @@ pub(in crate::schedule) struct RawTable {
     pub time_scales: BTreeMap<String, TimeScale>,
     /// Names of the columns whose numbers were rounded to single precision, if the file states their types.
     pub single_precision: BTreeSet<String>,
+    /// Number of comments in CSV and ECSV that have as many cells as a row.
+    pub comments_like_rows: usize,
 }
 
 impl RawTable {
@@ -71,6 +73,7 @@ impl RawTable {
             units: BTreeMap::new(),
             time_scales: BTreeMap::new(),
             single_precision: BTreeSet::new(),
+            comments_like_rows: 0,
         }
     }
 

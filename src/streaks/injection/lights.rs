@@ -14,9 +14,11 @@ use super::super::light::{
 };
 use super::labels::file_name;
 use super::plan::{InjectionPlan, RandomPlan};
+use crate::elements::NoradId;
 use crate::frames::{Direction, EopTable, Gcrs};
 use crate::images::StreakEnds;
-use crate::output::{Provenance, format_utc};
+use crate::message::listed;
+use crate::output::{Provenance, counted, format_utc};
 use crate::passes::{Exposure, Sky};
 use crate::photometry::PhotometryOptions;
 
@@ -34,7 +36,8 @@ pub struct InjectionSky<'a> {
     pub provenance: &'a Provenance,
 }
 
-/// Returns the sources of light that may cross one frame.
+/// Returns the sources of light that may cross one frame, and a warning about satellites that are left out because their
+/// positions are unknown.
 pub fn sources(
     plan: &InjectionPlan,
     sky: Option<InjectionSky<'_>>,
@@ -43,21 +46,22 @@ pub fn sources(
     photometry: &PhotometryOptions,
     seed: u64,
     output: &Path,
-) -> Result<Vec<Source>, StreaksError> {
+) -> Result<(Vec<Source>, Option<String>), StreaksError> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
         let shown = frame.file.path().display();
         let what = format!("{shown}: position of the corners of the frame on the sky");
         StreaksError::invalid(what, "undefined", "world coordinates that cover the frame")
     })?;
     if let Some(random) = &plan.random {
-        return Ok(random_sources(random, plan, frame, (centre, radius_rad), seed));
+        return Ok((random_sources(random, plan, frame, (centre, radius_rad), seed), None));
     }
     if let Some(chosen) = &plan.chosen {
         let names = [file_name(frame.file.path()), file_name(output)];
         let of_frame = chosen.streaks.iter().filter(|streak| names.iter().any(|name| streak.given.is_of(name)));
-        return of_frame.map(|streak| chosen_source(streak, plan, frame, shot)).collect();
+        let sources = of_frame.map(|streak| chosen_source(streak, plan, frame, shot)).collect::<Result<_, _>>()?;
+        return Ok((sources, None));
     }
-    let Some(sky) = sky else { return Ok(Vec::new()) };
+    let Some(sky) = sky else { return Ok((Vec::new(), None)) };
     let exposure = Exposure {
         id: frame.file.path().display().to_string(),
         start: frame.opened,
@@ -73,7 +77,17 @@ pub fn sources(
         tracking: &tracking,
         size_m: plan.satellite_size_m,
     };
-    Ok(satellites(sky.sky, sky.eop, &exposure, radius_rad, &light)?.sources)
+    let found = satellites(sky.sky, sky.eop, &exposure, radius_rad, &light)?;
+    let (shown, unknown) = (output.display(), found.unknown.len());
+    let warning = (unknown > 0).then(|| {
+        let numbers: Vec<String> = found.unknown.iter().map(NoradId::to_string).collect();
+        format!(
+            "{shown}: {} of unknown position left out, because the element sets are too old: {}",
+            counted(unknown, "satellite", "satellites"),
+            listed(numbers.iter().map(String::as_str))
+        )
+    });
+    Ok((found.sources, warning))
 }
 
 fn random_sources(

@@ -230,7 +230,7 @@ fn one(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
-    let sources = sources(plan, sky, frame, &shot, &photometry, seed, output)?;
+    let (sources, left_out) = sources(plan, sky, frame, &shot, &photometry, seed, output)?;
     // A synthetic frame is a temporary file, so errors name the output file instead.
     let shown = if plan.synthetic.is_some() { output } else { frame.file.path() };
     let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
@@ -283,6 +283,7 @@ fn one(
         summary: summary(&streaks, &lit, &injected),
         warnings: unknown_filter
             .into_iter()
+            .chain(left_out)
             .chain(warnings(frame, &injected))
             .chain(outside(plan, &sources, &lit, shown))
             .collect(),

@@ -5,8 +5,9 @@ use super::modulation::Modulation;
 use super::resolved::ResolvedPanels;
 use super::sky_track::{SkyPoint, SkyTrack};
 use super::source::{Source, SourceName};
+use crate::elements::NoradId;
 use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
-use crate::orbit::LeftOut;
+use crate::orbit::PositionSource;
 use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::streaks::tracking::Tracking;
@@ -38,8 +39,8 @@ pub struct SatelliteLight<'a> {
 pub struct SatelliteExposure {
     /// Satellites that are lit somewhere on their track through the field.
     pub sources: Vec<Source>,
-    /// Satellites whose position cannot be computed.
-    pub left_out: Vec<LeftOut>,
+    /// NORAD catalogue numbers of the satellites that may be anywhere on their orbits, because their elements are too old.
+    pub unknown: Vec<NoradId>,
 }
 
 /// Returns the satellites that are sunlit while they are within `radius_rad` (plus a small margin) of the pointing and
@@ -55,15 +56,22 @@ pub fn satellites(
     radius_rad: f64,
     light: &SatelliteLight<'_>,
 ) -> Result<SatelliteExposure, StreaksError> {
-    // Positions along the orbit need not be known: the streaks are simulated.
+    let of_known_age = sky;
+    // Satellites of unknown position are counted where they are predicted.
     let sky = &sky.clone().with_elements_of_any_age();
     let reach_rad = light.tracking.reach_rad(exposure.duration_s);
     let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
     let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };
     let mut crossings = sky.field_passes(std::slice::from_ref(exposure), &field, &options)?;
     let passes = crossings.by_exposure.pop().unwrap_or_default();
-    let sources = passes.iter().map(|pass| source(sky, eop, exposure, pass, light)).collect();
-    Ok(SatelliteExposure { sources, left_out: crossings.left_out })
+    let (known, unknown): (Vec<&Pass>, Vec<&Pass>) = passes.iter().partition(|pass| {
+        pass.position_source != PositionSource::ElementSet
+            || of_known_age.is_known(pass.element_index, pass.element_age_days)
+    });
+    let sources = known.into_iter().map(|pass| source(sky, eop, exposure, pass, light)).collect();
+    let mut unknown: Vec<NoradId> = unknown.into_iter().map(|pass| pass.norad_id).collect();
+    unknown.dedup();
+    Ok(SatelliteExposure { sources, unknown })
 }
 
 fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &Pass, light: &SatelliteLight<'_>) -> Source {

@@ -37,6 +37,8 @@ _COORDINATES = re.compile(
 )
 #: Card of a mask whose values other than 0 mark bad pixels, however many they are.
 _EXPLICIT = "BADPIX  =                    T"
+#: Integers that files of frames have.
+_INTEGERS = ("uint8", "int16", "uint16", "int32")
 _HDUS = ("PrimaryHDU", "ImageHDU", "CompImageHDU")
 
 
@@ -77,6 +79,8 @@ class Image:
     bad: npt.NDArray[np.uint8] | None = None
     #: Variance of each pixel; `None` if it is unknown.
     variance: Pixels | None = None
+    #: Type of the given integers, if the pixels are a copy of them as ``int32``.
+    integers: np.dtype[Any] | None = None
 
     def planes(self) -> list[tuple[str, Pixels, str]]:
         """Returns name, pixels and header of the image and of its companion planes, as in the files of Rubin."""
@@ -167,7 +171,7 @@ def as_files(
                 elif is_hdu_list(frame):
                     if header is not None:
                         raise ValueError("header is given for an HDUList; allowed: with an array (an HDUList contains it)")
-                    getattr(frame, "writeto")(path, output_verify="ignore")
+                    _separate(frame).writeto(path, output_verify="ignore")
                 else:
                     image = _image_of(frame, header, name, needs_header, or_else)
                     _core.write_frame(path, [(plane, _native(pixels), cards) for plane, pixels, cards in image.planes()])
@@ -176,6 +180,16 @@ def as_files(
             yield files
         except _core.StreakcastError as error:
             raise type(error)(files.shown(str(error))) from None
+
+
+def _separate(hdus: Any) -> Any:
+    """Returns HDUs with the same data and headers of their own: writing scales the data of an HDU, and changes its header."""
+    separate = []
+    for hdu in hdus:
+        twin = copy.copy(hdu)
+        setattr(twin, "_header", getattr(hdu, "_header").copy())
+        separate.append(twin)
+    return type(hdus)(separate)
 
 
 def read_hdu_list(path: PathLike) -> Any:
@@ -221,7 +235,17 @@ def _image_of(frame: object, header: HeaderLike | None, what: str, needs_header:
             cards += f"\nBUNIT   = '{data.unit}'"
     pixels: Pixels = np.asarray(data)
     _check_shape(pixels.shape, what)
+    if pixels.dtype.kind in "iu" and pixels.dtype.name not in _INTEGERS:
+        known["integers"] = pixels.dtype
+        pixels = _as_int32(pixels, what)
     return Image(frame, pixels, cards, **known)
+
+
+def _as_int32(pixels: npt.NDArray[Any], what: str) -> npt.NDArray[np.int32]:
+    limits = np.iinfo(np.int32)
+    if pixels.size > 0 and (pixels.min() < limits.min or pixels.max() > limits.max):
+        raise ValueError(f"{what} has pixels of {pixels.dtype.name} beyond those of int32; allowed: float64 or int32")
+    return pixels.astype(np.int32)
 
 
 def _check_shape(shape: tuple[int, ...], what: str) -> None:

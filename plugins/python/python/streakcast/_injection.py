@@ -121,9 +121,9 @@ def inject(
     frame : path, array, `~astropy.nddata.NDData`, `~astropy.io.fits.HDUList` or HDU
         A FITS file (mosaics and compressed ones too), its HDUs, one HDU with an image, a `~astropy.nddata.CCDData` or
         other `~astropy.nddata.NDData` with world coordinates, or an image ``(rows, columns)`` of ``float32, float64,
-        uint8, int16, uint16`` or ``int32``; row 0 is the first row in FITS order. The frame is not modified. The unit of
-        an `~astropy.nddata.NDData` or `~astropy.units.Quantity` has precedence over BUNIT. The variance of the noise of
-        streaks is added to a standard deviation, variance or inverse variance in ``uncertainty``.
+        uint8, int16, uint16`` or ``int32``, or other integers within the limits of ``int32``; row 0 is the first row in
+        FITS order. The frame is not modified. The unit of an `~astropy.nddata.NDData` or `~astropy.units.Quantity` has
+        precedence over BUNIT. The variance of the noise of streaks is added to a standard deviation, variance or inverse variance in ``uncertainty``.
     output : path, optional
         The file to write (atomically); required if ``frame`` is a path.
     model : StreakModel, optional
@@ -322,7 +322,12 @@ def _done(given: Image | None, target: str, output: PathLike | None) -> _Done:
     assert image is not None
     variance = None if given.variance is None else _core.read_image(target, 2, given.variance.dtype.name)
     mask = _core.read_image(target, len(planes), "int32")
-    return _Done(given.like(image, variance), image, _difference(image, before), mask)
+    added = _difference(image, before)
+    if given.integers is not None:
+        limits = np.iinfo(given.integers)
+        # Of the other integers, only int8 has a smaller range than int32.
+        image = (image.clip(limits.min, limits.max) if limits.bits < 32 else image).astype(given.integers)
+    return _Done(given.like(image, variance), image, added, mask)
 
 
 def _difference(after: Pixels, before: Pixels) -> npt.NDArray[np.float32 | np.float64]:

@@ -9,6 +9,7 @@ use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
+use streakcast::input::comments_warning;
 use streakcast::message::Quoted;
 use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::schedule::{
@@ -269,12 +270,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
             schedule.start_column, schedule.time_scale
         ));
     }
-    if schedule.comments_like_rows > 0 {
-        let comments = counted(schedule.comments_like_rows, "comment has", "comments have");
-        warnings.push(format!(
-            "{comments} as many cells as a row: an exposure whose name begins with # must have it in quotation marks"
-        ));
-    }
+    warnings.extend(comments_warning(schedule.comments_like_rows));
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
         let exposures = counted(repeated, "exposure has", "exposures have");

@@ -13,6 +13,7 @@ use streakcast::config::{
 };
 use streakcast::forecast::Night;
 use streakcast::frames::{Direction, Gcrs};
+use streakcast::input::comments_warning;
 use streakcast::message::known_step_s;
 use streakcast::message::{Quoted, listed as listed_names};
 use streakcast::output::{Column, Kind, Section, Table, Value, counted, format_utc};
@@ -128,7 +129,11 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let exposure = typed.exposure.or(config.exposure.duration.as_ref().map(|exposure| exposure.0.clone()));
     let duration_s = exposure.as_deref().map(parse_exposure_s).transpose()?;
     let (listed, targets_of) = match (&typed.targets, pointing.zip(duration_s)) {
-        (Some(path), _) => (read_targets(path, duration_s, plan.rotation_rad)?, path.display().to_string()),
+        (Some(path), _) => {
+            let list = read_targets(path, duration_s, plan.rotation_rad)?;
+            notices.warn(comments_warning(list.comments_like_rows).as_slice());
+            (list.targets, path.display().to_string())
+        }
         (None, Some((pointing, duration_s))) => {
             let name = config.exposure.target.clone().unwrap_or_else(|| "target".to_owned());
             (vec![single_target(&name, pointing, duration_s, plan.rotation_rad)], name)
@@ -146,7 +151,8 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     };
     let bands = targets.iter().map(|target| target.band.as_deref()).collect();
     notices.warn(plan.policy.band_warning(&bands).as_slice());
-    let report = clear_windows(&targets, from, to, &request)?;
+    let mut report = clear_windows(&targets, from, to, &request)?;
+    close_by(&mut report, &targets, to);
     notices.warn_left_out(&prepared, &report.left_out, from)?;
     if let Some(site) = prepared.sky.viewpoint().site() {
         let night = Night::over(&prepared.sky, from, to, request.max_sun_altitude_rad)?;
@@ -256,6 +262,17 @@ fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [St
     step_s.map_or([first, last].map(|epoch| zone.text(epoch, 1.0)), |step_s| {
         inside(step_s).map(|epoch| zone.text(epoch, step_s))
     })
+}
+
+/// Shortens windows so that the shutter closes by the end of the time range.
+fn close_by(report: &mut WindowReport, targets: &[WindowTarget], end: Epoch) {
+    for (of_target, target) in report.by_target.iter_mut().zip(targets) {
+        let last = end - target.exposure.duration_s * Unit::Second;
+        for windows in [&mut of_target.windows, &mut of_target.observable] {
+            windows.retain(|window| window.first <= last);
+            windows.iter_mut().for_each(|window| window.last = window.last.min(last));
+        }
+    }
 }
 
 /// Pairs every row of the target list with its windows.
