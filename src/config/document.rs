@@ -86,6 +86,15 @@ pub struct Config {
     /// Height of the Earth's limb for a telescope in orbit, km: lower lines of sight are rejected; 0 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site"))]
     pub limb_height_km: Option<f64>,
+    /// Largest angle between the pointing of a telescope in orbit and its zenith, degrees
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    pub max_zenith_angle: Option<f64>,
+    /// Smallest angle between the pointing of a telescope in orbit and the Sun, degrees
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    pub min_sun_angle: Option<f64>,
+    /// Smallest angle between the pointing of a telescope in orbit and the Earth's limb, degrees
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    pub min_limb_angle: Option<f64>,
     /// Field of view: diameter of a circle (3.5deg, 40arcmin), width and height (1.5x1.0deg), or sensor and focal
     /// length (36x24mm@400mm)
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Camera"))]
@@ -365,6 +374,7 @@ macro_rules! questions {
             /// replaces the coordinates of `base`.
             pub fn over(mut self, base: Config) -> Config {
                 self = self.at_height_of(&base);
+                let base = if self.site.is_given() { base.without_limits() } else { base };
                 let given = self.given();
                 let mut questions = Self::QUESTIONS.iter();
                 $(if questions.next().is_some_and(|question| !question.is_answered_by(&given)) {
@@ -380,6 +390,7 @@ macro_rules! questions {
 questions! {
     [elements, shells], [accept_bad_checksums], [qs_mag], [model], [models], [learned], [measured], [drag], [shadow],
     [site.named, site.mpc, site.lat, site.lon, site.height, observer_elements, observer_norad, limb_height_km],
+    [max_zenith_angle], [min_sun_angle], [min_limb_angle],
     [fov, field] or telescope, [telescope], [bright_share] or telescope, [rotation],
     [light.band], [light.mag_system], [light.earthshine], [extinction], [sun_distance],
     [rules.policy], [rules.limit_mag] or rules.policy, [min_probability] or rules.policy,
@@ -411,6 +422,11 @@ impl Config {
             self.site = SiteConfig { height: self.site.height, ..base.site.clone() };
         }
         self
+    }
+
+    /// Returns the configuration without the limits of a telescope in orbit, which do not apply to a site.
+    pub(super) fn without_limits(self) -> Self {
+        Self { max_zenith_angle: None, min_sun_angle: None, min_limb_angle: None, ..self }
     }
 
     /// Returns the accepted keys of a configuration file, except for the tables of verbs.

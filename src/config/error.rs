@@ -117,6 +117,16 @@ pub enum ConfigError {
         /// NORAD catalogue number or COSPAR designator of the first object.
         first: String,
     },
+    /// A limit on the pointings of a telescope in orbit is given for a site.
+    #[error(
+        "{keys} is a limit of a telescope in orbit (--observer-elements), not of a site; allowed for a site: {uses}"
+    )]
+    OnlyInOrbit {
+        /// The flag.
+        keys: &'static str,
+        /// The flag to use for a site.
+        uses: &'static str,
+    },
     /// The telescope in orbit is below the height of the Earth's limb.
     #[error(
         "{name} is at {at_km:.0} km, below the limb height of {height_km} km; allowed: --limb-height-km below the orbit"

@@ -76,12 +76,15 @@ pub struct MeasureConfig {
         arg(long, value_name = "MAG", allow_hyphen_values = true, conflicts_with = "zero_point")
     )]
     pub zero_point_1s: Option<f64>,
-    /// Zero point from stars: table (CSV) with ra_deg, dec_deg, mag and, optionally, mag_sigma and band
+    /// Zero point from stars: table (CSV) with ra_deg, dec_deg, mag and, optionally, mag_sigma, band and colour
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "TABLE", conflicts_with_all = ["zero_point", "zero_point_1s"])
     )]
     pub stars: Option<PathBuf>,
+    /// Only stars of --stars with a colour in this range, mag: 0.7,0.95 for stars like the Sun in Gaia's BP - RP
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BLUEST,REDDEST", allow_hyphen_values = true))]
+    pub star_colours: Option<String>,
     /// Gain, electrons per count; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "E"))]
     pub gain: Option<f64>,
@@ -124,7 +127,7 @@ impl MeasureConfig {
         }
         let satellite_size_m = checked_size(self.satellite_size)?;
         let place_sigma = self.place_sigma.as_deref().map(|text| parse_angle_deg("place-sigma", text)).transpose()?;
-        let table = self.stars.as_deref().map(StarTable::read).transpose()?;
+        let table = self.star_table()?;
         let mut listed = MeasuredTables::read(&self.streaks, &self.image)?;
         let frames: Vec<(TargetFrame, bool)> =
             listed.frames.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
@@ -228,6 +231,25 @@ impl MeasureConfig {
         let site = viewpoint.map(|observer| observer.site().clone());
         let table = if self.streaks.is_empty() { measurement_table(&passes) } else { listed_table(&rows) };
         Ok(Measurements { passes, table, left_out, site, provenance, remarks, warnings })
+    }
+
+    /// Returns the table of stars, with the colours of `star_colours` if these are given.
+    fn star_table(&self) -> Result<Option<StarTable>, ConfigError> {
+        let Some(colours) = &self.star_colours else {
+            return Ok(self.stars.as_deref().map(StarTable::read).transpose()?);
+        };
+        let missing = ConfigError::Missing { what: "table of stars for --star-colours", allowed: "--stars TABLE" };
+        let table = StarTable::read(self.stars.as_deref().ok_or(missing)?)?;
+        let range = colours.split_once(',').and_then(|(bluest, reddest)| {
+            let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
+            Some([number(bluest)?, number(reddest)?]).filter(|[bluest, reddest]| bluest <= reddest)
+        });
+        let range = range.ok_or_else(|| {
+            ConfigError::invalid(format!(
+                "star-colours is '{colours}'; allowed: the bluest and the reddest colour, mag, for example 0.7,0.95"
+            ))
+        })?;
+        Ok(Some(table.in_colours(range)?))
     }
 
     /// Opens a frame; returns it and whether it has a zero point.

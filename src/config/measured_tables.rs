@@ -132,7 +132,7 @@ pub(super) fn identify_listed(
             name: sky.elements()[best.element_index].name.clone(),
             element_age_days: Some(best.element_age_days),
             brightness: best.passage.brightness.clone(),
-            phase_angle_rad: Some(best.passage.geometry.phase_angle_rad()),
+            geometry: Some(best.passage.geometry),
             range_km: Some(best.passage.range_km),
             model_size_m: Some(sky.model(best.element_index).size_m()),
         };

@@ -145,6 +145,7 @@ impl Config {
         if let Some(delay) = max_delay {
             policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
         }
+        policy.include_dark = self.is_in_orbit() && self.include_dark.unwrap_or(false);
         policy.validate().map_err(ConfigError::Policy)?;
         if policy.max_cost_s.is_some() && self.telescope()?.is_none() {
             let what = "telescope for max_cost_s of the policy";

@@ -351,6 +351,9 @@ fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Va
         "ephemerides": observer.ephemerides().iter().map(span).collect::<Vec<_>>(),
         "file": config.observer_elements.as_ref().map(|path| path.display().to_string()),
         "limb_height_km": observer.limb().height_km,
+        "max_zenith_angle_deg": config.max_zenith_angle,
+        "min_sun_angle_deg": config.min_sun_angle,
+        "min_limb_angle_deg": config.min_limb_angle,
     })
 }
 

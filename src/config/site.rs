@@ -7,7 +7,7 @@ use super::error::ConfigError;
 use super::values::{NameOrTable, SiteTable, in_range};
 use crate::elements::{EphemerisObject, Keep, NoradId, Satellites};
 use crate::frames::{EopTable, Orientation};
-use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
+use crate::geometry::{EarthLimb, GeometryError, Observer, PointingLimits, Site};
 #[cfg(all(feature = "fits", unix))]
 use crate::images::SITE_KEYWORDS;
 use crate::passes::{OrbitingObserver, Viewpoint};
@@ -43,6 +43,9 @@ impl Config {
             ("lon", lon, "deg", "-180 to 360 deg", -180.0..=360.0),
             ("height", height, "m", "-11000 to 100000 m", -11_000.0..=100_000.0),
             ("limb-height-km", &self.limb_height_km, "km", "0 to 1000 km", 0.0..=1000.0),
+            ("max-zenith-angle", &self.max_zenith_angle, "deg", "0 to 180 deg", 0.0..=180.0),
+            ("min-sun-angle", &self.min_sun_angle, "deg", "0 to 180 deg", 0.0..=180.0),
+            ("min-limb-angle", &self.min_limb_angle, "deg", "0 to 180 deg", 0.0..=180.0),
         ] {
             if let Some(value) = value {
                 in_range(what, *value, unit, allowed, |value| range.contains(&value))?;
@@ -61,7 +64,26 @@ impl Config {
                 what: "telescope in orbit for --limb-height-km",
                 allowed: "--observer-elements FILE or --observer-norad ID",
             }),
+            // A configuration file may have limits for a telescope that another file or a flag gives.
+            (false, true) => {
+                let (keys, uses) = match (self.max_zenith_angle, self.min_sun_angle, self.min_limb_angle) {
+                    (Some(_), ..) => ("--max-zenith-angle", "--min-altitude of windows and statistics"),
+                    (_, Some(_), _) => ("--min-sun-angle", "--max-sun-altitude-deg of windows"),
+                    (.., Some(_)) => ("--min-limb-angle", "--min-altitude of windows and statistics"),
+                    _ => return Ok(()),
+                };
+                Err(ConfigError::OnlyInOrbit { keys, uses })
+            }
             _ => Ok(()),
+        }
+    }
+
+    /// Returns the limits on the pointings of a telescope in orbit.
+    fn pointing_limits(&self) -> PointingLimits {
+        PointingLimits {
+            max_zenith_angle_rad: self.max_zenith_angle.map(f64::to_radians),
+            min_sun_angle_rad: self.min_sun_angle.map(f64::to_radians),
+            min_limb_angle_rad: self.min_limb_angle.map(f64::to_radians),
         }
     }
 
@@ -80,7 +102,7 @@ impl Config {
                 let height_km = self.limb_height_km.unwrap_or(0.0);
                 let limb = EarthLimb { height_km };
                 let eop = self.eop_table()?;
-                let observer = self.observer(moment, &eop, limb)?;
+                let observer = self.observer(moment, &eop, limb)?.with_limits(self.pointing_limits());
                 let position = observer.position(moment, &Orientation::at(moment, &eop));
                 // If there is no position at this time, the error is reported later for each exposure.
                 let at_km = position.map_or(f64::INFINITY, |position| limb.height_of_km(&position));
@@ -143,7 +165,7 @@ impl Config {
             observer_elements: None,
             observer_norad: None,
             limb_height_km: None,
-            ..self.clone()
+            ..self.clone().without_limits()
         };
         Ok((config, Some(format!("site {} ({what}) from the header", site.name))))
     }

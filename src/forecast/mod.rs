@@ -3,7 +3,8 @@
 //!
 //! `request` defines the request, `outlook` computes the night and its passes, `pass_table` and `exports` write the
 //! passes. `ephemeris` computes positions of selected satellites at given times. `statistics` counts lit satellites as
-//! a function of the Sun's altitude, `reproduce` compares with published numbers.
+//! a function of the Sun's altitude, `trail_statistics` trails in random exposures of a telescope in orbit, `reproduce`
+//! and `borlaff2026` compare with published numbers.
 //!
 //! ```
 //! use streakcast::forecast::{ForecastRequest, Selection, forecast};
@@ -19,6 +20,7 @@
 //! # Ok::<(), streakcast::Error>(())
 //! ```
 
+mod borlaff2026;
 mod ephemeris;
 mod error;
 mod exports;
@@ -28,6 +30,7 @@ mod reproduce;
 mod request;
 mod selection;
 mod statistics;
+mod trail_statistics;
 
 pub use ephemeris::{Ephemeris, EphemerisRequest, EphemerisRow, ephemeris};
 pub use error::ForecastError;
@@ -39,10 +42,15 @@ pub use selection::Selection;
 // code of other features.
 #[doc(hidden)]
 pub use self::{
+    borlaff2026::borlaff2026,
     ephemeris::ephemeris_table,
     exports::{AngleType, EmptyNight, calendar, score_report, tdm},
     outlook::night_table,
     pass_table::{PassColumns, light_curve_table, pass_table, readable_table},
     reproduce::{HU2022, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table},
     statistics::{SkyCount, StatisticsRequest, sky_counts, statistics_table},
+    trail_statistics::{
+        Mean, OrbitHeight, Trail, TrailRequest, TrailStatistics, trail_angle_table, trail_histogram_table,
+        trail_statistics, trail_table,
+    },
 };

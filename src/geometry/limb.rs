@@ -10,8 +10,7 @@ use crate::frames::{Direction, Gcrs, Position};
 /// Boundary of the region hidden by the Earth: the WGS84 ellipsoid, or a shell above it.
 ///
 /// Stretching z by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so visibility is exact for height
-/// 0. The z axis of GCRS is used as the Earth's axis (an error of 60 m in 2026). Angles from the limb are measured in
-/// the stretched space; they are within 0.2° of the true ones.
+/// 0. The z axis of GCRS is used as the Earth's axis (an error of 60 m in 2026).
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct EarthLimb {
     /// Height of the shell above the ellipsoid, km, at least 0: lines of sight that pass lower count as hidden.
@@ -38,20 +37,33 @@ impl EarthLimb {
         stretch(observer.vector()).norm() - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// Returns the angle between a direction and the limb, radians, in [-π/2, π]; negative where the line of sight
-    /// meets the Earth. For an observer below the shell every direction is hidden, and the angle is -π/2.
+    /// Returns the angle between a direction and the limb in the plane of direction and Earth's centre, radians, in
+    /// [-π/2, π]; negative where the line of sight meets the Earth. For an observer below the shell every direction is
+    /// hidden, and the angle is -π/2.
     pub fn altitude_rad(&self, observer: &Position<Gcrs>, direction: &Direction<Gcrs>) -> f64 {
         let (down, ahead) = (-stretch(observer.vector()), stretch(direction.vector()));
         if down.norm() < self.radius_km() {
             return -FRAC_PI_2;
         }
-        let from_nadir_rad = down.cross(&ahead).norm().atan2(down.dot(&ahead));
-        from_nadir_rad - (self.radius_km() / down.norm()).asin()
+        // The point of the limb in this plane, in the stretched space. At nadir and zenith the plane is any.
+        let nadir = down.normalize();
+        let any = if nadir.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+        let across = |vector: Vector3<f64>| (vector - nadir * vector.dot(&nadir)).try_normalize(1e-12);
+        let side = across(ahead).or(across(any)).unwrap_or(any);
+        let (sin, cos) = (self.radius_km() / down.norm()).asin().sin_cos();
+        let edge = unstretch(&(nadir * cos + side * sin));
+        let from_nadir_rad =
+            |vector: &Vector3<f64>| vector.cross(observer.vector()).norm().atan2(-vector.dot(observer.vector()));
+        from_nadir_rad(direction.vector()) - from_nadir_rad(&edge)
     }
 }
 
 fn stretch(v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z / (1.0 - EARTH_FLATTENING))
+}
+
+fn unstretch(v: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z * (1.0 - EARTH_FLATTENING))
 }
 
 #[cfg(test)]
@@ -80,6 +92,24 @@ mod tests {
             let up = Direction::from_lon_lat_rad(longitude_rad, 0.0);
             assert_eq!(EarthLimb { height_km: 700.0 }.altitude_rad(&observer, &up), -FRAC_PI_2);
         }
+    }
+
+    /// A telescope over the pole sees the limb at the meridian's ellipse: x²/a² + z²/b² = 1 has the tangent through
+    /// (0, h) with the slope √(h² - b²) / a.
+    #[test]
+    fn angles_from_the_limb_are_those_on_the_sky() {
+        let polar_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING);
+        let observer = Position::new(0.0, 0.0, polar_km + 700.0);
+        let slope = ((polar_km + 700.0).powi(2) - polar_km.powi(2)).sqrt() / EARTH_EQUATORIAL_RADIUS_KM;
+        for latitude_deg in [-80.0_f64, -30.0, 0.0, 30.0, 80.0] {
+            let direction = Direction::from_lon_lat_rad(0.7, latitude_deg.to_radians());
+            let altitude_rad = EarthLimb::default().altitude_rad(&observer, &direction);
+            assert!((altitude_rad - (latitude_deg.to_radians() + slope.atan())).abs() < 1e-12, "{latitude_deg}");
+        }
+        // The zenith is 90° + atan(slope) from the limb in every plane.
+        let up = Direction::from_vector(Vector3::z());
+        let altitude_rad = EarthLimb::default().altitude_rad(&observer, &up);
+        assert!((altitude_rad - (FRAC_PI_2 + slope.atan())).abs() < 1e-12);
     }
 
     proptest! {

@@ -21,6 +21,7 @@
 
 mod error;
 mod limb;
+mod pointing_limits;
 mod shadow;
 mod site;
 mod sun;
@@ -41,6 +42,7 @@ pub(crate) use viewing::body_to_gcrs;
 // code of other features.
 #[doc(hidden)]
 pub use self::{
+    pointing_limits::{PointingAngles, PointingLimits},
     shadow::{grazing_height_km, sunlit_by_100_km_rule},
     site::ellipsoidal_height_km,
     sun::SunTable,

@@ -122,6 +122,15 @@ impl ViewingGeometry {
         self.to_sun().separation_rad(&self.to_observer())
     }
 
+    /// Returns the angle satellite-observer-Sun in [0, π], radians.
+    pub fn sun_angle_rad(&self) -> f64 {
+        // The observer is at r u with the unit vector u from the satellite, the Sun at d s.
+        let sun = self.to_sun().vector() * (self.sun_distance_au * AU_KM);
+        let observer = self.to_observer().vector() * self.range_km;
+        let (to_sun, to_satellite) = (sun - observer, -observer);
+        to_satellite.cross(&to_sun).norm().atan2(to_satellite.dot(&to_sun))
+    }
+
     /// Returns the same geometry with the observer's longitude folded to [0, π]: the satellite models are symmetric
     /// about the zx plane.
     pub fn folded(&self) -> Self {
@@ -222,6 +231,8 @@ mod tests {
             prop_assert!(across.abs() < ROUNDING_RAD, "{across}");
             prop_assert!((back.range_km - range_km).abs() < 1e-9 && (back.height_km - height_km).abs() < 1e-9);
             prop_assert!((back.sun_distance_au - sun_distance_au).abs() < 1e-12);
+            let at_observer = (satellite.vector() - observer.vector()).angle_atan2(&(sun.vector() - observer.vector()));
+            prop_assert!((back.sun_angle_rad() - at_observer).abs() < ROUNDING_RAD);
             // The phase angle of the angles equals that of the vectors.
             let phase = (observer.vector() - satellite.vector()).angle_atan2(&(sun.vector() - satellite.vector()));
             prop_assert!((back.phase_angle_rad() - phase).abs() < ROUNDING_RAD);

@@ -6,6 +6,7 @@ use super::error::MeasureError;
 use super::measurement::PredictedStreak;
 use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
+use crate::geometry::ViewingGeometry;
 use crate::orbit::{LeftOut, PositionSource};
 use crate::passes::{Exposure, ExposureInterval, Field, Pass, PassOptions, Sky};
 use crate::photometry::{Brightness, PhotometryOptions};
@@ -48,8 +49,8 @@ pub struct KnownSatellite {
     pub element_age_days: Option<f64>,
     /// Predicted brightness at the middle of the track.
     pub brightness: Option<Brightness>,
-    /// Phase angle at the middle of the track, radians.
-    pub phase_angle_rad: Option<f64>,
+    /// Geometry of Sun, satellite and observer at the middle of the track.
+    pub geometry: Option<ViewingGeometry>,
     /// Distance at the middle of the track, km.
     pub range_km: Option<f64>,
     /// Diameter in the brightness model, m.
@@ -118,7 +119,7 @@ pub fn predictions(
                         name: sky.elements()[pass.element_index].name.clone(),
                         element_age_days: Some(pass.element_age_days),
                         brightness: pass.mid.brightness.clone(),
-                        phase_angle_rad: Some(pass.mid.geometry.phase_angle_rad()),
+                        geometry: Some(pass.mid.geometry),
                         range_km: Some(pass.mid.range_km),
                         model_size_m: Some(interval.sky().model(pass.element_index).size_m()),
                     },

@@ -8,8 +8,7 @@ use crate::input::TableRows;
 use crate::units::{DEGREES, MAGNITUDES};
 
 /// Columns and ranges of a table, for errors.
-const FORM: &str =
-    "CSV with ra_deg, dec_deg (-90 to 90), mag (-30 to 60) and, optionally, mag_sigma (0 to 10) and band";
+const FORM: &str = "CSV with ra_deg, dec_deg (-90 to 90), mag (-30 to 60) and, optionally, mag_sigma (0 to 10), band and colour (-10 to 20)";
 
 /// Star of known magnitude.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -20,6 +19,8 @@ pub struct CatalogueStar {
     pub magnitude: f64,
     /// Error (one sigma) of the magnitude, mag; 0 if unknown.
     pub sigma_mag: f64,
+    /// Colour, mag; `None` if unknown.
+    pub colour: Option<f64>,
 }
 
 /// Table of stars with known magnitudes, in one band or several.
@@ -33,8 +34,8 @@ pub struct StarTable {
 
 impl StarTable {
     /// Reads a CSV or ECSV table with the columns `ra_deg`, `dec_deg`, `mag` (or `magnitude`) and, optionally,
-    /// `mag_sigma` and `band`; numbers in other units are converted. Other columns are ignored, as are lines that begin
-    /// with `#`.
+    /// `mag_sigma`, `band` and `colour` (or `color`, or `bp_rp` as in Gaia's tables); numbers in other units are
+    /// converted. Other columns are ignored, as are lines that begin with `#`.
     ///
     /// # Errors
     /// The file cannot be read, a column is missing, or a value is out of range.
@@ -47,6 +48,7 @@ impl StarTable {
         let dec = column(&["dec_deg", "dec"], &DEGREES)?;
         let mag = column(&["mag", "magnitude"], &MAGNITUDES)?;
         let sigma = rows.optional_numbers(&["mag_sigma", "magnitude_sigma"], &MAGNITUDES).map_err(failed)?;
+        let colour = rows.optional_numbers(&["colour", "color", "bp_rp"], &MAGNITUDES).map_err(failed)?;
         let band_column = rows.find("band");
         let mut stars = Vec::new();
         for row in rows {
@@ -59,14 +61,34 @@ impl StarTable {
                 Some(column) if !row.text(column).is_empty() => number(column, [0.0, 10.0])?,
                 _ => 0.0,
             };
+            let colour = match colour {
+                Some(column) if !row.text(column).is_empty() => Some(number(column, [-10.0, 20.0])?),
+                _ => None,
+            };
             let direction = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
             let band = band_column.map_or(String::new(), |column| band_name(row.text(column)));
-            stars.push((CatalogueStar { direction, magnitude: mag, sigma_mag }, band));
+            stars.push((CatalogueStar { direction, magnitude: mag, sigma_mag, colour }, band));
         }
         if stars.is_empty() {
             return Err(MeasureError::invalid(origin, "empty", FORM));
         }
         Ok(Self { origin, stars })
+    }
+
+    /// Returns the table with the stars whose colour is between two limits. Stars of unknown colour are left out.
+    ///
+    /// # Errors
+    /// No star of the table has such a colour.
+    pub fn in_colours(mut self, [bluest, reddest]: [f64; 2]) -> Result<Self, MeasureError> {
+        let is_in_range = |colour: f64| (bluest..=reddest).contains(&colour);
+        let (all, known) = (self.stars.len(), self.stars.iter().filter(|(star, _)| star.colour.is_some()).count());
+        self.stars.retain(|(star, _)| star.colour.is_some_and(is_in_range));
+        if self.stars.is_empty() {
+            let what = format!("number of stars with a colour of {bluest} to {reddest} mag in the {}", self.origin);
+            let given = format!("0 of {all}, of which {known} have a colour");
+            return Err(MeasureError::invalid(what, given, "1 or more, with a column colour, color or bp_rp"));
+        }
+        Ok(self)
     }
 
     /// Returns the stars in the band of a filter and the stars without a band. The band is the first word of the
@@ -144,6 +166,20 @@ mod tests {
         let only_v = table("ra_deg,dec_deg,mag,band\n1,2,10,V\n").unwrap();
         assert_eq!(only_v.in_band(None).unwrap().len(), 1);
         assert!(only_v.in_band(Some("g")).unwrap_err().to_string().contains("'g'; allowed: V"));
+    }
+
+    #[test]
+    fn stars_are_selected_by_colour() {
+        let text = "ra_deg,dec_deg,mag,bp_rp\n1,2,10,0.8\n1,2,11,1.6\n1,2,12,\n1,2,13,0.6\n";
+        let mags = |limits| -> Vec<f64> {
+            let stars = table(text).unwrap().in_colours(limits).unwrap().in_band(None).unwrap();
+            stars.iter().map(|star| star.magnitude).collect()
+        };
+        assert_eq!((mags([0.6, 1.0]), mags([1.0, 2.0])), (vec![10.0, 13.0], vec![11.0]));
+        let message = table(text).unwrap().in_colours([2.0, 3.0]).unwrap_err().to_string();
+        assert!(message.contains("0 of 4, of which 3 have a colour; allowed: 1 or more"), "{message}");
+        let without = table("ra_deg,dec_deg,mag\n1,2,10\n").unwrap().in_colours([0.0, 1.0]).unwrap_err().to_string();
+        assert!(without.contains("of which 0 have a colour"), "{without}");
     }
 
     #[test]

@@ -346,7 +346,7 @@ impl Measuring<'_> {
         // The light of fitted ends is that of the time between the given ends.
         let (path, longer) = self.within_given_times(&drawn.path)?;
         let inside = self.inside(&path);
-        let [rate, sigma, size_sigma] = [rate, sigma, size_sigma].map(|light| light * longer);
+        let [rate, sigma, size_sigma, form_sigma] = [rate, sigma, size_sigma, form_sigma].map(|light| light * longer);
         Ok(Some(StreakMeasurement {
             is_detected,
             rate: Estimate { value: rate, sigma },

@@ -3,7 +3,7 @@
 use super::frame::MeasuredPass;
 use super::given::ListedMeasurement;
 use super::measurement::Flag;
-use crate::geometry::Site;
+use crate::geometry::{Site, ViewingGeometry};
 use crate::output::{Column, Kind, Table, TableField, Value};
 
 const fn text(name: &'static str, description: &'static str) -> Column {
@@ -144,8 +144,48 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         one.prediction.satellite.range_km.into()
     }),
     TableField::new(Column::real("phase_angle_deg", "deg", 3, "Predicted angle Sun-satellite-observer."), |one| {
-        one.prediction.satellite.phase_angle_rad.map(f64::to_degrees).into()
+        one.prediction.satellite.geometry.map(|geometry| geometry.phase_angle_rad().to_degrees()).into()
     }),
+    TableField::new(
+        Column::real("sun_angle_deg", "deg", 3, "Predicted angle of satellite and Sun at the observer."),
+        |one| known(one, |geometry| geometry.sun_angle_rad().to_degrees()),
+    ),
+    TableField::new(
+        Column::real(
+            "sun_incidence_angle_deg",
+            "deg",
+            3,
+            "Predicted angle of the Sun from the nadir at the satellite.",
+        ),
+        |one| known(one, |geometry| 90.0 + geometry.sun_latitude_rad.to_degrees()),
+    ),
+    TableField::new(
+        Column::real(
+            "observer_angle_deg",
+            "deg",
+            3,
+            "Predicted angle of the observer from the nadir at the satellite.",
+        ),
+        |one| known(one, |geometry| 90.0 + geometry.observer_latitude_rad.to_degrees()),
+    ),
+    TableField::new(
+        Column::real(
+            "magnitude_550_km",
+            "mag",
+            4,
+            "Measured magnitude scaled to a distance of 550 km, at the same angles.",
+        ),
+        |one| scaled(one, 550.0),
+    ),
+    TableField::new(
+        Column::real(
+            "magnitude_1000_km",
+            "mag",
+            4,
+            "Measured magnitude scaled to a distance of 1000 km, at the same angles.",
+        ),
+        |one| scaled(one, 1000.0),
+    ),
     TableField::new(Column::real("element_age_days", "d", 3, "Age of the elements."), |one| {
         one.prediction.satellite.element_age_days.into()
     }),
@@ -163,6 +203,19 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
 /// Returns `value` if the streak was found, otherwise a missing value.
 fn found(one: &MeasuredPass, value: f64) -> Value {
     if one.measured.is_detected { value.into() } else { Value::Null }
+}
+
+/// Returns `value` if the position of the satellite is known, otherwise a missing value.
+fn known(one: &MeasuredPass, value: impl Fn(&ViewingGeometry) -> f64) -> Value {
+    let geometry = one.prediction.satellite.geometry.as_ref().filter(|_| one.prediction.is_position_known);
+    geometry.map(value).into()
+}
+
+/// Returns the measured magnitude at another distance; missing without a magnitude or a known position.
+fn scaled(one: &MeasuredPass, distance_km: f64) -> Value {
+    // m - 5 log10(r / r0)
+    let change_mag = |geometry: &ViewingGeometry| 5.0 * (geometry.range_km / distance_km).log10();
+    one.magnitude.map_or(Value::Null, |magnitude| known(one, |geometry| magnitude.value - change_mag(geometry)))
 }
 
 /// Returns the table of all measurements.

@@ -7,7 +7,8 @@
 //! `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the
 //! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
 //! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the
-//! corrections of `learned`; `corrections` corrects the magnitudes of a pass by those of `measured`.
+//! corrections of `learned`; `corrections` corrects the magnitudes of a pass by those of `measured`. `pointing_checks`
+//! computes the angles of a pointing that limit a telescope in orbit.
 //!
 //! ```
 //! use streakcast::frames::parse_instant;
@@ -42,6 +43,7 @@ mod known_positions;
 mod learned;
 mod measured;
 mod models;
+mod pointing_checks;
 mod predictability;
 mod probability;
 mod scene;

@@ -18,7 +18,7 @@ use super::viewpoint::Viewpoint;
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
-use crate::geometry::{Observer, ShadowModel};
+use crate::geometry::{Observer, ShadowModel, SunTable};
 use crate::orbit::{
     DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitError,
     OrbitModel, OrbitUncertainty, Propagator, Reach, SatelliteIndex, uncertainty,
@@ -257,6 +257,11 @@ impl Sky {
     /// Returns the table of the Earth's orientation from `start` to `end` that all queries of this sky use.
     pub fn orientation_over(&self, start: Epoch, end: Epoch) -> OrientationTable {
         self.almanac.over(start, end, &self.eop).0
+    }
+
+    /// Returns the tables of Earth orientation and Sun from `start` to `end`. Both count seconds from `start`.
+    pub(super) fn almanac_over(&self, start: Epoch, end: Epoch) -> (OrientationTable, SunTable) {
+        self.almanac.over(start, end, &self.eop)
     }
 
     /// Returns the uncertainty (one sigma) of a satellite's predicted position when its elements have this age.

@@ -6,7 +6,7 @@ use hifitime::Epoch;
 
 use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
 use crate::frames::{Direction, EopTable, Gcrs, Orientation, Position, seconds_after};
-use crate::geometry::{EarthLimb, Observer, Site};
+use crate::geometry::{EarthLimb, Observer, PointingAngles, PointingLimits, Site};
 use crate::orbit::{ObserverOrbit, OrbitError};
 
 /// Telescope in orbit, given by an element set or by ephemerides of its operator. It has no horizon; the limb of the
@@ -20,6 +20,7 @@ pub struct OrbitingObserver {
     object: EphemerisObject,
     orbit: ObserverOrbit,
     limb: EarthLimb,
+    limits: PointingLimits,
     /// Empty for an element set.
     ephemerides: Vec<Arc<Ephemeris>>,
 }
@@ -35,6 +36,7 @@ impl OrbitingObserver {
             object: EphemerisObject::Norad(elements.norad_id),
             orbit: ObserverOrbit::of_elements(elements)?,
             limb,
+            limits: PointingLimits::default(),
             ephemerides: Vec::new(),
         })
     }
@@ -49,6 +51,7 @@ impl OrbitingObserver {
             object: first.object.clone(),
             orbit: ObserverOrbit::of_ephemerides(ephemerides, eop),
             limb,
+            limits: PointingLimits::default(),
             ephemerides: ephemerides.to_vec(),
         })
     }
@@ -90,6 +93,33 @@ impl OrbitingObserver {
     /// Returns the limb of the Earth that bounds the view.
     pub fn limb(&self) -> EarthLimb {
         self.limb
+    }
+
+    /// Sets limits on the pointings.
+    #[doc(hidden)]
+    pub fn with_limits(self, limits: PointingLimits) -> Self {
+        Self { limits, ..self }
+    }
+
+    /// Returns the limits on the pointings.
+    #[doc(hidden)]
+    pub fn limits(&self) -> &PointingLimits {
+        &self.limits
+    }
+
+    /// Returns the angles of a pointing from zenith, Sun and limb; `sun` is the geocentric position of the Sun.
+    ///
+    /// # Errors
+    /// [`OrbitError`] if elements or ephemerides give no position at that time.
+    #[doc(hidden)]
+    pub fn pointing_angles(
+        &self,
+        pointing: &Direction<Gcrs>,
+        epoch: Epoch,
+        orientation: &Orientation,
+        sun: &Position<Gcrs>,
+    ) -> Result<PointingAngles, OrbitError> {
+        Ok(PointingAngles::new(pointing, &self.position(epoch, orientation)?, sun, &self.limb))
     }
 
     pub(super) fn orbit(&self) -> &ObserverOrbit {

@@ -3,6 +3,7 @@
 use hifitime::Epoch;
 
 use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
+use crate::geometry::SunTable;
 use crate::passes::{Exposure, Viewpoint};
 use crate::watch::{Interrupted, Watch};
 
@@ -84,6 +85,29 @@ pub(super) fn altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, table: &O
     viewpoint.pointing_altitude_rad(&exposure.pointing, epoch, &table.at_s(seconds)).unwrap_or(f64::NAN)
 }
 
+/// Returns the table of the Sun if the pointings of the observer have limits that need it; its reference is `start`.
+pub(super) fn sun_of_limits(viewpoint: &Viewpoint, start: Epoch, end: Epoch) -> Option<SunTable> {
+    viewpoint.orbit().filter(|observer| !observer.limits().is_empty()).map(|_| SunTable::new(start, end))
+}
+
+/// Returns the altitude of a pointing above `lowest_rad` or, if that is smaller, its margin from the limits of a
+/// telescope in orbit, radians. The time is in seconds after the reference time of both tables; `sun` is that of
+/// [`sun_of_limits`]. NaN if the position of the telescope cannot be computed.
+pub(super) fn margin_rad(
+    exposure: &Exposure,
+    viewpoint: &Viewpoint,
+    lowest_rad: f64,
+    (table, sun): (&OrientationTable, Option<&SunTable>),
+    seconds: f64,
+) -> f64 {
+    let (Some(observer), Some(sun)) = (viewpoint.orbit(), sun) else {
+        return altitude_rad(exposure, viewpoint, table, seconds) - lowest_rad;
+    };
+    let epoch = seconds_after(table.reference(), seconds);
+    let angles = observer.pointing_angles(&exposure.pointing, epoch, &table.at_s(seconds), &sun.at_s(seconds).sun);
+    angles.map_or(f64::NAN, |angles| (angles.limb_rad - lowest_rad).min(observer.limits().margin_rad(&angles)))
+}
+
 /// Fastest descent of a pointing from a site, rad/s: the rotation rate of the Earth, rounded up.
 const FASTEST_SINKING_RAD_S: f64 = 7.3e-5;
 /// Sampling interval of a pointing from a site, seconds.
@@ -98,8 +122,8 @@ pub(super) fn sampling_interval_s(viewpoint: &Viewpoint) -> f64 {
 /// Time between the end of the latest exposure and the setting of its pointing, seconds.
 const BEFORE_SETTING_S: f64 = 0.01;
 
-/// Returns for each exposure the longest delay, seconds, for which its pointing is still above the horizon and the
-/// position of the observer known at closing; at most `max_delay_s`.
+/// Returns for each exposure the longest delay, seconds, for which its pointing is still above the horizon and within
+/// the limits of a telescope in orbit, and the position of the observer known, at closing; at most `max_delay_s`.
 ///
 /// At the scheduled closing the pointings must be above the horizon.
 pub(super) fn last_starts_s(
@@ -119,7 +143,8 @@ pub(super) fn last_starts_s(
         let known_s = known.map_or(0.0, |[_, last]| seconds_between(end, last));
         // Epochs are rounded to a nanosecond.
         let max_delay_s = if known_s < max_delay_s - 1e-6 { known_s } else { max_delay_s };
-        if lowest_rad > fastest_rad_s * max_delay_s {
+        let has_limits = viewpoint.orbit().is_some_and(|observer| !observer.limits().is_empty());
+        if !has_limits && lowest_rad > fastest_rad_s * max_delay_s {
             return Ok(max_delay_s);
         }
         Ok(last_start_s(exposure, viewpoint, earth, max_delay_s))
@@ -130,7 +155,10 @@ pub(super) fn last_starts_s(
 fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, earth: Earth<'_>, max_delay_s: f64) -> f64 {
     let end = seconds_after(exposure.start, exposure.duration_s + max_delay_s);
     let table = earth(exposure.start, end);
-    let is_up = |delay_s: f64| altitude_rad(exposure, viewpoint, &table, exposure.duration_s + delay_s) >= 0.0;
+    let sun = sun_of_limits(viewpoint, exposure.start, end);
+    let is_up = |delay_s: f64| {
+        margin_rad(exposure, viewpoint, 0.0, (&table, sun.as_ref()), exposure.duration_s + delay_s) >= 0.0
+    };
     let interval_s = sampling_interval_s(viewpoint);
     let mut up_s = 0.0_f64;
     while up_s < max_delay_s {

@@ -91,6 +91,11 @@ pub struct Policy {
     /// Longest delay of an exposure, seconds; default [`Policy::DEFAULT_MAX_DELAY_S`]. For a telescope in orbit `flag`
     /// searches later starts only if it is given.
     pub max_delay_s: Option<f64>,
+    /// If true, crossings in the Earth's shadow count as well: for a telescope in orbit that detects their infrared
+    /// light. They are not brighter than any limit. It has no effect at a site and is not a key of policy files.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub include_dark: bool,
 }
 
 impl Policy {

@@ -138,7 +138,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let mut crossings = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut crossings.left_out);
 
-    let probabilities = request.sky.crossing_probabilities(&exposures, request.field)?;
+    let probabilities = request.sky.probabilities_with(&exposures, request.field, request.policy.include_dark)?;
 
     for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
         request.sky.watch().check()?;
@@ -194,13 +194,15 @@ fn finished(mut report: FlagReport, flags: Vec<Option<Verdict>>, counted: Vec<Ve
 /// Returns the pass options for judging exposures.
 pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
     PassOptions {
+        include_dark: request.policy.include_dark,
         min_probability: request.policy.min_probability,
         photometry: *request.photometry,
         ..PassOptions::default()
     }
 }
 
-/// Returns the rows whose pointing is above the horizon, and sets the verdict of all others to `invalid`.
+/// Returns the rows whose pointing is above the horizon and within the limits of a telescope in orbit, and sets the
+/// verdict of all others to `invalid`.
 fn above_the_horizon<'a>(
     rows: &[&'a ScheduledExposure],
     request: &FlagRequest<'_>,
@@ -225,7 +227,15 @@ fn above_the_horizon<'a>(
         }
         altitude_rad >= 0.0
     });
-    Ok(judged)
+    let mut within = Vec::with_capacity(judged.len());
+    for (row, exposure) in judged {
+        request.sky.watch().check()?;
+        match request.sky.broken_limit(exposure)? {
+            Some(reason) => flags[row] = Some(Verdict::invalid(&exposure.id, reason)),
+            None => within.push((row, exposure)),
+        }
+    }
+    Ok(within)
 }
 
 /// Returns the reason why a pointing below the horizon or limb cannot be judged.

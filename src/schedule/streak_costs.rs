@@ -23,7 +23,13 @@ pub(super) fn expected_of(
     }
     let lights: Vec<Option<Brightness>> =
         satellites.iter().map(|one| brightness_of(one, exposure.start, passes, request)).collect();
-    let above_limit = lights.iter().map(|light| p_above(light.as_ref(), limit_mag));
+    // A satellite in shadow is not bright: its thermal light is not part of the magnitudes.
+    let is_dark = |one: &CrossingProbability| {
+        let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
+        request.policy.include_dark && pass.map_or(one.lit_fraction == 0.0, |pass| !pass.lit)
+    };
+    let of_lit = |one: &CrossingProbability, probability: f64| if is_dark(one) { 0.0 } else { probability };
+    let above_limit = lights.iter().zip(satellites).map(|(light, one)| of_lit(one, p_above(light.as_ref(), limit_mag)));
     let brighter: Vec<f64> = if limit_mag.is_some() { above_limit.collect() } else { Vec::new() };
     let expected = ExpectedLoss::of(satellites, &brighter);
     let Some(telescope) = request.telescope else { return expected };
@@ -40,10 +46,13 @@ pub(super) fn expected_of(
             probability: one.probability,
             expected_length_deg,
             width_arcsec,
-            p_bright: of_known(brightness.as_ref(), |light| {
-                bright.probability(light, element_index, geometry.range_km, angular_rate_rad_s)
-            }),
-            p_above_limit: p_above(brightness.as_ref(), limit_mag),
+            p_bright: of_lit(
+                one,
+                of_known(brightness.as_ref(), |light| {
+                    bright.probability(light, element_index, geometry.range_km, angular_rate_rad_s)
+                }),
+            ),
+            p_above_limit: of_lit(one, p_above(brightness.as_ref(), limit_mag)),
         });
     }
     ExpectedLoss {

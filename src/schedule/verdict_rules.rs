@@ -45,7 +45,7 @@ impl ExpectedLoss {
 
 /// Judges an exposure by its crossings and near misses. If the verdict is not `clear`, the next starts are not set.
 ///
-/// Passes in the Earth's shadow are ignored. A near miss counts only if the policy has a `min_probability` and the
+/// Passes in the Earth's shadow are ignored, except with `include_dark`. A near miss counts only if the policy has a `min_probability` and the
 /// crossing probability is at least that. The verdict is `avoid` if, for one pass that counts, the probability that it
 /// crosses and is brighter at its peak than the limit is at least `min_probability` (0.5 if omitted), or if the cost of
 /// the streaks exceeds `max_cost_s`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
@@ -56,8 +56,7 @@ pub(super) fn judge_exposure(
     expected: &ExpectedLoss,
     policy: &Policy,
 ) -> Verdict {
-    let lit = || passes.iter().filter(|pass| pass.lit);
-    let counted: Vec<&Pass> = lit().filter(|pass| is_counted(pass, policy)).collect();
+    let counted: Vec<&Pass> = passes.iter().filter(|pass| is_counted(pass, policy)).collect();
     let nominal = || counted.iter().filter(|pass| pass.is_crossing());
 
     let limit_mag = policy.limit_mag_in(band);
@@ -86,7 +85,7 @@ pub(super) fn judge_exposure(
         (false, true) => VerdictKind::Clear,
     };
     if verdict == VerdictKind::Streaked {
-        reasons.push(streaked_reason(nominal().count(), counted.len()));
+        reasons.push(streaked_reason(nominal().count(), counted.len(), policy.include_dark));
     }
     let clear = verdict == VerdictKind::Clear;
     Verdict {
@@ -152,10 +151,11 @@ fn percent(probability: f64) -> String {
     }
 }
 
-/// Returns true for a lit crossing, and for a lit near miss whose probability is at least the `min_probability` of the
+/// Returns true for a lit crossing (or any with `include_dark`), and for such a near miss whose probability is at least the `min_probability` of the
 /// policy.
 pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
-    pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
+    (pass.lit || policy.include_dark)
+        && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
 /// Returns true if a pass blocks the start of an exposure. The pass must count. With [`Blocking::Avoid`], if a limit
@@ -175,15 +175,16 @@ pub(super) fn peak_brightness(pass: &Pass) -> Option<&Brightness> {
     pass.peak.as_ref()?.brightness.as_ref()
 }
 
-fn streaked_reason(nominal: usize, counted: usize) -> String {
+fn streaked_reason(nominal: usize, counted: usize, include_dark: bool) -> String {
     let near = counted - nominal;
-    match (nominal, near) {
+    let text = match (nominal, near) {
         (1, 0) => "1 lit satellite crosses".to_owned(),
         (_, 0) => format!("{nominal} lit satellites cross"),
         (0, 1) => "1 lit satellite may cross".to_owned(),
         (0, _) => format!("{near} lit satellites may cross"),
         _ => format!("{nominal} lit cross, {near} more may"),
-    }
+    };
+    if include_dark { text.replace(" lit", "") } else { text }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::orbit::LeftOut;
 use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::flag_request::FlagRequest;
-use super::horizon::{altitude_rad, sampling_interval_s};
+use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
 use super::policy::Blocking;
 use super::report::{GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
@@ -21,7 +21,7 @@ pub struct WindowRequest<'a> {
     /// applied; `max_cost_s` and `max_delay_s` are not.
     pub conditions: FlagRequest<'a>,
     /// Lowest altitude of the target while the shutter is open, radians, without refraction; for a telescope in orbit,
-    /// the angle above the Earth's limb.
+    /// the angle above the Earth's limb. The limits of such a telescope on its pointings also apply.
     pub min_altitude_rad: f64,
     /// Highest altitude of the Sun while the shutter is open, radians; `None` for no limit.
     pub max_sun_altitude_rad: Option<f64>,
@@ -129,8 +129,9 @@ fn windows_of(
         .collect();
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
-    let every_crossing_blocks =
-        (policy.blocking == Blocking::Any || policy.limit_mag.is_none()) && policy.min_probability.is_none();
+    let every_crossing_blocks = (policy.blocking == Blocking::Any || policy.limit_mag.is_none())
+        && policy.min_probability.is_none()
+        && !policy.include_dark;
     let (blocked, left_out) = if every_crossing_blocks && !with_passes {
         crossings(&exposures, request)?
     } else {
@@ -240,6 +241,7 @@ struct ObservabilityConstraint<'a> {
     min_altitude_rad: f64,
     orientation: OrientationTable,
     sun: Option<SunLimit<'a>>,
+    sun_of_limits: Option<SunTable>,
     span_s: f64,
 }
 
@@ -264,6 +266,7 @@ impl<'a> ObservabilityConstraint<'a> {
             min_altitude_rad: request.min_altitude_rad,
             orientation: request.conditions.sky.orientation_over(from, end),
             sun: request.max_sun_altitude_rad.map(limit).transpose()?,
+            sun_of_limits: sun_of_limits(viewpoint, from, end),
             span_s,
         })
     }
@@ -271,8 +274,8 @@ impl<'a> ObservabilityConstraint<'a> {
     /// Returns the intervals in which the target is above and the Sun below its limit, seconds after the start of the
     /// range.
     fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
-        let target_rad =
-            |seconds: f64| altitude_rad(exposure, self.viewpoint, &self.orientation, seconds) - self.min_altitude_rad;
+        let tables = (&self.orientation, self.sun_of_limits.as_ref());
+        let target_rad = |seconds: f64| margin_rad(exposure, self.viewpoint, self.min_altitude_rad, tables, seconds);
         let every_s = sampling_interval_s(self.viewpoint);
         let up = nonnegative_intervals(target_rad, Interval { start_s: 0.0, end_s: self.span_s }, every_s);
         let Some(SunLimit { observer, sun, most_rad }) = &self.sun else { return up };

@@ -156,11 +156,10 @@ fn options_without_effect_on_statistics() {
     for option in [["--min-probability", "0.5"], ["--rotation", "10"]] {
         fails(&[&["statistics"], night, SHELLS, SITE, &option], &[option[0], "no effect on statistics"]);
     }
-    for verb in ["statistics", "forecast", "windows"] {
-        fails(
-            &[&[verb], night, SHELLS, &["--observer-norad", "20580"]],
-            &["--observer-norad cannot be used", "horizon"],
-        );
+    let orbit: &[&str] = &["--observer-norad", "20580"];
+    fails(&[&["forecast"], night, SHELLS, orbit], &["--observer-norad cannot be used", "horizon"]);
+    for verb in ["statistics", "windows"] {
+        fails(&[&[verb], night, SHELLS, orbit], &["--night is for a site; allowed for a telescope in orbit: --start"]);
     }
 }
 

@@ -112,7 +112,7 @@ fn rejected_flags_are_not_listed() {
         assert!(!text.contains("--rotation") && !text.contains("--min-probability"), "{text}");
     }
     assert!(help(&["statistics"]).contains("--fov") && help(&["inject"]).contains("--telescope"));
-    assert!(!help(&["windows"]).contains("--observer-norad") && help(&["passes"]).contains("--observer-norad"));
+    assert!(!help(&["forecast"]).contains("--observer-norad") && help(&["passes"]).contains("--observer-norad"));
     assert!(help(&["flag"]).contains("--rotation"));
     assert!(!help(&["mask"]).contains("--rotation") && help(&["mask"]).contains("--min-probability"));
 }

@@ -57,7 +57,21 @@ fn verif_injected_streaks_of_satellites_have_their_magnitudes() {
         if row["detected"] != true {
             continue;
         }
-        let number = |name: &str| row[name].as_f64().unwrap();
+        let number = |name: &str| row[name].as_f64().unwrap_or_else(|| panic!("{name}: {row}"));
+        // The Sun is so far away that its directions from satellite and observer are the same within 0.001 deg.
+        let sum_deg = number("phase_angle_deg") + number("sun_angle_deg");
+        assert!((sum_deg - 180.0).abs() < 0.003, "{row}");
+        // The triangle of Earth's centre, satellite and observer gives the radius of the orbit, 540 to 570 km high.
+        let (range_km, radius_km) = (number("range_km"), 6378.0_f64);
+        let along_km = range_km * number("observer_angle_deg").to_radians().cos();
+        let orbit_km = along_km + (along_km.powi(2) - range_km.powi(2) + radius_km.powi(2)).sqrt();
+        assert!((530.0..590.0).contains(&(orbit_km - radius_km)), "{orbit_km}: {row}");
+        // At night the Sun is below the horizon of a low satellite by at most the dip of its horizon, 23 deg.
+        assert!((67.0..90.0).contains(&number("sun_incidence_angle_deg")), "{row}");
+        for (column, distance_km) in [("magnitude_550_km", 550.0), ("magnitude_1000_km", 1000.0)] {
+            let scaled = number("magnitude") - 5.0 * (range_km / distance_km).log10();
+            assert!((number(column) - scaled).abs() < 1e-3, "{row}");
+        }
         let (rate, sigma, truth) = (number("rate"), number("rate_sigma"), counts / number("duration_s"));
         assert!((rate - truth).abs() < SIGMAS * sigma + FLUX_BIAS * truth, "{id}: {rate} +- {sigma}, true {truth}");
         compared += 1;
@@ -149,6 +163,9 @@ fn verif_the_zero_point_is_that_of_stars_in_a_table() {
         (vec!["--stars", "missing.csv"], "missing.csv"),
         (vec!["--stars", &list, "--zero-point", "25"], "cannot be used with"),
         (vec!["--stars", &list, "--band", "R"], "'R'; allowed: V"),
+        (vec!["--stars", &list, "--star-colours", "0.7,0.95"], "of which 0 have a colour; allowed: 1 or more"),
+        (vec!["--stars", &list, "--star-colours", "1"], "star-colours is '1'; allowed: the bluest and the reddest"),
+        (vec!["--star-colours", "0.7,0.95"], "missing table of stars for --star-colours; specify --stars TABLE"),
     ] {
         let (code, _, stderr) = run(&[&["measure", &frame], &arguments, SATELLITES]);
         assert!(code == 2 && stderr.contains(part), "{stderr}");

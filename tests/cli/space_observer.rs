@@ -73,6 +73,137 @@ fn passes_and_flags_from_an_orbit() {
     assert!(hidden[0]["reasons"].to_string().contains("meets the Earth ("), "{}", hidden[0]);
 }
 
+/// Trails by class of orbit, numbers of trails and position angles; the same seed gives the same numbers.
+#[test]
+fn statistics_and_windows_from_an_orbit() {
+    let span = ["--start", "2026-03-21T06:00:00Z", "--end", "2026-03-21T12:00:00Z"];
+    let orbit = ["--observer-elements", OBSERVER, "--min-limb-angle", "20"];
+    let statistics = |more: &[&str]| {
+        let shared = ["statistics", "--exposure", "100s", "--pointings", "60", "--format", "json"];
+        let (code, stdout, stderr) = run(&[&shared, SHELLS, &span, &orbit, more]);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).unwrap()
+    };
+    let found = statistics(&["--fov", "5x3deg", "--include-dark", "--limit-mag", "20"]);
+    let row = |name: &str| {
+        let rows = found["statistics"].as_array().unwrap();
+        rows.iter().find(|row| row["orbits"] == name).unwrap().clone()
+    };
+    let number = |row: &Value, key: &str| row[key].as_f64().unwrap_or_else(|| panic!("{key} in {row}"));
+    let (all, low) = (row("all"), row("LEO"));
+    assert!(number(&all, "trails_per_exposure") > 0.0 && number(&all, "trails_sigma") > 0.0, "{all}");
+    assert!(number(&all, "trails_with_dark") >= number(&all, "trails_per_exposure"), "{all}");
+    assert!(number(&all, "trails_brighter_than_limit") <= number(&all, "trails_per_exposure"), "{all}");
+    assert_eq!((&all["satellites"], &low["satellites"]), (&6372.into(), &6372.into()));
+    assert_eq!(all["trails_per_exposure"], low["trails_per_exposure"]);
+    assert_eq!(number(&row("GEO"), "trails_per_exposure"), 0.0);
+    let sum = |section: &str, key: &str| {
+        let rows = found[section].as_array().unwrap();
+        rows.iter().map(|row| number(row, key)).sum::<f64>()
+    };
+    assert_eq!((sum("histogram", "exposures"), sum("histogram", "exposures_with_dark")), (60.0, 60.0));
+    let trails: f64 =
+        found["histogram"].as_array().unwrap().iter().map(|row| number(row, "trails") * number(row, "exposures")).sum();
+    assert!(
+        (trails - 60.0 * number(&all, "trails_per_exposure")).abs() < 0.01
+            && trails == sum("position_angles", "trails")
+    );
+    assert_eq!(
+        statistics(&["--fov", "5x3deg", "--include-dark", "--limit-mag", "20"])["statistics"],
+        found["statistics"]
+    );
+    let other = statistics(&["--fov", "5x3deg", "--include-dark", "--limit-mag", "20", "--seed", "2"]);
+    assert_ne!(other["statistics"], found["statistics"]);
+    for (words, expected) in [
+        (
+            &["statistics", "--fov", "3deg", "--exposure", "60s", "--pointings", "60"][..],
+            "missing span of the exposures",
+        ),
+        (
+            &["statistics", "--fov", "3deg", "--moments", "3"],
+            "--moments is for a site; allowed for a telescope in orbit",
+        ),
+        (&["statistics", "--fov", "3deg", "--min-altitude", "3"], "--min-altitude is for a site; allowed"),
+        (
+            &["windows", "--fov", "3deg", "--target", "M31", "--exposure", "1min", "--min-altitude", "3"],
+            "--min-limb-angle DEG",
+        ),
+        (
+            &["windows", "--fov", "3deg", "--target", "M31", "--exposure", "1min", "--max-sun-altitude-deg", "3"],
+            "--min-sun-angle DEG",
+        ),
+        (&["windows", "--fov", "3deg", "--target", "M31", "--exposure", "1min"], "missing time range; specify --start"),
+        (&["forecast"], "for satellites in its field use passes, flag or windows, for numbers statistics"),
+    ] {
+        let (code, _, stderr) = run(&[words, SHELLS, &orbit[..2]]);
+        assert!(code == 2 && stderr.contains(expected), "{words:?}: {stderr}");
+    }
+    let (code, _, stderr) = run(&[&["statistics", "--mpc", "X05", "--night", "2026-03-21", "--seed", "3"], SHELLS]);
+    assert!(code == 2 && stderr.contains("--seed is for a telescope in orbit (--observer-elements)"), "{stderr}");
+    let target = ["windows", "--target", "M31", "--exposure", "1min", "--fov", "1deg", "--format", "json"];
+    let (code, stdout, stderr) = run(&[&target, SHELLS, &span, &orbit]);
+    let windows: Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
+    // Four revolutions of 96 min: M31 is in the orbit's plane or near its poles.
+    assert!(code == 0 && windows["windows"].as_array().unwrap().len() > 2, "{windows}");
+}
+
+/// Satellites in shadow count in the verdicts of a telescope in orbit on request.
+#[test]
+fn dark_crossings_count_on_request() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("s.csv").display().to_string();
+    let rows: String = (0..60)
+        .map(|row| format!("{row},2026-03-21T06:{:02}:00Z,60,{},{}\n", row, 6 * row, (row % 7) * 20 - 60))
+        .collect();
+    fs::write(&path, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+    let flags = |more: &[&str]| {
+        let words = ["flag", "--schedule", &path, "--fov", "8deg", "--observer-elements", OBSERVER, "--format", "json"];
+        let (code, stdout, stderr) = run(&[&words, SHELLS, more]);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).unwrap()["flags"].as_array().unwrap().clone()
+    };
+    let (lit, all) = (flags(&["--limit-mag", "20"]), flags(&["--limit-mag", "20", "--include-dark"]));
+    let mut added = 0;
+    for (lit, all) in lit.iter().zip(&all).filter(|(lit, _)| lit["verdict"] != "invalid") {
+        let count = |flag: &Value| flag["n_streaks"].as_u64().unwrap();
+        let p = |flag: &Value, key: &str| flag[key].as_f64().unwrap();
+        assert!(count(all) >= count(lit) && p(all, "p_crossing") >= p(lit, "p_crossing") - 1e-9, "{lit} {all}");
+        // Satellites in shadow are not brighter than the limit.
+        assert!((p(all, "p_any") - p(lit, "p_any")).abs() < 1e-6, "{lit} {all}");
+        if count(all) > count(lit) {
+            added += 1;
+            assert!(all["verdict"] != "clear" && p(all, "p_crossing") > 0.3, "{all}");
+            assert!(all["verdict"] == "avoid" || !all["reasons"].to_string().contains(" lit "), "{all}");
+        }
+    }
+    assert!(added > 0, "{all:?}");
+    let (code, _, stderr) =
+        run(&[&["flag", "--schedule", &path, "--fov", "8deg", "--mpc", "X05", "--include-dark"], SHELLS]);
+    assert!(code == 2 && stderr.contains("--include-dark is for a telescope in orbit"), "{stderr}");
+}
+
+/// The limits of a configuration file for a telescope in orbit do not apply to a site on the command line.
+#[test]
+fn limits_of_a_file_are_those_of_its_telescope() {
+    let folder = TempDir::new().unwrap();
+    let file = folder.path().join("orbit.toml").display().to_string();
+    fs::write(&file, format!("observer-elements = '{OBSERVER}'\nmin-sun-angle = 179\nfov = '5deg'\n")).unwrap();
+    // The Sun is near RA 0, Dec 0; at least one of two opposite pointings is not behind the Earth.
+    let is_seen = |ra: &&str| {
+        let words = ["passes", "--ra", ra, "--dec", "0", "--fov", "5deg", "--observer-elements", OBSERVER];
+        !run(&[&words, SHELLS, &["--start", "2026-03-21T06:00:00Z", "--exposure", "10s"]]).2.contains("limb")
+    };
+    let ra = ["90", "270"].into_iter().find(is_seen).unwrap();
+    let pointing = ["passes", "--ra", ra, "--dec", "0", "--config", &file];
+    let times = ["--start", "2026-03-21T06:00:00Z", "--exposure", "10s"];
+    let (code, _, stderr) = run(&[&pointing, SHELLS, &times]);
+    assert!(code == 2 && stderr.contains("deg from the Sun; allowed: 179 deg or more"), "{stderr}");
+    let (code, _, stderr) = run(&[&pointing, SHELLS, &times, &["--min-sun-angle", "30"]]);
+    assert!(code != 2, "{stderr}");
+    let (code, _, stderr) = run(&[&pointing, SHELLS, &times, &["--lat", "60", "--lon", "10"]]);
+    assert!(code != 2 || stderr.contains("below the horizon"), "{stderr}");
+}
+
 #[test]
 fn the_observer_is_specified_once() {
     let folder = TempDir::new().unwrap();
@@ -96,6 +227,14 @@ fn the_observer_is_specified_once() {
         (&["--observer-elements", "nowhere.tle"], "nowhere.tle"),
         (&["--observer-elements", OBSERVER, "--limb-height-km=-3"], "limb-height-km is -3 km; allowed: 0 to 1000 km"),
         (&["--observer-elements", OBSERVER, "--limb-height-km", "900"], "km, below the limb height of 900 km; allowed"),
+        (
+            &["--observer-elements", OBSERVER, "--min-sun-angle", "200"],
+            "min-sun-angle is 200 deg; allowed: 0 to 180 deg",
+        ),
+        (&["--observer-elements", OBSERVER, "--max-zenith-angle=-1"], "max-zenith-angle is -1 deg; allowed: 0 to 180"),
+        (&["--mpc", "X05", "--max-zenith-angle", "3"], "allowed for a site: --min-altitude of windows and statistics"),
+        (&["--mpc", "X05", "--min-sun-angle", "3"], "allowed for a site: --max-sun-altitude-deg of windows"),
+        (&["--mpc", "X05", "--min-limb-angle", "3"], "allowed for a site: --min-altitude of windows and statistics"),
         (&["--mpc", "X05", "--limb-height-km", "3"], "specify --observer-elements FILE or --observer-norad ID"),
         (&["--mpc", "X05", "--shadow", "round"], "invalid shadow 'round'; allowed: geometric, atmosphere"),
     ] {

@@ -43,12 +43,15 @@ fn bad_input_is_one_line() {
         (&["--night", "2024-06-21", "--latitudes", "95"], "-90 to 90 deg"),
         (&["--night", "2024-06-21", "--fov", "3"], "without a unit"),
     ];
-    let reproduce: [(&[&str], &str); 5] = [
+    let reproduce: [(&[&str], &str); 8] = [
         (&["hu2022"], "--schedule"),
         (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
         (&["lu2024b", "--schedule", "a.db"], "--schedule has no effect on reproduce lu2024b"),
         (&["bassa2022", "--time-scale", "utc"], "--time-scale has no effect on reproduce bassa2022"),
-        (&["smith1999"], "hu2022, lu2024, lu2024b, bassa2022"),
+        (&["borlaff2026"], "missing satellites; specify --elements FILE"),
+        (&["borlaff2026", "--elements", "nowhere.tle"], "nowhere.tle"),
+        (&["borlaff2026", "--elements", "a.tle", "--nights", "3"], "--nights has no effect on reproduce borlaff2026"),
+        (&["smith1999"], "hu2022, lu2024, lu2024b, borlaff2026, bassa2022"),
     ];
     let cases = statistics.iter().map(|case| (STATISTICS, case));
     for (verb, (arguments, part)) in cases.chain(reproduce.iter().map(|case| (&["reproduce"][..], case))) {

@@ -8,12 +8,15 @@ use crate::common::agreement::Agreement;
 use crate::common::random::Random;
 use hifitime::{Epoch, TimeScale, Unit};
 use streakcast::elements::{ElementSet, Ephemeris, NoradId, Origin, ReadOptions, Satellites};
+use streakcast::forecast::{TrailRequest, trail_statistics};
 use streakcast::frames::{Direction, EopTable, Gcrs, Orientation, OrientationTable, seconds_after, seconds_between};
-use streakcast::geometry::{EarthLimb, SunTable, aspect};
+use streakcast::geometry::{EarthLimb, PointingLimits, SunState, SunTable, aspect};
 use streakcast::orbit::Propagator;
 use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SkyError, SnapshotOptions};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
-use streakcast::schedule::{FlagRequest, Policy, ScheduledExposure, VerdictKind, flag_exposures};
+use streakcast::schedule::{
+    FlagRequest, Policy, ScheduledExposure, VerdictKind, WindowRequest, WindowTarget, clear_windows, flag_exposures,
+};
 
 fn active(data: &std::path::Path) -> Vec<ElementSet> {
     let path = data.join("tle/active/active_2026-04-25.txt");
@@ -70,6 +73,150 @@ fn valid_directions_from_orbit_against_skyfield() {
         rows += 1;
     }
     assert_eq!(rows, 60);
+}
+
+/// Tolerance of the angles of pointings, degrees: light time and aberration of the Sun (20") are in Skyfield's direction
+/// of the Sun and not in ours, and the limb is sampled at 20,000 points.
+const ANGLE_DEG: f64 = 0.006;
+
+#[test]
+fn valid_angles_of_pointings_against_skyfield() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let sets = active(&data);
+    let (start, eop) = (midnight(), EopTable::embedded());
+    let mut agreement = Agreement::new("Angles from zenith, Sun and limb", "Skyfield 1.55", ANGLE_DEG, "deg");
+    let golden = include_str!("../data/pointing_angles_golden.csv");
+    for line in golden.lines().filter(|line| !line.starts_with('#')).skip(1) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let [telescope, seconds, ra_deg, dec_deg, zenith_deg, sun_deg, limb_deg] = cells[..] else { panic!("{line}") };
+        let observer = OrbitingObserver::new(by_id(&sets, telescope as u32), EarthLimb::default()).expect("an orbit");
+        let epoch = seconds_after(start, seconds);
+        let pointing = Direction::<Gcrs>::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        let (orientation, sun) = (Orientation::at(epoch, &eop), SunState::at(epoch).sun);
+        let found = observer.pointing_angles(&pointing, epoch, &orientation, &sun).expect("a position");
+        agreement.add(found.zenith_rad.to_degrees() - zenith_deg);
+        agreement.add(found.sun_rad.to_degrees() - sun_deg);
+        agreement.add(found.limb_rad.to_degrees() - limb_deg);
+    }
+}
+
+/// The verdicts of exposures that break a limit are invalid, also if they do so only at closing; windows contain exactly
+/// the starts of exposures that break none and that no satellite crosses.
+#[test]
+fn verif_limits_of_verdicts_and_windows() {
+    let mut random = Random(19);
+    let own = synthetic(600_000_000, &mut random, 15.09, 0.001);
+    let limits = PointingLimits {
+        max_zenith_angle_rad: Some(100f64.to_radians()),
+        min_sun_angle_rad: Some(60f64.to_radians()),
+        min_limb_angle_rad: Some(20f64.to_radians()),
+    };
+    let eop = EopTable::embedded();
+    let observer = OrbitingObserver::new(&own, EarthLimb::default()).expect("an orbit").with_limits(limits);
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    let sky = Sky::with_models(swarm(&mut random, 2000), observer.clone(), eop.clone(), &choice);
+    let (field, policy, photometry) =
+        (Field::circle(0.1).expect("a field"), Policy::default(), PhotometryOptions::default());
+    let conditions =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let (from, span_s, exposure_s) = (midnight(), 12_000.0, 100.0);
+    let target = |pointing| WindowTarget {
+        exposure: Exposure { id: String::new(), start: from, duration_s: exposure_s, pointing, rotation_rad: 0.0 },
+        band: None,
+    };
+    let targets: Vec<WindowTarget> = (0..12).map(|_| target(Direction::from_vector(random.direction()))).collect();
+    let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
+    let to = seconds_after(from, span_s);
+    let windows = clear_windows(&targets, from, to, &request).expect("windows").by_target;
+    let (mut clear, mut crossed, mut broken) = (0, 0, 0);
+    for (target, windows) in targets.iter().zip(&windows) {
+        let rows: Vec<ScheduledExposure> = (0..100)
+            .map(|_| seconds_after(from, random.between(0.0, span_s)))
+            .map(|start| Exposure { start, ..target.exposure.clone() })
+            .map(|exposure| ScheduledExposure { id: String::new(), row: 0, band: None, exposure: Ok(exposure) })
+            .collect();
+        let flags = flag_exposures(&rows.iter().collect::<Vec<_>>(), &conditions).expect("verdicts").flags;
+        for (row, flag) in rows.iter().zip(flags) {
+            let exposure = row.exposure.as_ref().expect("valid");
+            let breaks = (0..=200).any(|step| {
+                let epoch = seconds_after(exposure.start, exposure_s * f64::from(step) / 200.0);
+                let (orientation, sun) = (Orientation::at(epoch, &eop), SunState::at(epoch).sun);
+                let angles = observer.pointing_angles(&exposure.pointing, epoch, &orientation, &sun);
+                limits.margin_rad(&angles.expect("a position")) < 0.0
+            });
+            let is_in_window =
+                windows.windows.iter().any(|window| (window.first..=window.last).contains(&exposure.start));
+            assert_eq!(flag.kind == VerdictKind::Invalid, breaks, "{flag:?}");
+            if breaks {
+                assert!(flag.reasons[0].contains("; allowed: ") || flag.reasons[0].contains("limb"), "{flag:?}");
+            }
+            let is_clear = flag.kind == VerdictKind::Clear;
+            assert!(is_clear || !is_in_window, "{flag:?} {:?}", exposure.start);
+            if is_clear && !is_in_window {
+                // A satellite that is lit in a part of the field blocks also while it is in shadow.
+                let dark = PassOptions { include_dark: true, without_light: true, ..PassOptions::default() };
+                let found = sky.field_passes(std::slice::from_ref(exposure), &field, &dark).expect("passes");
+                assert!(!found.by_exposure[0].is_empty(), "{flag:?} {:?}", exposure.start);
+            }
+            broken += usize::from(breaks);
+            clear += usize::from(is_in_window);
+            crossed += usize::from(flag.kind == VerdictKind::Streaked);
+        }
+    }
+    assert!(clear > 50 && crossed > 20 && broken > 200, "{clear} {crossed} {broken}");
+}
+
+/// Trails in random exposures: the same as those of the passes of the same exposures; the exposures keep the limits.
+#[test]
+fn verif_trails_in_random_exposures() {
+    let mut random = Random(23);
+    let own = synthetic(600_000_000, &mut random, 15.09, 0.001);
+    let limits = PointingLimits { max_zenith_angle_rad: Some(1.0), ..PointingLimits::default() };
+    let observer = OrbitingObserver::new(&own, EarthLimb::default()).expect("an orbit").with_limits(limits);
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    let sky = Sky::with_models(swarm(&mut random, 3000), observer, EopTable::embedded(), &choice);
+    let field = Field::rectangle_deg(20.0, 10.0).expect("a field");
+    let request = TrailRequest {
+        start: midnight(),
+        end: seconds_after(midnight(), 86_400.0),
+        pointings: 200,
+        seed: 5,
+        exposure_s: 60.0,
+        field: &field,
+        limit_mag: Some(9.0),
+        include_dark: true,
+        photometry: PhotometryOptions::default(),
+    };
+    let found = trail_statistics(&sky, &request).expect("statistics");
+    let options = PassOptions { include_dark: true, ..PassOptions::default() };
+    let passes = sky.field_passes(&found.exposures, &field, &options).expect("passes").by_exposure;
+    let [mean, share] = found.trails_and_share(1, None, false);
+    let lit: Vec<usize> = passes.iter().map(|passes| passes.iter().filter(|pass| pass.lit).count()).collect();
+    assert!((mean.mean - lit.iter().sum::<usize>() as f64 / 200.0).abs() < 1e-12 && mean.mean > 0.1, "{mean:?}");
+    assert!((share.mean - lit.iter().filter(|count| **count > 0).count() as f64 / 200.0).abs() < 1e-12);
+    let all = found.trails_and_share(1, None, true)[0].mean;
+    assert!((all - passes.iter().map(Vec::len).sum::<usize>() as f64 / 200.0).abs() < 1e-12 && all > mean.mean);
+    // The position angles are those of the passes, without a direction.
+    for (trails, passes) in found.trails.iter().zip(&passes) {
+        for (trail, pass) in trails.iter().zip(passes) {
+            let apart = (trail.position_angle_rad - pass.position_angle_rad).rem_euclid(std::f64::consts::PI);
+            assert!(apart.min(std::f64::consts::PI - apart) < 1e-9, "{trail:?}");
+            assert!(trail.p_brighter == 0.0 || trail.lit);
+        }
+    }
+    // Evenly over the cap of one radian: the mean of (1 - cos z) / (1 - cos 1) is a half, with an error of 0.29 / √200.
+    let angles = found.exposures.iter().flat_map(|one| sky.pointing_angles(one).expect("angles"));
+    let (mut sum, mut count) = (0.0, 0.0);
+    for angles in angles {
+        assert!(angles.zenith_rad <= 1.0, "{angles:?}");
+        sum += (1.0 - angles.zenith_rad.cos()) / (1.0 - 1f64.cos());
+        count += 1.0;
+    }
+    assert!((sum / count - 0.5).abs() < 0.08, "{}", sum / count);
+    let none = PointingLimits { min_sun_angle_rad: Some(3.1), max_zenith_angle_rad: Some(0.001), ..limits };
+    let narrow = OrbitingObserver::new(&own, EarthLimb::default()).expect("an orbit").with_limits(none);
+    let error = trail_statistics(&sky.seen_from(narrow), &request).expect_err("no pointing");
+    assert!(error.to_string().contains("the limits of the telescope allow 0 of"), "{error}");
 }
 
 fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f64) -> ElementSet {

@@ -315,6 +315,23 @@ def test_an_argument_replaces_the_keys_that_answer_the_same_question(tmp_path):
         streakcast.StreakModel(config=path).assess(TARGET, START, 30.0)
 
 
+def test_limits_of_a_telescope_in_orbit_are_those_of_its_pointings():
+    orbit = {"shells": "oneweb", "observer_elements": ROOT / "tests" / "data" / "elements" / "sample.2le", "fov": "3deg"}
+    start = "2026-03-21T06:00:00Z"
+    # The Sun is near RA 0, Dec 0 at the equinox; one of two opposite fields is not behind the Earth.
+    for limits, reason in [
+        ({"min_sun_angle": 179.0}, "deg from the Sun; allowed: 179 deg or more"),
+        ({"max_zenith_angle": 0.01 * u.deg}, "deg from the zenith of the telescope; allowed: 0.01 deg or less"),
+        ({"min_limb_angle": 179.0}, "deg from the Earth's limb; allowed: 179 deg or more"),
+    ]:
+        model = streakcast.StreakModel(**orbit, **limits)
+        found = [model.assess(SkyCoord(ra, 0, unit="deg"), start, 10.0) for ra in (90, 270)]
+        assert all(one.verdict == "invalid" for one in found)
+        assert any(reason in " ".join(one.reasons) for one in found), [one.reasons for one in found]
+    with pytest.raises(streakcast.SetupError, match="min.sun.angle is a limit of a telescope in orbit"):
+        streakcast.StreakModel(shells="oneweb", mpc="X05", fov="3deg", min_sun_angle=30.0).assess(TARGET, START, 30.0)
+
+
 def test_tables_of_verbs_are_for_the_command_line(tmp_path):
     path = tmp_path / "obs.toml"
     path.write_text("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '1deg'\n[forecast]\nmax_mag = 5\n")

@@ -7,10 +7,12 @@ use clap::{ArgMatches, Command};
 
 const CAMERA: &[&str] = &["fov", "field", "rotation", "telescope", "min_probability"];
 const FIELD: &[&str] = &["fov", "field", "rotation", "min_probability"];
-const ORBIT: &[&str] = &["observer_elements", "observer_norad", "limb_height_km"];
+const ORBIT: &[&str] =
+    &["observer_elements", "observer_norad", "limb_height_km", "max_zenith_angle", "min_sun_angle", "min_limb_angle"];
 
 /// Reason for the rejection of the flags of a telescope in orbit.
-const NO_ORBIT: &str = "cannot be used, because a telescope in orbit has no horizon";
+const NO_ORBIT: &str = "cannot be used, because a telescope in orbit has no horizon; for satellites in its field use passes, flag or \
+                        windows, for numbers statistics";
 
 /// Verbs, ids of the flags that they reject, and the reason.
 const REJECTED: &[(&str, &[&str], &str)] = &[
@@ -22,8 +24,6 @@ const REJECTED: &[(&str, &[&str], &str)] = &[
     ("inject", FIELD, "has no effect on inject, where the frame is the field"),
     ("statistics", &["rotation", "min_probability"], "has no effect on statistics"),
     ("forecast", ORBIT, NO_ORBIT),
-    ("statistics", ORBIT, NO_ORBIT),
-    ("windows", ORBIT, NO_ORBIT),
 ];
 
 /// Omits the rejected flags from the help.

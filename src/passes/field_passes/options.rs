@@ -15,4 +15,8 @@ pub struct PassOptions {
     pub photometry: PhotometryOptions,
     /// If true, the brightness of all points and the peak are omitted, which is several times faster.
     pub without_light: bool,
+    /// If true, the probability of a crossing is not computed and is 1, which is faster from an orbit. Near misses are
+    /// not affected.
+    #[doc(hidden)]
+    pub without_probability: bool,
 }

@@ -43,7 +43,9 @@ impl ExposedField<'_> {
             return Ok(None);
         }
         let searched_s = (start_s - lateness.reach_s(), end_s + lateness.reach_s());
+        let is_certain = options.without_probability && !crossing.chords.is_empty();
         let probability = match (satellite.arc(searched_s.0, searched_s.1), self.sky.viewpoint().site()) {
+            _ if is_certain => 1.0,
             (Ok(wide), Some(site)) => self.probability_at_site(site, element_index, &wide, searched_s, sigma),
             (Ok(wide), None) => {
                 let line = SightLine { arc: &wide, observer: line.observer.clone() };

@@ -118,7 +118,20 @@ impl Sky {
         exposures: &[Exposure],
         field: &Field,
     ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
-        let Some(observer) = self.viewpoint().site() else { return self.probabilities_in_flight(exposures, field) };
+        self.probabilities_with(exposures, field, false)
+    }
+
+    /// Returns the same probabilities; for a telescope in orbit with those of satellites in the Earth's shadow if
+    /// `include_dark`.
+    pub(crate) fn probabilities_with(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        include_dark: bool,
+    ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
+        let Some(observer) = self.viewpoint().site() else {
+            return self.probabilities_in_flight(exposures, field, include_dark);
+        };
         let (by_exposure, _) = self.by_exposure(exposures, SearchScope::Delayed, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             Ok((exposed.probabilities(observer, seen)?, Vec::new()))
@@ -130,14 +143,19 @@ impl Sky {
         &self,
         exposures: &[Exposure],
         field: &Field,
+        include_dark: bool,
     ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
-        let options =
-            PassOptions { min_probability: Some(LEAST_IN_FLIGHT), without_light: true, ..PassOptions::default() };
+        let options = PassOptions {
+            include_dark,
+            min_probability: Some(LEAST_IN_FLIGHT),
+            without_light: true,
+            ..PassOptions::default()
+        };
         let passes = self.field_passes(exposures, field, &options)?.by_exposure;
         // The mean length of the chords of a circle is π/2 times its radius.
         let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
         let length_rad = |pass: &Pass, exposure: &Exposure| {
-            if pass.is_crossing() {
+            if pass.is_crossing() && pass.lit {
                 pass.streak_length_rad
             } else {
                 mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s)
@@ -152,7 +170,7 @@ impl Sky {
         let of = |(passes, exposure): (Vec<Pass>, &Exposure)| {
             let mut found: Vec<CrossingProbability> = passes
                 .iter()
-                .filter(|pass| pass.lit && pass.probability > 0.0)
+                .filter(|pass| pass.probability > 0.0)
                 .map(|pass| CrossingProbability {
                     element_index: pass.element_index,
                     probability: pass.probability,

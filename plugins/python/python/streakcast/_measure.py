@@ -94,6 +94,7 @@ class MeasureQueries(ExposureQueries):
         psf: str = "moffat",
         satellite_size: FloatLike | None = None,
         stars: PathLike | None = None,
+        star_colours: Sequence[FloatLike] | None = None,
         zero_point: FloatLike | None = None,
         zero_point_1s: FloatLike | None = None,
         gain: FloatLike | None = None,
@@ -136,7 +137,10 @@ class MeasureQueries(ExposureQueries):
             Diameter of the satellites, m, 0 for points; default: that of the model, with an error of half of it.
         stars : path, optional
             Table (CSV) of stars, from which the zero point is measured: ``ra_deg, dec_deg, mag`` and, optionally,
-            ``mag_sigma`` and ``band``.
+            ``mag_sigma``, ``band`` and ``colour``.
+        star_colours : (float, float), optional
+            The bluest and the reddest colour of the stars that are used, mag: ``(0.7, 0.95)`` for stars like the Sun in
+            Gaia's BP - RP.
         zero_point, zero_point_1s : float or `~astropy.units.Quantity`, optional
             Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second;
             default: from the header. Without any zero point, magnitudes are instrumental.
@@ -172,7 +176,8 @@ class MeasureQueries(ExposureQueries):
         measurements, warnings = _measure(
             frames, streaks, (self._state["setup"], self._state["config"], sky_cache), place_sigma=place_sigma, header=header,
             start=start, exposure=exposure, hdu=hdu, seeing=seeing, fit_width=fit_width, psf=psf, satellite_size=satellite_size,
-            stars=stars, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain, band=band, telescope=telescope, table=table,
+            stars=stars, star_colours=star_colours, zero_point=zero_point, zero_point_1s=zero_point_1s, gain=gain, band=band,
+            telescope=telescope, table=table,
         )  # fmt: skip
         self._warn_once(sky_cache, warnings)
         return measurements
@@ -237,6 +242,7 @@ def _measure(
     psf: str = "moffat",
     satellite_size: FloatLike | None = None,
     stars: PathLike | None = None,
+    star_colours: Sequence[FloatLike] | None = None,
     zero_point: FloatLike | None = None,
     zero_point_1s: FloatLike | None = None,
     gain: FloatLike | None = None,
@@ -255,6 +261,7 @@ def _measure(
         hdu=_integers(hdu), seeing=_angle(seeing, "seeing"), psf=psf,
         satellite_size=_scalar(satellite_size, "m", "satellite_size"), place_sigma=_angle(place_sigma, "place_sigma"),
         fit_width=bool(fit_width), stars=None if stars is None else absolute(stars),
+        star_colours=None if star_colours is None else ",".join(repr(scalar(one, "mag", "star_colours")) for one in star_colours),
         zero_point=_scalar(zero_point, "mag", "zero_point"),
         zero_point_1s=_scalar(zero_point_1s, "mag", "zero_point_1s"), gain=_scalar(gain, "electron/adu", "gain"),
     )  # fmt: skip

@@ -15,13 +15,18 @@ from .typing import FieldOptions, FloatArray, Json, PathLike
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
-        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models", "learned", "measured",
+        "observer_norad", "limb_height_km", "max_zenith_angle", "min_sun_angle", "min_limb_angle", "drag", "shadow", "eop",
+        "qs_mag", "model", "models", "learned", "measured",
     }
 )  # fmt: skip
 #: Keys that an engine uses in addition to the satellites.
 ENGINE_KEYS = frozenset(FieldOptions.__annotations__) - {"mjd_scale"} | {"time_scale"}
 #: Units of keys that do not end with their unit.
-_KEY_UNITS = {"lat": "deg", "lon": "deg", "height": "m", "extinction": "mag"}
+_KEY_UNITS = {
+    **dict.fromkeys(("lat", "lon", "max_zenith_angle", "min_sun_angle", "min_limb_angle"), "deg"),
+    "height": "m",
+    "extinction": "mag",
+}
 #: Units at the ends of the names of other keys.
 _UNITS = ("arcmin", "arcsec", "deg", "km", "m", "mag", "s", "um")
 #: Types of values in the document, and their names in errors, of keys whose type is not checked by their converter.
@@ -29,6 +34,7 @@ _KINDS: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("mpc", "band", "mag_system", "blocking", "drag", "shadow", "mjd_scale"), ((str,), "a string")),
     **dict.fromkeys(("accept_bad_checksums", "earthshine", "sun_distance"), ((bool,), "True, False")),
     **dict.fromkeys(("lat", "lon", "height", "limb_height_km"), ((int, float), "a number")),
+    **dict.fromkeys(("max_zenith_angle", "min_sun_angle", "min_limb_angle"), ((int, float), "a number")),
     **dict.fromkeys(("extinction", "min_probability", "bright_share"), ((int, float), "a number")),
     "observer_norad": ((int,), "a whole number"),
     "limit_mag": ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),

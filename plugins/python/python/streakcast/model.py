@@ -116,6 +116,9 @@ class StreakModel(MaskQueries):
         - ``observer_norad``: catalogue number of the telescope in orbit, in that file or else in ``elements``.
         - ``limb_height_km``: for a telescope in orbit, height of the Earth's limb, 0 to 1000 km (default 0): lower
           lines of sight are rejected.
+        - ``max_zenith_angle``, ``min_sun_angle``, ``min_limb_angle``: for a telescope in orbit, the largest angle of a
+          pointing from its zenith (away from the Earth's centre), and the smallest ones from the Sun and from the
+          Earth's limb, degrees. Verdicts on other exposures are ``invalid``, and windows do not include them.
 
     Raises
     ------

@@ -282,6 +282,7 @@ class MeasureOptions(TypedDict, total=False):
     psf: str
     satellite_size: FloatLike | None
     stars: PathLike | None
+    star_colours: Sequence[FloatLike] | None
     zero_point: FloatLike | None
     zero_point_1s: FloatLike | None
     gain: FloatLike | None
@@ -308,6 +309,9 @@ class ModelOptions(_ExposureOptions, total=False):
     observer_elements: PathLike | None
     observer_norad: int | None
     limb_height_km: FloatLike | None
+    max_zenith_angle: FloatLike | None
+    min_sun_angle: FloatLike | None
+    min_limb_angle: FloatLike | None
 
 
 class InjectionOptions(TypedDict, total=False):

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::arguments::OutputArguments;
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
 use streakcast::config::{Config, RulesConfig};
 use streakcast::output::{Section, counted};
@@ -24,6 +24,9 @@ pub struct FlagArguments {
     pub schedule: Option<PathBuf>,
     #[command(flatten)]
     pub rules: RulesConfig,
+    /// For a telescope in orbit, crossings in the Earth's shadow count too, for example in the infrared
+    #[arg(long)]
+    pub include_dark: bool,
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -85,7 +88,13 @@ fn check_judged(totals: &FlagTotals, schedule: &Path) -> anyhow::Result<()> {
 }
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
-    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let include_dark = typed.include_dark.then_some(true);
+    let config = Config { rules: typed.rules, include_dark, ..typed.config }.with_file()?;
+    if typed.include_dark && config.has_viewpoint() && !config.is_in_orbit() {
+        bail!(
+            "--include-dark is for a telescope in orbit (--observer-elements): at a site a satellite in shadow is not visible"
+        );
+    }
     let has_schedule = typed.schedule.is_some();
     Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let schedule = typed.schedule.unwrap_or_default();

@@ -231,6 +231,9 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
         ("--observer-elements", flags.observer_elements.is_some()),
         ("--observer-norad", flags.observer_norad.is_some()),
         ("--limb-height-km", flags.limb_height_km.is_some()),
+        ("--max-zenith-angle", flags.max_zenith_angle.is_some()),
+        ("--min-sun-angle", flags.min_sun_angle.is_some()),
+        ("--min-limb-angle", flags.min_limb_angle.is_some()),
     ];
     let given = of_satellites.iter().find(|(_, is_given)| *is_given);
     match given.filter(|_| typed.injection.is_without_satellites()) {

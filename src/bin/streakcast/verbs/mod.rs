@@ -22,6 +22,7 @@ pub mod measure;
 pub mod model;
 mod model_check;
 mod model_pressure;
+mod orbit_statistics;
 pub mod passes;
 pub mod plot;
 pub mod reproduce;

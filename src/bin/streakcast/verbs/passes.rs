@@ -127,6 +127,9 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     };
     let mut prepared = config.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
     prepared.check_altitude("pointing", &exposure)?;
+    if let Some(reason) = prepared.sky.broken_limit(&exposure)? {
+        anyhow::bail!("{reason}");
+    }
     notices.warn(&prepared.warnings);
     prepared.check_known(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
 

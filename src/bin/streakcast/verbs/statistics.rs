@@ -1,7 +1,9 @@
-//! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure.
+//! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure; for a telescope in
+//! orbit, trails in random exposures.
 
 use crate::arguments::OutputArguments;
 use crate::clock::{date_line_remark, set_tonight};
+use anyhow::bail;
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{
@@ -12,6 +14,7 @@ use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_t
 use streakcast::output::{Section, format_utc};
 use streakcast::schedule::MagnitudeLimit;
 
+use super::orbit_statistics::{self, OrbitStatisticsArguments};
 use super::passes::left_out_table;
 use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
@@ -22,20 +25,14 @@ use crate::start::begin;
 
 #[derive(Args)]
 pub struct StatisticsArguments {
-    /// Nights by the local date of their evening, for example 2024-03-20 2024-06-21; or tonight
+    /// Nights at a site by the local date of their evening, for example 2024-03-20 2024-06-21; or tonight
     #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', value_parser = parse_night)]
     pub night: Vec<String>,
-    /// Altitudes of the Sun for the counts, degrees
-    #[arg(
-        long,
-        value_name = "DEG,...",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        default_values_t = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0]
-    )]
+    /// Altitudes of the Sun at a site for the counts, degrees; 0 to -48 in steps of 6 if omitted
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub sun_altitude_deg: Vec<f64>,
-    /// Lowest altitudes of satellites, degrees, with one row each
-    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', default_values_t = [20.0, 30.0])]
+    /// Lowest altitudes of satellites at a site, degrees, with one row each; 20 and 30 if omitted
+    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',')]
     pub min_altitude: Vec<f64>,
     /// Latitudes to use instead of that of the site, degrees north
     #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
@@ -46,12 +43,14 @@ pub struct StatisticsArguments {
     /// Limiting magnitude: also count satellites brighter than this, and their trails
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
-    /// Number of times over which each count is averaged
-    #[arg(long, value_name = "N", default_value_t = 11)]
-    pub moments: usize,
-    /// Time range over which the times of --moments are spread, with its unit
-    #[arg(long, value_name = "TIME", default_value = "10min")]
-    pub spread: String,
+    /// Number of times at a site over which each count is averaged; 11 if omitted
+    #[arg(long, value_name = "N")]
+    pub moments: Option<usize>,
+    /// Time range over which the times of --moments are spread, with its unit; 10min if omitted
+    #[arg(long, value_name = "TIME")]
+    pub spread: Option<String>,
+    #[command(flatten)]
+    pub orbit: OrbitStatisticsArguments,
     #[command(flatten)]
     pub config: Config,
     #[command(flatten)]
@@ -62,6 +61,14 @@ pub struct StatisticsArguments {
 const FIELD: &str = "3.5deg";
 /// Default exposure time: that of Rubin Observatory.
 const EXPOSURE: &str = "30s";
+/// Default altitudes of the Sun, degrees.
+const SUN_ALTITUDES_DEG: [f64; 9] = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0];
+/// Default lowest altitudes of satellites, degrees.
+const MIN_ALTITUDES_DEG: [f64; 2] = [20.0, 30.0];
+/// Default number of times of a count.
+const MOMENTS: usize = 11;
+/// Default time range of these times.
+const SPREAD: &str = "10min";
 
 const ON_SCREEN: &[Shown] = &[
     rounded("utc", "time (UTC)", 0),
@@ -90,6 +97,27 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         ..typed.config
     };
     let config = flags.with_file()?;
+    if config.is_in_orbit() {
+        let of_a_site = [
+            ("--night", !typed.night.is_empty()),
+            ("--sun-altitude-deg", !typed.sun_altitude_deg.is_empty()),
+            ("--min-altitude", !typed.min_altitude.is_empty()),
+            ("--latitudes", !typed.latitudes.is_empty()),
+            ("--moments", typed.moments.is_some()),
+            ("--spread", typed.spread.is_some()),
+        ];
+        if let Some((flag, _)) = of_a_site.iter().find(|(_, is_given)| *is_given) {
+            bail!(
+                "{flag} is for a site; allowed for a telescope in orbit: --start, --end, --pointings, --seed, --include-dark"
+            );
+        }
+        return orbit_statistics::run(&typed.orbit, typed.output, &config);
+    }
+    if let Some(flag) = typed.orbit.given() {
+        bail!(
+            "{flag} is for a telescope in orbit (--observer-elements); allowed for a site: --night, --moments, --spread"
+        );
+    }
     let has_night = !typed.night.is_empty();
     Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
@@ -98,7 +126,11 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let (field_rad, field_sr) = field_size(fov, &config)?;
     let exposure = config.exposure.duration.as_ref().map_or(EXPOSURE, Quantity::as_str);
     let exposure_s = parse_exposure_s(exposure)?;
-    let spread_s = parse_duration_s("spread", &typed.spread)?;
+    let spread_s = parse_duration_s("spread", typed.spread.as_deref().unwrap_or(SPREAD))?;
+    let moments = typed.moments.unwrap_or(MOMENTS);
+    let or_default = |given: Vec<f64>, default: &[f64]| if given.is_empty() { default.to_vec() } else { given };
+    let sun_altitudes_deg = or_default(typed.sun_altitude_deg, &SUN_ALTITUDES_DEG);
+    let min_altitudes_deg = or_default(typed.min_altitude, &MIN_ALTITUDES_DEG);
     let photometry = config.photometry()?;
     let limit_mag = config.limit_mag()?;
     let notices = begin(&config)?;
@@ -131,12 +163,12 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             let request = StatisticsRequest {
                 start,
                 end,
-                sun_altitudes_rad: radians(&typed.sun_altitude_deg),
-                min_altitudes_rad: radians(&typed.min_altitude),
+                sun_altitudes_rad: radians(&sun_altitudes_deg),
+                min_altitudes_rad: radians(&min_altitudes_deg),
                 field_rad,
                 field_sr,
                 exposure_s,
-                moments: typed.moments,
+                moments,
                 spread_s,
                 limit_mag,
                 photometry,
@@ -170,7 +202,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             "latitudes_deg": typed.latitudes,
             "field": fov.map_or_else(|| given_field(&config), |fov| json!(fov)),
             "exposure_s": exposure_s,
-            "moments": typed.moments,
+            "moments": moments,
             "spread_s": spread_s,
             "limit_mag": limit_mag,
             "first_utc": found.first().map(|(_, request, _)| format_utc(request.start, 0)),

@@ -51,12 +51,12 @@ pub struct WindowsArguments {
     /// Exposure time of one target, and of rows that have none, with its unit
     #[arg(long, value_name = "TIME")]
     pub exposure: Option<String>,
-    /// Lowest altitude of a target while the shutter is open, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 20.0, allow_hyphen_values = true)]
-    pub min_altitude: f64,
-    /// Highest altitude of the Sun while the shutter is open, degrees
-    #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true)]
-    pub max_sun_altitude_deg: f64,
+    /// Lowest altitude of a target above the horizon of a site while the shutter is open, degrees; 20 if omitted
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub min_altitude: Option<f64>,
+    /// Highest altitude of the Sun at a site while the shutter is open, degrees; -12 if omitted
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub max_sun_altitude_deg: Option<f64>,
     /// Time from the start of a request or observing block to its shutter opening, for lco and eso-p2, with its unit
     #[arg(long, value_name = "TIME")]
     pub overhead: Option<String>,
@@ -69,6 +69,11 @@ pub struct WindowsArguments {
     #[command(flatten)]
     pub output: OutputArguments,
 }
+
+/// Default lowest altitude of targets at a site, degrees.
+const LOWEST_TARGET_DEG: f64 = 20.0;
+/// Default highest altitude of the Sun at a site, degrees.
+const HIGHEST_SUN_DEG: f64 = -12.0;
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "target"),
@@ -88,7 +93,13 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         config.exposure = ExposureConfig { target: typed.target, ra: typed.ra, dec: typed.dec, ..config.exposure };
     }
     let pointing = if typed.targets.is_none() { config.pointing()? } else { None };
-    let mut range = typed.range.or_night(TONIGHT);
+    let in_orbit = config.is_in_orbit();
+    let [min_altitude_deg, max_sun_altitude_deg] =
+        altitudes_deg(in_orbit, typed.min_altitude, typed.max_sun_altitude_deg)?;
+    if in_orbit && typed.range.night.is_some() {
+        return Err(anyhow!("--night is for a site; allowed for a telescope in orbit: --start TIME and --end TIME"));
+    }
+    let mut range = if in_orbit { typed.range } else { typed.range.or_night(TONIGHT) };
     Required::of(&config)
         .input(
             typed.targets.is_some() || pointing.is_some(),
@@ -100,6 +111,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             "exposure time",
             "--exposure TIME, for example 30s",
         )
+        .input(!in_orbit || range.start.is_some(), "time range", "--start TIME and --end TIME")
         .satellites()
         .site()
         .field()
@@ -122,8 +134,6 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     if plan.policy.max_cost_s.is_some() {
         return Err(anyhow!("the policy has max_cost_s, which windows does not support; remove this key"));
     }
-    let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;
-    let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
     let exposure = typed.exposure.or(config.exposure.duration.as_ref().map(|exposure| exposure.0.clone()));
@@ -146,8 +156,8 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let targets: Vec<WindowTarget> = listed.iter().filter_map(|one| one.target.clone().ok()).collect();
     let request = WindowRequest {
         conditions: plan.request(&prepared.sky),
-        min_altitude_rad: min_altitude_deg.to_radians(),
-        max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
+        min_altitude_rad: min_altitude_deg.unwrap_or(0.0).to_radians(),
+        max_sun_altitude_rad: max_sun_altitude_deg.map(f64::to_radians),
     };
     let bands = targets.iter().map(|target| target.band.as_deref()).collect();
     notices.warn(plan.policy.band_warning(&bands).as_slice());
@@ -282,6 +292,24 @@ fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundW
         .iter()
         .map(|listed| FoundWindows { listed, found: listed.target.as_ref().ok().and_then(|_| results.next()) })
         .collect()
+}
+
+/// Returns the lowest altitude of targets and the highest of the Sun for a site, degrees; `None` for a telescope in
+/// orbit, which has other limits.
+fn altitudes_deg(in_orbit: bool, target_deg: Option<f64>, sun_deg: Option<f64>) -> anyhow::Result<[Option<f64>; 2]> {
+    let given =
+        [("min-altitude", target_deg, "--min-limb-angle"), ("max-sun-altitude-deg", sun_deg, "--min-sun-angle")];
+    if in_orbit {
+        return match given.iter().find(|(_, angle_deg, _)| angle_deg.is_some()) {
+            Some((flag, _, other)) => {
+                Err(anyhow!("--{flag} is for a site; allowed for a telescope in orbit: {other} DEG"))
+            }
+            None => Ok([None, None]),
+        };
+    }
+    let target_deg = in_degrees("min-altitude", target_deg.unwrap_or(LOWEST_TARGET_DEG))?;
+    let sun_deg = in_degrees("max-sun-altitude-deg", sun_deg.unwrap_or(HIGHEST_SUN_DEG))?;
+    Ok([Some(target_deg), Some(sun_deg)])
 }
 
 fn in_degrees(what: &str, angle_deg: f64) -> anyhow::Result<f64> {

@@ -55,7 +55,7 @@ pub struct Lu2024Arguments {
     /// MMT-9 tables for lu2024 instead of simulated photometry
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Lu2024")]
     pub photometry: Vec<PathBuf>,
-    /// Element sets for lu2024: geometry of --photometry, and counts of table 1
+    /// Element sets: for lu2024 geometry of --photometry and counts of table 1; for borlaff2026 the catalogue
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Lu2024")]
     pub elements: Vec<PathBuf>,
     /// Satellites of the tracks of --photometry: CSV with columns track and norad
@@ -76,14 +76,14 @@ pub struct Lu2024Arguments {
     /// Steps of the posterior of lu2024, of which 200 are burn-in; 5000 (as in the paper) if omitted
     #[arg(long, value_name = "N", help_heading = "Lu2024")]
     pub steps: Option<usize>,
-    /// Seed of the simulation and of the posterior of lu2024; 1 if omitted
+    /// Seed of the simulation and of the posterior of lu2024, and of the pointings of borlaff2026; 1 if omitted
     #[arg(long, value_name = "N", help_heading = "Lu2024")]
     pub seed: Option<u64>,
 }
 
 impl Lu2024Arguments {
-    /// Returns the first flag that is given.
-    pub fn given(&self) -> Option<&'static str> {
+    /// Returns the flags that are given.
+    pub fn given(&self) -> impl Iterator<Item = &'static str> {
         [
             ("--photometry", !self.photometry.is_empty()),
             ("--elements", !self.elements.is_empty()),
@@ -94,7 +94,7 @@ impl Lu2024Arguments {
             ("--seed", self.seed.is_some()),
         ]
         .into_iter()
-        .find_map(|(flag, is_given)| is_given.then_some(flag))
+        .filter_map(|(flag, is_given)| is_given.then_some(flag))
     }
 }
 

@@ -9,9 +9,9 @@ use clap::ValueEnum;
 use hifitime::Epoch;
 use serde_json::json;
 use streakcast::config::{Config, RunConfig, SiteConfig};
-use streakcast::elements::Constellation;
+use streakcast::elements::{Constellation, ReadOptions, Satellites};
 use streakcast::forecast::{
-    HU2022, Night, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table,
+    HU2022, Night, Reproduced, bassa2022, borlaff2026, hu2022, lu2024b, lu2024b_constellations, reproduced_table,
 };
 use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc, seconds_after};
@@ -37,6 +37,8 @@ pub enum Paper {
     Lu2024,
     /// Satellites brighter than 7 mag: Lu 2024 (arXiv 2403.11118)
     Lu2024b,
+    /// Trails in the exposures of SPHEREx, Hubble, Xuntian and a telescope at 800 km: Borlaff et al. 2025, 2026
+    Borlaff2026,
     /// Satellites above an altitude from the density of shells: Bassa et al. 2022
     Bassa2022,
 }
@@ -111,7 +113,8 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             }
         }
     }
-    match (typed.paper, typed.lu2024.given()) {
+    let allowed: &[&str] = if typed.paper == Paper::Borlaff2026 { &["--elements", "--seed"] } else { &[] };
+    match (typed.paper, typed.lu2024.given().find(|flag| !allowed.contains(flag))) {
         (Paper::Lu2024, _) => {
             let folder = typed.output.output.as_deref().ok_or_else(|| {
                 anyhow!("missing folder for the report and its pictures; specify -o DIR, for example -o lu2024")
@@ -119,6 +122,9 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             let notices = begin(&config)?;
             let config = Config { site: SiteConfig::default(), ..config };
             return lu2024::run(&typed.lu2024, folder, typed.output.format.as_deref(), &config, &notices);
+        }
+        (Paper::Borlaff2026, Some(flag)) => {
+            bail!("{flag} has no effect on reproduce borlaff2026; allowed: --elements, --seed")
         }
         (_, Some(flag)) => bail!("{flag} has no effect on this paper; allowed: reproduce lu2024"),
         _ => {}
@@ -142,6 +148,14 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         Paper::Lu2024 => Vec::new(),
         Paper::Lu2024b => of_lu()?,
         Paper::Bassa2022 => of_bassa()?,
+        Paper::Borlaff2026 => {
+            let Lu2024Arguments { elements, seed, .. } = &typed.lu2024;
+            let (rows, angles) = of_borlaff(elements, seed.unwrap_or(1), &notices)?;
+            provenance.state("synthetic", false);
+            provenance.state("elements", elements.iter().map(|path| path.display().to_string()).collect::<Vec<_>>());
+            provenance.attach("spherex_position_angles", angles);
+            rows
+        }
     };
     let table = reproduced_table(&rows);
     output.write(
@@ -200,6 +214,36 @@ fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::
         })
         .collect::<anyhow::Result<_>>()?;
     Ok(rows.concat())
+}
+
+/// Number of random pointings of each space telescope.
+const POINTINGS: usize = 1000;
+
+/// Returns the rows, and the numbers of trails of SPHEREx by position angle in bins of 10 deg from -90 deg.
+fn of_borlaff(elements: &[PathBuf], seed: u64, notices: &Notices) -> anyhow::Result<(Vec<Reproduced>, [usize; 18])> {
+    if elements.is_empty() {
+        bail!("missing satellites; specify --elements FILE, a catalogue of April 2025 or later with SPHEREx (63182)");
+    }
+    let mut sets = Satellites::read(elements, &ReadOptions::default())?.element_sets;
+    // The catalogue of the paper has satellites and rocket bodies, and debris only if its size is known.
+    let count = sets.len();
+    sets.retain(|set| !set.name.split_whitespace().any(|word| word == "DEB"));
+    let debris = count - sets.len();
+    let mut epochs: Vec<Epoch> = sets.iter().map(|set| set.epoch).collect();
+    epochs.sort();
+    let middle = *epochs.get(epochs.len() / 2).ok_or_else(|| anyhow!("the elements have no element set"))?;
+    // The day around the median epoch, at which most elements are recent.
+    let start = seconds_after(middle, -43_200.0);
+    let choice = ModelChoice::new(&ModelLibrary::embedded())?;
+    let site = Observer::new(Site::from_mpc("X05")?);
+    let sky = Sky::with_models(sets, site, EopTable::embedded(), &choice);
+    let (rows, of_spherex) = borlaff2026(&sky, start, POINTINGS, seed)?;
+    notices.info(&format!(
+        "catalogue: {} with a median epoch of {}, without {debris} of debris; published for 15,000 to 16,656 objects of 2025",
+        counted(sky.elements().len(), "object", "objects"),
+        format_utc(middle, 0)
+    ));
+    Ok((rows, of_spherex.position_angles(false)))
 }
 
 fn sky_of(constellations: &[Constellation], site: Site, epoch: Epoch) -> anyhow::Result<Sky> {
