@@ -207,7 +207,10 @@ fn nights_and_offsets_are_those_of_the_time_zone() {
     };
     let tonga = site("-21.2", "-175.2", "Pacific/Tongatapu");
     let night = tonga.json("/api/v1/forecast?max_mag=-9&night=2026-08-22");
-    assert_eq!((&night["date"], &night["night"]["start_utc"]), (&json!("2026-08-22"), &json!("2026-08-21T23:40:48.000000Z")));
+    assert_eq!(
+        (&night["date"], &night["night"]["start_utc"]),
+        (&json!("2026-08-22"), &json!("2026-08-21T23:40:48.000000Z"))
+    );
     let same = tonga.json("/api/v1/forecast?max_mag=-9&time_utc=2026-08-22T09:00:00Z");
     assert_eq!((&same["date"], &same["night"]), (&night["date"], &night["night"]));
     let zurich = site("47.37", "8.54", "Europe/Zurich");
