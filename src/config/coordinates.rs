@@ -45,12 +45,15 @@ pub fn parse_height_m(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("not a height; allowed: metres with a decimal point (430 or 430m){}", comma_hint(text)))
 }
 
+/// Latitude and longitude, degrees, and height, metres.
+type Coordinates = (f64, f64, Option<f64>);
+
 /// Parses latitude, longitude and an optional height, separated by commas or blanks: `47.37,8.54,430` or
 /// `47°22'N 8°32'E`. Returns `None` for text of another form, which may be a name.
 ///
 /// # Errors
 /// Commas may be decimal ones or separators, or the height is not a height.
-pub fn parse_coordinates(text: &str) -> Option<Result<(f64, f64, Option<f64>), String>> {
+pub fn parse_coordinates(text: &str) -> Option<Result<Coordinates, String>> {
     let text = text.trim();
     let by_comma = text.contains(',');
     let mut parts: Vec<String> = Vec::new();

@@ -143,8 +143,8 @@ pub struct StreakMeasurement {
     pub form_sigma: f64,
     /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
     pub rate_limit: f64,
-    /// Fitted rate divided by its error without `size_sigma` and `form_sigma`. Unlike `rate`, the fitted rate is not corrected for the bias
-    /// by the fitted position.
+    /// Fitted rate divided by its error without `size_sigma` and `form_sigma`. Unlike `rate`, the fitted rate is not
+    /// corrected for the bias by the fitted position.
     pub signal_to_noise: f64,
     /// Significance in the search, in sigmas of the noise.
     pub significance: f64,

@@ -518,7 +518,7 @@ impl fmt::Display for PositionSource {
 /// One ephemeris of a satellite with an element set, or several that together cover a time without a hole.
 #[derive(Clone, Debug)]
 pub(super) struct Attached {
-    /// The ephemerides, the preferred one first.
+    /// The ephemerides, the preferred one first; at least one.
     pub segments: Vec<Segment>,
     /// Class of the satellite, for errors that the ephemeris does not state.
     pub class: OrbitClass,
@@ -576,15 +576,17 @@ impl Attached {
     /// Returns the ephemeris of a time and the seconds after its start: the preferred one of those that are for this time,
     /// or else one that reaches it.
     fn at(&self, minutes: f64) -> (&EphemerisTable, f64) {
-        let mut all = self.segments.iter().map(|one| (&*one.table, one.seconds(minutes)));
-        if let [one] = &self.segments[..] {
-            return (&one.table, one.seconds(minutes));
+        let preferred = &self.segments[0];
+        if self.segments.len() == 1 {
+            return (&preferred.table, preferred.seconds(minutes));
         }
-        let first =
-            |is_for: &dyn Fn(&EphemerisTable, f64) -> bool| all.clone().find(|(table, time_s)| is_for(table, *time_s));
+        let first = |is_for: &dyn Fn(&EphemerisTable, f64) -> bool| {
+            let mut all = self.segments.iter().map(|one| (&*one.table, one.seconds(minutes)));
+            all.find(|(table, time_s)| is_for(table, *time_s))
+        };
         let found = first(&|table, time_s| table.covers(time_s, time_s));
         let found = found.or_else(|| first(&|table, time_s| table.reaches(time_s, time_s)));
-        found.or_else(|| all.next()).expect("an attached ephemeris has a segment")
+        found.unwrap_or((&preferred.table, preferred.seconds(minutes)))
     }
 
     /// Returns the state at a time after the epoch of the element set; `None` if no ephemeris covers it.

@@ -45,10 +45,11 @@ impl ExpectedLoss {
 
 /// Judges an exposure by its crossings and near misses. If the verdict is not `clear`, the next starts are not set.
 ///
-/// Passes in the Earth's shadow are ignored, except with `include_dark`. A near miss counts only if the policy has a `min_probability` and the
-/// crossing probability is at least that. The verdict is `avoid` if, for one pass that counts, the probability that it
-/// crosses and is brighter at its peak than the limit is at least `min_probability` (0.5 if omitted), or if the cost of
-/// the streaks exceeds `max_cost_s`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
+/// Passes in the Earth's shadow are ignored, except with `include_dark`. A near miss counts only if the policy has a
+/// `min_probability` and the crossing probability is at least that. The verdict is `avoid` if, for one pass that counts,
+/// the probability that it crosses and is brighter at its peak than the limit is at least `min_probability` (0.5 if
+/// omitted), or if the cost of the streaks exceeds `max_cost_s`. Otherwise it is `streaked` if any pass counts, and
+/// `clear` if none does.
 pub(super) fn judge_exposure(
     exposure: &Exposure,
     band: Option<&str>,
@@ -151,8 +152,8 @@ fn percent(probability: f64) -> String {
     }
 }
 
-/// Returns true for a lit crossing (or any with `include_dark`), and for such a near miss whose probability is at least the `min_probability` of the
-/// policy.
+/// Returns true for a lit crossing (or any with `include_dark`), and for such a near miss whose probability is at least
+/// the `min_probability` of the policy.
 pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
     (pass.lit || policy.include_dark)
         && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))

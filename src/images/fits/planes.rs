@@ -117,10 +117,11 @@ impl FrameFile {
 impl FrameImages {
     /// Determines the roles of the images of a file.
     ///
-    /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless both have the
-    /// name of a science image with another number or EXTVER, or the image has a start of its own. The same holds for an image of another shape or scale whose centre is in an earlier frame, or that contains the
-    /// centre of one: a binned copy, a background or a preview. Names of masks, variances and weights, and HDUCLAS2 of
-    /// errors and flags, mark companion planes of any shape. Images with the names of distortion tables are never frames.
+    /// An image with the shape and the world coordinates of an earlier frame is its companion plane, unless both have
+    /// the name of a science image with another number or EXTVER, or the image has a start of its own. The same holds
+    /// for an image of another shape or scale whose centre is in an earlier frame, or that contains the centre of one:
+    /// a binned copy, a background or a preview. Names of masks, variances and weights, and HDUCLAS2 of errors and
+    /// flags, mark companion planes of any shape. Images with the names of distortion tables are never frames.
     ///
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
