@@ -100,10 +100,13 @@ pub fn parse_coordinates(text: &str) -> Option<Result<Coordinates, String>> {
 
 fn degrees_with_letter(text: &str, [plus, minus]: [char; 2]) -> Option<f64> {
     let text = text.trim();
+    if let Ok(number) = text.parse() {
+        return Some(number);
+    }
     let is_letter = |mark: char| mark.eq_ignore_ascii_case(&plus) || mark.eq_ignore_ascii_case(&minus);
     let letter = text.chars().next_back().into_iter().chain(text.chars().next()).find(|mark| is_letter(*mark));
     let Some(letter) = letter else {
-        return text.parse().ok().or_else(|| degrees_of(text));
+        return degrees_of(text);
     };
     let bare = text.strip_suffix(letter).or_else(|| text.strip_prefix(letter))?.trim();
     // The s of 33d54m12s is the unit of the seconds.

@@ -94,11 +94,11 @@ mod tests {
         PointingAngles::new(&pointing, &telescope, &Position::new(0.0, AU_KM, 0.0), &EarthLimb::default())
     }
 
-    /// Computed by hand: the limb is asin(6378.137 / 6928.137) = 67.017° from the nadir, 112.983° from the zenith. The
+    /// Computed by hand: the limb is asin(6378.137 / 6928.137) = 67.016° from the nadir, 112.984° from the zenith. The
     /// parallax of the Sun is 6928 km / 1 au = 0.0027°.
     #[test]
     fn angles_by_hand() {
-        for (from_zenith_deg, sun_deg, limb_deg) in [(0.0, 90.0, 112.983), (80.0, 10.0, 32.983), (120.0, 30.0, -7.017)]
+        for (from_zenith_deg, sun_deg, limb_deg) in [(0.0, 90.0, 112.984), (80.0, 10.0, 32.984), (120.0, 30.0, -7.016)]
         {
             let found = angles(from_zenith_deg);
             assert!((found.zenith_rad.to_degrees() - from_zenith_deg).abs() < 1e-9);

@@ -325,9 +325,10 @@ def test_limits_of_a_telescope_in_orbit_are_those_of_its_pointings():
         ({"min_limb_angle": 179.0}, "deg from the Earth's limb; allowed: 179 deg or more"),
     ]:
         model = streakcast.StreakModel(**orbit, **limits)
-        found = [model.assess(SkyCoord(ra, 0, unit="deg"), start, 10.0) for ra in (90, 270)]
-        assert all(one.verdict == "invalid" for one in found)
-        assert any(reason in " ".join(one.reasons) for one in found), [one.reasons for one in found]
+        found = model.flags(SkyCoord([90, 270], [0, 0], unit="deg"), start, 10.0, output="dict")
+        assert list(found["verdict"]) == ["invalid"] * 2
+        reasons = [" ".join(one) for one in found["reasons"]]
+        assert any(reason in one for one in reasons), reasons
     with pytest.raises(streakcast.SetupError, match="min.sun.angle is a limit of a telescope in orbit"):
         streakcast.StreakModel(shells="oneweb", mpc="X05", fov="3deg", min_sun_angle=30.0).assess(TARGET, START, 30.0)
 

@@ -303,7 +303,10 @@ mod tests {
 
         // A second annotation requires `replace`; input and output may be the same file.
         let error = annotate(&output, &output, &annotation(false)).unwrap_err().to_string();
-        assert!(error.contains("already has tables streak_flags, streak_provenance, streaks"), "{error}");
+        assert!(
+            error.contains("already has tables observations_streaks, streak_flags, streak_provenance, streaks"),
+            "{error}"
+        );
         annotate(&output, &output, &annotation(true)).unwrap();
         assert_eq!(dump(&input), dump(&output));
         let copy = Connection::open(&output).unwrap();

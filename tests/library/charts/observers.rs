@@ -324,7 +324,7 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
     // The list has time and altitude of the brightest point.
     has(&picture, &["brightest", "alt", "00:07:05", "58°", "3.6 ±0.4"]);
-    assert!(words(&picture).join(" ").contains("the brightest point of each pass. Invented."));
+    assert!(words(&picture).join(" ").contains("magnitude of its brightest point. Invented."));
     pixels(&picture);
     let many: Vec<SkyTrack> = (1..=30).map(|k| pass(&format!("SAMPLE {k}"))).collect();
     let picture = drawn(&many).unwrap();
