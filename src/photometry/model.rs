@@ -423,7 +423,7 @@ impl BrightnessModel {
         if is_forward {
             variance += FORWARD_SIGMA_MAG * FORWARD_SIGMA_MAG;
         }
-        // Standard magnitudes and the prior of unknown kinds hold for any attitude.
+        // Standard magnitudes and priors hold for any attitude.
         let is_falling = geometry.height_km < LOWEST_HELD_KM && !matches!(self.law, Law::Object(_));
         if is_falling {
             variance = variance.max(DIFFUSE_SIGMA_MAG * DIFFUSE_SIGMA_MAG);
@@ -447,7 +447,7 @@ impl BrightnessModel {
 
     /// Returns true for a geometry within 10° of that of the fitted points, or for a model that was not fitted to
     /// points. Beyond the largest fitted phase angle of a model with a forward lobe the result is false, and also below
-    /// 300 km, except for standard magnitudes of objects and the prior of unknown kinds.
+    /// 300 km, except for standard magnitudes of objects and for priors.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
         self.scatter_mag(geometry, geometry.to_sun().cosine(&geometry.to_observer()), 1.0).1
     }
