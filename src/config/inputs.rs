@@ -124,7 +124,7 @@ impl Config {
         let (mut bundled, mut files): (Vec<Constellation>, _) = (Vec::new(), Vec::new());
         for name in &self.shells {
             if is_file_name(name) {
-                files.push(parse_file("shells", Path::new(name), DeploymentFile::from_toml)?);
+                files.push(parse_file("shells", Path::new(name), |text| DeploymentFile::from_toml(text, name))?);
             } else {
                 // A constellation and a set that contains it, or two such sets, have it once.
                 for one in Constellation::by_name_or_set(name)? {

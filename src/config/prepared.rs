@@ -149,7 +149,8 @@ impl LoadedInputs {
         if !ephemerides.is_empty() {
             provenance.state("ephemerides", ephemerides_json(&sky, &without_elements, first, last));
         }
-        if sky.left_out().len() == sky.elements().len() {
+        // A period of growing constellations may have no satellites.
+        if sky.left_out().len() == sky.elements().len() && !sky.elements().is_empty() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }
         let models: BTreeSet<String> =

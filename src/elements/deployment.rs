@@ -18,7 +18,7 @@ pub struct Deployment {
     /// Constellations that are complete in all nights.
     always: Vec<Constellation>,
     /// Constellations that grow: the periods of each file, in time order.
-    growing: Vec<Vec<DeploymentPeriod>>,
+    growing: Vec<DeploymentFile>,
 }
 
 /// Constellations from one night until the next period begins.
@@ -33,20 +33,22 @@ pub struct DeploymentPeriod {
 }
 
 /// File of simulated constellations, with the periods in which they grow.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DeploymentFile {
+    /// Name of the file, for errors.
+    name: String,
     constellations: Vec<Constellation>,
     periods: Vec<DeploymentPeriod>,
 }
 
 impl DeploymentFile {
-    /// Parses a file of the user.
+    /// Parses a file of the user; `name` is its name in later errors.
     ///
     /// # Errors
     /// Same as [`Constellation::from_toml`]; or a period is invalid.
-    pub fn from_toml(text: &str) -> Result<Self, ElementsError> {
+    pub fn from_toml(text: &str, name: &str) -> Result<Self, ElementsError> {
         let ShellFile { constellations, periods, .. } = ShellFile::from_toml(text)?;
-        Ok(Self { periods: checked_periods(periods, &constellations)?, constellations })
+        Ok(Self { name: name.to_owned(), periods: checked_periods(periods, &constellations)?, constellations })
     }
 }
 
@@ -68,11 +70,11 @@ impl Deployment {
                     one.first_id = own.first_id;
                 }
             }
-            deployment.growing.push(file.periods);
+            deployment.growing.push(file);
         }
         let mut first_ids: BTreeSet<NoradId> = deployment.always.iter().map(|one| one.first_id).collect();
-        for periods in &deployment.growing {
-            let of_file: Vec<&Constellation> = periods.iter().flat_map(|period| &period.constellations).collect();
+        for file in &deployment.growing {
+            let of_file: Vec<&Constellation> = file.periods.iter().flat_map(|period| &period.constellations).collect();
             if let Some(twice) = of_file.iter().find(|one| first_ids.contains(&one.first_id)) {
                 let message = format!(
                     "constellation {} is specified twice, by name or in periods of two files; allowed: once",
@@ -97,7 +99,7 @@ impl Deployment {
 
     /// Returns the periods of all files.
     pub fn periods(&self) -> impl Iterator<Item = &DeploymentPeriod> {
-        self.growing.iter().flatten()
+        self.growing.iter().flat_map(|file| &file.periods)
     }
 
     /// Returns the constellations in the night that begins on the evening `evening_mjd` (MJD of the date).
@@ -106,9 +108,10 @@ impl Deployment {
     /// The night is before the first period of a file, so that its satellites are unknown.
     pub fn at(&self, evening_mjd: i64) -> Result<Vec<Constellation>, ElementsError> {
         let mut all = self.always.clone();
-        for periods in &self.growing {
+        for DeploymentFile { name, periods, .. } in &self.growing {
             let begun = periods.iter().take_while(|period| period.from_mjd <= evening_mjd);
             let period = begun.last().ok_or_else(|| ElementsError::BeforeFirstPeriod {
+                file: name.clone(),
                 first: periods.first().map(|period| period.from.clone()).unwrap_or_default(),
             })?;
             all.extend(period.constellations.iter().cloned());
@@ -184,7 +187,7 @@ mod tests {
     const JANUARY_2027_MJD: i64 = 61_406;
 
     fn deployment(text: &str) -> Result<Deployment, ElementsError> {
-        Deployment::new(Vec::new(), vec![DeploymentFile::from_toml(text)?])
+        Deployment::new(Vec::new(), vec![DeploymentFile::from_toml(text, "growth.toml")?])
     }
 
     fn message(text: &str) -> String {
@@ -245,7 +248,7 @@ mod tests {
         let period = "[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 1 }";
         let twice = Deployment::new(
             Constellation::by_name_or_set("oneweb").unwrap(),
-            vec![DeploymentFile::from_toml(period).unwrap()],
+            vec![DeploymentFile::from_toml(period, "growth.toml").unwrap()],
         );
         assert!(twice.unwrap_err().to_string().contains("oneweb is specified twice"));
     }

@@ -144,9 +144,11 @@ pub enum ElementsError {
     },
     /// A night is before the first period of growing constellations.
     #[error(
-        "the file of simulated constellations begins with the night of {first}, after that of the request; allowed: a [[period]] from an earlier date"
+        "{file}: the simulated constellations begin with the night of {first}, after that of the request; allowed: a [[period]] from an earlier date"
     )]
     BeforeFirstPeriod {
+        /// Name of the file.
+        file: String,
         /// Date of the first period.
         first: String,
     },

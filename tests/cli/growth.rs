@@ -86,6 +86,17 @@ fn each_night_has_the_satellites_of_its_period() {
     assert!(counts[0] > 0 && counts[1] > 0 && counts[2] == 0 && counts[3] > 0, "{counts:?}");
 }
 
+/// Before the first satellites are in orbit, all exposures are clear.
+#[test]
+fn a_period_may_have_no_satellites() {
+    let folder = tempfile::tempdir().unwrap();
+    let growth = written(&folder, "growth.toml", "[[period]]\nfrom = 2026-08-01\nshells = {}\n");
+    let night = written(&folder, "night.csv", &schedule(&["2026-08-14"]));
+    let flags = rows(&done(&[&["flag", "--shells", &growth, "--schedule", &night, "--format", "csv"], &SKY]));
+    let verdicts: Vec<&str> = flags.iter().map(|row| row["verdict"].as_str()).collect();
+    assert!(verdicts.contains(&"clear") && !verdicts.contains(&"unknown") && !verdicts.contains(&"streaked"));
+}
+
 #[test]
 fn nights_before_the_first_period_are_an_error() {
     let folder = tempfile::tempdir().unwrap();
@@ -94,7 +105,9 @@ fn nights_before_the_first_period_are_an_error() {
     let arguments = ["flag", "--shells", &growth, "--schedule", &early];
     let (code, _, error) = run(&[&arguments, &SKY]);
     assert!(
-        code == 2 && error.contains("begins with the night of 2026-08-14") && error.contains("[[period]]"),
+        code == 2
+            && error.contains("growth.toml: the simulated constellations begin with the night of 2026-08-14")
+            && error.contains("[[period]]"),
         "{error}"
     );
 }
