@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use hifitime::TimeScale;
+use serde_json::{Value, json};
 
 use super::document::{Config, ExposureConfig, RulesConfig};
 use super::error::ConfigError;
@@ -85,6 +86,29 @@ impl Config {
                 None => Err(ConfigError::Missing { what: "field of view", allowed: FIELDS }),
             },
         }
+    }
+
+    /// Returns the field of view as given, for the provenance.
+    #[doc(hidden)]
+    pub fn stated_field(&self) -> Value {
+        match (&self.fov, &self.field) {
+            (Some(size), _) if size.as_str().contains(['x', '×']) => json!({ "rectangle": size.as_str() }),
+            (Some(diameter), _) => json!({ "circle": diameter.as_str() }),
+            (None, Some(NameOrTable::Name(path))) => json!({ "file": path.display().to_string() }),
+            (None, Some(NameOrTable::Table(table))) => json!(table),
+            (None, None) => json!("of the telescope"),
+        }
+    }
+
+    /// Returns the options of verdicts, for the provenance. `telescope` is its name.
+    #[doc(hidden)]
+    pub fn flag_options(&self, policy: &Policy, telescope: Option<&str>) -> Value {
+        json!({
+            "field": self.stated_field(),
+            "default_rotation_deg": self.rotation.unwrap_or(0.0),
+            "telescope": telescope,
+            "policy": policy,
+        })
     }
 
     pub(super) fn check_field(&self) -> Result<(), ConfigError> {

@@ -1,10 +1,11 @@
 //! Sky, field, policy, telescope and photometry for judging exposures.
 
 use crate::images::Telescope;
-use crate::passes::{Field, Pass, Sky};
+use crate::passes::{Exposure, Field, Pass, Sky};
 use crate::photometry::PhotometryOptions;
 
 use super::policy::{Blocking, Policy};
+use super::tables::StreakRow;
 use super::verdict_rules::blocks;
 
 /// Sky, field, policy, telescope and photometry for judging exposures.
@@ -22,7 +23,28 @@ pub struct FlagRequest<'a> {
     pub photometry: &'a PhotometryOptions,
 }
 
-impl FlagRequest<'_> {
+impl<'a> FlagRequest<'a> {
+    /// Returns the row of a pass in [`streak_table`](super::streak_table). `limit_mag` is the limit of the exposure.
+    #[doc(hidden)]
+    pub fn streak_row(
+        &self,
+        exposure: &'a Exposure,
+        pass: &'a Pass,
+        band: Option<&str>,
+        limit_mag: Option<f64>,
+    ) -> StreakRow<'a> {
+        StreakRow {
+            exposure,
+            pass,
+            elements: &self.sky.elements()[pass.element_index],
+            satellite_size_m: self.sky.model(pass.element_index).size_m(),
+            telescope: self.telescope,
+            photometry: self.photometry,
+            limit_mag,
+            streak_cost_s: self.pass_cost_s(exposure, pass, band, limit_mag),
+        }
+    }
+
     /// Returns true if a pass alone is sufficient for the verdict `avoid`: the probability that it crosses and is
     /// brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if omitted). `None` if no
     /// limit applies to the band.

@@ -5,18 +5,21 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
+use serde_json::{Value, json};
 
 use super::error::ScheduleError;
 use super::formats::{
     Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, RawTable, Row, ScheduleFormat, StartColumn,
     StartForm, display, read_raw, start_columns,
 };
+use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
     seconds_between,
 };
-use crate::output::format_utc;
+use crate::input::comments_warning;
+use crate::output::{counted, format_utc};
 use crate::passes::Exposure;
 use crate::units::{DAYS, DEGREES, SECONDS, Unit};
 
@@ -89,6 +92,41 @@ impl Schedule {
         let mut ids: Vec<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
         ids.sort_unstable();
         ids.windows(2).filter(|pair| pair[0] == pair[1]).count()
+    }
+
+    /// Returns warnings about the schedule and its limits.
+    #[doc(hidden)]
+    pub fn warnings(&self, policy: &Policy) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.format == ScheduleFormat::Opsim && self.time_scale != TimeScale::UTC {
+            warnings.push(format!(
+                "opsim databases have {} in UTC, but it is read as {}: crossings are those of other times unless the file was converted",
+                self.start_column, self.time_scale
+            ));
+        }
+        warnings.extend(comments_warning(self.comments_like_rows));
+        let repeated = self.repeated_ids();
+        if repeated > 0 {
+            let exposures = counted(repeated, "exposure has", "exposures have");
+            warnings.push(format!(
+                "{exposures} the exposure_id of an earlier one, so that it does not identify the exposure of a streak"
+            ));
+        }
+        warnings.extend(policy.band_warning(&self.bands()));
+        warnings
+    }
+
+    /// Returns the properties of the file for the provenance.
+    #[doc(hidden)]
+    pub fn statement(&self, path: &Path) -> Value {
+        let first = self.valid_exposures().map(|(_, exposure)| exposure.start).min();
+        json!({
+            "file": path.display().to_string(),
+            "format": self.format.to_string(),
+            "exposures": self.exposures.len(),
+            "start_column": self.start_column,
+            "first_start_utc": first.map(|first| format_utc(first, 3)),
+        })
     }
 
     /// Returns the bands of all rows; `None` for rows without a band.

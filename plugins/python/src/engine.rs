@@ -1,6 +1,7 @@
 //! Computations of a model: sky cache with field of view, telescope, policy and photometry options.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hifitime::Epoch;
@@ -8,16 +9,17 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::Watch;
-use streakcast::config::{ConfigError, PreparedSky};
+use streakcast::config::{Config, ConfigError, PreparedSky, parse_time_scale, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
-use streakcast::output::{Column, Table};
+use streakcast::message::Quoted;
+use streakcast::output::{AtomicFile, Column, Provenance, Table, counted};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::{Brightness, PhotometryOptions};
 use streakcast::schedule::{
-    Blocking, BrightStreaks, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, ScheduledExposure,
-    StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes,
-    flag_exposures, flag_table, judge_exposures, streak_table,
+    Annotation, Blocking, BrightStreaks, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, Schedule,
+    ScheduledExposure, StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, annotate,
+    check_extension, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 
 use crate::columns::{columns, times};
@@ -39,6 +41,7 @@ pub struct Engine {
     photometry: PhotometryOptions,
     time_scale: Option<String>,
     defaults: (f64, bool, usize),
+    setup: Config,
 }
 
 /// Requirements for clear windows: blocking satellites (those of the policy if `None`), altitude limits of pointing and
@@ -81,28 +84,32 @@ impl Engine {
         nights.into_values().map(night).collect()
     }
 
-    /// Computes verdicts for each night, and returns them in the order of the rows.
+    /// Computes verdicts for each night, and returns them in the order of the rows. Invalid rows have the verdict
+    /// `invalid`. `each` is called with the sky, the rows and the verdicts of each night.
     fn report(
         &self,
         rows: &[ScheduledExposure],
         policy: &Policy,
         judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
+        each: &mut dyn FnMut(&PreparedSky, &[&ScheduledExposure], &[Verdict]),
         watch: &Watch,
     ) -> PyResult<WithWarnings<Vec<Verdict>>> {
         let field = self.field()?;
-        let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
+        let mut flags: Vec<Option<Verdict>> =
+            rows.iter().map(|row| Some(Verdict::invalid(&row.id, row.exposure.as_ref().err()?.clone()))).collect();
         let mut warnings = Vec::new();
         let mut totals = FlagTotals::default();
-        let starts: Vec<Epoch> =
-            rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
+        let (valid, starts): (Vec<usize>, Vec<Epoch>) =
+            rows.iter().enumerate().filter_map(|(row, one)| Some((row, one.exposure.as_ref().ok()?.start))).unzip();
         for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
-            let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
+            let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[valid[*index]]).collect();
             let report = judge(&night_rows, &FlagRequest { policy, ..self.request(field, &prepared) })
                 .map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
             totals.add(&report);
+            each(&prepared, &night_rows, &report.flags);
             for (index, flag) in indices.into_iter().zip(report.flags) {
-                flags[index] = Some(flag);
+                flags[valid[index]] = Some(flag);
             }
         }
         warnings.extend(totals.warnings());
@@ -110,6 +117,62 @@ impl Engine {
         warnings.extend(policy.band_warning(&bands));
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
+
+    /// Writes a copy of a schedule file with verdicts and streaks. Returns the paths of the written files.
+    fn annotated(
+        &self,
+        path: &Path,
+        output: &Path,
+        scale: Option<&str>,
+        replace: bool,
+        watch: &Watch,
+    ) -> PyResult<WithWarnings<Vec<PathBuf>>> {
+        let mut options = self.setup.schedule_options().map_err(failure::setup)?;
+        options.default_time_scale = options.time_scale.take().or(options.default_time_scale);
+        options.time_scale = scale.map(parse_time_scale).transpose().map_err(failure::request)?;
+        let schedule = Schedule::read(path, &options).map_err(failure::request)?;
+        check_extension(path, schedule.format, output).map_err(failure::request)?;
+        AtomicFile::check(output).map_err(|error| failure::request(format!("{}: {error}", output.display())))?;
+        let columns = StreakColumns { p_brighter: self.policy.limit_mag.is_some(), ..StreakColumns::default() };
+        let mut by_row: Vec<(usize, Table)> = Vec::new();
+        let mut provenance: Option<Provenance> = None;
+        let field = self.field()?;
+        let mut each = |prepared: &PreparedSky, rows: &[&ScheduledExposure], flags: &[Verdict]| {
+            provenance.get_or_insert_with(|| prepared.provenance.clone());
+            let request = self.request(field, prepared);
+            for (row, flag) in rows.iter().zip(flags) {
+                let Ok(exposure) = &row.exposure else { continue };
+                let band = row.band.as_deref();
+                let limit_mag = self.policy.limit_mag_in(band);
+                let streaks = flag.passes.iter().map(|pass| request.streak_row(exposure, pass, band, limit_mag));
+                by_row.push((row.row, streak_table(streaks, columns)));
+            }
+        };
+        let (flags, warnings) = self.report(&schedule.exposures, &self.policy, flag_exposures, &mut each, watch)?;
+        by_row.sort_by_key(|(row, _)| *row);
+        let mut streaks = streak_table([], columns);
+        streaks.rows = by_row.into_iter().flat_map(|(_, table)| table.rows).collect();
+        let mut provenance = provenance.unwrap_or_default();
+        state_scales(&mut provenance, &scale_name(schedule.time_scale), &self.photometry);
+        provenance.state("schedule", schedule.statement(path));
+        let telescope = self.telescope.as_ref().map(|telescope| telescope.name.as_str());
+        provenance.state("options", self.setup.flag_options(&self.policy, telescope));
+        let annotation =
+            Annotation { flags: &flag_table(&flags), streaks: &streaks, provenance: &provenance, replace, keep: None };
+        let written = annotate(path, schedule.format, output, &annotation).map_err(failure::request)?;
+        let mut all = schedule.warnings(&self.policy);
+        all.extend(warnings);
+        all.extend(invalid_warning(&flags));
+        Ok((written, all))
+    }
+}
+
+/// Returns a warning about exposures of invalid rows, with the first one; `None` if there are none.
+fn invalid_warning(flags: &[Verdict]) -> Option<String> {
+    let mut invalid = flags.iter().filter(|flag| flag.kind == VerdictKind::Invalid);
+    let first = invalid.next()?;
+    let count = counted(1 + invalid.count(), "exposure is", "exposures are");
+    Some(format!("{count} invalid; first {}: {}", Quoted::new(&first.exposure_id), first.reasons.join("; ")))
 }
 
 /// Rejects a request for times at which the positions of the satellites are unknown.
@@ -152,6 +215,7 @@ impl Engine {
                     setup.include_dark.unwrap_or(false),
                     setup.samples().map_err(failure::setup)?,
                 ),
+                setup,
             })
         })
     }
@@ -198,17 +262,20 @@ impl Engine {
 
     /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid, 4 unknown), `n_streaks`,
     /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`,
-    /// `elements_age_days`, `late_s`, `streak_cost_s`.
-    #[pyo3(signature = (exposures, bands))]
+    /// `elements_age_days`, `late_s`, `streak_cost_s`. Numbers out of range are an error, or make the verdict `invalid` if
+    /// `keeps_invalid`.
+    #[pyo3(signature = (exposures, bands, keeps_invalid=false))]
     fn judge<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         bands: Vec<String>,
+        keeps_invalid: bool,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
-        let rows = rows(exposures.to_exposures(py)?, &bands)?;
-        let (flags, warnings) =
-            failure::without_lock(py, |watch| self.report(&rows, &self.policy, judge_exposures, watch))?;
+        let rows = exposures.to_rows(py, &bands, keeps_invalid)?;
+        let (flags, warnings) = failure::without_lock(py, |watch| {
+            self.report(&rows, &self.policy, judge_exposures, &mut |_, _, _| {}, watch)
+        })?;
         let result = PyDict::new(py);
         let reals = |value: fn(&Verdict) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
         let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.kind)).collect();
@@ -230,21 +297,37 @@ impl Engine {
 
     /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`. For a telescope in
     /// orbit without a longest delay, later starts are searched if `seeks_starts`.
-    #[pyo3(signature = (exposures, bands, seeks_starts=false))]
+    #[pyo3(signature = (exposures, bands, seeks_starts=false, keeps_invalid=false))]
     fn flags<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         bands: Vec<String>,
         seeks_starts: bool,
+        keeps_invalid: bool,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let rows = rows(exposures.to_exposures(py)?, &bands)?;
+        let rows = exposures.to_rows(py, &bands, keeps_invalid)?;
         let mut policy = self.policy.clone();
         if seeks_starts {
             policy.max_delay_s = Some(policy.max_delay_or_default_s());
         }
-        let (flags, warnings) = failure::without_lock(py, |watch| self.report(&rows, &policy, flag_exposures, watch))?;
+        let (flags, warnings) =
+            failure::without_lock(py, |watch| self.report(&rows, &policy, flag_exposures, &mut |_, _, _| {}, watch))?;
         Ok((columns(py, &flag_table(&flags))?, warnings))
+    }
+
+    /// Writes a copy of a schedule file with verdicts and streaks, as `streakcast annotate`. `scale` is the time scale of
+    /// bare numbers in the file. Returns the paths of the written files.
+    #[pyo3(signature = (schedule, output, scale=None, replace=false))]
+    fn annotate(
+        &self,
+        py: Python<'_>,
+        schedule: PathBuf,
+        output: PathBuf,
+        scale: Option<&str>,
+        replace: bool,
+    ) -> PyResult<WithWarnings<Vec<PathBuf>>> {
+        failure::without_lock(py, |watch| self.annotated(&schedule, &output, scale, replace, watch))
     }
 
     /// Returns one row per crossing, with the columns of `streakcast passes`. `limits_mag` has one magnitude limit for
@@ -260,7 +343,7 @@ impl Engine {
         bands: Vec<String>,
         limits_mag: Option<Vec<f64>>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let exposures = exposures.to_exposures(py)?;
+        let exposures = exposures.to_exposures(py, false)?;
         let bands: Vec<Option<String>> = rows(exposures.clone(), &bands)?.into_iter().map(|row| row.band).collect();
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
@@ -291,7 +374,7 @@ impl Engine {
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         within("exposure", 0, exposure_s, 0.0, 86_400.0, "s")?;
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        let rows = rows(exposures.to_exposures(py)?, &bands)?;
+        let rows = rows(exposures.to_exposures(py, true)?, &bands)?;
         if let Some(sun_deg) = max_sun_altitude_deg {
             within("max_sun_altitude", 0, sun_deg, -90.0, 90.0, "deg")?;
         }
@@ -491,16 +574,7 @@ impl Engine {
                 let (request, band) = (self.request(field, prepared), bands[*index].as_deref());
                 let limit_mag =
                     limits_mag.and_then(|limits| limits.get(*index).copied()).filter(|limit| !limit.is_nan());
-                passes.iter().map(move |pass| StreakRow {
-                    exposure,
-                    pass,
-                    elements: &prepared.sky.elements()[pass.element_index],
-                    satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
-                    telescope: self.telescope.as_ref(),
-                    photometry: &self.photometry,
-                    limit_mag,
-                    streak_cost_s: request.pass_cost_s(exposure, pass, band, limit_mag),
-                })
+                passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
             })
             .collect();
         let columns = StreakColumns { p_brighter: limits_mag.is_some(), chords: true, samples: samples > 0 };

@@ -1,6 +1,7 @@
 //! Conversion of arrays to exposures. Errors contain the name of the argument, the index and the accepted range.
 
 use hifitime::{Duration, Epoch, TimeScale};
+use numpy::ndarray::ArrayView1;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -93,39 +94,83 @@ pub struct Columns<'py> {
 const CONVERTED: usize = 10_000;
 
 impl Columns<'_> {
-    /// Returns the exposures. Their ids are their indices.
-    pub fn to_exposures(&self, py: Python<'_>) -> PyResult<Vec<Exposure>> {
+    /// Returns the exposures. Their ids are their indices. Only time spans (`is_span`) may have the length 0.
+    pub fn to_exposures(&self, py: Python<'_>, is_span: bool) -> PyResult<Vec<Exposure>> {
+        self.each(py, |columns, index| {
+            let name = |what: &str| format!("{what}[{index}]");
+            columns.exposure(index, is_span, &name).map_err(PyValueError::new_err)
+        })
+    }
+
+    /// Returns the exposures as rows of a schedule. `bands` has one entry for all or one for each. A number out of its
+    /// range is an error, or the reason of an invalid row if `keeps_invalid`.
+    pub fn to_rows(&self, py: Python<'_>, bands: &[String], keeps_invalid: bool) -> PyResult<Vec<ScheduledExposure>> {
+        if !keeps_invalid {
+            return rows(self.to_exposures(py, false)?, bands);
+        }
+        let count = self.ra_deg.as_array().len();
+        let band = bands_of(bands, count)?;
+        self.each(py, |columns, index| {
+            let exposure = columns.exposure(index, false, &str::to_owned);
+            Ok(ScheduledExposure { id: index.to_string(), row: index, band: band(index), exposure })
+        })
+    }
+
+    fn each<T>(&self, py: Python<'_>, of: impl Fn(&Views<'_>, usize) -> PyResult<T>) -> PyResult<Vec<T>> {
         let columns = [&self.ra_deg, &self.dec_deg, &self.jd1, &self.jd2, &self.exposure_s, &self.rotation_deg];
-        let [ra, dec, jd1, jd2, exposure, rotation] = columns.map(|column| column.as_array());
-        if columns.iter().any(|column| column.as_array().len() != ra.len()) {
+        let views = Views(columns.map(|column| column.as_array()));
+        let count = views.0[0].len();
+        if views.0.iter().any(|view| view.len() != count) {
             return Err(PyValueError::new_err("columns differ in length"));
         }
-        (0..ra.len())
+        (0..count)
             .map(|index| {
                 if index % CONVERTED == 0 {
                     py.check_signals()?;
                 }
-                let ra_deg = within("ra", index, ra[index], -180.0, 360.0, "deg")?;
-                let dec_deg = within("dec", index, dec[index], -90.0, 90.0, "deg")?;
-                Ok(Exposure {
-                    id: index.to_string(),
-                    start: start_of(index, jd1[index], jd2[index])?,
-                    duration_s: within("exposure", index, exposure[index], 0.0, LONGEST_S, "s")?,
-                    pointing: Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()),
-                    rotation_rad: within("rotation", index, rotation[index], -360.0, 360.0, "deg")?.to_radians(),
-                })
+                of(&views, index)
             })
             .collect()
     }
 }
 
+/// Columns of exposures in the order of [`Columns`].
+struct Views<'a>([ArrayView1<'a, f64>; 6]);
+
+impl Views<'_> {
+    /// Returns one exposure; an error names a column by `name`.
+    fn exposure(&self, index: usize, is_span: bool, name: &dyn Fn(&str) -> String) -> Result<Exposure, String> {
+        let [ra_deg, dec_deg, jd1, jd2, duration_s, rotation_deg] = std::array::from_fn(|column| self.0[column][index]);
+        let in_range = |what: &str, value: f64, least: f64, most: f64, unit: &str| {
+            let error = || format!("{} is {value} {unit}; allowed: {least} to {most} {unit}", name(what));
+            (least..=most).contains(&value).then_some(value).ok_or_else(error)
+        };
+        let ra_deg = in_range("ra", ra_deg, -180.0, 360.0, "deg")?;
+        let dec_deg = in_range("dec", dec_deg, -90.0, 90.0, "deg")?;
+        if duration_s == 0.0 && !is_span {
+            return Err(format!("{} is 0 s; allowed: above 0 s, at most {LONGEST_S} s", name("exposure")));
+        }
+        Ok(Exposure {
+            id: index.to_string(),
+            start: start(jd1, jd2).map_err(|allowed| format!("{} {allowed}", name("time")))?,
+            duration_s: in_range("exposure", duration_s, 0.0, LONGEST_S, "s")?,
+            pointing: Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()),
+            rotation_rad: in_range("rotation", rotation_deg, -360.0, 360.0, "deg")?.to_radians(),
+        })
+    }
+}
+
 /// Returns the epoch of a two-part Julian date, TAI, within the supported years.
 pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
+    start(jd1, jd2).map_err(|error| PyValueError::new_err(format!("time[{index}] {error}")))
+}
+
+fn start(jd1: f64, jd2: f64) -> Result<Epoch, String> {
     let jd = jd1 + jd2;
     // The range is checked first, because the number of nanoseconds would overflow for distant times.
     let epoch =
         (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
-    epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))
+    epoch.ok_or_else(|| format!("is JD {jd}; allowed: the years 1957 to 2099"))
 }
 
 /// Returns a number if it is in its range, otherwise an error with name and index.
@@ -138,23 +183,25 @@ pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit:
 
 /// Converts exposures to rows of a schedule. `bands` has one entry for all or one for each.
 pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<ScheduledExposure>> {
-    if bands.len() > 1 && bands.len() != exposures.len() {
-        let (given, required) = (bands.len(), exposures.len());
+    let band = bands_of(bands, exposures.len())?;
+    let row = |(row, exposure): (usize, Exposure)| ScheduledExposure {
+        id: exposure.id.clone(),
+        row,
+        band: band(row),
+        exposure: Ok(exposure),
+    };
+    Ok(exposures.into_iter().enumerate().map(row).collect())
+}
+
+/// Returns a function from the index of an exposure to its band.
+fn bands_of(bands: &[String], exposures: usize) -> PyResult<impl Fn(usize) -> Option<String>> {
+    if bands.len() > 1 && bands.len() != exposures {
+        let given = bands.len();
         return Err(PyValueError::new_err(format!(
-            "{given} bands for {required} exposures; allowed: one, or one for each"
+            "{given} bands for {exposures} exposures; allowed: one, or one for each"
         )));
     }
-    let band = |row: usize| bands.get(row).or(bands.first()).cloned();
-    Ok(exposures
-        .into_iter()
-        .enumerate()
-        .map(|(row, exposure)| ScheduledExposure {
-            id: exposure.id.clone(),
-            row,
-            band: band(row),
-            exposure: Ok(exposure),
-        })
-        .collect())
+    Ok(|row: usize| bands.get(row).or(bands.first()).cloned())
 }
 
 /// Returns the lower-case name of a time scale.

@@ -231,10 +231,19 @@ class Engine:
     def blocking(self) -> str: ...
     @property
     def defaults(self) -> tuple[float, bool, int]: ...
-    def judge(self, exposures: Mapping[str, FloatArray], bands: Sequence[str]) -> tuple[Judged, list[str]]: ...
+    def judge(
+        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keeps_invalid: bool = False
+    ) -> tuple[Judged, list[str]]: ...
     def flags(
-        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], seeks_starts: bool = False
+        self,
+        exposures: Mapping[str, FloatArray],
+        bands: Sequence[str],
+        seeks_starts: bool = False,
+        keeps_invalid: bool = False,
     ) -> tuple[list[Column], list[str]]: ...
+    def annotate(
+        self, schedule: str, output: str, scale: Optional[str] = None, replace: bool = False
+    ) -> tuple[list[Path], list[str]]: ...
     def passes(
         self,
         exposures: Mapping[str, FloatArray],

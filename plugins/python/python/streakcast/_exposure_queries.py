@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 
 from ._results import UNJUDGED, VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, count, directions, number, scalar
+from ._setup import absolute
 from ._site_queries import SiteQueries
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
 from ._times import to_tai
@@ -19,6 +21,7 @@ from .typing import (
     FloatLike,
     FloatOrArray,
     Output,
+    PathLike,
     Table,
     TargetLike,
     TextLike,
@@ -79,16 +82,21 @@ class ExposureQueries(SiteQueries):
             A number is not finite or out of range (the message contains name and index), or shapes cannot be broadcast.
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
-        sky_cache, engine = self._open()
-        result, warnings = engine.judge(exposures, bands)
-        self._warn_once(sky_cache, warnings)
-        columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
-        columns["n_streaks"] = _masked(result["n_streaks"], np.isin(columns["verdict"], UNJUDGED))
-        columns["crosses"] = columns["n_streaks"] > 0
+        columns = self._judged(exposures, bands)
         if shape == ():
             # A masked number is None.
             return Assessment(**{name: column.tolist()[0] for name, column in columns.items()})
         return Assessment(**{name: column.reshape(shape) for name, column in columns.items()})
+
+    def _judged(self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keeps_invalid: bool = False) -> dict[str, Any]:
+        """Returns the columns of an `Assessment`. Numbers out of range are an error, or make an exposure ``invalid``."""
+        sky_cache, engine = self._open()
+        result, warnings = engine.judge(exposures, bands, keeps_invalid)
+        self._warn_once(sky_cache, warnings)
+        columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
+        columns["n_streaks"] = _masked(result["n_streaks"], np.isin(columns["verdict"], UNJUDGED))
+        columns["crosses"] = columns["n_streaks"] > 0
+        return columns
 
     def flags(
         self,
@@ -122,10 +130,51 @@ class ExposureQueries(SiteQueries):
             ``elements_age_days``, ``late_s``, ``streak_cost_s``.
         """
         exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
+        return self._flagged(exposures, bands, output)
+
+    def _flagged(
+        self, exposures: Mapping[str, FloatArray], bands: Sequence[str], output: Output, keeps_invalid: bool = False
+    ) -> Table:
         sky_cache, engine = self._open()
-        columns, warnings = engine.flags(exposures, bands)
+        columns, warnings = engine.flags(exposures, bands, False, keeps_invalid)
         self._warn_once(sky_cache, warnings)
         return table_of(_with_integer_ids(columns), output, main=FLAGS)
+
+    def annotate(
+        self, schedule: PathLike, output: PathLike, *, scale: str | None = None, replace: bool = False
+    ) -> list[Path]:
+        """Writes a copy of a schedule file with verdicts and streaks, as ``streakcast annotate``.
+
+        Parameters
+        ----------
+        schedule : path
+            Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON or VOTable.
+        output : path
+            File to write (atomically), in the same format. It may be ``schedule``.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of bare numbers in the file; default: that which the file states, or else the model's ``mjd_scale``.
+        replace : bool
+            Whether an earlier annotation in the file is replaced; otherwise it is an error.
+
+        Returns
+        -------
+        list of Path
+            The written files: the schedule, and the table of streaks if it is a file of its own.
+
+        Raises
+        ------
+        StreakcastError
+            The file cannot be read, lacks a column, has no time scale or an earlier annotation.
+
+        Warns
+        -----
+        StreakcastWarning
+            Rows are invalid, or several rows have one identifier.
+        """
+        sky_cache, engine = self._open()
+        written, warnings = engine.annotate(absolute(schedule), absolute(output), scale, replace)
+        self._warn_once(sky_cache, warnings)
+        return written
 
     def next_clear_start(
         self,
@@ -268,7 +317,7 @@ class ExposureQueries(SiteQueries):
         length_s = scalar(exposure, "s", "exposure")
         if not length_s > 0.0:
             raise ValueError(f"exposure is {length_s:g} s; allowed: above 0 s, at most 86400 s")
-        exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale, is_span=True)
+        exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
         sky_cache, engine = self._open()
         lowest = scalar(min_altitude, "deg", "min_altitude")
         result, warnings = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
@@ -326,17 +375,12 @@ class ExposureQueries(SiteQueries):
         rotation: FloatArrayLike | None,
         band: TextLike | None,
         scale: str | None,
-        *,
-        is_span: bool = False,
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
         jd1, jd2 = to_tai(start, self._scale(scale), "start")
         if rotation is None:
             rotation = self._open()[1].defaults[0]
         length, angle = number(exposure, "s", "exposure"), number(rotation, "deg", "rotation")
-        if not is_span and np.any(length == 0.0):
-            index = f"[{int(np.flatnonzero(length == 0.0)[0])}]"
-            raise ValueError(f"exposure{index} is 0 s; allowed: above 0 s, at most 86400 s")
         names = ("ra_deg", "dec_deg", "jd1", "jd2", "exposure_s", "rotation_deg")
         parts = (ra, dec, jd1, jd2, length, angle)
         try:

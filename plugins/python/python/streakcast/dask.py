@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._quantities import number
+from ._quantities import aligned, number
+from ._results import UNJUDGED
 from ._state import without_numbers
 from ._times import TwoPartTai, to_tai
 from ._warnings import handle_warnings, warn
@@ -37,6 +38,8 @@ class VisitsLike(Protocol):
 
 #: Required columns of a table of visits.
 COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
+#: Times within the years of which streakcast knows the time scales.
+MJD_RANGE = (35_840.0, 88_068.0)
 #: Columns of a table ``observations`` of Rubin's opsim databases that have the meaning of the others.
 OPSIM = {
     "fieldRA": "ra_deg",
@@ -61,7 +64,7 @@ def annotate(
 ) -> list[Path]:
     """Computes the verdicts on the visits of a survey, and writes one Parquet file per night.
 
-    Each night is one task. The worker reads the files of the model from their paths (once per worker), uses one thread,
+    Visits with missing numbers, or numbers out of range, have the verdict ``invalid``. Each night is one task. The worker reads the files of the model from their paths (once per worker), uses one thread,
     and writes the file of the night atomically. Nights with a valid file for the same visits, model and options are
     skipped, so that an interrupted run can be resumed. If a worker is lost, its task is run again and its temporary file
     is deleted.
@@ -108,24 +111,10 @@ def annotate(
     ValueError
         A column is missing, or columns differ in length.
     """
-    table = _as_columns(visits)
-    missing = [name for name in COLUMNS if name not in table]
-    if missing:
-        raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
-    jd1, jd2 = to_tai(table["start"], model.mjd_scale if scale is None else scale, "start")
-    columns: Columns = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
-    for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
-        if name in table:
-            columns[name] = np.ravel(number(table[name], unit, name))
-    if "band" in table:
-        columns["band"] = np.ravel(np.asarray(table["band"], dtype=np.str_))
-    lengths = {name: len(column) for name, column in columns.items()}
-    if len(set(lengths.values())) > 1:
-        raise ValueError(f"columns of visits differ in length: {lengths}; allowed: columns of one length")
-
+    columns = _columns(visits, model, model.mjd_scale if scale is None else scale)
     output = Path(folder).absolute()
     output.mkdir(parents=True, exist_ok=True)
-    nights = np.array([model.night(TwoPartTai(first, second)) for first, second in zip(columns["jd1"], columns["jd2"])], dtype=np.int64)
+    nights = _nights(columns, model)
     files, tasks = [], []
     for night in np.unique(nights):
         rows = np.flatnonzero(nights == night)
@@ -147,11 +136,12 @@ def annotate(
         with suppress(OSError):
             partial.unlink()
     # Warnings of different nights may differ in their numbers and dates.
-    similar: dict[str, list[str]] = {}
-    for message in (message for path in files for message in _warnings_of(path)):
-        similar.setdefault(without_numbers(message), []).append(message)
-    for messages in similar.values():
-        warn(f"{messages[0]} ({len(messages)} of {len(files)} nights)")
+    similar: dict[str, dict[Path, str]] = {}
+    for path in files:
+        for message in _warnings_of(path):
+            similar.setdefault(without_numbers(message), {}).setdefault(path, message)
+    for by_night in similar.values():
+        warn(f"{next(iter(by_night.values()))} ({len(by_night)} of {len(files)} nights)")
     return files
 
 
@@ -181,7 +171,16 @@ def read_streaks(files: Sequence[PathLike]) -> Columns:
     Returns
     -------
     dict of arrays, ``(n_streaks,)`` each
+
+    Raises
+    ------
+    ValueError
+        The streaks of a night are missing, or those of another run: the last run did not write them.
     """
+    for path in map(Path, files):
+        keys = [_metadata(one).get(b"streakcast_visits") for one in (path, _streaks_beside(path))]
+        if keys[0] is None or keys[0] != keys[1]:
+            raise ValueError(f"{path} has no streaks of the same run; allowed: files of annotate with streaks=True")
     return _read_all([_streaks_beside(Path(path)) for path in files])
 
 
@@ -189,7 +188,9 @@ def _read_all(files: Sequence[PathLike]) -> Columns:
     import pyarrow
     import pyarrow.parquet
 
-    table = pyarrow.concat_tables([pyarrow.parquet.read_table(path).replace_schema_metadata() for path in files])
+    tables = [pyarrow.parquet.read_table(path).replace_schema_metadata() for path in files]
+    # Lists of a night without streaks have no type.
+    table = pyarrow.concat_tables(tables, promote_options="default")
     columns = {name: table[name].to_numpy() for name in table.column_names}
     order = np.argsort(columns["visit"], kind="stable")
     return {name: column[order] for name, column in columns.items()}
@@ -199,14 +200,60 @@ def _streaks_beside(path: Path) -> Path:
     return path.with_name(path.name.replace("night-", "streaks-"))
 
 
-def _as_columns(visits: VisitsLike) -> dict[str, object]:
-    """Returns the columns of a table, with those of opsim databases renamed."""
+def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Columns:
+    """Returns the columns of a table of visits as arrays of one length; missing numbers are NaN."""
     names = [str(name) for name in visits.keys()]
     table = {OPSIM.get(name, name) if OPSIM.get(name) not in names else name: _column(visits, name) for name in names}
+    missing = [name for name in COLUMNS if name not in table]
+    if missing:
+        raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
+    columns: Columns = dict(zip(("jd1", "jd2"), _starts(table["start"], scale)))
+    for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
+        if name in table:
+            columns[name] = _numbers(table[name], unit, name)
     if {"visitTime", "numExposures"} <= table.keys() and "exposure_s" not in names:
-        snaps, visit_s = np.asarray(table["numExposures"]), np.asarray(table["visitTime"], dtype=float)
-        table["exposure_s"] = np.where(snaps > 1, visit_s, np.asarray(table["exposure_s"], dtype=float))
-    return table
+        is_of_snaps = _numbers(table["numExposures"], "", "numExposures") > 1
+        columns["exposure_s"] = np.where(is_of_snaps, _numbers(table["visitTime"], "s", "visitTime"), columns["exposure_s"])
+    default_deg = model._open()[1].defaults[0]
+    rotation_deg = columns.get("rotation_deg", np.full(len(columns["jd1"]), np.nan))
+    columns["rotation_deg"] = np.where(np.isnan(rotation_deg), default_deg, rotation_deg)
+    if "band" in table:
+        columns["band"] = np.ravel(np.asarray(table["band"], dtype=np.str_))
+    lengths = {name: len(column) for name, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        raise ValueError(f"columns of visits differ in length: {lengths}; allowed: columns of one length")
+    return columns
+
+
+def _numbers(column: Any, unit: str, name: str) -> npt.NDArray[np.float64]:
+    """Returns a column of numbers; masked cells and `None` are NaN."""
+    if isinstance(column, np.ma.MaskedArray):
+        column = column.astype(float).filled(np.nan)
+    elif getattr(column, "dtype", None) == object:
+        column = np.array([np.nan if one is None else one for one in column], dtype=float)
+    return np.ravel(number(column, unit, name))
+
+
+def _starts(column: Any, scale: str | None) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Returns two-part Julian dates, TAI; NaN for missing MJD and MJD out of range."""
+    if not isinstance(column, np.ma.MaskedArray) and getattr(column, "dtype", np.dtype("O")).kind not in "iuf":
+        jd1, jd2 = to_tai(column, scale, "start")
+        return np.ravel(jd1), np.ravel(jd2)
+    mjd = _numbers(column, "d", "start")
+    known = (mjd > MJD_RANGE[0]) & (mjd < MJD_RANGE[1])
+    jd1, jd2 = np.full((2, len(mjd)), np.nan)
+    jd1[known], jd2[known] = to_tai(mjd[known], scale, "start")
+    return jd1, jd2
+
+
+def _nights(columns: Columns, model: StreakModel) -> npt.NDArray[np.int64]:
+    """Returns the number of the night of each visit. Visits without a start are in the night of the visit before them."""
+    known = np.isfinite(columns["jd1"])
+    parts = zip(columns["jd1"][known], columns["jd2"][known])
+    nights = np.array([model.night(TwoPartTai(first, second)) for first, second in parts], dtype=np.int64)
+    if not len(nights):
+        return np.zeros(len(known), dtype=np.int64)
+    return nights[np.maximum(np.cumsum(known) - 1, 0)]
 
 
 def _column(visits: VisitsLike, name: str) -> object:
@@ -255,19 +302,24 @@ def _one_night(
     # A worker judges many nights with one copy of the model, which issues each warning once. A new copy issues those of
     # this night again.
     model = model.with_options()
-    exposures = (part["ra_deg"], part["dec_deg"]), TwoPartTai(part["jd1"], part["jd2"]), part["exposure_s"]
-    rotation, band = part.get("rotation_deg", 0.0), part.get("band")
+    exposures = {name: aligned(column) for name, column in part.items() if name != "band"}
+    bands = part["band"].tolist() if "band" in part else []
     messages: list[str] = []
     with handle_warnings(messages.append):
         if next_starts:
-            flags = dict(model.flags(*exposures, rotation=rotation, band=band, output="dict"))
-            columns: dict[str, object] = {name: column for name, column in flags.items() if name != "exposure_id"}
+            columns: dict[str, Any] = dict(model._flagged(exposures, bands, "dict", keeps_invalid=True))
+            del columns["exposure_id"]
         else:
-            verdicts = model.assess(*exposures, rotation=rotation, band=band)
-            columns = {name: getattr(verdicts, name) for name in verdicts._fields if name != "crosses"}
+            columns = model._judged(exposures, bands, keeps_invalid=True)
+            del columns["crosses"]
         if streaks:
-            passes = dict(model.passes(*exposures, rotation=rotation, band=band, output="dict"))
-            crossed = rows[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]
+            # Streaks of unknown positions would be an error.
+            judged = np.flatnonzero(~np.isin(columns["verdict"], UNJUDGED))
+            chosen = {name: column[judged] for name, column in part.items()}
+            pointing, start = (chosen["ra_deg"], chosen["dec_deg"]), TwoPartTai(chosen["jd1"], chosen["jd2"])
+            options: dict[str, Any] = {"rotation": chosen["rotation_deg"], "band": chosen.get("band"), "output": "dict"}
+            passes = dict(model.passes(pointing, start, chosen["exposure_s"], **options))
+            crossed = rows[judged[np.asarray(passes.pop("exposure_id"), dtype=np.int64)]]
             _write(_streaks_beside(Path(path)), {"visit": crossed, **passes}, key, messages)
     _write(Path(path), {"visit": rows, **columns}, key, messages)
     return len(rows)

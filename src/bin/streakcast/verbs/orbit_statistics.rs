@@ -9,7 +9,6 @@ use streakcast::forecast::{
 use streakcast::output::{Section, format_utc};
 
 use super::passes::left_out_table;
-use super::schedule_verdicts::given_field;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::output::VerbResult;
@@ -109,7 +108,7 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
         json!({
             "from_utc": format_utc(start, 3),
             "to_utc": format_utc(end, 3),
-            "field": given_field(config),
+            "field": config.stated_field(),
             "exposure_s": exposure_s,
             "pointings": request.pointings,
             "seed": request.seed,

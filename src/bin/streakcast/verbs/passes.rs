@@ -9,7 +9,7 @@ use streakcast::frames::seconds_after;
 use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
 use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
-use streakcast::schedule::{StreakColumns, StreakRow, exposure_table, streak_table};
+use streakcast::schedule::{FlagRequest, StreakColumns, exposure_table, streak_table};
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
@@ -149,18 +149,10 @@ impl Prediction {
 
     /// Returns the passes as a table; with nested tables if `is_nested`.
     pub fn table(&self, is_nested: bool) -> Table {
-        let request = self.plan.request(&self.prepared.sky);
         let band = self.options.photometry.band.name();
-        let rows = self.found().iter().map(|pass| StreakRow {
-            exposure: &self.exposure,
-            pass,
-            elements: &self.prepared.sky.elements()[pass.element_index],
-            satellite_size_m: self.prepared.sky.model(pass.element_index).size_m(),
-            telescope: self.plan.telescope.as_ref(),
-            photometry: &self.options.photometry,
-            limit_mag: self.limit_mag,
-            streak_cost_s: request.pass_cost_s(&self.exposure, pass, Some(band), self.limit_mag),
-        });
+        let request = FlagRequest { photometry: &self.options.photometry, ..self.plan.request(&self.prepared.sky) };
+        let row = |pass| request.streak_row(&self.exposure, pass, Some(band), self.limit_mag);
+        let rows = self.found().iter().map(row);
         let columns = StreakColumns {
             p_brighter: self.limit_mag.is_some(),
             chords: is_nested,
@@ -189,7 +181,7 @@ fn state(
             "ra_deg": round_deg(exposure.pointing.longitude_rad()),
             "dec_deg": round_deg(exposure.pointing.latitude_rad()),
             "rotation_deg": round_deg(exposure.rotation_rad),
-            "field": super::schedule_verdicts::given_field(config),
+            "field": config.stated_field(),
             "telescope": telescope,
             "include_dark": options.include_dark,
             "min_probability": options.min_probability,

@@ -5,16 +5,15 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use hifitime::{Epoch, TimeScale};
-use serde_json::{Value, json};
-use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
+use hifitime::Epoch;
+use serde_json::json;
+use streakcast::config::{Config, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
-use streakcast::input::comments_warning;
 use streakcast::message::Quoted;
 use streakcast::output::{Provenance, Table, counted, format_utc};
 use streakcast::schedule::{
-    FlagReport, FlagTotals, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow,
-    Verdict, VerdictKind, check_extension, evening_mjd, flag_exposures, streak_table,
+    FlagReport, FlagTotals, Schedule, ScheduledExposure, Shard, StreakColumns, Verdict, VerdictKind, check_extension,
+    evening_mjd, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -59,7 +58,8 @@ impl PreparedSchedule {
         }
         // The sky is prepared for the whole schedule, so that all batch shares use the same element sets.
         let judgeable = span(&schedule);
-        let all_rows = schedule.exposures.len();
+        let mut statement = schedule.statement(path);
+        statement["shard"] = shard.map(|shard| shard.to_string()).into();
         let keep = match shard {
             Some(shard) => {
                 let keep = shard.rows(&schedule, config.viewpoint_longitude_rad(judgeable.map(|(first, _)| first))?);
@@ -78,18 +78,8 @@ impl PreparedSchedule {
         let ObservationPlan { policy, telescope, photometry, .. } = &plan;
         let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
         state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
-        provenance.state(
-            "schedule",
-            json!({
-                "file": path.display().to_string(),
-                "format": schedule.format.to_string(),
-                "exposures": all_rows,
-                "shard": shard.map(|shard| shard.to_string()),
-                "start_column": schedule.start_column,
-                "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
-            }),
-        );
-        provenance.state("options", options_json(config, policy, telescope));
+        provenance.state("schedule", statement);
+        provenance.state("options", config.flag_options(policy, telescope));
         Ok(Self { schedule, plan, parts, provenance, notices, path: path.to_owned(), keep })
     }
 
@@ -111,7 +101,7 @@ impl PreparedSchedule {
             }
             None => invalid_rows(schedule, take)?,
         };
-        notices.warn(&schedule_warnings(schedule, &plan.policy));
+        notices.warn(&schedule.warnings(&plan.policy));
         summary(notices, &totals, schedule, &self.path);
         Ok(totals)
     }
@@ -128,7 +118,7 @@ impl PreparedSchedule {
 
     /// Returns the streaks of judged rows: one row for each exposure and satellite.
     pub fn streaks(&self, flags: &[Verdict]) -> Table {
-        let ObservationPlan { telescope, photometry, policy, .. } = &self.plan;
+        let policy = &self.plan.policy;
         let columns = StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() };
         let judged = self.parts.iter().flat_map(|part| {
             let rows = self.schedule.exposures[part.rows.clone()].iter().zip(&flags[part.rows.clone()]);
@@ -140,16 +130,7 @@ impl PreparedSchedule {
             let band = row.band.as_deref();
             let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(band));
             let request = self.plan.request(sky);
-            flag.passes.iter().map(move |pass| StreakRow {
-                exposure,
-                pass,
-                elements: &sky.elements()[pass.element_index],
-                satellite_size_m: sky.model(pass.element_index).size_m(),
-                telescope: telescope.as_ref(),
-                photometry,
-                limit_mag,
-                streak_cost_s: request.pass_cost_s(exposure, pass, band, limit_mag),
-            })
+            flag.passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
         });
         streak_table(rows, columns)
     }
@@ -261,27 +242,6 @@ pub fn flag_rows<'a>(
     Ok(totals)
 }
 
-/// Returns warnings about the schedule.
-pub fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if schedule.format == ScheduleFormat::Opsim && schedule.time_scale != TimeScale::UTC {
-        warnings.push(format!(
-            "opsim databases have {} in UTC, but it is read as {}: crossings are those of other times unless the file was converted",
-            schedule.start_column, schedule.time_scale
-        ));
-    }
-    warnings.extend(comments_warning(schedule.comments_like_rows));
-    let repeated = schedule.repeated_ids();
-    if repeated > 0 {
-        let exposures = counted(repeated, "exposure has", "exposures have");
-        warnings.push(format!(
-            "{exposures} the exposure_id of an earlier one, so that it does not identify the exposure of a streak"
-        ));
-    }
-    warnings.extend(policy.band_warning(&schedule.bands()));
-    warnings
-}
-
 /// Returns the first shutter opening and the last shutter closing of the valid rows; `None` if no row is valid.
 pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     let exposures = || schedule.valid_exposures().map(|(_, exposure)| exposure);
@@ -297,26 +257,6 @@ pub fn none_judged(schedule: &Schedule, path: &Path) -> String {
     let rows = schedule.exposures.len();
     let none = if rows == 1 { "its only row cannot".to_owned() } else { format!("none of its {rows} rows can") };
     format!("schedule {}: {none} be judged{example}", path.display())
-}
-
-pub fn options_json(config: &Config, policy: &Policy, telescope: Option<&str>) -> Value {
-    json!({
-        "field": given_field(config),
-        "default_rotation_deg": config.rotation.unwrap_or(0.0),
-        "telescope": telescope,
-        "policy": policy,
-    })
-}
-
-/// Returns the field as given in the configuration, for the provenance.
-pub fn given_field(config: &Config) -> Value {
-    match (&config.fov, &config.field) {
-        (Some(size), _) if size.as_str().contains(['x', '×']) => json!({ "rectangle": size.as_str() }),
-        (Some(diameter), _) => json!({ "circle": diameter.as_str() }),
-        (None, Some(NameOrTable::Name(path))) => json!({ "file": path.display().to_string() }),
-        (None, Some(NameOrTable::Table(table))) => json!(table),
-        (None, None) => json!("of the telescope"),
-    }
 }
 
 /// Prints the number of exposures with each verdict, and a warning for rows of the file that cannot be judged.

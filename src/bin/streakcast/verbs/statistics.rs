@@ -16,7 +16,6 @@ use streakcast::schedule::MagnitudeLimit;
 
 use super::orbit_statistics::{self, OrbitStatisticsArguments};
 use super::passes::left_out_table;
-use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
 use crate::output::{Output, VerbResult};
 use crate::required::Required;
@@ -200,7 +199,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         json!({
             "nights": typed.night,
             "latitudes_deg": typed.latitudes,
-            "field": fov.map_or_else(|| given_field(&config), |fov| json!(fov)),
+            "field": fov.map_or_else(|| config.stated_field(), |fov| json!(fov)),
             "exposure_s": exposure_s,
             "moments": moments,
             "spread_s": spread_s,

@@ -24,7 +24,6 @@ use streakcast::schedule::{
 };
 
 use super::passes::left_out_table;
-use super::schedule_verdicts::given_field;
 use crate::failure::Outcome;
 use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
@@ -183,7 +182,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             "targets": targets_of,
             "from_utc": format_utc(from, 3),
             "to_utc": format_utc(to, 3),
-            "field": given_field(&config),
+            "field": config.stated_field(),
             "telescope": plan.telescope.as_ref().map(|telescope| telescope.name.as_str()),
             "min_altitude_deg": min_altitude_deg,
             "max_sun_altitude_deg": max_sun_altitude_deg,

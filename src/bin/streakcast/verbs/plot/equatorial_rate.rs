@@ -16,7 +16,6 @@ use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
 use super::arguments::PlotSkyRateArguments;
 use super::columns::Columns;
 use crate::notices::Notices;
-use crate::verbs::schedule_verdicts::given_field;
 
 const FRAME: &str = "equatorial";
 const SHORTEST_STEP_S: f64 = 30.0;
@@ -136,7 +135,7 @@ pub fn compute(
             "frame": FRAME,
             "nights": nights,
             "exposure_s": duration_s,
-            "field": given_field(config),
+            "field": config.stated_field(),
             "nside": typed.nside,
             "step_s": step_s,
             "min_altitude_deg": typed.min_altitude,

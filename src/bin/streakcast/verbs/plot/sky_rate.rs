@@ -14,7 +14,6 @@ use streakcast::plot::{Picture, SkyRate, sky_rate};
 use super::arguments::PlotSkyRateArguments;
 use crate::failure::Outcome;
 use crate::start::begin;
-use crate::verbs::schedule_verdicts::given_field;
 
 use super::columns::Columns;
 use super::equatorial_rate;
@@ -108,7 +107,7 @@ pub fn run(mut typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         json!({
             "moment_utc": format_utc(moment, 3),
             "exposure_s": duration_s,
-            "field": given_field(&config),
+            "field": config.stated_field(),
             "nside": typed.nside,
             "repeats": typed.repeats,
             "over_s": over_s,

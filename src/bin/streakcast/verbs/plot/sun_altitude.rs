@@ -14,7 +14,6 @@ use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::start::begin;
 use crate::verbs::map::site_of;
-use crate::verbs::schedule_verdicts::given_field;
 
 use super::columns::Columns;
 use super::exposures::compute;
@@ -140,7 +139,7 @@ fn grid(typed: &PlotSunAltitudeArguments, config: &Config, limit: Option<f64>) -
         "options",
         json!({
             "exposure_s": duration_s,
-            "field": given_field(config),
+            "field": config.stated_field(),
             "nside": NSIDE,
             "step_s": step_s,
             "min_altitude_deg": typed.min_altitude,

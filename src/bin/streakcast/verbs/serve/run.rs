@@ -113,7 +113,7 @@ fn load(
     let scale = schedule.map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
     state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
     if let Some((path, schedule)) = schedule {
-        let of_schedule = schedule_verdicts::schedule_warnings(schedule, &plan.policy);
+        let of_schedule = schedule.warnings(&plan.policy);
         notices.warn(&of_schedule);
         warnings.extend(of_schedule);
         schedule_verdicts::summary(notices, &totals, schedule, path);
@@ -130,7 +130,7 @@ fn load(
         );
     }
     let telescope = plan.telescope.as_ref().map(|telescope| telescope.name.clone());
-    provenance.state("options", schedule_verdicts::options_json(config, &plan.policy, telescope.as_deref()));
+    provenance.state("options", config.flag_options(&plan.policy, telescope.as_deref()));
     let exposures = schedule.map(|(_, schedule)| schedule.exposures.clone()).unwrap_or_default();
     Ok(ServerState {
         cache: ResponseCache::default(),

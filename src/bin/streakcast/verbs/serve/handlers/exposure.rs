@@ -6,8 +6,8 @@ use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell};
 use streakcast::passes::{Exposure, Pass, SkyError};
 use streakcast::schedule::{
-    FlagRequest, FlagTotals, ScheduledExposure, StreakColumns, StreakRow, VerdictKind, exposure_table, flag_exposures,
-    flag_table, streak_table,
+    FlagRequest, FlagTotals, ScheduledExposure, StreakColumns, VerdictKind, exposure_table, flag_exposures, flag_table,
+    streak_table,
 };
 
 use super::super::super::passes::left_out_table;
@@ -111,16 +111,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         before_and_after.clear();
     }
     let streaks = streak_table(
-        passes.iter().map(|pass| StreakRow {
-            exposure: &exposure,
-            pass,
-            elements: &state.sky().elements()[pass.element_index],
-            satellite_size_m: state.sky().model(pass.element_index).size_m(),
-            telescope: state.plan.telescope.as_ref(),
-            photometry: &state.plan.photometry,
-            limit_mag,
-            streak_cost_s: request.pass_cost_s(&exposure, pass, row.band.as_deref(), limit_mag),
-        }),
+        passes.iter().map(|pass| request.streak_row(&exposure, pass, row.band.as_deref(), limit_mag)),
         StreakColumns { p_brighter: limit_mag.is_some(), chords: true, samples: samples > 0 },
     );
     let around = Table {
