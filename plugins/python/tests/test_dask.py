@@ -153,6 +153,64 @@ def test_a_growing_survey_with_streaks_next_starts_and_warnings(visits, tmp_path
     np.testing.assert_array_equal(longer["streak_length_deg"], lengths)
 
 
+def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, tmp_path):
+    few = {name: column[: 5 * EACH].copy() for name, column in visits.items()}
+    # The sets of April are too old for the nights of July to September; the constellation begins later.
+    growth = tmp_path / "growth.toml"
+    growth.write_text(
+        "[[period]]\nfrom = 2026-07-19\nshells = {}\n[[period]]\nfrom = 2026-08-20\nshells = { starlink-gen1 = 1.0 }\n"
+    )
+    grown = streakcast.StreakModel(mpc="X05", shells=str(growth), telescope="rubin", limit_mag=6, mjd_scale="utc")
+    few["rotation_deg"] = np.zeros(5 * EACH)
+    broken = {"ra_deg": (3, np.nan), "dec_deg": (64, -99.0), "start": (70, np.nan), "exposure_s": (130, 0.0)}
+    broken |= {"rotation_deg": (150, np.nan)}
+    for name, (row, value) in broken.items():
+        few[name][row] = value
+    few["start"][0] = -9999.0
+    invalid = [0, 3, 64, 70, 130]
+    valid = np.setdiff1d(np.arange(5 * EACH), invalid)
+    pointing = few["ra_deg"][valid], few["dec_deg"][valid]
+    expected = grown.assess(pointing, few["start"][valid], few["exposure_s"][valid], band=few["band"][valid])
+    old = streakcast.StreakModel(
+        mpc="X05", elements=str(data / "tle" / "active" / "active_2026-04-25.txt"), telescope="rubin", mjd_scale="utc"
+    )
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        options = {"streaks": True, "next_starts": True}
+        files = streakcast.dask.annotate(few, grown, client, tmp_path / "grown", **options)
+        flags, streaks = streakcast.dask.read(files), streakcast.dask.read_streaks(files)
+        assert np.flatnonzero(flags["verdict"] == "invalid").tolist() == invalid
+        assert all("allowed" in flags["reasons"][row][0] for row in invalid), flags["reasons"][invalid]
+        # The first nights have no satellites.
+        assert (flags["verdict"][valid] == expected.verdict).all() and len(streaks["visit"]) > 3
+        assert streaks["visit"].min() >= 3 * EACH
+        # Columns of the last run: its streaks are not those of the run before.
+        files = streakcast.dask.annotate(few, grown.with_options(limit_mag=5), client, tmp_path / "grown")
+        with pytest.raises(ValueError, match="has no streaks of the same run"):
+            streakcast.dask.read_streaks(files)
+        # Positions are unknown.
+        late = {name: column[4 * EACH :] + (300.0 if name == "start" else 0) if name != "band" else column[4 * EACH :] for name, column in few.items()}
+        files = streakcast.dask.annotate(late, old, client, tmp_path / "old", streaks=True)
+        assert set(streakcast.dask.read(files)["verdict"]) <= {"unknown", "invalid"}
+        assert len(streakcast.dask.read_streaks(files)["visit"]) == 0
+        # Units of a table with the columns of opsim.
+        from astropy import units as u
+        from astropy.table import QTable
+
+        table = QTable({"fieldRA": few["ra_deg"][valid] * u.deg, "fieldDec": few["dec_deg"][valid] * u.deg})
+        table["observationStartMJD"] = few["start"][valid]
+        table["visitExposureTime"] = few["exposure_s"][valid] / 60 * u.min
+        table["visitTime"], table["numExposures"] = 1.0 * u.min, np.ones(len(valid), dtype=int)
+        table["band"] = few["band"][valid]
+        result = streakcast.dask.read(streakcast.dask.annotate(table, grown, client, tmp_path / "units"))
+    np.testing.assert_array_equal(result["streak_length_deg"], expected.streak_length_deg)
+    without = {name: column for name, column in few.items() if name != "exposure_s"}
+    with pytest.raises(ValueError, match="missing columns of visits exposure_s"):
+        streakcast.dask.annotate({**without, "visitTime": few["start"], "numExposures": few["start"]}, grown, None, tmp_path)
+
+
 def test_all_columns_are_documented():
     names = {"visit", *streakcast.Assessment._fields} - {"crosses"}
     assert [name for name in names if f"``{name}``" not in streakcast.dask.annotate.__doc__] == []

@@ -92,7 +92,7 @@ CASES = {
     "assess exposures": (lambda sky, it: sky.assess(TARGET, START, it), "exposure", [30.0, 60.0], [30.0 * u.s, 1.0 * u.min]),
     "assess rotation": (lambda sky, it: sky.assess(TARGET, START, 30.0, rotation=it), "rotation", 30.0, 1800.0 * u.arcmin),
     "flags exposure": (lambda sky, it: sky.flags(TARGET, START, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
-    "next_clear_start exposure": (lambda sky, it: sky.next_clear_start(TARGET, START, it), "exposure", 30.0, 0.5 * u.min),
+    "next_start exposure": (lambda sky, it: sky.next_start(TARGET, START, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
     "passes limit_mag": (lambda sky, it: rows_of(sky.passes(TARGET, START, 30.0, limit_mag=it, output="dict")), "limit_mag", 6.5, 6.5 * u.mag),
     "passes limit_mag AB": (lambda sky, it: sky.passes(TARGET, START, 30.0, limit_mag=it, output="dict"), "limit_mag", 6.5, 6.5 * u.ABmag),
     "check_pointings visit_time": (

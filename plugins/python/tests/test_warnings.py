@@ -7,6 +7,7 @@ import warnings
 
 import numpy as np
 import pytest
+from astropy.time import Time
 
 import streakcast
 from conftest import START, TARGET
@@ -42,7 +43,7 @@ CALLS = {
     "assess": lambda model: model.assess(TARGET, START, 30.0),
     "flags": lambda model: model.flags(TARGET, START, 30.0),
     "passes": lambda model: model.passes(TARGET, START, 30.0),
-    "next_clear_start": lambda model: model.next_clear_start(TARGET, START, 30.0),
+    "next_start": lambda model: model.next_start(TARGET, START, 30.0),
     "clear_windows": lambda model: model.clear_windows(TARGET, START, END, 30.0),
     "check_pointings": lambda model: model.check_pointings([198.9], [7.7], [61266.978], 30.0, scale="utc"),
     "forecast": lambda model: model.forecast(start=START, end=END),
@@ -127,9 +128,9 @@ def test_bands_without_a_limit_are_named():
 def test_delays_and_windows_use_the_limit_of_the_band():
     limits = dict(shells="starlink-gen1", telescope="rubin", limit_mag={"g": -20, "r": 20})
     model = streakcast.StreakModel(mpc="X05", **limits)
-    wait_s = {band: model.next_clear_start(TARGET, START, 30.0, band=band) for band in ("g", "r")}
+    starts = {band: model.next_start(TARGET, START, 30.0, rule="acceptable", band=band) for band in ("g", "r")}
     # No satellite is brighter than magnitude -20; one fainter than 20 does not cross.
-    assert wait_s["g"] == 0.0 and wait_s["r"] > 0.0
+    assert starts["g"] == Time(START) and starts["r"] > Time(START)
     without = streakcast.StreakModel(mpc="X05", **limits)
     found = [str(one.message) for one in caught(lambda: without.clear_windows(TARGET, START, END, 30.0, band="gg"))]
     assert any("no value for band gg" in message for message in found), found

@@ -54,9 +54,15 @@ def survey_summary(annotated: Database, *, sun_edges_deg: Sequence[float] = SUN_
     if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
         raise ValueError(f"sun_edges_deg is {sun_edges_deg}; allowed: at least two ascending altitudes, degrees")
     visits = _read(annotated)
-    year = ((visits["observationStartMJD"] - np.nanmin(visits["observationStartMJD"])) // 365.25).astype(int) + 1
+    if not len(visits["band"]):
+        return {}
+    start_mjd = visits["observationStartMJD"]
+    dated = np.isfinite(start_mjd)
+    year = np.zeros(len(start_mjd), dtype=int)
+    if dated.any():
+        year[dated] = (start_mjd[dated] - start_mjd[dated].min()) // 365.25 + 1
     sun_bin = np.digitize(visits["sunAlt"], edges) - 1
-    within = (sun_bin >= 0) & (sun_bin < len(edges) - 1)
+    within = (sun_bin >= 0) & (sun_bin < len(edges) - 1) & dated
     keys = sorted({(int(one), str(band), int(each)) for one, band, each in zip(year[within], visits["band"][within], sun_bin[within])})
     rows = []
     for one, band, each in keys:
@@ -109,7 +115,8 @@ def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float
             "streaked_fraction": sums["streaked"] / sums["visits"],
             "streak_cost_s": sums["cost_s"] / sums["visits"],
             "streak_cost_fraction": lost,
-            "coadd_loss_mag": -1.25 * np.log10(1.0 - lost),
+            # A coadded image of visits without open shutter that is left has no depth.
+            "coadd_loss_mag": -1.25 * np.log10(np.maximum(1.0 - lost, 0.0)),
         }
 
 
@@ -126,7 +133,7 @@ def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
         "streak_cost_fraction": float(lost),
         "lost_pixel_fraction": float(visits["expected_lost_pixel_fraction"].mean()),
         # Depth of a coadded image: 1.25 log10(sum of t), with the time t - C of each visit.
-        "coadd_loss_mag": float(-1.25 * np.log10(max(1.0 - lost, 0.0))) if lost < 1.0 else np.inf,
+        "coadd_loss_mag": float(-1.25 * np.log10(1.0 - lost)) if lost < 1.0 else np.inf,
     }
 
 
@@ -143,13 +150,14 @@ def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
             has = [row[1] for row in base.execute("PRAGMA table_info(observations)")]
             band = "band" if "band" in has else "filter"
             missing = [name for name in ("observationId", *OBSERVATIONS, band) if name not in has]
-            missing += [name for name in FLAGS if name not in of_flags]
+            missing += [name for name in ("exposure_id", *FLAGS) if name not in of_flags]
             if missing:
                 raise ValueError(f"{path}: missing column {', '.join(missing)}")
-            # The plugin and the command line name the visit in different ways.
-            key = "observationId" if "observationId" in of_flags else "exposure_id"
+            repeated = "SELECT exposure_id FROM streak_flags GROUP BY exposure_id HAVING count(*) > 1 LIMIT 1"
+            for (number,) in base.execute(repeated):
+                raise ValueError(f"{path}: observationId {number} has several different visits; allowed: unique numbers")
             selected = ", ".join([*(f"o.{name}" for name in (*OBSERVATIONS, band)), *(f"f.{name}" for name in FLAGS)])
-            rows = base.execute(f"SELECT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.{key}").fetchall()
+            rows = base.execute(f"SELECT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.exposure_id").fetchall()
     except sqlite3.Error as error:
         raise ValueError(f"{path}: {error}") from error
     names = (*OBSERVATIONS, "band", *FLAGS)

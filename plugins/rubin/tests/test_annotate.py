@@ -5,9 +5,9 @@ import sqlite3
 
 import brute_force
 import night
-import numpy as np
 import pytest
 from conftest import EVENING
+from streakcast import StreakcastWarning
 from streakcast_rubin import annotate, visit_columns
 
 
@@ -33,10 +33,10 @@ def test_a_copy_with_more_tables(opsim, models, truths, tmp_path):
     assert rows_of(tmp_path / "out.db", "SELECT * FROM observations") == rows_of(path, "SELECT * FROM observations")
     joined = rows_of(tmp_path / "out.db", "SELECT n_streaks, brightest_mag, verdict FROM observations_streaks ORDER BY observationId")
     assert len(joined) == len(visits)
-    counted = rows_of(tmp_path / "out.db", "SELECT observationId, count(*) FROM streaks GROUP BY observationId")
+    counted = rows_of(tmp_path / "out.db", "SELECT exposure_id, count(*) FROM streaks GROUP BY exposure_id")
     assert sorted(dict(counted).values()) == sorted(count for count, *_ in joined if count)
     assert all((magnitude is None) == (verdict == "clear") for _, magnitude, verdict in joined)
-    assert ("mjd_scale", '"utc"') in rows_of(tmp_path / "out.db", "SELECT * FROM streak_provenance")
+    assert ("time_scale", '"utc"') in rows_of(tmp_path / "out.db", "SELECT * FROM streak_provenance")
     # The visit array of rubin_scheduler gives the same result.
     columns = visit_columns(visits, models[40768])
     assert [int(one) for one in columns["n_streaks"]] == [count for count, *_ in joined]
@@ -44,7 +44,7 @@ def test_a_copy_with_more_tables(opsim, models, truths, tmp_path):
 
 def test_existing_tables_are_replaced_only_if_requested(opsim, models, tmp_path):
     annotate(opsim[0], tmp_path / "one.db", models[4408])
-    with pytest.raises(ValueError, match="already; specify replace=True"):
+    with pytest.raises(ValueError, match="already has tables .*streak_flags"):
         annotate(tmp_path / "one.db", tmp_path / "two.db", models[4408])
     assert [one.name for one in tmp_path.iterdir()] == ["one.db"]
     annotate(tmp_path / "one.db", tmp_path / "two.db", models[4408], replace=True)
@@ -53,16 +53,14 @@ def test_existing_tables_are_replaced_only_if_requested(opsim, models, tmp_path)
 
 
 def test_invalid_databases_are_rejected(opsim, models, tmp_path):
-    with pytest.raises(ValueError, match="is not a file"):
+    with pytest.raises(ValueError, match="none.db"):
         annotate(tmp_path / "none.db", tmp_path / "out.db", models[4408])
-    with pytest.raises(ValueError, match="is the database; allowed: another file"):
-        annotate(opsim[0], opsim[0], models[4408])
     (tmp_path / "text.db").write_text("not a database, but long enough that SQLite reads its header " * 11)
-    with pytest.raises(ValueError, match="text.db: file is not a database"):
+    with pytest.raises(ValueError, match="text.db"):
         annotate(tmp_path / "text.db", tmp_path / "out.db", models[4408])
     with sqlite3.connect(tmp_path / "poor.db") as base:
         base.execute("CREATE TABLE observations (observationId INTEGER, fieldRA REAL)")
-    with pytest.raises(ValueError, match="missing column fieldDec, observationStartMJD"):
+    with pytest.raises(ValueError, match="poor.db"):
         annotate(tmp_path / "poor.db", tmp_path / "out.db", models[4408])
     assert not (tmp_path / "out.db").exists()
     assert not [one for one in tmp_path.iterdir() if one.suffix == ".part"]
@@ -83,10 +81,10 @@ def test_invalid_visits(opsim, models, tmp_path, column, value):
     source = changed(opsim, tmp_path / "in.db", f"UPDATE observations SET {column} = {value} WHERE observationId = 3")
     annotate(source, tmp_path / "out.db", models[4408])
     annotate(opsim[0], tmp_path / "whole.db", models[4408])
-    query = "SELECT * FROM streak_flags WHERE observationId {} 3 ORDER BY observationId"
+    query = "SELECT * FROM streak_flags WHERE exposure_id {} 3 ORDER BY exposure_id"
     assert rows_of(tmp_path / "out.db", query.format("!=")) == rows_of(tmp_path / "whole.db", query.format("!="))
-    ((_, verdict, *others),) = rows_of(tmp_path / "out.db", query.format("="))
-    assert verdict == "invalid" and not any(others)
+    values = "verdict, n_streaks, brightest_mag, p_any, streak_length_deg, streak_cost_s, reasons IS NULL"
+    assert rows_of(tmp_path / "out.db", query.format("=").replace("*", values)) == [("invalid", *[None] * 5, 0)]
 
 
 def test_a_missing_rotation_or_band_is_no_error(opsim, models, tmp_path):
@@ -103,18 +101,20 @@ def test_repeated_visits(opsim, models, tmp_path):
     before, after = (annotate(one, tmp_path / f"{index}.db", models[4408]) for index, one in enumerate((opsim[0], source)))
     counts = [rows_of(path, f"SELECT count(*) FROM {table}")[0][0] for path, table in
               ((source, "observations"), (tmp_path / "1.db", "observations_streaks"), (tmp_path / "0.db", "streak_flags"), (tmp_path / "1.db", "streak_flags"))]  # fmt: skip
-    assert before == after and counts[0] == counts[1] and counts[2] == counts[3]
+    # The visit without a number has a verdict of its own.
+    assert before == after and counts[0] == counts[1] and counts[2] + 1 == counts[3]
     other = changed(opsim, tmp_path / "other.db", "UPDATE observations SET observationId = 4 WHERE observationId = 3")
-    with pytest.raises(ValueError, match="observationId 4 has several different visits"):
+    with pytest.warns(StreakcastWarning, match="1 exposure has the exposure_id of an earlier one"):
         annotate(other, tmp_path / "out.db", models[4408])
+    assert rows_of(tmp_path / "out.db", "SELECT name FROM sqlite_master WHERE type = 'view'") == []
 
 
 def test_an_empty_database(opsim, models, tmp_path):
     with sqlite3.connect(tmp_path / "empty.db") as base, sqlite3.connect(opsim[0]) as full:
         full.backup(base)
         base.execute("DELETE FROM observations")
-    assert annotate(tmp_path / "empty.db", tmp_path / "out.db", models[4408]) == 0
-    assert np.size(rows_of(tmp_path / "out.db", "SELECT * FROM observations_streaks")) == 0
+    with pytest.raises(ValueError, match="empty.db has columns but no exposures"):
+        annotate(tmp_path / "empty.db", tmp_path / "out.db", models[4408])
 
 
 @pytest.mark.parametrize("umask", [0o022, 0o027])

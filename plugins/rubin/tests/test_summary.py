@@ -62,6 +62,37 @@ def test_maps_count_the_visits_whose_field_has_the_pixel(annotated):
     assert maps["visits"].max() == 5 and len(maps["visits"]) == 12 * 32**2
 
 
+def test_visits_without_a_start_and_empty_databases(annotated):
+    before = survey_summary(annotated)
+    with sqlite3.connect(annotated) as base:
+        base.execute("INSERT INTO observations VALUES (90, NULL, 10.0, -30.0, 30.0, -20.0, 'r')")
+        base.execute("INSERT INTO streak_flags VALUES (90, 'invalid', NULL, NULL, NULL)")
+    after = survey_summary(annotated)
+    assert all((before[name] == after[name]).all() for name in ("year", "band", "visits"))
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE observations SET observationStartMJD = NULL")
+    assert survey_summary(annotated) == {}
+    with sqlite3.connect(annotated) as base:
+        base.execute("DELETE FROM observations")
+    assert survey_summary(annotated) == {} and survey_maps(annotated)["visits"].sum() == 0
+
+
+def test_repeated_numbers_are_rejected(annotated):
+    with sqlite3.connect(annotated) as base:
+        base.execute("INSERT INTO streak_flags SELECT * FROM streak_flags WHERE exposure_id = 2")
+    for summary in (survey_summary, survey_maps):
+        with pytest.raises(ValueError, match="observationId 2 has several different visits; allowed: unique numbers"):
+            summary(annotated)
+
+
+def test_a_survey_lost_to_streaks_has_no_depth(annotated):
+    with sqlite3.connect(annotated) as base:
+        base.execute("UPDATE streak_flags SET streak_cost_s = 40.0 WHERE n_streaks IS NOT NULL")
+    maps = survey_maps(annotated)
+    assert (maps["coadd_loss_mag"][maps["visits"] > 0] == np.inf).all()
+    assert (survey_summary(annotated)["coadd_loss_mag"][:3] == np.inf).all()
+
+
 def test_databases_without_annotation_are_rejected(annotated, tmp_path):
     with pytest.raises(ValueError, match="is not a file"):
         survey_summary(tmp_path / "none.db")

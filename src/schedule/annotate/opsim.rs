@@ -75,6 +75,7 @@ fn write_copy(
     let id_type = id_type(&transaction)?;
     write_table(&transaction, STREAKS, annotation.streaks, id_type)?;
     write_table(&transaction, FLAGS, annotation.flags, id_type)?;
+    merge_repeated(&transaction)?;
     write_view(&transaction, annotation.flags)?;
     write_provenance(&transaction, annotation.provenance)?;
     transaction.commit()?;
@@ -112,6 +113,27 @@ fn write_table(
     Ok(())
 }
 
+/// Returns true if no two rows of the flags have the same identifier.
+fn has_unique_ids(connection: &Connection) -> Result<bool, rusqlite::Error> {
+    let query = format!("SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}");
+    connection.query_row(&query, [], |row| row.get(0))
+}
+
+/// Merges the rows of observations that are in the database several times.
+fn merge_repeated(connection: &Connection) -> Result<(), rusqlite::Error> {
+    if has_unique_ids(connection)? {
+        return Ok(());
+    }
+    for table in [STREAKS, FLAGS] {
+        let mut statement = connection.prepare("SELECT '\"' || name || '\"' FROM pragma_table_info(?)")?;
+        let columns: Vec<String> = statement.query_map([table], |row| row.get(0))?.collect::<Result<_, _>>()?;
+        let columns = columns.join(", ");
+        let first = format!("SELECT min(rowid) FROM {table} GROUP BY {columns}");
+        connection.execute(&format!("DELETE FROM {table} WHERE rowid NOT IN ({first})"), [])?;
+    }
+    Ok(())
+}
+
 /// Returns the SQL type of the exposure identifiers.
 ///
 /// It is `INTEGER` if the column of the schedule is declared as an integer (in SQLite, a type name that contains
@@ -145,9 +167,8 @@ fn id_column(columns: &[(String, String)]) -> Option<&(String, String)> {
 /// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they do
 /// not assign a verdict to each observation.
 fn write_view(connection: &Connection, flags: &Table) -> Result<(), rusqlite::Error> {
-    let query = format!("SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}");
     let Some((id, _)) = id_column(&columns_of_observations(connection)?).cloned() else { return Ok(()) };
-    if !connection.query_row(&query, [], |row| row.get::<_, bool>(0))? {
+    if !has_unique_ids(connection)? {
         return Ok(());
     }
     let names = flags.columns.iter().map(|column| column.name).filter(|name| *name != "exposure_id");

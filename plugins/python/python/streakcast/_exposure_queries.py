@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -26,6 +27,7 @@ from .typing import (
     TargetLike,
     TextLike,
     TimeLike,
+    TimeResult,
     WholeArray,
 )
 
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 
 #: Accepted values of ``blocking``: choices of the satellites that block an exposure.
 BLOCKING = ("any", "avoid")
+#: Accepted values of ``rule``: what a start must be.
+RULES = ("clear", "acceptable")
 
 
 class ExposureQueries(SiteQueries):
@@ -91,8 +95,8 @@ class ExposureQueries(SiteQueries):
     def _judged(self, exposures: Mapping[str, FloatArray], bands: Sequence[str], keeps_invalid: bool = False) -> dict[str, Any]:
         """Returns the columns of an `Assessment`. Numbers out of range are an error, or make an exposure ``invalid``."""
         sky_cache, engine = self._open()
-        result, warnings = engine.judge(exposures, bands, keeps_invalid)
-        self._warn_once(sky_cache, warnings)
+        result, messages = engine.judge(exposures, bands, keeps_invalid)
+        self._warn_once(sky_cache, messages)
         columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
         columns["n_streaks"] = _masked(result["n_streaks"], np.isin(columns["verdict"], UNJUDGED))
         columns["crosses"] = columns["n_streaks"] > 0
@@ -136,8 +140,8 @@ class ExposureQueries(SiteQueries):
         self, exposures: Mapping[str, FloatArray], bands: Sequence[str], output: Output, keeps_invalid: bool = False
     ) -> Table:
         sky_cache, engine = self._open()
-        columns, warnings = engine.flags(exposures, bands, False, keeps_invalid)
-        self._warn_once(sky_cache, warnings)
+        columns, messages = engine.flags(exposures, bands, False, keeps_invalid)
+        self._warn_once(sky_cache, messages)
         return table_of(_with_integer_ids(columns), output, main=FLAGS)
 
     def annotate(
@@ -172,9 +176,46 @@ class ExposureQueries(SiteQueries):
             Rows are invalid, or several rows have one identifier.
         """
         sky_cache, engine = self._open()
-        written, warnings = engine.annotate(absolute(schedule), absolute(output), scale, replace)
-        self._warn_once(sky_cache, warnings)
+        written, messages = engine.annotate(absolute(schedule), absolute(output), scale, replace)
+        self._warn_once(sky_cache, messages)
         return written
+
+    def next_start(
+        self,
+        target: TargetLike,
+        start: TimeLike,
+        exposure: FloatArrayLike,
+        *,
+        rule: str = "clear",
+        rotation: FloatArrayLike | None = None,
+        band: TextLike | None = None,
+        scale: str | None = None,
+        output: Output = "auto",
+    ) -> TimeResult:
+        """Returns the earliest time at or after ``start`` at which each exposure can start without a satellite in its way.
+
+        Parameters
+        ----------
+        target, start, exposure, rotation, band, scale
+            As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s), and its ``margin_s`` is
+            applied.
+        rule : {"clear", "acceptable"}
+            ``clear``: no lit satellite crosses the field. ``acceptable``: the verdict is not ``avoid``.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`: an astropy `Time`, or ``datetime64[ns]``, UTC.
+
+        Returns
+        -------
+        Time or array
+            Masked (NaT in arrays) where there is no such start within the limit. The delay is a column of `flags`.
+        """
+        if rule not in RULES:
+            raise ValueError(f"rule is '{rule}'; allowed: {', '.join(RULES)}")
+        column, shape = self._starts(f"next_{rule}_start_utc", target, start, exposure, rotation, band, scale)
+        assert column["kind"] == "time"
+        if is_qtable(output):
+            return time_of(column["jd1"].reshape(shape), column["jd2"].reshape(shape))
+        return column["utc_ns"].view("datetime64[ns]").reshape(shape)
 
     def next_clear_start(
         self,
@@ -186,27 +227,29 @@ class ExposureQueries(SiteQueries):
         band: TextLike | None = None,
         scale: str | None = None,
     ) -> FloatOrArray:
-        """Returns the delay of each exposure until no satellite that the policy's ``blocking`` selects crosses its field.
+        """Deprecated: returns a delay in seconds, of the rule that belongs to the policy's ``blocking``. Use `next_start`."""
+        warnings.warn("next_clear_start is deprecated; use next_start, or the delays in flags", DeprecationWarning, stacklevel=2)
+        name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[self._open()[1].blocking]
+        column, shape = self._starts(name, target, start, exposure, rotation, band, scale)
+        assert column["kind"] == "real"
+        return float(column["values"][0]) if shape == () else column["values"].reshape(shape)
 
-        Parameters
-        ----------
-        target, start, exposure, rotation, band, scale
-            As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s), and its ``margin_s`` is
-            applied.
-
-        Returns
-        -------
-        float or array
-            Delay, seconds, to the millisecond; 0 if no satellite blocks now, NaN if there is no start within the limit.
-            With a magnitude limit and ``blocking="avoid"``, fainter satellites may cross the delayed exposure.
-        """
+    def _starts(
+        self,
+        name: str,
+        target: TargetLike,
+        start: TimeLike,
+        exposure: FloatArrayLike,
+        rotation: FloatArrayLike | None,
+        band: TextLike | None,
+        scale: str | None,
+    ) -> tuple[Column, tuple[int, ...]]:
+        """Returns a column of `flags`, also of later starts from an orbit, and the shape of the exposures."""
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
-        columns, warnings = engine.flags(exposures, bands, True)
-        self._warn_once(sky_cache, warnings)
-        name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[engine.blocking]
-        (delay,) = (column["values"] for column in columns if column["kind"] == "real" and column["name"] == name)
-        return float(delay[0]) if shape == () else delay.reshape(shape)
+        columns, messages = engine.flags(exposures, bands, True)
+        self._warn_once(sky_cache, messages)
+        return next(column for column in columns if column["name"] == name), shape
 
     def passes(
         self,
@@ -253,8 +296,8 @@ class ExposureQueries(SiteQueries):
         _, default_dark, default_samples = engine.defaults
         is_dark = default_dark if include_dark is None else bool(include_dark)
         points = default_samples if samples is None else count(samples, "samples", 0)
-        columns, warnings = engine.passes(exposures, is_dark, points, bands, limits)
-        self._warn_once(sky_cache, warnings)
+        columns, messages = engine.passes(exposures, is_dark, points, bands, limits)
+        self._warn_once(sky_cache, messages)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 
     def clear_windows(
@@ -320,8 +363,8 @@ class ExposureQueries(SiteQueries):
         exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
         sky_cache, engine = self._open()
         lowest = scalar(min_altitude, "deg", "min_altitude")
-        result, warnings = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
-        self._warn_once(sky_cache, warnings)
+        result, messages = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
+        self._warn_once(sky_cache, messages)
         first, last = result["first_start"], result["last_start"]
         length = (last[0] - first[0] + (last[1] - first[1])) * 86_400.0
         if is_qtable(output):

@@ -228,7 +228,7 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
 def _numbers(column: Any, unit: str, name: str) -> npt.NDArray[np.float64]:
     """Returns a column of numbers; masked cells and `None` are NaN."""
     if isinstance(column, np.ma.MaskedArray):
-        column = column.astype(float).filled(np.nan)
+        column = np.ma.filled(column.astype(float), np.nan)
     elif getattr(column, "dtype", None) == object:
         column = np.array([np.nan if one is None else one for one in column], dtype=float)
     return np.ravel(number(column, unit, name))
@@ -253,7 +253,7 @@ def _nights(columns: Columns, model: StreakModel) -> npt.NDArray[np.int64]:
     nights = np.array([model.night(TwoPartTai(first, second)) for first, second in parts], dtype=np.int64)
     if not len(nights):
         return np.zeros(len(known), dtype=np.int64)
-    return nights[np.maximum(np.cumsum(known) - 1, 0)]
+    return np.asarray(nights[np.maximum(np.cumsum(known) - 1, 0)])
 
 
 def _column(visits: VisitsLike, name: str) -> object:
