@@ -1,7 +1,9 @@
-//! Standard magnitudes of the brightest objects: space stations, large payloads, and rocket bodies by class.
+//! Standard magnitudes of the brightest objects: space stations, large payloads, and rocket bodies by class; and of
+//! cubesats, which are much fainter than the satellites of unknown brightness.
 //!
 //! `bright_objects.csv` has the source of every magnitude. A row with a catalogue number is one object. A row without
-//! one is a class: all rocket bodies of this name, where a stage number in parentheses is ignored. A row with `part_of`
+//! one is a class: all rocket bodies of this name, where a stage number in parentheses is ignored, or, if it ends in `*`,
+//! all satellites whose name begins with it. A row with `part_of`
 //! is a module of a station; its light is included in the magnitude of that station.
 
 use std::collections::BTreeMap;
@@ -13,10 +15,10 @@ use super::model::BrightnessModel;
 
 const TABLE: &str = include_str!("bright_objects.csv");
 
-/// A bright object, or a class of rocket bodies.
+/// A bright object, or a class of rocket bodies or cubesats.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightObject {
-    /// Name of the object, or of the class as in catalogues: `SL-16 R/B`.
+    /// Name of the object, or of the class as in catalogues: `SL-16 R/B`, `FLOCK*`.
     pub name: &'static str,
     /// NORAD catalogue number; `None` for a class.
     pub norad_id: Option<u32>,
@@ -35,7 +37,7 @@ impl BrightObject {
     pub fn model(&self) -> BrightnessModel {
         let source = match self.norad_id {
             Some(_) => MagnitudeSource::StandardMagnitude,
-            None => MagnitudeSource::Mean(self.name.to_ascii_lowercase().replace(" r/b", "-rocket-body").into()),
+            None => MagnitudeSource::Mean(self.name.to_ascii_lowercase().replace(" r/b", "-rocket-body").replace('*', "-cubesat").into()),
         };
         BrightnessModel::of_object(self.half_lit, self.sigma_mag, source, self.size_m)
     }
@@ -73,15 +75,18 @@ impl BrightObjects {
     }
 
     /// Returns the object with this catalogue number, or else the class of this name. A stage number in parentheses is
-    /// ignored: `SL-12 R/B(2)` is of the class `SL-12 R/B`.
+    /// ignored: `SL-12 R/B(2)` is of the class `SL-12 R/B`. Debris is of no class.
     pub fn get(&self, norad_id: u32, name: &str) -> Option<&BrightObject> {
         let class = name.split_once('(').map_or(name, |(class, stage)| {
             let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
             if is_number(stage.trim_end().trim_end_matches(')')) { class } else { name }
         });
         let by_number = self.objects.iter().find(|object| object.norad_id == Some(norad_id));
-        by_number
-            .or_else(|| self.objects.iter().find(|object| object.norad_id.is_none() && object.name == class.trim_end()))
+        let is_of = |object: &&BrightObject| match object.name.strip_suffix('*') {
+            Some(family) => name.starts_with(family) && !name.ends_with(" DEB"),
+            None => object.norad_id.is_none() && object.name == class.trim_end(),
+        };
+        by_number.or_else(|| self.objects.iter().find(is_of))
     }
 
     /// Parses the rows; a test checks every one.
@@ -132,6 +137,9 @@ mod tests {
         assert_eq!(table.get(1, "SL-12 R/B(2)").unwrap().name, "SL-12 R/B");
         assert_eq!(table.get(1, "SL-12 R/B(AUX MOTOR)").unwrap().name, "SL-12 R/B(AUX MOTOR)");
         assert_eq!(table.get(1, "SL-16 DEB"), None);
+        assert_eq!(table.get(1, "FLOCK 4P-12").unwrap().model().source().to_string(), "prior:flock-cubesat");
+        assert_eq!(table.get(1, "FLOCK 4P-12 DEB"), None);
+        assert_eq!(table.get(1, "A FLOCK"), None);
         assert_eq!(table.station_of(49_044), Some(25_544));
         assert!(table.is_station(48_274) && !table.is_station(49_044) && !table.is_station(20_580));
         assert_eq!(table.get(1, "SL-16 R/B").unwrap().model().source().to_string(), "prior:sl-16-rocket-body");
