@@ -117,7 +117,8 @@ struct Judged<'a> {
     flags: Vec<Option<Verdict>>,
     /// Rows whose pointing is above the horizon while the positions of the satellites are known, with their index.
     above: Vec<(usize, &'a Exposure)>,
-    /// Passes that count, by row: lit crossings, and probable near misses if the policy has a `min_probability`.
+    /// Passes that count, by row: lit crossings (with `include_dark` all), and probable near misses if the policy has a
+    /// `min_probability`.
     counted: Vec<Vec<Pass>>,
 }
 
@@ -343,7 +344,8 @@ fn find_starts(
                 continue;
             }
             flag.kind = VerdictKind::Streaked;
-            flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
+            let lit = if policy.include_dark { "" } else { "lit " };
+            flag.reasons.push(format!("a {lit}satellite crosses within {margin_s} s of the exposure"));
         }
         if !seeks {
             continue;
@@ -450,7 +452,7 @@ fn confirm<'a>(
         let is_too_costly: Vec<bool> = match policy.max_cost_s {
             Some(most_s) => request
                 .sky
-                .crossing_probabilities(&later, request.field)?
+                .probabilities_with(&later, request.field, policy.include_dark)?
                 .iter()
                 .zip(open.iter().zip(&later).zip(&crossings.by_exposure))
                 .map(|(satellites, ((search, exposure), passes))| {

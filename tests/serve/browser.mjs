@@ -618,6 +618,20 @@ try {
     await page.close();
   });
 
+  await step("tonight's passes are requested again after an error", async () => {
+    const page = await open("#bright=6", { viewport: SMALL }, bareUrl);
+    refusing.add(page);
+    const path = /\/api\/v1\/forecast/;
+    await page.route(path, (route) => route.fulfill({ status: 400, contentType: "application/problem+json", body: '{"detail":"no positions"}' }));
+    await page.fill("#bright", "5");
+    await page.keyboard.press("Tab");
+    await eventually(async () => assert.equal(await page.textContent("#tonight-title"), "Tonight: unknown"));
+    await page.unroute(path);
+    await page.evaluate((later) => (Date.now = () => later), Date.now() + 11 * 60e3);
+    await eventually(async () => assert.match(await page.textContent("#tonight-title"), /^Tonight: \d+ visible pass/));
+    await page.close();
+  });
+
   await step("an example of a target is above the horizon", async () => {
     const page = await open("", { viewport: SMALL }, bareUrl);
     const example = page.locator("#examples button").first();

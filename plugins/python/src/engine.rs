@@ -509,7 +509,7 @@ impl Engine {
         for (cells, row) in table.rows.iter_mut().zip(&rows) {
             let lost = self.telescope.as_ref().map(|telescope| {
                 let width_arcsec = telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m);
-                let length_deg = row.pass.streak_length_rad.to_degrees();
+                let length_deg = self.policy.streak_length_rad(row.pass).to_degrees();
                 telescope.lost_pixel_fraction(length_deg, width_arcsec, field.area_deg2())
             });
             cells.push(lost.into());
