@@ -265,7 +265,10 @@ mod tests {
             vec![DeploymentFile::from_toml(period, "growth.toml").unwrap()],
         );
         let message = twice.unwrap_err().to_string();
-        assert!(message.contains("oneweb is specified by name and in periods of growth.toml; allowed: once"), "{message}");
+        assert!(
+            message.contains("oneweb is specified by name and in periods of growth.toml; allowed: once"),
+            "{message}"
+        );
         let files = ["one.toml", "two.toml"].map(|name| DeploymentFile::from_toml(period, name).unwrap());
         let message = Deployment::new(Vec::new(), files.to_vec()).unwrap_err().to_string();
         assert!(message.contains("in periods of one.toml and in periods of two.toml"), "{message}");

@@ -297,7 +297,8 @@ impl Constellation {
     pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let ShellFile { constellations, sets, .. } = &*BUNDLED;
         constellations.iter().find(|one| one.name.eq_ignore_ascii_case(name.trim())).cloned().ok_or_else(|| {
-            let names = constellations.iter().map(|one| one.name.as_str()).chain(sets.iter().map(|set| set.name.as_str()));
+            let names =
+                constellations.iter().map(|one| one.name.as_str()).chain(sets.iter().map(|set| set.name.as_str()));
             ElementsError::UnknownShells { name: name.into(), known: names.collect::<Vec<_>>().join(", ") }
         })
     }

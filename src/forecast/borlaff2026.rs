@@ -186,15 +186,19 @@ impl Mission {
         let mut rows: Vec<Reproduced> = trails
             .map(|(kind, trails)| row(format!("trails an exposure ({kind})"), "", Some(*trails), lit, 1.0))
             .collect();
-        let published = self.trails.last().map(|(_, trails)| *trails);
-        rows.push(row("the same with satellites in shadow".to_owned(), "", published, with_dark, 1.0));
+        rows.push(row("the same with satellites in shadow".to_owned(), "", None, with_dark, 1.0));
         if self.streaked_percent.is_some() {
             rows.push(row("exposures with a trail".to_owned(), "%", self.streaked_percent, streaked, 100.0));
-            // The most frequent directions on both sides of the north.
+            // The most frequent directions on both sides of the north; those with the same number of trails have one mean.
             let angles = found.position_angles(false);
             for (side, from, sign) in [("west", 0, -1.0), ("east", 9, 1.0)] {
-                let most = (from..from + 9).max_by_key(|bin| angles[*bin]).unwrap_or(from);
-                let peak = Mean { mean: 10.0 * most as f64 - 85.0, sigma: 5.0 };
+                let most = angles[from..from + 9].iter().copied().max().filter(|most| *most > 0);
+                let peaks: Vec<usize> = (from..from + 9).filter(|bin| Some(angles[*bin]) == most).collect();
+                if peaks.is_empty() {
+                    continue;
+                }
+                let bin = peaks.iter().sum::<usize>() as f64 / peaks.len() as f64;
+                let peak = Mean { mean: 10.0 * bin - 85.0, sigma: 5.0 };
                 let quantity = format!("most frequent position angle {side} of north");
                 rows.push(row(quantity, "deg", Some(sign * (90.0 - INCLINATION_DEG)), peak, 1.0));
             }

@@ -126,7 +126,12 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             |flag| flag.p_any.into(),
         ),
         field(
-            Column::real("streak_length_deg", "deg", 4, "Length of the lit parts of all nominal tracks in the field; with --include-dark, of all parts."),
+            Column::real(
+                "streak_length_deg",
+                "deg",
+                4,
+                "Length of the lit parts of all nominal tracks in the field; with --include-dark, of all parts.",
+            ),
             |flag| flag.streak_length_deg.into(),
         ),
         field(Column::new("reasons", Kind::List { separator: "; " }, "Reasons for the verdict."), |flag| {

@@ -103,7 +103,9 @@ pub(super) fn judge_exposure(
         p_any: expected.p_any,
         p_crossing: expected.p_crossing,
         p_any_is_lower_limit: expected.is_lower_limit,
-        streak_length_deg: nominal().map(|pass| policy.streak_length_rad(pass).to_degrees()).fold(0.0, |sum, one| sum + one),
+        streak_length_deg: nominal()
+            .map(|pass| policy.streak_length_rad(pass).to_degrees())
+            .fold(0.0, |sum, one| sum + one),
         reasons,
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
@@ -340,7 +342,8 @@ mod tests {
 
     #[test]
     fn near_misses_count_if_the_policy_has_a_probability() {
-        let near = Pass { chords: Vec::new(), streak_length_rad: 0.0, track_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
+        let near =
+            Pass { chords: Vec::new(), streak_length_rad: 0.0, track_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
         let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
         assert_eq!((free.kind, free.n_streaks), (VerdictKind::Clear, 0));
         // A near miss that does not count still adds to the probability of a clear exposure.

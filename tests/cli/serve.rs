@@ -120,12 +120,18 @@ fn many_exposures_in_one_request_have_the_verdicts_of_single_ones() {
     let one = "2026-08-14T23:29:05Z,30,198.9,7.7";
     for (list, words) in [
         (one.replace("30,", "x,"), "exposure 1: invalid duration_s 'x'; allowed: 0 to 3600 s"),
-        (format!("{one};{}", one.replace("30,", "4000,")), "exposure 2: invalid duration_s '4000'; allowed: 0 to 3600 s"),
+        (
+            format!("{one};{}", one.replace("30,", "4000,")),
+            "exposure 2: invalid duration_s '4000'; allowed: 0 to 3600 s",
+        ),
         (one.replace("198.9", "NaN"), "exposure 1: invalid ra_deg 'NaN'; allowed: 0 to 360 deg"),
         (one.replace("7.7", "97.7"), "exposure 1: invalid dec_deg '97.7'; allowed: -90 to 90 deg"),
         (one.replace('Z', ""), "exposure 1: invalid start_utc '2026-08-14T23:29:05'; allowed: UTC like"),
         (format!("{one},400"), "exposure 1: invalid rotation_deg '400'; allowed: -360 to 360 deg"),
-        (format!("{one},0,r,5"), "exposure 1: invalid values '2026-08-14T23:29:05Z,30,198.9,7.7,0,r,5'; allowed: START"),
+        (
+            format!("{one},0,r,5"),
+            "exposure 1: invalid values '2026-08-14T23:29:05Z,30,198.9,7.7,0,r,5'; allowed: START",
+        ),
         (format!("{one};{one},0,xx"), "exposure 2: invalid band 'xx'; allowed: "),
         (";".to_owned(), "1 to 250 exposures"),
         ([one; 251].join(";"), "251 exposures"),

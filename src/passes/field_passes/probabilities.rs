@@ -154,12 +154,10 @@ impl Sky {
         let passes = self.field_passes(exposures, field, &options)?.by_exposure;
         // The mean length of the chords of a circle is π/2 times its radius.
         let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
-        let length_rad = |pass: &Pass, exposure: &Exposure| {
-            match (pass.is_crossing(), include_dark) {
-                (true, true) => pass.track_length_rad,
-                (true, false) => pass.streak_length_rad,
-                (false, _) => mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s),
-            }
+        let length_rad = |pass: &Pass, exposure: &Exposure| match (pass.is_crossing(), include_dark) {
+            (true, true) => pass.track_length_rad,
+            (true, false) => pass.streak_length_rad,
+            (false, _) => mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s),
         };
         let is_cut = |pass: &Pass, exposure: &Exposure| {
             let shutter_s = [0.0, exposure.duration_s];

@@ -145,8 +145,11 @@ fn id_column(columns: &[(String, String)]) -> Option<&(String, String)> {
 /// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they do
 /// not assign a verdict to each observation.
 fn write_view(connection: &Connection, flags: &Table) -> Result<(), rusqlite::Error> {
-    let query = format!("SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}");
     let Some((id, _)) = id_column(&columns_of_observations(connection)?).cloned() else { return Ok(()) };
+    let query = format!(
+        "SELECT (SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}) \
+         AND NOT EXISTS (SELECT 1 FROM observations WHERE \"{id}\" IS NULL)"
+    );
     if !connection.query_row(&query, [], |row| row.get::<_, bool>(0))? {
         return Ok(());
     }

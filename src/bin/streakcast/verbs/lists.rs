@@ -191,7 +191,8 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
     let deployed: BTreeSet<&str> =
         deployment.periods().flat_map(|period| &period.constellations).map(|one| one.name.as_str()).collect();
     let never = deployment.own_growing().filter(|one| !deployed.contains(one.name.as_str()));
-    let never = never.map(|one| format!("constellation {} is in no period: it is never in orbit", Quoted::new(&one.name)));
+    let never =
+        never.map(|one| format!("constellation {} is in no period: it is never in orbit", Quoted::new(&one.name)));
     notices.warn_first(never, "constellations in no period");
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
         &VerbResult {

@@ -233,7 +233,10 @@ impl PreparedSchedule {
                 Ok(())
             },
         )?;
-        Ok((flags, Table { rows: streaks.into_values().flatten().collect(), ..streak_table([], self.streak_columns()) }))
+        Ok((
+            flags,
+            Table { rows: streaks.into_values().flatten().collect(), ..streak_table([], self.streak_columns()) },
+        ))
     }
 
     fn streak_columns(&self) -> StreakColumns {

@@ -69,8 +69,7 @@ fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) ->
     if !(4..=6).contains(&cells.len()) {
         return Err(wrong("values", text.trim(), ACCEPTED));
     }
-    let start = moment(cells[0])
-        .ok_or_else(|| wrong("start_utc", cells[0], "UTC like 2024-08-14T00:30:00Z"))?;
+    let start = moment(cells[0]).ok_or_else(|| wrong("start_utc", cells[0], "UTC like 2024-08-14T00:30:00Z"))?;
     let within = |what: &str, text: &str, [least, greatest]: [f64; 2], unit: &str| {
         let number = text.parse().ok().filter(|number| (least..=greatest).contains(number));
         number.ok_or_else(|| wrong(what, text, &format!("{least} to {greatest} {unit}")))
