@@ -42,7 +42,8 @@ pub struct PreparedSky {
     from_files: usize,
     /// Epoch of the simulated satellites; `None` if there are none.
     shells_made_for: Option<Epoch>,
-    /// Evening (MJD) of the night whose period of growing constellations is used, and the first evenings of all periods.
+    /// Evening (MJD) of the night whose period of growing constellations is used, and the first evenings of all
+    /// periods.
     growth_mjd: (i64, Vec<i64>),
 }
 
@@ -179,7 +180,8 @@ impl LoadedInputs {
         Ok(prepared)
     }
 
-    /// Returns the number of simulated satellites in the night at a time, and their constellations as in the provenance.
+    /// Returns the number of simulated satellites in the night at a time, and their constellations as in the
+    /// provenance.
     ///
     /// # Errors
     /// The site is invalid, or the night is before the first period of a file.
@@ -412,8 +414,8 @@ fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: 
     })
 }
 
-/// Returns the number of satellites by the source of their mean motion, and the median lateness of those from files at a
-/// time.
+/// Returns the number of satellites by the source of their mean motion, and the median lateness of those from files at
+/// a time.
 fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Value {
     let counts = sky.mean_motions();
     let median_s = |sigma_s: &dyn Fn(usize, f64) -> f64| {

@@ -126,8 +126,8 @@ impl Deployment {
         Ok(all)
     }
 
-    /// Returns the number of periods that have begun on the evening `evening_mjd` (MJD of the date). Nights with the same
-    /// number have the same constellations.
+    /// Returns the number of periods that have begun on the evening `evening_mjd` (MJD of the date). Nights with the
+    /// same number have the same constellations.
     pub fn periods_begun(&self, evening_mjd: i64) -> usize {
         self.periods().filter(|period| period.from_mjd <= evening_mjd).count()
     }

@@ -12,8 +12,8 @@
 //! delta) or 180° (Walker star, polar shells). The orbits are circular, without drag (B* = 0), and their mean radius in
 //! SGP4 is the Earth's equatorial radius (6378.137 km) plus the altitude of the shell. Ω₀ and u₀ hold at
 //! 2000-01-01T12:00:00 UTC, and both angles change with SGP4's secular rates. Element sets of one constellation for two
-//! epochs therefore describe the same satellites: propagated to a common time, they agree within kilometres. Shells above
-//! 5,800 km are propagated with SDP4; Moon and Sun turn their planes by degrees in years, which these rates omit.
+//! epochs therefore describe the same satellites: propagated to a common time, they agree within kilometres. Shells
+//! above 5,800 km are propagated with SDP4; Moon and Sun turn their planes by degrees in years, which these rates omit.
 //!
 //! The first node of a sun-synchronous shell may be given by its local mean solar time, which then holds at any epoch.
 //!
@@ -80,8 +80,8 @@ pub struct Shell {
     pub node_local_time_h: Option<f64>,
     /// Mean argument of latitude of the first satellite at 2000-01-01T12:00:00 UTC, degrees.
     pub phase_offset_deg: f64,
-    /// True if no source has the planes of this shell, so that `planes` and `satellites_per_plane` are assumed; only their
-    /// product is known.
+    /// True if no source has the planes of this shell, so that `planes` and `satellites_per_plane` are assumed; only
+    /// their product is known.
     pub planes_assumed: bool,
 }
 
@@ -324,11 +324,11 @@ impl Constellation {
     /// # Ok::<(), streakcast::elements::ElementsError>(())
     /// ```
     ///
-    /// The keys are those of [`Shell`]. `altitude_km` and `inclination_deg` may be lists; then there is a shell for each
-    /// combination. `satellites` in a `[[constellation]]` states the total, which is checked. `shells_of`, in place of
-    /// shells, is the name of a constellation before it in the file: its shells are repeated, with the planes midway
-    /// between. A file has at most 200 constellations, each of at most 10 million satellites. Tables `[[period]]` are
-    /// not returned.
+    /// The keys are those of [`Shell`]. `altitude_km` and `inclination_deg` may be lists; then there is a shell for
+    /// each combination. `satellites` in a `[[constellation]]` states the total, which is checked. `shells_of`, in
+    /// place of shells, is the name of a constellation before it in the file: its shells are repeated, with the planes
+    /// midway between. A file has at most 200 constellations, each of at most 10 million satellites. Tables
+    /// `[[period]]` are not returned.
     ///
     /// # Errors
     /// * The TOML is invalid, or a key is missing or unknown.
@@ -376,9 +376,9 @@ impl Constellation {
 
     /// Returns the element sets of all deployed satellites at an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers start at [`first_id`](Self::first_id), and planes that are not deployed keep theirs. Names have
-    /// the form `STARLINK-GEN1-S1 P03-07 (synthetic)`, with shell, plane and satellite counted from 1. The origin is
-    /// [`Origin::Synthetic`].
+    /// Catalogue numbers start at [`first_id`](Self::first_id), and planes that are not deployed keep theirs. Names
+    /// have the form `STARLINK-GEN1-S1 P03-07 (synthetic)`, with shell, plane and satellite counted from 1. The origin
+    /// is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);

@@ -42,7 +42,8 @@ const LONGEST_STEP_RAD: f64 = TAU / 20.0;
 const LARGEST_ERROR_KM: f64 = 0.02;
 /// Error of the interpolation below which no other states are tried, km.
 const SMALL_ERROR_KM: f64 = 0.004;
-/// Largest difference of a position from the polynomial through its neighbours, km, beside the error of that polynomial.
+/// Largest difference of a position from the polynomial through its neighbours, km, beside the error of that
+/// polynomial.
 const LARGEST_DIFFERENCE_KM: f64 = 0.1;
 /// Error of the positions in a file, km: the rounding of the coarsest files, a metre.
 const STATE_ERROR_KM: f64 = 0.001;
@@ -51,8 +52,8 @@ const STATE_ERROR_KM: f64 = 0.001;
 const SPACINGS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 /// Error of interpolation and frames, km, added in quadrature to the errors from the covariance.
 const INTERPOLATION_KM: f64 = 0.01;
-/// Positions are computed for this time before and after an exposure, seconds: the longest delay that is searched, and a
-/// minute for tracks.
+/// Positions are computed for this time before and after an exposure, seconds: the longest delay that is searched, and
+/// a minute for tracks.
 pub(super) const EPHEMERIS_MARGIN_S: f64 = Lateness::LONGEST_S + 60.0;
 /// Largest difference of two ephemerides of one message at the same time, km. Beyond it they contradict each other.
 const LARGEST_CONTRADICTION_KM: f64 = 1.0;
@@ -67,8 +68,8 @@ pub(super) struct EphemerisTable {
     start: Epoch,
     /// Interval that the ephemeris is for, seconds after the start.
     usable_s: [f64; 2],
-    /// Interval of the states, seconds after the start. States outside `usable_s` are used for late and early satellites,
-    /// which are on the same track.
+    /// Interval of the states, seconds after the start. States outside `usable_s` are used for late and early
+    /// satellites, which are on the same track.
     reach_s: [f64; 2],
     /// Times of the states, UTC seconds after the start without leap seconds, as SGP4 counts.
     times_s: Vec<f64>,
@@ -163,7 +164,8 @@ impl EphemerisTable {
         Some([first_s.max(limits_s[0]), end_s.min(limits_s[1])])
     }
 
-    /// Returns the ends of the intervals that the ephemeris is for, of its states and of its gaps, seconds after the start.
+    /// Returns the ends of the intervals that the ephemeris is for, of its states and of its gaps, seconds after the
+    /// start.
     fn ends_s(&self) -> impl Iterator<Item = f64> + '_ {
         let gaps = (0..self.nodes.len()).filter(|step| self.next_gap[*step] == *step);
         let of_gaps = gaps.flat_map(|step| [self.times_s[step], self.times_s[step + 1]]);
@@ -531,8 +533,8 @@ pub(super) struct Attached {
     pub class: OrbitClass,
     /// Largest errors of one sigma: seconds along the track, kilometres across it.
     pub largest_errors: (f64, f64),
-    /// Times at which positions change to those of another ephemeris that does not agree, minutes after the epoch of the
-    /// element set.
+    /// Times at which positions change to those of another ephemeris that does not agree, minutes after the epoch of
+    /// the element set.
     pub jumps_minutes: Vec<f64>,
 }
 
@@ -592,8 +594,8 @@ impl Attached {
         }
     }
 
-    /// Returns the ephemeris of a time and the seconds after its start: the preferred one of those that are for this time,
-    /// or else one that reaches it.
+    /// Returns the ephemeris of a time and the seconds after its start: the preferred one of those that are for this
+    /// time, or else one that reaches it.
     fn at(&self, minutes: f64) -> (&EphemerisTable, f64) {
         let preferred = &self.segments[0];
         if self.segments.len() == 1 {
@@ -631,9 +633,9 @@ impl Attached {
             && one.table.reaches(one.seconds(from) - EPHEMERIS_MARGIN_S, one.seconds(to) + EPHEMERIS_MARGIN_S)
     }
 
-    /// Returns true if the ephemerides are for an interval, minutes after the epoch of the element set, and for `beyond_s`
-    /// before and after it, and positions can be computed for the delays that are searched. Several ephemerides must agree
-    /// where positions change from one to another.
+    /// Returns true if the ephemerides are for an interval, minutes after the epoch of the element set, and for
+    /// `beyond_s` before and after it, and positions can be computed for the delays that are searched. Several
+    /// ephemerides must agree where positions change from one to another.
     pub fn covers(&self, [from, to]: [f64; 2], beyond_s: f64) -> bool {
         if let [one] = &self.segments[..] {
             let (from_s, to_s) = (one.seconds(from) - beyond_s, one.seconds(to) + beyond_s);

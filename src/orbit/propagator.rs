@@ -437,8 +437,8 @@ impl SatelliteIndex {
         Self::of_propagators(elements, made, drag)
     }
 
-    /// Creates an index of the propagators of satellites, `Err` where SGP4 could not be initialised. They were made from
-    /// the elements of an [`OrbitModel`](super::OrbitModel) with this treatment of drag.
+    /// Creates an index of the propagators of satellites, `Err` where SGP4 could not be initialised. They were made
+    /// from the elements of an [`OrbitModel`](super::OrbitModel) with this treatment of drag.
     pub fn of_propagators(elements: &[ElementSet], made: Vec<Result<Propagator, OrbitError>>, drag: DragModel) -> Self {
         let mut left_out = Vec::new();
         let propagators = made

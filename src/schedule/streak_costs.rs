@@ -65,8 +65,9 @@ pub(super) fn expected_of(
 impl FlagRequest<'_> {
     /// Returns the expected cost of one pass, seconds of open shutter; `None` without a telescope.
     ///
-    /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the field),
-    /// that of a near miss the mean length of chords through the field. A satellite in shadow is not bright. `limit_mag` is the hard limit of the exposure, instead of that of the policy.
+    /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
+    /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is not bright.
+    /// `limit_mag` is the hard limit of the exposure, instead of that of the policy.
     pub fn pass_cost_s(
         &self,
         exposure: &Exposure,
@@ -104,8 +105,8 @@ impl FlagRequest<'_> {
     }
 }
 
-/// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure selects
-/// the value, which is compared with magnitudes in the band of the prediction.
+/// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure
+/// selects the value, which is compared with magnitudes in the band of the prediction.
 #[derive(Copy, Clone, Debug)]
 pub struct BrightStreaks<'a> {
     telescope: &'a Telescope,
@@ -147,9 +148,9 @@ fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -
     brightness.map_or(1.0, probability)
 }
 
-/// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss without a
-/// pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is in the Earth's
-/// shadow there, that of the sunlit part of the track, or else the prior of its orbit.
+/// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss
+/// without a pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is
+/// in the Earth's shadow there, that of the sunlit part of the track, or else the prior of its orbit.
 fn brightness_of(
     one: &CrossingProbability,
     epoch: Epoch,

@@ -228,7 +228,8 @@ pub struct StreakRow<'a> {
     pub photometry: &'a PhotometryOptions,
     /// Magnitude limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
-    /// Expected cost of the pass, seconds of open shutter ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
+    /// Expected cost of the pass, seconds of open shutter
+    /// ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
     pub streak_cost_s: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Totals over the verdicts of a schedule, in bounded memory: counts, warnings, and an estimate of how many verdicts are
-//! wrong because the element sets are old.
+//! Totals over the verdicts of a schedule, in bounded memory: counts, warnings, and an estimate of how many verdicts
+//! are wrong because the element sets are old.
 
 use std::collections::BTreeMap;
 use std::fmt;

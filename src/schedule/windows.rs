@@ -50,8 +50,8 @@ pub struct ClearWindow {
 pub struct TargetWindows {
     /// Clear windows in time order.
     pub windows: Vec<ClearWindow>,
-    /// Opening times allowed by the altitudes of target and Sun, and by the limits of a telescope in orbit; satellites are
-    /// not considered.
+    /// Opening times allowed by the altitudes of target and Sun, and by the limits of a telescope in orbit; satellites
+    /// are not considered.
     pub observable: Vec<ClearWindow>,
     /// Passes that block part of the range, in order of entry.
     pub blocking_passes: Vec<Pass>,
@@ -79,9 +79,9 @@ pub struct WindowReport {
 /// which nominal tracks predict less than half of the crossings. A `min_probability` extends the margin by three
 /// sigmas.
 ///
-/// The altitudes of target and Sun are sampled once a minute, those above the limb and the limits of a telescope in orbit
-/// every 10 s: a target within its limits for less than that may have no window. Margins outside the ephemeris of such a
-/// telescope are not searched.
+/// The altitudes of target and Sun are sampled once a minute, those above the limb and the limits of a telescope in
+/// orbit every 10 s: a target within its limits for less than that may have no window. Margins outside the ephemeris of
+/// such a telescope are not searched.
 ///
 /// # Errors
 /// [`SkyError`] if passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
@@ -273,8 +273,8 @@ impl<'a> ObservabilityConstraint<'a> {
         })
     }
 
-    /// Returns the intervals in which the target is above and the Sun below its limit, and within the limits of a telescope
-    /// in orbit, seconds after the start of the range.
+    /// Returns the intervals in which the target is above and the Sun below its limit, and within the limits of a
+    /// telescope in orbit, seconds after the start of the range.
     fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
         let tables = (&self.orientation, self.sun_of_limits.as_ref());
         let target_rad = |seconds: f64| margin_rad(exposure, self.viewpoint, self.min_altitude_rad, tables, seconds);

@@ -29,8 +29,8 @@ const ROWS_AT_A_TIME: usize = 1000;
 pub struct PreparedSchedule {
     pub schedule: Schedule,
     plan: ObservationPlan,
-    /// Rows by their satellites, in the order of their first rows. Only constellations that grow, or a schedule without a
-    /// valid row, make more or less than one part.
+    /// Rows by their satellites, in the order of their first rows. Only constellations that grow, or a schedule without
+    /// a valid row, make more or less than one part.
     parts: Vec<Part>,
     /// Sky of the first part. The others are prepared when they are used, so that few are in memory.
     first_sky: Option<PreparedSky>,
@@ -172,8 +172,8 @@ impl PreparedSchedule {
         Ok(Self { schedule, plan, parts, first_sky, inputs, provenance, notices, path: path.to_owned(), keep })
     }
 
-    /// Judges the rows in parts, calls `take` with the rows and the verdicts of each part in their order, and prints the
-    /// warnings and the number of exposures with each verdict.
+    /// Judges the rows in parts, calls `take` with the rows and the verdicts of each part in their order, and prints
+    /// the warnings and the number of exposures with each verdict.
     pub fn judge_in_parts(&self, take: Take<'_>) -> anyhow::Result<FlagTotals> {
         self.judge_and_see(&mut |_, _, _| {}, take)
     }
@@ -266,8 +266,8 @@ impl PreparedSchedule {
     }
 }
 
-/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites. The inputs are returned if
-/// there are constellations that grow.
+/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites. The inputs are returned
+/// if there are constellations that grow.
 fn parts(
     config: &Config,
     schedule: &Schedule,
@@ -310,8 +310,8 @@ fn parts(
     Ok((parts, Some(config.load()?)))
 }
 
-/// States the simulated constellations of each period, if there are several; `sky` is that of the first of `starts`, the
-/// first shutter openings of the periods.
+/// States the simulated constellations of each period, if there are several; `sky` is that of the first of `starts`,
+/// the first shutter openings of the periods.
 fn state_periods(
     provenance: &mut Provenance,
     inputs: &LoadedInputs,

@@ -259,8 +259,8 @@ fn add_local_times(table: &mut Table, zone: &LocalTime) {
     }
 }
 
-/// Returns the ends of a window in local time, rounded inwards to a step in seconds, or to a finer step if the window is
-/// shorter.
+/// Returns the ends of a window in local time, rounded inwards to a step in seconds, or to a finer step if the window
+/// is shorter.
 fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [String; 2] {
     let inside = |step_s: f64| {
         let step = step_s * Unit::Second;
