@@ -826,6 +826,7 @@ try {
       ["2:10", "2026-08-15T07:10:00Z"],
       ["2026-08-13 22:30", "2026-08-14T03:30:00Z"],
       ["2026-08-14 23:35:20Z", "2026-08-14T23:35:20Z"],
+      ["2026-08-14 23:35:20z", "2026-08-14T23:35:20Z"],
     ]) {
       await enter(page, "M104", text, 45);
       const { start, hash } = await seen(page);
@@ -833,7 +834,7 @@ try {
     }
     refusing.add(page);
     const title = await page.textContent("#exposure-title");
-    for (const text of ["25:00", "18", "yesterday"]) {
+    for (const text of ["25:00", "18", "yesterday", "2026-02-30 23:30"]) {
       await enter(page, "M31", text, 45);
       assert.ok((await page.textContent("#problem")).startsWith(`Invalid start '${text}'; allowed: now, a local time`), text);
       assert.equal(await page.textContent("#exposure-title"), title);
