@@ -114,7 +114,8 @@ pub struct Measurements {
 }
 
 impl MeasureConfig {
-    /// Opens the frames, predicts the satellites in them, and measures their streaks, or measures the streaks of tables.
+    /// Opens the frames, predicts the satellites in them, and measures their streaks, or measures the streaks of
+    /// tables.
     ///
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
     /// Streaks of tables need no satellites.

@@ -31,9 +31,9 @@ pub(super) struct MeasuredTables {
 }
 
 impl MeasuredTables {
-    /// Reads tables and finds the frames of their rows: the given `frames` of that name, or else the file relative to the
-    /// folder of the table. Rows of a single table without a name are of all frames; those of several tables are of the
-    /// frame at the place of the table.
+    /// Reads tables and finds the frames of their rows: the given `frames` of that name, or else the file relative to
+    /// the folder of the table. Rows of a single table without a name are of all frames; those of several tables are of
+    /// the frame at the place of the table.
     ///
     /// # Errors
     /// A table is invalid, or a row has no frame.
@@ -118,8 +118,8 @@ pub(super) fn identify_listed(
         let Some(best) = found.candidates.first().filter(|best| best.probability >= LIKELY) else { continue };
         streak.probability = Some(best.probability);
         if let Some(given) = streak.given.as_mut().filter(|given| !given.has_times()) {
-            // A streak that the satellite crosses in less than the exposure continues outside of the frame. Its light is
-            // that of the time between the ends.
+            // A streak that the satellite crosses in less than the exposure continues outside of the frame. Its light
+            // is that of the time between the ends.
             let duration_s = ends[0].separation_rad(&ends[1]) / best.angular_rate_rad_s;
             if duration_s < WHOLE_SHARE * frame.exposure_s {
                 let middle_s = seconds_between(frame.opened, best.passage.epoch);

@@ -42,6 +42,9 @@ pub struct PreparedSky {
     from_files: usize,
     /// Epoch of the simulated satellites; `None` if there are none.
     shells_made_for: Option<Epoch>,
+    /// Evening (MJD) of the night whose period of growing constellations is used, and the first evenings of all
+    /// periods.
+    growth_mjd: (i64, Vec<i64>),
 }
 
 /// Returns names with catalogue numbers, for warnings; `satellites` are indices of `elements`.
@@ -109,12 +112,12 @@ impl LoadedInputs {
         }
         of_files.extend(warnings::of_ephemerides_without_elements(&without_elements));
         let from_files = elements.len();
-        let longitude_rad = viewpoint.site().map_or(0.0, |observer| observer.site().longitude_rad);
-        let constellations = self.deployment.at(evening_mjd(first, longitude_rad))?;
+        let evening = evening_mjd(first, longitude_rad(&viewpoint));
+        let constellations = self.deployment.at(evening)?;
+        let growth_mjd = (evening, self.deployment.periods().map(|period| period.from_mjd).collect());
         let shells_made_for = (!constellations.is_empty()).then(|| start_of_utc_day(first));
         if let Some(day) = shells_made_for {
-            let stated: Vec<_> = constellations.iter().map(constellation_json).collect();
-            provenance.state("shells", stated);
+            provenance.state("shells", constellations_json(&constellations));
             // All requests of a UTC day use one epoch, so that a schedule and a single exposure of it have the same
             // satellites.
             elements.extend(constellations.iter().flat_map(|constellation| constellation.element_sets(day)));
@@ -171,9 +174,21 @@ impl LoadedInputs {
             of_files.extend(warnings::of_measured(measured.len(), not_used));
         }
         let warnings = Vec::new();
-        let mut prepared = PreparedSky { sky, eop, provenance, warnings, of_files, from_files, shells_made_for };
+        let mut prepared =
+            PreparedSky { sky, eop, provenance, warnings, of_files, from_files, shells_made_for, growth_mjd };
         prepared.warnings = prepared.warnings_at(first, last);
         Ok(prepared)
+    }
+
+    /// Returns the number of simulated satellites in the night at a time, and their constellations as in the
+    /// provenance.
+    ///
+    /// # Errors
+    /// The site is invalid, or the night is before the first period of a file.
+    pub fn simulated_at(&self, epoch: Epoch) -> Result<(usize, serde_json::Value), ConfigError> {
+        let longitude_rad = self.config.viewpoint_longitude_rad(Some(epoch))?;
+        let constellations = self.deployment.at(evening_mjd(epoch, longitude_rad))?;
+        Ok((constellations.iter().map(Constellation::satellites).sum(), constellations_json(&constellations)))
     }
 }
 
@@ -203,6 +218,10 @@ impl PreparedSky {
         warnings.extend(warnings::of_contradictory(&names(contradictory, self.sky.elements())));
         warnings.extend(warnings::of_age(&self.sky, self.from_files, first, last, is_selected));
         warnings.extend(self.shells_made_for.and_then(|day| warnings::of_shells(day, first, last)));
+        let (evening, begins) = &self.growth_mjd;
+        let evenings = [first, seconds_after(last, -1.0).max(first)];
+        let evenings = evenings.map(|epoch| evening_mjd(epoch, longitude_rad(self.sky.viewpoint())));
+        warnings.extend(warnings::of_growth(*evening, evenings, begins));
         warnings.extend(warnings::of_orientation(&self.eop, first, last));
         if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {
             warnings.extend(warnings::of_observer(observer, first, last));
@@ -395,8 +414,8 @@ fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: 
     })
 }
 
-/// Returns the number of satellites by the source of their mean motion, and the median lateness of those from files at a
-/// time.
+/// Returns the number of satellites by the source of their mean motion, and the median lateness of those from files at
+/// a time.
 fn mean_motion_json(sky: &Sky, from_files: usize, at: Epoch) -> serde_json::Value {
     let counts = sky.mean_motions();
     let median_s = |sigma_s: &dyn Fn(usize, f64) -> f64| {
@@ -425,14 +444,22 @@ fn rejected_json(rejected: &Rejected) -> serde_json::Value {
     })
 }
 
-fn constellation_json(constellation: &Constellation) -> serde_json::Value {
-    json!({
-        "name": constellation.name,
-        "satellites": constellation.satellites(),
-        "deployed_fraction": constellation.deployed_fraction,
-        "synthetic": true,
-        "source": constellation.source,
-    })
+/// Returns the longitude at which noon separates nights, radians: that of a site, or 0 for a telescope in orbit.
+fn longitude_rad(viewpoint: &Viewpoint) -> f64 {
+    viewpoint.site().map_or(0.0, |observer| observer.site().longitude_rad)
+}
+
+fn constellations_json(constellations: &[Constellation]) -> serde_json::Value {
+    let stated = constellations.iter().map(|constellation| {
+        json!({
+            "name": constellation.name,
+            "satellites": constellation.satellites(),
+            "deployed_fraction": constellation.deployed_fraction,
+            "synthetic": true,
+            "source": constellation.source,
+        })
+    });
+    stated.collect()
 }
 
 fn site_json(site: &Site) -> serde_json::Value {

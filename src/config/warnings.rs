@@ -210,8 +210,21 @@ pub(super) fn of_shells(generated_for: Epoch, first: Epoch, last: Epoch) -> Opti
     })
 }
 
-/// Returns the warning about a telescope in orbit: its elements are old, or its ephemerides do not cover the time of the
-/// request.
+/// Returns the warning about constellations that grow: those of the evening `used` (MJD) are used, but between it and
+/// the first or last evening of the request another period begins. `begins` are the first evenings of all periods.
+pub(super) fn of_growth(used: i64, [first, last]: [i64; 2], begins: &[i64]) -> Option<String> {
+    let (from, to) = (used.min(first), used.max(last));
+    let other = begins.iter().filter(|begin| (from + 1..=to).contains(*begin)).min()?;
+    Some(format!(
+        "simulated constellations are those of the night of {} for the whole request, although another period of them \
+         begins on {}",
+        day(Epoch::from_mjd_utc(used as f64)),
+        day(Epoch::from_mjd_utc(*other as f64))
+    ))
+}
+
+/// Returns the warning about a telescope in orbit: its elements are old, or its ephemerides do not cover the time of
+/// the request.
 pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let Some(epoch) = observer.elements_epoch() else {

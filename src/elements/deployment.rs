@@ -1,6 +1,6 @@
 //! Simulated constellations that grow: from which night on which share of each is in orbit.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 use hifitime::Epoch;
 use toml::value::Datetime;
@@ -8,6 +8,7 @@ use toml::value::Datetime;
 use super::element_set::NoradId;
 use super::error::ElementsError;
 use super::shell::{Constellation, PeriodEntry, ShellFile};
+use crate::message::Quoted;
 
 /// Largest number of periods in a file.
 const MOST_PERIODS: usize = 1000;
@@ -72,17 +73,18 @@ impl Deployment {
             }
             deployment.growing.push(file);
         }
-        let mut first_ids: BTreeSet<NoradId> = deployment.always.iter().map(|one| one.first_id).collect();
+        // Where each constellation is specified.
+        let by_name = deployment.always.iter().map(|one| (one.first_id, "by name".to_owned()));
+        let mut places: BTreeMap<NoradId, String> = by_name.collect();
         for file in &deployment.growing {
-            let of_file: Vec<&Constellation> = file.periods.iter().flat_map(|period| &period.constellations).collect();
-            if let Some(twice) = of_file.iter().find(|one| first_ids.contains(&one.first_id)) {
-                let message = format!(
-                    "constellation {} is specified twice, by name or in periods of two files; allowed: once",
-                    twice.name
-                );
-                return Err(ElementsError::ShellSyntax(message));
+            let here = format!("in periods of {}", file.name);
+            for one in file.periods.iter().flat_map(|period| &period.constellations) {
+                if let Some(other) = places.get(&one.first_id).filter(|other| **other != here) {
+                    let message = format!("constellation {} is specified {other} and {here}; allowed: once", one.name);
+                    return Err(ElementsError::ShellSyntax(message));
+                }
+                places.insert(one.first_id, here.clone());
             }
-            first_ids.extend(of_file.iter().map(|one| one.first_id));
         }
         Ok(deployment)
     }
@@ -95,6 +97,11 @@ impl Deployment {
     /// Returns the constellations that are complete in all nights.
     pub fn always(&self) -> &[Constellation] {
         &self.always
+    }
+
+    /// Returns the constellations that are defined in files with periods, complete.
+    pub fn own_growing(&self) -> impl Iterator<Item = &Constellation> {
+        self.growing.iter().flat_map(|file| &file.constellations)
     }
 
     /// Returns the periods of all files.
@@ -119,8 +126,8 @@ impl Deployment {
         Ok(all)
     }
 
-    /// Returns the number of periods that have begun on the evening `evening_mjd`. Nights with the same number have the
-    /// same constellations.
+    /// Returns the number of periods that have begun on the evening `evening_mjd` (MJD of the date). Nights with the
+    /// same number have the same constellations.
     pub fn periods_begun(&self, evening_mjd: i64) -> usize {
         self.periods().filter(|period| period.from_mjd <= evening_mjd).count()
     }
@@ -157,23 +164,24 @@ fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod,
     let evening = Epoch::from_gregorian_utc_at_midnight(i32::from(date.year), date.month, date.day);
     let mut constellations: Vec<Constellation> = Vec::new();
     for (name, fraction) in entry.shells {
-        let fraction = match fraction {
-            toml::Value::Float(fraction) => fraction,
-            toml::Value::Integer(fraction) => fraction as f64,
+        let number = match fraction {
+            toml::Value::Float(number) => number,
+            toml::Value::Integer(number) => number as f64,
             _ => f64::NAN,
         };
-        if !(0.0..=1.0).contains(&fraction) {
-            return Err(wrong(format!("the fraction of {name} must be a number; allowed: 0 to 1")));
+        if !(0.0..=1.0).contains(&number) {
+            let (name, given) = (Quoted::new(&name), fraction.to_string());
+            return Err(wrong(format!("the fraction of {name} is {}; allowed: 0 to 1", Quoted::new(&given))));
         }
         let found = match own.iter().find(|one| one.name == name) {
             Some(one) => vec![one.clone()],
-            None => Constellation::by_name_or_set(&name)?,
+            None => Constellation::by_name_or_set(&name).map_err(|error| wrong(error.to_string()))?,
         };
         for mut one in found {
             if constellations.iter().any(|other| other.name == one.name) {
                 return Err(wrong(format!("constellation {} is in it twice; allowed: once", one.name)));
             }
-            one.deployed_fraction = fraction;
+            one.deployed_fraction = number;
             constellations.push(one);
         }
     }
@@ -231,10 +239,16 @@ mod tests {
             ("[[period]]\nfrom = 2027-01-01T12:00:00\nshells = {}", "allowed: from = 2027-01-01"),
             (
                 "[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 1.5 }",
-                "the fraction of oneweb must be a number; allowed: 0 to 1",
+                "the fraction of oneweb is 1.5; allowed: 0 to 1",
             ),
-            ("[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 'all' }", "allowed: 0 to 1"),
-            ("[[period]]\nfrom = 2027-01-01\nshells = { onewebb = 1 }", "unknown shells \"onewebb\""),
+            (
+                "[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 'all' }",
+                "period from 2027-01-01: the fraction of oneweb is \"all\"; allowed: 0 to 1",
+            ),
+            (
+                "[[period]]\nfrom = 2027-01-01\nshells = { onewebb = 1 }",
+                "period from 2027-01-01: unknown shells \"onewebb\"",
+            ),
             ("[[period]]\nfrom = 2027-01-01\nshells = { planned-2026 = 1, guowang = 1 }", "guowang is in it twice"),
             (
                 "[[period]]\nfrom = 2027-01-01\nshells = {}\n[[period]]\nfrom = 2026-01-01\nshells = {}",
@@ -250,6 +264,23 @@ mod tests {
             Constellation::by_name_or_set("oneweb").unwrap(),
             vec![DeploymentFile::from_toml(period, "growth.toml").unwrap()],
         );
-        assert!(twice.unwrap_err().to_string().contains("oneweb is specified twice"));
+        let message = twice.unwrap_err().to_string();
+        assert!(
+            message.contains("oneweb is specified by name and in periods of growth.toml; allowed: once"),
+            "{message}"
+        );
+        let files = ["one.toml", "two.toml"].map(|name| DeploymentFile::from_toml(period, name).unwrap());
+        let message = Deployment::new(Vec::new(), files.to_vec()).unwrap_err().to_string();
+        assert!(message.contains("in periods of one.toml and in periods of two.toml"), "{message}");
+    }
+
+    /// Planes that are not in orbit are not counted among those with assumed planes.
+    #[test]
+    fn assumed_planes_are_deployed_ones() {
+        let period = "[[period]]\nfrom = 2027-01-01\nshells = { planned-2026 = 0.01 }";
+        let constellations = deployment(period).unwrap().at(JANUARY_2027_MJD).unwrap();
+        let sum = |of: fn(&Constellation) -> usize| constellations.iter().map(of).sum::<usize>();
+        let [all, assumed] = [sum(Constellation::satellites), sum(Constellation::satellites_with_assumed_planes)];
+        assert!(0 < assumed && assumed < all, "{assumed} of {all}");
     }
 }

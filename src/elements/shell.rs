@@ -12,8 +12,8 @@
 //! delta) or 180° (Walker star, polar shells). The orbits are circular, without drag (B* = 0), and their mean radius in
 //! SGP4 is the Earth's equatorial radius (6378.137 km) plus the altitude of the shell. Ω₀ and u₀ hold at
 //! 2000-01-01T12:00:00 UTC, and both angles change with SGP4's secular rates. Element sets of one constellation for two
-//! epochs therefore describe the same satellites: propagated to a common time, they agree within kilometres. Shells above
-//! 5,800 km are propagated with SDP4; Moon and Sun turn their planes by degrees in years, which these rates omit.
+//! epochs therefore describe the same satellites: propagated to a common time, they agree within kilometres. Shells
+//! above 5,800 km are propagated with SDP4; Moon and Sun turn their planes by degrees in years, which these rates omit.
 //!
 //! The first node of a sun-synchronous shell may be given by its local mean solar time, which then holds at any epoch.
 //!
@@ -21,7 +21,7 @@
 
 use std::f64::consts::TAU;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use hifitime::{Duration, Epoch, TimeScale};
 use serde::Deserialize;
@@ -36,6 +36,10 @@ use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
 /// Bundled constellations, with their sources.
 const EMBEDDED: &str = include_str!("shells.toml");
+
+/// The same, parsed once. Parsing cannot fail: the text is part of the library, and a test parses it.
+static BUNDLED: LazyLock<ShellFile> =
+    LazyLock::new(|| parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).unwrap_or_default());
 
 /// First catalogue number of simulated satellites. Each bundled constellation begins at a multiple of a million.
 pub const FIRST_SYNTHETIC_ID: u32 = 900_000_000;
@@ -76,8 +80,8 @@ pub struct Shell {
     pub node_local_time_h: Option<f64>,
     /// Mean argument of latitude of the first satellite at 2000-01-01T12:00:00 UTC, degrees.
     pub phase_offset_deg: f64,
-    /// True if no source has the planes of this shell, so that `planes` and `satellites_per_plane` are assumed; only their
-    /// product is known.
+    /// True if no source has the planes of this shell, so that `planes` and `satellites_per_plane` are assumed; only
+    /// their product is known.
     pub planes_assumed: bool,
 }
 
@@ -234,7 +238,7 @@ struct File {
 }
 
 /// Constellations, sets of them, and periods of a file.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct ShellFile {
     pub constellations: Vec<Constellation>,
     pub periods: Vec<PeriodEntry>,
@@ -266,14 +270,13 @@ struct Entry {
 impl Constellation {
     /// Returns the bundled constellations.
     pub fn embedded() -> Vec<Self> {
-        // Parsing cannot fail: the text is part of the library, and a test parses it.
-        parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|file| file.constellations).unwrap_or_default()
+        BUNDLED.constellations.clone()
     }
 
     /// Returns the bundled sets of constellations.
     #[doc(hidden)]
     pub fn embedded_sets() -> Vec<ConstellationSet> {
-        parse(EMBEDDED, FIRST_SYNTHETIC_ID, ID_BLOCK).map(|file| file.sets).unwrap_or_default()
+        BUNDLED.sets.clone()
     }
 
     /// Returns the bundled constellation with this name, or those of the bundled set with this name; case is ignored.
@@ -281,8 +284,7 @@ impl Constellation {
     /// # Errors
     /// The name is unknown. The error lists the known names.
     pub fn by_name_or_set(name: &str) -> Result<Vec<Self>, ElementsError> {
-        let sets = Self::embedded_sets();
-        match sets.iter().find(|set| set.name.eq_ignore_ascii_case(name.trim())) {
+        match BUNDLED.sets.iter().find(|set| set.name.eq_ignore_ascii_case(name.trim())) {
             Some(set) => set.constellations.iter().map(|one| Self::by_name(one)).collect(),
             None => Ok(vec![Self::by_name(name)?]),
         }
@@ -293,15 +295,12 @@ impl Constellation {
     /// # Errors
     /// The name is unknown. The error lists the known names.
     pub fn by_name(name: &str) -> Result<Self, ElementsError> {
-        let mut all = Self::embedded();
-        match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
-            Some(at) => Ok(all.swap_remove(at)),
-            None => {
-                let sets = Self::embedded_sets().into_iter().map(|set| set.name);
-                let known: Vec<_> = all.into_iter().map(|constellation| constellation.name).chain(sets).collect();
-                Err(ElementsError::UnknownShells { name: name.into(), known: known.join(", ") })
-            }
-        }
+        let ShellFile { constellations, sets, .. } = &*BUNDLED;
+        constellations.iter().find(|one| one.name.eq_ignore_ascii_case(name.trim())).cloned().ok_or_else(|| {
+            let names =
+                constellations.iter().map(|one| one.name.as_str()).chain(sets.iter().map(|set| set.name.as_str()));
+            ElementsError::UnknownShells { name: name.into(), known: names.collect::<Vec<_>>().join(", ") }
+        })
     }
 
     /// Parses constellations from TOML.
@@ -325,11 +324,11 @@ impl Constellation {
     /// # Ok::<(), streakcast::elements::ElementsError>(())
     /// ```
     ///
-    /// The keys are those of [`Shell`]. `altitude_km` and `inclination_deg` may be lists; then there is a shell for each
-    /// combination. `satellites` in a `[[constellation]]` states the total, which is checked. `shells_of`, in place of
-    /// shells, is the name of a constellation before it in the file: its shells are repeated, with the planes midway
-    /// between. A file has at most 200 constellations, each of at most 10 million satellites. Tables `[[period]]` are
-    /// not returned.
+    /// The keys are those of [`Shell`]. `altitude_km` and `inclination_deg` may be lists; then there is a shell for
+    /// each combination. `satellites` in a `[[constellation]]` states the total, which is checked. `shells_of`, in
+    /// place of shells, is the name of a constellation before it in the file: its shells are repeated, with the planes
+    /// midway between. A file has at most 200 constellations, each of at most 10 million satellites. Tables
+    /// `[[period]]` are not returned.
     ///
     /// # Errors
     /// * The TOML is invalid, or a key is missing or unknown.
@@ -356,8 +355,18 @@ impl Constellation {
 
     /// Returns the number of deployed satellites in all shells.
     pub fn satellites(&self) -> usize {
+        self.deployed(|_| true)
+    }
+
+    /// Returns the number of deployed satellites in shells of which no source has the planes.
+    #[doc(hidden)]
+    pub fn satellites_with_assumed_planes(&self) -> usize {
+        self.deployed(|shell| shell.planes_assumed)
+    }
+
+    fn deployed(&self, is_counted: impl Fn(&Shell) -> bool) -> usize {
         let deployed = |shell: &Shell| shell.deployed_planes(self.deployed_fraction) * shell.satellites_per_plane;
-        self.shells.iter().map(|shell| deployed(shell) as usize).sum()
+        self.shells.iter().filter(|shell| is_counted(shell)).map(|shell| deployed(shell) as usize).sum()
     }
 
     /// Returns the number of satellites of all planes.
@@ -367,8 +376,9 @@ impl Constellation {
 
     /// Returns the element sets of all deployed satellites at an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers start at [`first_id`](Self::first_id), and planes that are not deployed keep theirs. Names have the form `STARLINK-GEN1-S1 P03-07
-    /// (synthetic)`, with shell, plane and satellite counted from 1. The origin is [`Origin::Synthetic`].
+    /// Catalogue numbers start at [`first_id`](Self::first_id), and planes that are not deployed keep theirs. Names
+    /// have the form `STARLINK-GEN1-S1 P03-07 (synthetic)`, with shell, plane and satellite counted from 1. The origin
+    /// is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);

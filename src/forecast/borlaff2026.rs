@@ -186,15 +186,20 @@ impl Mission {
         let mut rows: Vec<Reproduced> = trails
             .map(|(kind, trails)| row(format!("trails an exposure ({kind})"), "", Some(*trails), lit, 1.0))
             .collect();
-        let published = self.trails.last().map(|(_, trails)| *trails);
-        rows.push(row("the same with satellites in shadow".to_owned(), "", published, with_dark, 1.0));
+        rows.push(row("the same with satellites in shadow".to_owned(), "", None, with_dark, 1.0));
         if self.streaked_percent.is_some() {
             rows.push(row("exposures with a trail".to_owned(), "%", self.streaked_percent, streaked, 100.0));
-            // The most frequent directions on both sides of the north.
+            // The most frequent directions on both sides of the north; those with the same number of trails have one
+            // mean.
             let angles = found.position_angles(false);
             for (side, from, sign) in [("west", 0, -1.0), ("east", 9, 1.0)] {
-                let most = (from..from + 9).max_by_key(|bin| angles[*bin]).unwrap_or(from);
-                let peak = Mean { mean: 10.0 * most as f64 - 85.0, sigma: 5.0 };
+                let most = angles[from..from + 9].iter().copied().max().filter(|most| *most > 0);
+                let peaks: Vec<usize> = (from..from + 9).filter(|bin| Some(angles[*bin]) == most).collect();
+                if peaks.is_empty() {
+                    continue;
+                }
+                let bin = peaks.iter().sum::<usize>() as f64 / peaks.len() as f64;
+                let peak = Mean { mean: 10.0 * bin - 85.0, sigma: 5.0 };
                 let quantity = format!("most frequent position angle {side} of north");
                 rows.push(row(quantity, "deg", Some(sign * (90.0 - INCLINATION_DEG)), peak, 1.0));
             }
@@ -226,6 +231,43 @@ fn sun_synchronous(set: &ElementSet, height_km: f64) -> ElementSet {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Without trails on a side there is no most frequent direction, and those with the same number have one mean.
+    #[test]
+    fn directions_without_trails_are_omitted() {
+        let field = Field::rectangle_deg(1.0, 1.0).expect("a field");
+        let request = TrailRequest {
+            start: Epoch::from_gregorian_utc_at_midnight(2026, 4, 25),
+            end: Epoch::from_gregorian_utc_at_midnight(2026, 4, 26),
+            pointings: 2,
+            seed: 1,
+            exposure_s: 60.0,
+            field: &field,
+            limit_mag: None,
+            include_dark: true,
+            photometry: PhotometryOptions::default(),
+        };
+        let mission = MISSIONS.iter().find(|one| one.streaked_percent.is_some()).expect("SPHEREx");
+        let rows_of = |angles_deg: &[f64]| {
+            let trail = |angle_deg: &f64| crate::forecast::Trail {
+                orbit: crate::forecast::OrbitHeight::Low,
+                lit: true,
+                position_angle_rad: angle_deg.to_radians(),
+                p_brighter: 0.0,
+            };
+            let trails = vec![angles_deg.iter().map(trail).collect(), Vec::new()];
+            mission.rows(&TrailStatistics { trails, ..TrailStatistics::default() }, &request, 1)
+        };
+        let angles = |angles_deg: &[f64]| -> Vec<(bool, f64)> {
+            let rows = rows_of(angles_deg).into_iter().filter(|row| row.quantity.contains("position angle"));
+            rows.map(|row| (row.quantity.contains("west"), row.ours)).collect()
+        };
+        assert_eq!(angles(&[]), []);
+        assert_eq!(angles(&[35.0]), [(false, 35.0)]);
+        assert_eq!(angles(&[-35.0, -55.0, 15.0, 17.0, 85.0]), [(true, -45.0), (false, 15.0)]);
+        let dark = rows_of(&[35.0]).into_iter().find(|row| row.quantity.contains("in shadow")).expect("a row");
+        assert!(dark.published.is_none());
+    }
 
     /// A sun-synchronous orbit at 800 km has an inclination of 98.6° (Vallado, Fundamentals of Astrodynamics, 11.4.1).
     #[test]

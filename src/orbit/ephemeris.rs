@@ -42,7 +42,8 @@ const LONGEST_STEP_RAD: f64 = TAU / 20.0;
 const LARGEST_ERROR_KM: f64 = 0.02;
 /// Error of the interpolation below which no other states are tried, km.
 const SMALL_ERROR_KM: f64 = 0.004;
-/// Largest difference of a position from the polynomial through its neighbours, km, beside the error of that polynomial.
+/// Largest difference of a position from the polynomial through its neighbours, km, beside the error of that
+/// polynomial.
 const LARGEST_DIFFERENCE_KM: f64 = 0.1;
 /// Error of the positions in a file, km: the rounding of the coarsest files, a metre.
 const STATE_ERROR_KM: f64 = 0.001;
@@ -51,8 +52,8 @@ const STATE_ERROR_KM: f64 = 0.001;
 const SPACINGS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 /// Error of interpolation and frames, km, added in quadrature to the errors from the covariance.
 const INTERPOLATION_KM: f64 = 0.01;
-/// Positions are computed for this time before and after an exposure, seconds: the longest delay that is searched, and a
-/// minute for tracks.
+/// Positions are computed for this time before and after an exposure, seconds: the longest delay that is searched, and
+/// a minute for tracks.
 pub(super) const EPHEMERIS_MARGIN_S: f64 = Lateness::LONGEST_S + 60.0;
 /// Largest difference of two ephemerides of one message at the same time, km. Beyond it they contradict each other.
 const LARGEST_CONTRADICTION_KM: f64 = 1.0;
@@ -67,8 +68,8 @@ pub(super) struct EphemerisTable {
     start: Epoch,
     /// Interval that the ephemeris is for, seconds after the start.
     usable_s: [f64; 2],
-    /// Interval of the states, seconds after the start. States outside `usable_s` are used for late and early satellites,
-    /// which are on the same track.
+    /// Interval of the states, seconds after the start. States outside `usable_s` are used for late and early
+    /// satellites, which are on the same track.
     reach_s: [f64; 2],
     /// Times of the states, UTC seconds after the start without leap seconds, as SGP4 counts.
     times_s: Vec<f64>,
@@ -161,6 +162,14 @@ impl EphemerisTable {
         let first_s = (0..step).rev().find(is_gap).map_or(f64::NEG_INFINITY, |gap| self.times_s[gap + 1]);
         let end_s = self.times_s.get(self.next_gap[step]).copied().unwrap_or(f64::INFINITY);
         Some([first_s.max(limits_s[0]), end_s.min(limits_s[1])])
+    }
+
+    /// Returns the ends of the intervals that the ephemeris is for, of its states and of its gaps, seconds after the
+    /// start.
+    fn ends_s(&self) -> impl Iterator<Item = f64> + '_ {
+        let gaps = (0..self.nodes.len()).filter(|step| self.next_gap[*step] == *step);
+        let of_gaps = gaps.flat_map(|step| [self.times_s[step], self.times_s[step + 1]]);
+        self.usable_s.into_iter().chain(self.reach_s).chain(of_gaps)
     }
 
     /// Returns the seconds from the start to a time, as SGP4 counts them.
@@ -524,6 +533,9 @@ pub(super) struct Attached {
     pub class: OrbitClass,
     /// Largest errors of one sigma: seconds along the track, kilometres across it.
     pub largest_errors: (f64, f64),
+    /// Times at which positions change to those of another ephemeris that does not agree, minutes after the epoch of
+    /// the element set.
+    pub jumps_minutes: Vec<f64>,
 }
 
 /// Table of an ephemeris and its start.
@@ -535,15 +547,6 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    /// Returns true if the positions of two ephemerides at a time agree.
-    fn joins(&self, other: &Self, minutes: f64) -> bool {
-        let [Some(one), Some(other)] = [self, other].map(|segment| segment.table.state_at(segment.seconds(minutes)))
-        else {
-            return true;
-        };
-        (one.position.vector() - other.position.vector()).norm() <= LARGEST_CONTRADICTION_KM
-    }
-
     /// Returns the seconds after the start of the table.
     fn seconds(&self, minutes: f64) -> f64 {
         (minutes - self.start_minutes) * 60.0
@@ -554,11 +557,29 @@ impl Attached {
     /// Joins ephemerides of one satellite, the preferred one first.
     pub fn joined(of_one: &[&Self]) -> Option<Self> {
         let largest = of_one.iter().map(|one| one.largest_errors);
-        Some(Self {
+        let mut joined = Self {
             segments: of_one.iter().flat_map(|one| one.segments.iter().cloned()).collect(),
             class: of_one.first()?.class,
             largest_errors: largest.fold((0.0, 0.0), |sum: (f64, f64), one| (sum.0.max(one.0), sum.1.max(one.1))),
-        })
+            jumps_minutes: Vec::new(),
+        };
+        joined.jumps_minutes = joined.jumps();
+        Some(joined)
+    }
+
+    fn jumps(&self) -> Vec<f64> {
+        /// A hundredth of a millisecond, in which a satellite moves by a decimetre.
+        const BESIDE_MINUTES: f64 = 1e-5 / 60.0;
+        let ends =
+            self.segments.iter().flat_map(|one| one.table.ends_s().map(|end_s| one.start_minutes + end_s / 60.0));
+        let is_jump = |minutes: &f64| {
+            let beside = [minutes - BESIDE_MINUTES, minutes + BESIDE_MINUTES].map(|minutes| {
+                let (table, time_s) = self.at(minutes);
+                table.state_at(time_s).map(|state| *state.position.vector())
+            });
+            matches!(beside, [Some(before), Some(after)] if (after - before).norm() > LARGEST_CONTRADICTION_KM)
+        };
+        ends.filter(is_jump).collect()
     }
 
     /// Returns the name of the file; the first one, with the number of the others, of several.
@@ -573,8 +594,8 @@ impl Attached {
         }
     }
 
-    /// Returns the ephemeris of a time and the seconds after its start: the preferred one of those that are for this time,
-    /// or else one that reaches it.
+    /// Returns the ephemeris of a time and the seconds after its start: the preferred one of those that are for this
+    /// time, or else one that reaches it.
     fn at(&self, minutes: f64) -> (&EphemerisTable, f64) {
         let preferred = &self.segments[0];
         if self.segments.len() == 1 {
@@ -612,28 +633,28 @@ impl Attached {
             && one.table.reaches(one.seconds(from) - EPHEMERIS_MARGIN_S, one.seconds(to) + EPHEMERIS_MARGIN_S)
     }
 
-    /// Returns true if the ephemerides are for an interval, minutes after the epoch of the element set, and for `beyond_s`
-    /// before and after it, and positions can be computed for the delays that are searched. Several ephemerides must join.
+    /// Returns true if the ephemerides are for an interval, minutes after the epoch of the element set, and for
+    /// `beyond_s` before and after it, and positions can be computed for the delays that are searched. Several
+    /// ephemerides must agree where positions change from one to another.
     pub fn covers(&self, [from, to]: [f64; 2], beyond_s: f64) -> bool {
         if let [one] = &self.segments[..] {
             let (from_s, to_s) = (one.seconds(from) - beyond_s, one.seconds(to) + beyond_s);
             return one.table.covers(from_s, to_s)
                 && one.table.reaches(from_s - EPHEMERIS_MARGIN_S, to_s + EPHEMERIS_MARGIN_S);
         }
+        let reach_minutes = (beyond_s + EPHEMERIS_MARGIN_S) / 60.0;
+        if self.jumps_minutes.iter().any(|jump| (from - reach_minutes..=to + reach_minutes).contains(jump)) {
+            return false;
+        }
         let has_no_hole = |beyond_s: f64, limits: &dyn Fn(&EphemerisTable) -> [f64; 2]| {
             let (mut known, to) = (from - beyond_s / 60.0, to + beyond_s / 60.0);
-            let mut before: Option<&Segment> = None;
             loop {
                 let ends = self.segments.iter().filter_map(|one| {
                     let at_s = one.seconds(known);
                     let [_, end_s] = one.table.covered_within(limits(&one.table), [at_s, at_s])?;
-                    Some((one, one.start_minutes + end_s / 60.0))
+                    Some(one.start_minutes + end_s / 60.0)
                 });
-                let Some((one, end)) = ends.max_by(|one, other| one.1.total_cmp(&other.1)) else { return false };
-                if before.is_some_and(|before| !before.joins(one, known)) {
-                    return false;
-                }
-                before = Some(one);
+                let Some(end) = ends.max_by(f64::total_cmp) else { return false };
                 if end >= to {
                     return true;
                 }

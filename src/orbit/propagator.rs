@@ -180,7 +180,8 @@ impl Propagator {
     fn with_ephemeris(&self, table: &Arc<EphemerisTable>, class: OrbitClass) -> Self {
         let start_minutes = self.minutes_since_epoch(table.start());
         let segments = vec![Segment { table: table.clone(), start_minutes }];
-        let attached = Attached { segments, class, largest_errors: table.largest_errors(class) };
+        let largest_errors = table.largest_errors(class);
+        let attached = Attached { segments, class, largest_errors, jumps_minutes: Vec::new() };
         Self { ephemeris: Some(Box::new(attached)), ..self.clone() }
     }
 
@@ -436,8 +437,8 @@ impl SatelliteIndex {
         Self::of_propagators(elements, made, drag)
     }
 
-    /// Creates an index of the propagators of satellites, `Err` where SGP4 could not be initialised. They were made from
-    /// the elements of an [`OrbitModel`](super::OrbitModel) with this treatment of drag.
+    /// Creates an index of the propagators of satellites, `Err` where SGP4 could not be initialised. They were made
+    /// from the elements of an [`OrbitModel`](super::OrbitModel) with this treatment of drag.
     pub fn of_propagators(elements: &[ElementSet], made: Vec<Result<Propagator, OrbitError>>, drag: DragModel) -> Self {
         let mut left_out = Vec::new();
         let propagators = made
@@ -482,8 +483,10 @@ impl SatelliteIndex {
             of_one.sort_by_cached_key(|one| {
                 Reverse(one.ephemeris.as_ref().map(|attached| attached.segments[0].table.rank()))
             });
-            let attached = of_one.iter().filter_map(|one| one.ephemeris.as_deref());
-            if attached.clone().zip(attached.skip(1)).any(|(one, next)| one.contradicts(next)) {
+            let attached: Vec<_> = of_one.iter().filter_map(|one| one.ephemeris.as_deref()).collect();
+            let contradicts =
+                |(at, one): (usize, &&Attached)| attached[at + 1..].iter().any(|other| one.contradicts(other));
+            if attached.iter().enumerate().any(contradicts) {
                 self.contradictory.push(*position);
             }
             of_one.extend(Propagator::joined(of_one));

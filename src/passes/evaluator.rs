@@ -212,8 +212,8 @@ impl PassEvaluator<'_> {
         self.peak_near(&magnitudes)
     }
 
-    /// Returns the brightest point of an interval, given its magnitudes at evenly spaced times (infinite in the dark), the
-    /// first and the last of which are its ends.
+    /// Returns the brightest point of an interval, given its magnitudes at evenly spaced times (infinite in the dark),
+    /// the first and the last of which are its ends.
     pub fn peak_near(&self, magnitudes: &[(f64, f64)]) -> Option<TrackPoint> {
         let (enter_s, exit_s) = (magnitudes.first()?.0, magnitudes.last()?.0);
         let best =

@@ -26,8 +26,8 @@ use crate::orbit::{
 use crate::photometry::BrightnessModel;
 use crate::watch::Watch;
 
-/// Time by which the arc of a telescope in orbit extends beyond both ends of an exposure, seconds: the margin of delayed
-/// tracks.
+/// Time by which the arc of a telescope in orbit extends beyond both ends of an exposure, seconds: the margin of
+/// delayed tracks.
 const FLIGHT_MARGIN_S: f64 = 60.0;
 
 /// Satellites, an observer and brightness models, from which all queries start.
@@ -198,7 +198,8 @@ impl Sky {
     /// Returns the sky with all satellites, whatever the age of their elements. By default, satellites whose position
     /// along the orbit is unknown ([`OrbitClass::is_known`]) are left out of all results.
     ///
-    /// Statistics of many satellites, and comparisons with measured positions, do not need the position along the orbit.
+    /// Statistics of many satellites, and comparisons with measured positions, do not need the position along the
+    /// orbit.
     pub fn with_elements_of_any_age(self) -> Self {
         Self { of_any_age: true, windows: Arc::default(), predictabilities: Arc::default(), ..self }
     }
@@ -214,7 +215,8 @@ impl Sky {
     }
 
     /// Returns the satellites with ephemerides of one message that contradict each other, by the index of their element
-    /// sets; see [`SatelliteIndex::contradictory_ephemerides`](crate::orbit::SatelliteIndex::contradictory_ephemerides).
+    /// sets; see
+    /// [`SatelliteIndex::contradictory_ephemerides`](crate::orbit::SatelliteIndex::contradictory_ephemerides).
     pub(crate) fn contradictory_ephemerides(&self) -> &[usize] {
         self.index.contradictory_ephemerides()
     }

@@ -196,6 +196,8 @@ pub struct Pass {
     pub min_separation_rad: f64,
     /// Length of the lit part of the track inside the field, radians: the sum over `lit_chords`.
     pub streak_length_rad: f64,
+    /// Length of the whole track inside the field, lit or not, radians: the sum over `chords`.
+    pub track_length_rad: f64,
     /// Position angle of the motion at `mid`, from north through east, [0, 2π), radians.
     pub position_angle_rad: f64,
     /// Angular speed at `mid`, rad/s.

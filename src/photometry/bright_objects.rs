@@ -37,7 +37,9 @@ impl BrightObject {
     pub fn model(&self) -> BrightnessModel {
         let source = match self.norad_id {
             Some(_) => MagnitudeSource::StandardMagnitude,
-            None => MagnitudeSource::Mean(self.name.to_ascii_lowercase().replace(" r/b", "-rocket-body").replace('*', "-cubesat").into()),
+            None => MagnitudeSource::Mean(
+                self.name.to_ascii_lowercase().replace(" r/b", "-rocket-body").replace('*', "-cubesat").into(),
+            ),
         };
         BrightnessModel::of_object(self.half_lit, self.sigma_mag, source, self.size_m)
     }

@@ -360,8 +360,8 @@ impl BrightnessModel {
     ///
     /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` if it is 0 or NaN, or if
     /// extinction is applied and the satellite is on or below the observer's horizon. With the Sun above its largest
-    /// fitted latitude or the observer above the plane of the satellite's horizon, the satellite is at least as bright as
-    /// a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag or more;
+    /// fitted latitude or the observer above the plane of the satellite's horizon, the satellite is at least as bright
+    /// as a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag or more;
     /// elsewhere it is at most 5 mag fainter than this body. The source then ends with `(diffuse body)`. Without
     /// earthshine, magnitudes are those of sunlight on the panels alone.
     pub fn brightness(
@@ -410,7 +410,8 @@ impl BrightnessModel {
     }
 
     /// Returns the uncertainty (one sigma) of a single magnitude about the model in a geometry, mag, and whether the
-    /// geometry is within 10° of the fitted one and the satellite at a height at which constellations hold their orbits.
+    /// geometry is within 10° of the fitted one and the satellite at a height at which constellations hold their
+    /// orbits.
     fn scatter_mag(&self, geometry: &ViewingGeometry, cos_phase: f64, lit_fraction: f64) -> (f64, bool) {
         // s² = s0² (1 + (d / 10°)²), with the distance d from the fitted geometry, at most that of a diffuse body
         let distance =

@@ -22,8 +22,8 @@ const SITE_SAMPLES_S: f64 = 600.0;
 ///
 /// From a site it is the lowest of the altitudes at opening, at closing and, in between, at intervals of at most ten
 /// minutes; the altitude between them is lower by less than 0.02 degrees. From an orbit it is the lowest angle above
-/// the Earth's limb, sampled
-/// every 10 s; NaN if the position of the telescope cannot be computed or no ephemeris covers the whole exposure.
+/// the Earth's limb, sampled every 10 s; NaN if the position of the telescope cannot be computed or no ephemeris covers
+/// the whole exposure.
 pub fn lowest_altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable) -> f64 {
     let end = seconds_after(exposure.start, exposure.duration_s);
     lowest_in(exposure, viewpoint, &OrientationTable::new(exposure.start, end, eop))

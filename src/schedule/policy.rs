@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::error::ScheduleError;
 use crate::images::MagnitudeLimit;
 use crate::message::listed;
+use crate::passes::Pass;
 
 impl FromStr for MagnitudeLimit {
     type Err = ScheduleError;
@@ -154,6 +155,13 @@ impl Policy {
     /// Returns the magnitude limit for exposures in this band; `None` if none applies.
     pub fn limit_mag_in(&self, band: Option<&str>) -> Option<f64> {
         self.limit_mag.as_ref().and_then(|limit| limit.of(band))
+    }
+
+    /// Returns the length of the streak of a crossing, radians: that of the lit part of its track in the field, or with
+    /// `include_dark` of all of it.
+    #[doc(hidden)]
+    pub fn streak_length_rad(&self, pass: &Pass) -> f64 {
+        if self.include_dark { pass.track_length_rad } else { pass.streak_length_rad }
     }
 
     /// Returns a warning if the magnitude limit has no value for some of the bands of the exposures. `None` is the band

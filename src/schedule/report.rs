@@ -117,7 +117,8 @@ struct Judged<'a> {
     flags: Vec<Option<Verdict>>,
     /// Rows whose pointing is above the horizon while the positions of the satellites are known, with their index.
     above: Vec<(usize, &'a Exposure)>,
-    /// Passes that count, by row: lit crossings, and probable near misses if the policy has a `min_probability`.
+    /// Passes that count, by row: lit crossings (with `include_dark` all), and probable near misses if the policy has a
+    /// `min_probability`.
     counted: Vec<Vec<Pass>>,
 }
 
@@ -343,7 +344,8 @@ fn find_starts(
                 continue;
             }
             flag.kind = VerdictKind::Streaked;
-            flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
+            let lit = if policy.include_dark { "" } else { "lit " };
+            flag.reasons.push(format!("a {lit}satellite crosses within {margin_s} s of the exposure"));
         }
         if !seeks {
             continue;
@@ -356,7 +358,8 @@ fn find_starts(
             continue;
         }
         let allowance_s = |pass: &Pass| lateness_allowance_s(pass, policy).min(max_delay_s);
-        let search = StartSearch { row: *row, blocking, blocked: blocked(&allowance_s), last_start_s };
+        let is_in_orbit = request.sky.viewpoint().site().is_none();
+        let search = StartSearch { row: *row, blocking, blocked: blocked(&allowance_s), last_start_s, is_in_orbit };
         search.find(exposure, policy, 0.0, flag);
         let is_possible_now = blocking == Blocking::Avoid && flag.kind == VerdictKind::Streaked;
         if !is_possible_now && flag.next_start(blocking).is_some_and(|(_, delay_s)| delay_s == 0.0) {
@@ -377,8 +380,10 @@ struct StartSearch {
     blocking: Blocking,
     /// Intervals in which a blocking satellite is in the field, seconds after the scheduled opening.
     blocked: Vec<Interval>,
-    /// Latest start before the pointing sets, seconds after the scheduled opening.
+    /// Latest start before the pointing sets, seconds after the scheduled opening; see [`last_starts_s`].
     last_start_s: f64,
+    /// True for a telescope in orbit, which may have limits and an ephemeris.
+    is_in_orbit: bool,
 }
 
 impl StartSearch {
@@ -397,10 +402,11 @@ impl StartSearch {
         if start.is_none() {
             let state = start_name(self.blocking);
             flag.reasons.push(if sets {
-                format!(
-                    "no {state} start before the pointing sets, {:.0} s after the scheduled start",
-                    self.last_start_s
-                )
+                let ends = match self.is_in_orbit {
+                    true => "the pointing sets, breaks a limit or the ephemeris ends",
+                    false => "the pointing sets",
+                };
+                format!("no {state} start before {ends}, {:.0} s after the scheduled start", self.last_start_s)
             } else {
                 format!("no {state} start within {max_delay_s} s")
             });
@@ -450,7 +456,7 @@ fn confirm<'a>(
         let is_too_costly: Vec<bool> = match policy.max_cost_s {
             Some(most_s) => request
                 .sky
-                .crossing_probabilities(&later, request.field)?
+                .probabilities_with(&later, request.field, policy.include_dark)?
                 .iter()
                 .zip(open.iter().zip(&later).zip(&crossings.by_exposure))
                 .map(|(satellites, ((search, exposure), passes))| {

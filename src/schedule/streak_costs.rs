@@ -65,8 +65,9 @@ pub(super) fn expected_of(
 impl FlagRequest<'_> {
     /// Returns the expected cost of one pass, seconds of open shutter; `None` without a telescope.
     ///
-    /// The streak of a crossing has the length of the nominal streak, that of a near miss the mean length of chords
-    /// through the field. `limit_mag` is the hard limit of the exposure, instead of that of the policy.
+    /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
+    /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is not bright.
+    /// `limit_mag` is the hard limit of the exposure, instead of that of the policy.
     pub fn pass_cost_s(
         &self,
         exposure: &Exposure,
@@ -75,12 +76,12 @@ impl FlagRequest<'_> {
         limit_mag: Option<f64>,
     ) -> Option<f64> {
         let telescope = self.telescope?;
-        if !pass.lit {
+        if !(pass.lit || self.policy.include_dark) {
             return Some(0.0);
         }
         let cost = StreakCost::new(telescope, self.field.area_deg2());
         let length_deg = if pass.is_crossing() {
-            pass.streak_length_rad.to_degrees()
+            self.policy.streak_length_rad(pass).to_degrees()
         } else {
             // The mean length of the chords of a circle is π/4 times its diameter.
             let mean_chord_deg = std::f64::consts::FRAC_PI_4 * cost.field_diameter_deg();
@@ -89,22 +90,23 @@ impl FlagRequest<'_> {
         let prior = || self.sky.prior_brightness(pass.element_index, &pass.mid.geometry, self.photometry);
         let brightness = peak_brightness(pass).cloned().or_else(prior);
         let bright = BrightStreaks::new(telescope, self.sky, band);
+        let of_lit = |probability: f64| if pass.lit { probability } else { 0.0 };
         let range_km = pass.mid.range_km;
         let share = cost.expected_share(&PossibleStreak {
             probability: pass.probability,
             expected_length_deg: pass.probability * length_deg,
             width_arcsec: telescope.width_arcsec(range_km, self.sky.model(pass.element_index).size_m()),
-            p_bright: of_known(brightness.as_ref(), |light| {
+            p_bright: of_lit(of_known(brightness.as_ref(), |light| {
                 bright.probability(light, pass.element_index, range_km, pass.angular_rate_rad_s)
-            }),
-            p_above_limit: p_above(brightness.as_ref(), limit_mag),
+            })),
+            p_above_limit: of_lit(p_above(brightness.as_ref(), limit_mag)),
         });
         Some(cost.seconds(exposure.duration_s, share))
     }
 }
 
-/// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure selects
-/// the value, which is compared with magnitudes in the band of the prediction.
+/// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure
+/// selects the value, which is compared with magnitudes in the band of the prediction.
 #[derive(Copy, Clone, Debug)]
 pub struct BrightStreaks<'a> {
     telescope: &'a Telescope,
@@ -146,9 +148,9 @@ fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -
     brightness.map_or(1.0, probability)
 }
 
-/// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss without a
-/// pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is in the Earth's
-/// shadow there, that of the sunlit part of the track, or else the prior of its orbit.
+/// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss
+/// without a pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is
+/// in the Earth's shadow there, that of the sunlit part of the track, or else the prior of its orbit.
 fn brightness_of(
     one: &CrossingProbability,
     epoch: Epoch,

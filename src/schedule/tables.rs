@@ -96,7 +96,7 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             Column::new(
                 "n_streaks",
                 Kind::Integer,
-                "Number of lit satellites with nominal tracks that cross the field.",
+                "Number of lit satellites (with --include-dark of all) with nominal tracks that cross the field.",
             ),
             |flag| {
                 let is_judged = !matches!(flag.kind, VerdictKind::Unknown | VerdictKind::Invalid);
@@ -121,12 +121,17 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 "p_any",
                 "",
                 4,
-                "Probability that at least one lit satellite crosses that is brighter than a limit of the policy (of any brightness without a limit), near misses included.",
+                "Probability that at least one lit satellite crosses that is brighter than a limit of the policy, near misses included; without a limit, p_crossing.",
             ),
             |flag| flag.p_any.into(),
         ),
         field(
-            Column::real("streak_length_deg", "deg", 4, "Length of the lit parts of all nominal tracks in the field."),
+            Column::real(
+                "streak_length_deg",
+                "deg",
+                4,
+                "Length of the lit parts of all nominal tracks in the field; with --include-dark, of all parts.",
+            ),
             |flag| flag.streak_length_deg.into(),
         ),
         field(Column::new("reasons", Kind::List { separator: "; " }, "Reasons for the verdict."), |flag| {
@@ -149,7 +154,7 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             Column::new(
                 "norad_ids",
                 Kind::List { separator: " " },
-                "Catalogue numbers of the lit crossings in order of entry.",
+                "Catalogue numbers of the lit crossings (with --include-dark of all) in order of entry.",
             ),
             |flag| Value::Integers(flag.norad_ids.iter().map(|id| i64::from(id.0)).collect()),
         ),
@@ -158,7 +163,7 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 "p_crossing",
                 "",
                 4,
-                "Probability that at least one lit satellite of any brightness crosses, near misses included.",
+                "Probability that at least one lit satellite (with --include-dark any) of any brightness crosses, near misses included.",
             ),
             |flag| flag.p_crossing.into(),
         ),
@@ -223,7 +228,8 @@ pub struct StreakRow<'a> {
     pub photometry: &'a PhotometryOptions,
     /// Magnitude limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
-    /// Expected cost of the pass, seconds of open shutter ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
+    /// Expected cost of the pass, seconds of open shutter
+    /// ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
     pub streak_cost_s: Option<f64>,
 }
 

@@ -1,5 +1,5 @@
-//! Totals over the verdicts of a schedule, in bounded memory: counts, warnings, and an estimate of how many verdicts are
-//! wrong because the element sets are old.
+//! Totals over the verdicts of a schedule, in bounded memory: counts, warnings, and an estimate of how many verdicts
+//! are wrong because the element sets are old.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -84,8 +84,9 @@ impl FlagTotals {
         self.may_cross.extend(report.may_cross.iter().copied());
         self.by_daylight += report.by_daylight;
         self.left_out.extend(report.left_out.iter().cloned());
-        self.left_out.sort_by_key(|left_out| left_out.element_index);
-        self.left_out.dedup_by_key(|left_out| left_out.element_index);
+        // Indices of element sets are those of one sky, and the rows of a schedule may have several.
+        self.left_out.sort_by_key(|left_out| left_out.norad_id);
+        self.left_out.dedup_by_key(|left_out| left_out.norad_id);
     }
 
     /// Returns the number of exposures.

@@ -12,10 +12,11 @@ const MAX_REASONS: usize = 5;
 /// Crossing probabilities and expected loss of an exposure for all satellites together, including near misses.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(super) struct ExpectedLoss {
-    /// Probability that at least one lit satellite crosses and is brighter than a limit of the policy; equal to
+    /// Probability that at least one satellite crosses while it is lit and brighter than a limit of the policy; equal
+    /// to
     /// `p_crossing` if no limit applies.
     pub p_any: f64,
-    /// Probability that at least one lit satellite crosses.
+    /// Probability that at least one lit satellite crosses; with `include_dark`, one that is lit or not.
     pub p_crossing: f64,
     /// True if, for at least one satellite, more than 10 % of the possible delays are outside the range searched. The
     /// other values are then lower limits.
@@ -103,7 +104,9 @@ pub(super) fn judge_exposure(
         p_any: expected.p_any,
         p_crossing: expected.p_crossing,
         p_any_is_lower_limit: expected.is_lower_limit,
-        streak_length_deg: nominal().map(|pass| pass.streak_length_rad.to_degrees()).fold(0.0, |sum, one| sum + one),
+        streak_length_deg: nominal()
+            .map(|pass| policy.streak_length_rad(pass).to_degrees())
+            .fold(0.0, |sum, one| sum + one),
         reasons,
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
@@ -253,6 +256,7 @@ mod tests {
             peak: peak_mag.is_some().then_some(point),
             min_separation_rad: 0.0,
             streak_length_rad: TAU / 360.0,
+            track_length_rad: TAU / 360.0,
             position_angle_rad: 0.0,
             angular_rate_rad_s: 0.01,
             position_source: PositionSource::ElementSet,
@@ -339,7 +343,8 @@ mod tests {
 
     #[test]
     fn near_misses_count_if_the_policy_has_a_probability() {
-        let near = Pass { chords: Vec::new(), streak_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
+        let near =
+            Pass { chords: Vec::new(), streak_length_rad: 0.0, track_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
         let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
         assert_eq!((free.kind, free.n_streaks), (VerdictKind::Clear, 0));
         // A near miss that does not count still adds to the probability of a clear exposure.

@@ -50,7 +50,8 @@ pub struct ClearWindow {
 pub struct TargetWindows {
     /// Clear windows in time order.
     pub windows: Vec<ClearWindow>,
-    /// Opening times allowed by the altitudes of target and Sun; satellites are not considered.
+    /// Opening times allowed by the altitudes of target and Sun, and by the limits of a telescope in orbit; satellites
+    /// are not considered.
     pub observable: Vec<ClearWindow>,
     /// Passes that block part of the range, in order of entry.
     pub blocking_passes: Vec<Pass>,
@@ -67,7 +68,7 @@ pub struct WindowReport {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Computes all clear windows of shutter opening times from `from` to `to`; none if `to` is before `from`.
+/// Computes all clear windows of shutter opening times of exposures that begin at `from` or later and end by `to`.
 ///
 /// No satellite selected by the policy's `blocking` crosses an exposure that opens in a window. The margin of the
 /// policy applies before and after the exposure, so the shutter may also open late by up to the margin. With a
@@ -78,8 +79,9 @@ pub struct WindowReport {
 /// which nominal tracks predict less than half of the crossings. A `min_probability` extends the margin by three
 /// sigmas.
 ///
-/// The altitudes of target and Sun are sampled once a minute (every 10 s for the limb): a target above its limit for
-/// less than that may have no window.
+/// The altitudes of target and Sun are sampled once a minute, those above the limb and the limits of a telescope in
+/// orbit every 10 s: a target within its limits for less than that may have no window. Margins outside the ephemeris of
+/// such a telescope are not searched.
 ///
 /// # Errors
 /// [`SkyError`] if passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
@@ -114,31 +116,27 @@ fn windows_of(
     request: &WindowRequest<'_>,
     with_passes: bool,
 ) -> Result<WindowReport, SkyError> {
-    let margin_s = request.conditions.policy.margin_or_default_s();
+    let FlagRequest { sky, field, policy, .. } = request.conditions;
+    let margin_s = policy.margin_or_default_s();
     let span_s = seconds_between(from, to);
     if span_s < 0.0 {
         return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
     }
-    let exposures: Vec<Exposure> = targets
-        .iter()
-        .map(|target| Exposure {
-            start: seconds_after(from, -margin_s),
-            duration_s: span_s + target.exposure.duration_s + 2.0 * margin_s,
-            ..target.exposure.clone()
-        })
-        .collect();
-    let FlagRequest { sky, field, policy, .. } = request.conditions;
+    let searched = sky.viewpoint().known_part([from, to], margin_s, margin_s);
+    let [start, end] = searched.unwrap_or([from, to]);
+    let duration_s = seconds_between(start, end);
+    let exposures: Vec<Exposure> =
+        targets.iter().map(|target| Exposure { start, duration_s, ..target.exposure.clone() }).collect();
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
     let every_crossing_blocks = (policy.blocking == Blocking::Any || policy.limit_mag.is_none())
         && policy.min_probability.is_none()
         && !policy.include_dark;
     let (blocked, left_out) = if every_crossing_blocks && !with_passes {
-        crossings(&exposures, request)?
+        crossings(from, &exposures, request)?
     } else {
         passes(targets, from, &exposures, request)?
     };
-    let longest_s = targets.iter().map(|target| target.exposure.duration_s).fold(0.0, f64::max);
-    let constraint = ObservabilityConstraint::new(request, from, span_s + longest_s)?;
+    let constraint = ObservabilityConstraint::new(request, from, span_s)?;
     let by_target = targets
         .iter()
         .zip(blocked)
@@ -150,7 +148,7 @@ fn windows_of(
                 .into_iter()
                 .filter_map(|interval| {
                     // The interval must contain the whole exposure: s >= a and s + D <= b.
-                    let end_s = (interval.end_s - exposure.duration_s).min(span_s);
+                    let end_s = interval.end_s - exposure.duration_s;
                     (interval.start_s <= end_s).then_some(Interval { start_s: interval.start_s, end_s })
                 })
                 .collect();
@@ -194,34 +192,38 @@ fn passes(
     request: &WindowRequest<'_>,
 ) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
-    let margin_s = policy.margin_or_default_s();
     let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
-    let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
+    let of = |((target, searched), passes): ((&WindowTarget, &Exposure), Vec<Pass>)| {
         sky.watch().check()?;
         let blocking_passes: Vec<Pass> =
             passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref(), policy.blocking, policy)).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
+        let lead_s = seconds_between(searched.start, from);
         let intervals = blocking_passes
             .iter()
-            .flat_map(|pass| intervals(pass, &shifted, margin_s, lateness_allowance_s(pass, policy)))
+            .flat_map(|pass| intervals(pass, &shifted, lead_s, lateness_allowance_s(pass, policy)))
             .collect();
         Ok(Blocked { intervals, blocking_passes })
     };
-    let blocked = targets.iter().zip(passes.by_exposure).map(of).collect::<Result<_, SkyError>>()?;
+    let blocked = targets.iter().zip(exposures).zip(passes.by_exposure).map(of).collect::<Result<_, SkyError>>()?;
     Ok((blocked, passes.left_out))
 }
 
 /// Returns blocked intervals of each target if every lit crossing blocks.
-fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
-    let FlagRequest { sky, field, policy, .. } = request.conditions;
-    let margin_s = policy.margin_or_default_s();
+fn crossings(
+    from: Epoch,
+    exposures: &[Exposure],
+    request: &WindowRequest<'_>,
+) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
+    let FlagRequest { sky, field, .. } = request.conditions;
     let crossings = sky.field_crossings(exposures, field)?;
-    let of = |crossings: Vec<FieldCrossing>| {
+    let of = |(crossings, searched): (Vec<FieldCrossing>, &Exposure)| {
+        let lead_s = seconds_between(searched.start, from);
         let chords = crossings.iter().flat_map(|one| &one.chords);
-        let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
+        let interval = |chord: &Chord| Interval { start_s: chord.enter_s - lead_s, end_s: chord.exit_s - lead_s };
         Blocked { intervals: chords.map(interval).collect(), blocking_passes: Vec::new() }
     };
-    Ok((crossings.by_exposure.into_iter().map(of).collect(), crossings.left_out))
+    Ok((crossings.by_exposure.into_iter().zip(exposures).map(of).collect(), crossings.left_out))
 }
 
 /// Rounds an interval inwards to milliseconds; `None` if it becomes empty.
@@ -235,7 +237,7 @@ fn window(from: Epoch, interval: Interval) -> Option<ClearWindow> {
 /// Accuracy of rising and setting times, which are rounded inwards, seconds.
 const SETTING_TOLERANCE_S: f64 = 1e-3;
 
-/// Limits on the altitude of the target (above horizon or limb) and of the Sun.
+/// Limits on the altitude of the target (above horizon or limb) and of the Sun, and those of a telescope in orbit.
 struct ObservabilityConstraint<'a> {
     viewpoint: &'a Viewpoint,
     min_altitude_rad: f64,
@@ -271,8 +273,8 @@ impl<'a> ObservabilityConstraint<'a> {
         })
     }
 
-    /// Returns the intervals in which the target is above and the Sun below its limit, seconds after the start of the
-    /// range.
+    /// Returns the intervals in which the target is above and the Sun below its limit, and within the limits of a
+    /// telescope in orbit, seconds after the start of the range.
     fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
         let tables = (&self.orientation, self.sun_of_limits.as_ref());
         let target_rad = |seconds: f64| margin_rad(exposure, self.viewpoint, self.min_altitude_rad, tables, seconds);

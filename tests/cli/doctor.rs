@@ -216,3 +216,18 @@ fn no_finding_contradicts_another() {
     assert!(code == 2 && page.contains("error     models: "), "{page}");
     assert_eq!(page.matches(" models: ").count(), 1, "{page}");
 }
+
+/// Growing constellations whose first period begins later are an error of all verbs.
+#[test]
+fn a_first_period_in_the_future_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let growth = path(&folder, "growth.toml");
+    for (first, expected) in [("2026-08-13", false), ("2027-01-01", true)] {
+        std::fs::write(&growth, format!("[[period]]\nfrom = {first}\nshells = {{ oneweb = 1 }}\n")).unwrap();
+        let (_, findings, _) = findings(&["--shells", &growth, "--mpc", "X05"]);
+        let is_error = |(severity, subject, finding): &(String, String, String)| {
+            severity == "error" && subject == "elements" && finding.contains("begin with the night of 2027-01-01")
+        };
+        assert_eq!(findings.iter().any(is_error), expected, "{findings:?}");
+    }
+}

@@ -86,6 +86,93 @@ fn each_night_has_the_satellites_of_its_period() {
     assert!(counts[0] > 0 && counts[1] > 0 && counts[2] == 0 && counts[3] > 0, "{counts:?}");
 }
 
+/// Rows of both periods in turn have the verdicts of sorted rows, in the order of the schedule.
+#[test]
+fn rows_in_any_order_have_the_satellites_of_their_period() {
+    let folder = tempfile::tempdir().unwrap();
+    let growth = written(
+        &folder,
+        "growth.toml",
+        "[[period]]\nfrom = 2026-08-01\nshells = { starlink-gen1 = 1 }\n\
+         [[period]]\nfrom = 2026-08-14\nshells = { starlink-gen1 = 1, oneweb = 1 }\n",
+    );
+    let nights = schedule(&["2026-08-14", "2026-08-15"]);
+    let (header, rows_of_both) = nights.split_once('\n').unwrap();
+    let lines: Vec<&str> = rows_of_both.lines().collect();
+    let (first, second) = lines.split_at(lines.len() / 2);
+    let mixed: String = first.iter().zip(second).map(|(one, other)| format!("{one}\n{other}\n")).collect();
+    let sorted = written(&folder, "sorted.csv", &nights);
+    let mixed = written(&folder, "mixed.csv", &format!("{header}\n{mixed}"));
+    let of = |name: &str, schedule: &str| {
+        let output = path(&folder, &format!("{name}.csv"));
+        done(&[&["annotate", "--shells", &growth, "--schedule", schedule, "-o", &output], &SKY]);
+        let read = |end: &str| rows(&fs::read_to_string(folder.path().join(format!("{name}{end}.csv"))).unwrap());
+        [read(""), read(".streaks")]
+    };
+    let [sorted_rows, sorted_streaks] = of("a", &sorted);
+    let [mixed_rows, mixed_streaks] = of("b", &mixed);
+    let ids = |rows: &[BTreeMap<String, String>]| rows.iter().map(|row| row["exposure_id"].clone()).collect::<Vec<_>>();
+    assert_ne!(ids(&sorted_rows), ids(&mixed_rows));
+    assert!(ids(&mixed_rows)[..2] == ["0-0-0", "1-0-0"], "{:?}", ids(&mixed_rows));
+    let by_id = |mut rows: Vec<BTreeMap<String, String>>| {
+        rows.sort_by_key(|row| (row["exposure_id"].clone(), row.get("norad_id").cloned()));
+        rows
+    };
+    assert_eq!(by_id(mixed_rows), by_id(sorted_rows));
+    let order = ids(&mixed_streaks);
+    let (early, late) =
+        (order.iter().position(|id| id.starts_with("0-")), order.iter().rposition(|id| id.starts_with("0-")));
+    let between = &order[early.unwrap()..late.unwrap()];
+    assert!(between.iter().any(|id| id.starts_with("1-")), "streaks are in the order of the schedule: {order:?}");
+    assert_eq!(by_id(mixed_streaks), by_id(sorted_streaks));
+    let flags = done(&[&["flag", "--shells", &growth, "--schedule", &mixed, "--format", "json"], &SKY]);
+    let answer: serde_json::Value = serde_json::from_str(&flags).unwrap();
+    let satellites: Vec<_> =
+        answer["provenance"]["periods"].as_array().unwrap().iter().map(|one| &one["satellites"]).collect();
+    assert_eq!(satellites, [4408, 4408 + 6372].map(serde_json::Value::from).iter().collect::<Vec<_>>());
+}
+
+/// Requests that are computed with one period state it if another one begins in them; `statistics` has that of each night.
+#[test]
+fn verbs_with_one_sky_warn_of_another_period() {
+    let folder = tempfile::tempdir().unwrap();
+    let growth = written(
+        &folder,
+        "growth.toml",
+        "[[period]]\nfrom = 2026-08-01\nshells = { starlink-gen1 = 1 }\n\
+         [[period]]\nfrom = 2026-08-14\nshells = { starlink-gen1 = 0.5, own = 1 }\n\
+         [[constellation]]\nname = 'own'\nshell = [\
+         { altitude_km = 600, inclination_deg = 53, planes = 4, satellites_per_plane = 5, planes_assumed = true }]\n\
+         [[constellation]]\nname = 'typo'\nshell = [\
+         { altitude_km = 600, inclination_deg = 53, planes = 4, satellites_per_plane = 5 }]\n",
+    );
+    let shared = ["--shells", &growth, "--mpc", "X05", "--max-mag=-9"];
+    let warning =
+        "those of the night of 2026-08-13 for the whole request, although another period of them begins on 2026-08-14";
+    for (end, expected) in [("2026-08-15T04:00:00Z", true), ("2026-08-14T16:00:00Z", false)] {
+        let (_, _, stderr) = run(&[&["forecast", "--start", "2026-08-14T02:00:00Z", "--end", end], &shared]);
+        assert_eq!(stderr.contains(warning), expected, "{end}: {stderr}");
+    }
+    let nights = ["statistics", "--night", "2026-08-13", "2026-08-14", "--format", "json", "--moments", "1"];
+    let (code, stdout, stderr) = run(&[&nights, &shared[..4]]);
+    assert!(code == 0 && stderr.contains("own") && !stderr.contains("whole request"), "{stderr}");
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let periods = answer["provenance"]["periods"].as_array().unwrap();
+    let satellites: Vec<_> = periods.iter().map(|one| one["satellites"].as_u64().unwrap()).collect();
+    assert!(
+        satellites.len() == 2 && satellites[0] == 4408 && satellites[1] > 2200 && satellites[1] < 2300,
+        "{periods:?}"
+    );
+
+    // The list has the own constellations, and names those that are never in orbit.
+    let (code, stdout, stderr) = run(&[&["shells", &growth, "--format", "csv"]]);
+    assert!(code == 0 && stderr.contains("constellation typo is in no period: it is never in orbit"), "{stderr}");
+    let names: Vec<_> =
+        rows(&stdout).iter().map(|row| (row["name"].clone(), row["with_assumed_planes"].clone())).collect();
+    let expected = [("own", "20"), ("typo", "0"), ("from 2026-08-01", "0"), ("from 2026-08-14", "20")];
+    assert_eq!(names, expected.map(|(name, count)| (name.to_owned(), count.to_owned())));
+}
+
 /// Before the first satellites are in orbit, all exposures are clear.
 #[test]
 fn a_period_may_have_no_satellites() {

@@ -119,11 +119,20 @@ fn many_exposures_in_one_request_have_the_verdicts_of_single_ones() {
     assert!(verdicts.len() > 1, "{verdicts:?}");
     let one = "2026-08-14T23:29:05Z,30,198.9,7.7";
     for (list, words) in [
-        (one.replace("30", "x"), "allowed: START,DURATION_S,RA_DEG,DEC_DEG"),
-        (one.replace("7.7", "97.7"), "198.9,97.7"),
-        (one.replace('Z', ""), "allowed: START"),
-        (format!("{one},0,r,5"), "allowed: START"),
-        (format!("{one};{one},0,xx"), "allowed: "),
+        (one.replace("30,", "x,"), "exposure 1: invalid duration_s 'x'; allowed: 0 to 3600 s"),
+        (
+            format!("{one};{}", one.replace("30,", "4000,")),
+            "exposure 2: invalid duration_s '4000'; allowed: 0 to 3600 s",
+        ),
+        (one.replace("198.9", "NaN"), "exposure 1: invalid ra_deg 'NaN'; allowed: 0 to 360 deg"),
+        (one.replace("7.7", "97.7"), "exposure 1: invalid dec_deg '97.7'; allowed: -90 to 90 deg"),
+        (one.replace('Z', ""), "exposure 1: invalid start_utc '2026-08-14T23:29:05'; allowed: UTC like"),
+        (format!("{one},400"), "exposure 1: invalid rotation_deg '400'; allowed: -360 to 360 deg"),
+        (
+            format!("{one},0,r,5"),
+            "exposure 1: invalid values '2026-08-14T23:29:05Z,30,198.9,7.7,0,r,5'; allowed: START",
+        ),
+        (format!("{one};{one},0,xx"), "exposure 2: invalid band 'xx'; allowed: "),
         (";".to_owned(), "1 to 250 exposures"),
         ([one; 251].join(";"), "251 exposures"),
     ] {
@@ -213,6 +222,15 @@ fn nights_and_offsets_are_those_of_the_time_zone() {
     );
     let same = tonga.json("/api/v1/forecast?max_mag=-9&time_utc=2026-08-22T09:00:00Z");
     assert_eq!((&same["date"], &same["night"]), (&night["date"], &night["night"]));
+    // `night` names it in the same way, so that times typed into the page are those of this evening.
+    for question in ["night=2026-08-22", "time_utc=2026-08-22T09:00:00Z"] {
+        let of_page = tonga.json(&format!("/api/v1/night?{question}"));
+        assert_eq!(
+            (&of_page["night"], &of_page["from_utc"], &of_page["utc_offset_h"]),
+            (&json!("2026-08-22"), &json!("2026-08-21T23:40:48Z"), &json!(13.0)),
+            "{question}"
+        );
+    }
     let zurich = site("47.37", "8.54", "Europe/Zurich");
     for path in ["night?", "forecast?max_mag=-9&"] {
         let night = zurich.json(&format!("/api/v1/{path}night=2026-10-24"));

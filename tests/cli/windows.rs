@@ -110,8 +110,9 @@ fn verif_windows_agree_with_passes() {
         assert!(windows.iter().all(|window| window.first <= window.last && window.first >= from && window.last <= to));
         assert!(windows.windows(2).all(|pair| pair[0].last < pair[1].first));
         // Random opening times, and the ends of the windows.
-        let mut starts: Vec<Epoch> =
-            (0..TRIALS).map(|_| seconds_after(from, random.between(0.0, seconds_between(from, to)))).collect();
+        let mut starts: Vec<Epoch> = (0..TRIALS)
+            .map(|_| seconds_after(from, random.between(0.0, seconds_between(from, to) - target.exposure.duration_s)))
+            .collect();
         starts.extend(windows.iter().take(40).flat_map(|window| [window.first, window.last]));
         // The margin is included at both ends.
         let exposures: Vec<Exposure> = starts

@@ -56,10 +56,10 @@ fn windows(min_altitude_rad: f64, conditions: &FlagRequest<'_>) -> Vec<Vec<Clear
     let target = |number| WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, number), band: None };
     let targets: Vec<WindowTarget> = (0..4).map(target).collect();
     let request = WindowRequest { conditions: *conditions, min_altitude_rad, max_sun_altitude_rad: None };
-    let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
+    let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S), &request);
     let by_target = report.expect("windows").by_target;
     assert!(by_target.iter().any(|one| !one.blocking_passes.is_empty()));
-    let alone = clear_windows_without_passes(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
+    let alone = clear_windows_without_passes(&targets, dusk(), seconds_after(dusk(), SPAN_S), &request);
     for (alone, one) in alone.expect("windows").by_target.iter().zip(&by_target) {
         assert_eq!(
             (&alone.windows, &alone.observable, alone.blocking_passes.len()),
@@ -156,7 +156,7 @@ fn windows_from_an_orbit_end_at_the_limb() {
     let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
     let windows_with = |max_sun_altitude_rad| {
         let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad };
-        clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S), &request)
+        clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S + EXPOSURE_S), &request)
     };
     let lowest_rad = |start: Epoch| lowest_altitude_rad(&exposure(start, EXPOSURE_S, 1), sky.viewpoint(), &eop);
     let found = windows_with(None).expect("windows").by_target.remove(0);
@@ -196,7 +196,8 @@ fn verif_windows_begin_at_the_next_starts_of_verdicts() {
                     let flag = &report.flags[0];
                     let target = WindowTarget { exposure, band: None };
                     let longest_s = policy.max_delay_or_default_s();
-                    let windows = clear_windows(&[target], start, seconds_after(start, longest_s), &request);
+                    let end = seconds_after(start, longest_s + EXPOSURE_S);
+                    let windows = clear_windows(&[target], start, end, &request);
                     let first = windows.expect("windows").by_target[0].windows.first().copied();
                     let window_s = first.map(|window| seconds_between(start, window.first));
                     let delay_s = flag.next_start(blocking).map(|(_, delay_s)| delay_s);

@@ -916,4 +916,33 @@ fn contradictory_segments_are_named() {
         let [first, last] = ends.map(|epoch| position(propagator, epoch));
         assert!((last.vector() - first.vector()).norm() < 18.0 * 8.0, "{minutes:?}");
     }
+    // Those that overlap are not neighbours in the order of preference.
+    let ephemerides = segments(&set, &[&one, &one, &two], &[[0, 180], [60, 76], [120, 180]]);
+    let index = SatelliteIndex::new(&sets, DragModel::Published);
+    let index = index.with_ephemerides(&sets, &ephemerides, &EopTable::embedded());
+    assert_eq!(index.contradictory_ephemerides(), [0]);
+}
+
+/// Several ephemerides are used for an interval only if they agree wherever positions change from one to another: here the
+/// preferred one from 80 to 120 min is of another orbit, while those from 0 to 140 and from 140 to 180 min agree.
+#[test]
+fn ephemerides_must_agree_where_they_are_exchanged() {
+    let start = utc("2026-04-26T00:00:00 UTC");
+    let set = Constellation::by_name("starlink-gen1").expect("shells").element_sets(start).remove(0);
+    let other = ElementSet { mean_anomaly_deg: set.mean_anomaly_deg + 1.4, ..set.clone() };
+    let (right, wrong) = (sgp4_ephemeris(&set, start, 3), sgp4_ephemeris(&other, start, 3));
+    let sets = [set.clone()];
+    let is_used = |minutes: &[[usize; 2]], from: f64, to: f64| {
+        let ephemerides = segments(&set, &[&right, &wrong, &right], minutes);
+        let index = SatelliteIndex::new(&sets, DragModel::Published);
+        let index = index.with_ephemerides(&sets, &ephemerides, &EopTable::embedded());
+        let ends = [from, to].map(|minutes| start + minutes * Unit::Minute);
+        index.propagator_over(0, ends).expect("a propagator").has_ephemeris()
+    };
+    let minutes = [[0, 140], [80, 120], [140, 180]];
+    assert!(!is_used(&minutes, 40.0, 165.0));
+    // The other orbit is not in the interval and the delays that are searched.
+    assert!(is_used(&minutes, 130.0, 165.0) && is_used(&minutes, 20.0, 40.0));
+    // It begins, or ends, in the interval.
+    assert!(!is_used(&minutes, 110.0, 165.0) && !is_used(&[[0, 100], [120, 178], [100, 180]], 60.0, 150.0));
 }

@@ -126,7 +126,7 @@ fn verif_limits_of_verdicts_and_windows() {
     };
     let targets: Vec<WindowTarget> = (0..12).map(|_| target(Direction::from_vector(random.direction()))).collect();
     let request = WindowRequest { conditions, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
-    let to = seconds_after(from, span_s);
+    let to = seconds_after(from, span_s + exposure_s);
     let windows = clear_windows(&targets, from, to, &request).expect("windows").by_target;
     let (mut clear, mut crossed, mut broken) = (0, 0, 0);
     for (target, windows) in targets.iter().zip(&windows) {

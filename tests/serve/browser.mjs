@@ -618,6 +618,20 @@ try {
     await page.close();
   });
 
+  await step("tonight's passes are requested again after an error", async () => {
+    const page = await open("#bright=6", { viewport: SMALL }, bareUrl);
+    refusing.add(page);
+    const path = /\/api\/v1\/forecast/;
+    await page.route(path, (route) => route.fulfill({ status: 400, contentType: "application/problem+json", body: '{"detail":"no positions"}' }));
+    await page.fill("#bright", "5");
+    await page.keyboard.press("Tab");
+    await eventually(async () => assert.equal(await page.textContent("#tonight-title"), "Tonight: unknown"));
+    await page.unroute(path);
+    await page.evaluate((later) => (Date.now = () => later), Date.now() + 11 * 60e3);
+    await eventually(async () => assert.match(await page.textContent("#tonight-title"), /^Tonight: \d+ visible pass/));
+    await page.close();
+  });
+
   await step("an example of a target is above the horizon", async () => {
     const page = await open("", { viewport: SMALL }, bareUrl);
     const example = page.locator("#examples button").first();
@@ -812,6 +826,7 @@ try {
       ["2:10", "2026-08-15T07:10:00Z"],
       ["2026-08-13 22:30", "2026-08-14T03:30:00Z"],
       ["2026-08-14 23:35:20Z", "2026-08-14T23:35:20Z"],
+      ["2026-08-14 23:35:20z", "2026-08-14T23:35:20Z"],
     ]) {
       await enter(page, "M104", text, 45);
       const { start, hash } = await seen(page);
@@ -819,7 +834,7 @@ try {
     }
     refusing.add(page);
     const title = await page.textContent("#exposure-title");
-    for (const text of ["25:00", "18", "yesterday"]) {
+    for (const text of ["25:00", "18", "yesterday", "2026-02-30 23:30"]) {
       await enter(page, "M31", text, 45);
       assert.ok((await page.textContent("#problem")).startsWith(`Invalid start '${text}'; allowed: now, a local time`), text);
       assert.equal(await page.textContent("#exposure-title"), title);

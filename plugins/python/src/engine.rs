@@ -583,7 +583,7 @@ impl Engine {
         for (cells, row) in table.rows.iter_mut().zip(&rows) {
             let lost = self.telescope.as_ref().map(|telescope| {
                 let width_arcsec = telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m);
-                let length_deg = row.pass.streak_length_rad.to_degrees();
+                let length_deg = self.policy.streak_length_rad(row.pass).to_degrees();
                 telescope.lost_pixel_fraction(length_deg, width_arcsec, field.area_deg2())
             });
             cells.push(lost.into());
@@ -613,17 +613,16 @@ impl Engine {
             let mut by_span: BTreeMap<(Epoch, Epoch), Vec<usize>> = BTreeMap::new();
             for index in indices {
                 let (time, _) = &times[index];
-                // The shutter must close within the time span.
-                let last = seconds_after(time.start, time.duration_s - exposure_s);
-                by_span.entry((time.start, last)).or_default().push(index);
+                let end = seconds_after(time.start, time.duration_s);
+                by_span.entry((time.start, end)).or_default().push(index);
             }
-            for ((first, last), indices) in by_span {
+            for ((first, end), indices) in by_span {
                 let target = |index: &usize| {
                     let (time, band) = times[*index].clone();
                     WindowTarget { exposure: Exposure { duration_s: exposure_s, ..time }, band }
                 };
                 let targets: Vec<WindowTarget> = indices.iter().map(target).collect();
-                let report = clear_windows_without_passes(&targets, first, last, &request).map_err(failure::request)?;
+                let report = clear_windows_without_passes(&targets, first, end, &request).map_err(failure::request)?;
                 warnings.extend(left_out(&prepared, &report.left_out, first)?);
                 if let Some(reason) = report.by_target.iter().find_map(|target| target.unknown.clone()) {
                     return Err(failure::unknown(reason));

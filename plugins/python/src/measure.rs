@@ -10,7 +10,8 @@ use crate::failure;
 use crate::injection::exception;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// Measures the frames in the request, or the streaks of its tables, which need no satellites. Returns `measurements` as columns, `warnings` and `remarks`.
+/// Measures the frames in the request, or the streaks of its tables, which need no satellites. Returns `measurements`
+/// as columns, `warnings` and `remarks`.
 #[pyfunction]
 #[pyo3(signature = (request, setup, config, sky_cache))]
 pub fn measure<'py>(

@@ -5,7 +5,7 @@ use std::time::SystemTime;
 
 use hifitime::Epoch;
 use streakcast::config::Config;
-use streakcast::frames::{EopTable, Orientation, parse_instant, seconds_after};
+use streakcast::frames::{EopTable, Orientation, mjd_utc, parse_instant, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::format_utc;
 use streakcast::schedule::evening_mjd;
@@ -93,9 +93,14 @@ pub fn set_night(
 pub fn set_civil_night(night: &mut Option<String>, config: &Config, zone: &LocalTime) -> anyhow::Result<()> {
     // An invalid date is reported when the night is computed.
     if let Some(noon) = night.as_deref().and_then(noon_of) {
-        *night = Some(date_of(noon.to_mjd_utc_days().floor() as i64 - civil_days(noon, &config.site()?, zone)));
+        *night = Some(date_of(mean_evening_mjd(noon, &config.site()?, Some(zone))));
     }
     Ok(())
+}
+
+/// Returns the MJD of the evening in local mean time, from noon UTC of its date in a time zone.
+pub fn mean_evening_mjd(noon: Epoch, site: &Site, zone: Option<&LocalTime>) -> i64 {
+    mjd_utc(noon).floor() as i64 - zone.map_or(0, |zone| civil_days(noon, site, zone))
 }
 
 /// Returns the date of an evening in a time zone, from that of local mean time.

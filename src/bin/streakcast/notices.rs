@@ -67,14 +67,18 @@ impl Notices {
     /// # Errors
     /// No satellite has a position.
     pub fn warn_left_out(&self, prepared: &PreparedSky, left_out: &[LeftOut], moment: Epoch) -> anyhow::Result<()> {
-        let Some(warning) = prepared.left_out_warning(left_out, moment)? else { return Ok(()) };
-        if self.verbose {
-            self.info(&format!("warning: {warning}:"));
-            left_out.iter().for_each(|one| self.info(&format!("  {}", one.reason)));
-        } else {
-            self.info(&format!("warning: {warning}; --verbose lists them"));
-        }
+        self.list_left_out(prepared.left_out_warning(left_out, moment)?, left_out);
         Ok(())
+    }
+
+    /// Prints such warnings of one sky, or of several periods of the simulated constellations.
+    pub fn list_left_out(&self, warnings: impl IntoIterator<Item = String>, left_out: &[LeftOut]) {
+        let end = if self.verbose { ":" } else { "; --verbose lists them" };
+        let warnings = warnings.into_iter().map(|warning| format!("{warning}{end}"));
+        self.warn_first(warnings, "periods of the shells with satellites without a position");
+        if self.verbose {
+            left_out.iter().for_each(|one| self.info(&format!("  {}", one.reason)));
+        }
     }
 
     /// Prints one line.

@@ -9,6 +9,7 @@ use crate::config::document::Config;
 use crate::elements::SourceFile;
 use crate::passes::ModelChoice;
 use crate::photometry::ModelLibrary;
+use crate::schedule::evening_mjd;
 
 /// Results of a setup check.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,12 +44,17 @@ impl Config {
 
     fn check_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
         const SUBJECT: &str = "elements";
-        if let Err(error) = self.deployment() {
+        let deployment = self.deployment().and_then(|deployment| {
+            // Without a valid site, which has its own finding, nights are those of Greenwich.
+            let longitude_rad = self.viewpoint_longitude_rad(Some(now)).unwrap_or_default();
+            Ok(deployment.at(evening_mjd(now, longitude_rad))?)
+        });
+        if let Err(error) = deployment {
             health.findings.push(Finding::new(
                 Severity::Error,
                 SUBJECT,
                 error.to_string(),
-                "names are listed by streakcast shells",
+                "names and periods are listed by streakcast shells",
             ));
         } else if !self.shells.is_empty() {
             let finding = "simulated constellations (--shells): positions do not correspond to real satellites";

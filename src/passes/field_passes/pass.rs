@@ -44,10 +44,11 @@ impl ExposedField<'_> {
         }
         let searched_s = (start_s - lateness.reach_s(), end_s + lateness.reach_s());
         let is_certain = options.without_probability && !crossing.chords.is_empty();
-        let probability = match (satellite.arc(searched_s.0, searched_s.1), self.sky.viewpoint().site()) {
-            _ if is_certain => 1.0,
-            (Ok(wide), Some(site)) => self.probability_at_site(site, element_index, &wide, searched_s, sigma),
-            (Ok(wide), None) => {
+        let wide = (!is_certain).then(|| satellite.arc(searched_s.0, searched_s.1));
+        let probability = match (wide, self.sky.viewpoint().site()) {
+            (None, _) => 1.0,
+            (Some(Ok(wide)), Some(site)) => self.probability_at_site(site, element_index, &wide, searched_s, sigma),
+            (Some(Ok(wide)), None) => {
                 let line = SightLine { arc: &wide, observer: line.observer.clone() };
                 crossing_probability_in_flight(
                     &|time_s, late_s| line.delayed_sight(time_s, late_s),
@@ -59,18 +60,22 @@ impl ExposedField<'_> {
             }
             // SGP4 fails just outside the exposure. The nominal crossing is known, but the probability of near misses
             // is not.
-            (Err(_), _) => f64::from(u8::from(!crossing.chords.is_empty())),
+            (Some(Err(_)), _) => f64::from(u8::from(!crossing.chords.is_empty())),
         };
         if crossing.chords.is_empty() && options.min_probability.is_none_or(|least| probability < least) {
             return Ok(None);
         }
         let (position_angle_rad, angular_rate_rad_s) = evaluator.motion(middle_s);
+        let length_rad = |chords: &[Chord]| -> f64 { chords.iter().map(|chord| evaluator.length_rad(chord)).sum() };
+        let streak_length_rad = length_rad(&lit_chords);
+        let is_all_lit = lit_chords == crossing.chords;
         Ok(Some(Pass {
             norad_id: satellite.propagator.norad_id(),
             element_index,
             peak: if lit { evaluator.peak(enter_s, exit_s) } else { None },
             samples: evaluator.samples(enter_s, exit_s, options.samples),
-            streak_length_rad: lit_chords.iter().map(|chord| evaluator.length_rad(chord)).sum(),
+            streak_length_rad,
+            track_length_rad: if is_all_lit { streak_length_rad } else { length_rad(&crossing.chords) },
             chords: self.after_opening(&crossing.chords),
             lit_chords: self.after_opening(&lit_chords),
             enter,

@@ -122,7 +122,7 @@ impl Sky {
     }
 
     /// Returns the same probabilities; for a telescope in orbit with those of satellites in the Earth's shadow if
-    /// `include_dark`.
+    /// `include_dark`, whose streaks then have the length of the whole track.
     pub(crate) fn probabilities_with(
         &self,
         exposures: &[Exposure],
@@ -154,12 +154,10 @@ impl Sky {
         let passes = self.field_passes(exposures, field, &options)?.by_exposure;
         // The mean length of the chords of a circle is π/2 times its radius.
         let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
-        let length_rad = |pass: &Pass, exposure: &Exposure| {
-            if pass.is_crossing() && pass.lit {
-                pass.streak_length_rad
-            } else {
-                mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s)
-            }
+        let length_rad = |pass: &Pass, exposure: &Exposure| match (pass.is_crossing(), include_dark) {
+            (true, true) => pass.track_length_rad,
+            (true, false) => pass.streak_length_rad,
+            (false, _) => mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s),
         };
         let is_cut = |pass: &Pass, exposure: &Exposure| {
             let shutter_s = [0.0, exposure.duration_s];

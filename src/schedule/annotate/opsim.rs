@@ -164,11 +164,12 @@ fn id_column(columns: &[(String, String)]) -> Option<&(String, String)> {
     ID.iter().find_map(|id| columns.iter().find(|(name, _)| name == id))
 }
 
-/// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they do
-/// not assign a verdict to each observation.
+/// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they
+/// do not assign a verdict to each observation.
 fn write_view(connection: &Connection, flags: &Table) -> Result<(), rusqlite::Error> {
     let Some((id, _)) = id_column(&columns_of_observations(connection)?).cloned() else { return Ok(()) };
-    if !has_unique_ids(connection)? {
+    let missing = format!("SELECT EXISTS (SELECT 1 FROM observations WHERE \"{id}\" IS NULL)");
+    if !has_unique_ids(connection)? || connection.query_row(&missing, [], |row| row.get::<_, bool>(0))? {
         return Ok(());
     }
     let names = flags.columns.iter().map(|column| column.name).filter(|name| *name != "exposure_id");
@@ -282,6 +283,29 @@ mod tests {
             let kind: String =
                 copy.query_row("SELECT typeof(exposure_id) FROM streak_flags", [], |row| row.get(0)).unwrap();
             assert_eq!((joined, kind.as_str()), if number == 0 { (2, "integer") } else { (2, "text") });
+        }
+    }
+
+    /// The view has the verdict of each observation, or does not exist: without an identifier there is none.
+    #[test]
+    fn the_view_needs_identifiers() {
+        let folder = tempfile::tempdir().unwrap();
+        for (number, (values, ids, expected)) in
+            [("(7), (8)", ["7", "8"], 1), ("(7), (NULL)", ["7", "2"], 0), ("(7), (7)", ["7", "7"], 0)]
+                .into_iter()
+                .enumerate()
+        {
+            let [input, output] = ["in", "out"].map(|name| folder.path().join(format!("{name}{number}.db")));
+            let table = "CREATE TABLE observations (observationId INTEGER); INSERT INTO observations VALUES";
+            Connection::open(&input).unwrap().execute_batch(&format!("{table} {values};")).unwrap();
+            let (flags, streaks) = tables(&ids);
+            let provenance = Provenance::default();
+            let annotation =
+                Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
+            annotate(&input, &output, &annotation).unwrap();
+            let query = "SELECT count(*) FROM sqlite_schema WHERE type = 'view'";
+            let views: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
+            assert_eq!(views, expected, "{values}");
         }
     }
 

@@ -45,10 +45,10 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     // The output is checked before the computation, which may be long.
     check_whole(&output)?;
     let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, Some(&output))?;
-    let (flags, _) = prepared.judge()?;
+    let (flags, streaks) = prepared.judge_with_streaks()?;
     let annotation = Annotation {
         flags: &flag_table(&flags),
-        streaks: &prepared.streaks(&flags),
+        streaks: &streaks,
         provenance: &prepared.provenance,
         replace: typed.replace,
         keep: prepared.keep.as_deref(),

@@ -105,8 +105,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
         let empty = flag_table_with_exposures(&[], &[]);
         let mut totals = FlagTotals::default();
         output.write_parts("flags", &empty, provenance, notices, |write| {
-            totals = prepared
-                .judge_in_parts(&mut |rows, report| Ok(write(&flag_table_with_exposures(&report.flags, rows))?))?;
+            totals = prepared.judge_in_parts(&mut |rows, flags| Ok(write(&flag_table_with_exposures(flags, rows))?))?;
             Ok(())
         })?;
         totals

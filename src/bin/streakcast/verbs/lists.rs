@@ -1,9 +1,12 @@
 //! `sites` and `shells`: list observatories with their names and MPC codes, and simulated constellations.
 
+use std::collections::BTreeSet;
+
 use clap::Args;
 use streakcast::config::Config;
 use streakcast::elements::{Constellation, ConstellationSet, DeploymentPeriod, Shell};
 use streakcast::geometry::Site;
+use streakcast::message::Quoted;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 
 use crate::arguments::OutputArguments;
@@ -110,7 +113,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
     let config = Config { shells: Vec::from_iter(is_file.then(|| search.to_owned())), ..Config::default() };
     let deployment = config.deployment()?;
     let (all, sets) = match is_file {
-        true => (deployment.always().to_vec(), Vec::new()),
+        true => (deployment.always().iter().chain(deployment.own_growing()).cloned().collect(), Vec::new()),
         false => (Constellation::embedded(), Constellation::embedded_sets()),
     };
     let matches = |name: &str| is_file || name.contains(&search.to_lowercase());
@@ -128,7 +131,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             shells.len().into(),
             lowest_km.into(),
             highest_km.into(),
-            with_assumed_planes(constellation).into(),
+            constellation.satellites_with_assumed_planes().into(),
             Value::List(shells.iter().map(text).collect()),
             constellation.source.as_str().into(),
         ]
@@ -142,7 +145,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             total(&|one| one.shells.len()).into(),
             lowest_km.into(),
             highest_km.into(),
-            total(&with_assumed_planes).into(),
+            total(&Constellation::satellites_with_assumed_planes).into(),
             Value::List(Vec::new()),
             source.into(),
         ]
@@ -159,7 +162,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
     };
     let table = Table {
         columns: vec![
-            Column::new("name", Kind::Text, "Name for --shells."),
+            Column::new("name", Kind::Text, "Name for --shells or for periods; or the first night of a period."),
             Column::new("satellites", Kind::Integer, "Number of satellites."),
             Column::new("n_shells", Kind::Integer, "Number of shells."),
             Column::real("lowest_km", "km", 1, "Altitude of the lowest shell."),
@@ -185,6 +188,12 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
             .collect(),
     };
     let notices = Notices::new(typed.quiet);
+    let deployed: BTreeSet<&str> =
+        deployment.periods().flat_map(|period| &period.constellations).map(|one| one.name.as_str()).collect();
+    let never = deployment.own_growing().filter(|one| !deployed.contains(one.name.as_str()));
+    let never =
+        never.map(|one| format!("constellation {} is in no period: it is never in orbit", Quoted::new(&one.name)));
+    notices.warn_first(never, "constellations in no period");
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
         &VerbResult {
             sections: vec![Section { name: "shells", table: &table }],
@@ -195,9 +204,4 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         &notices,
     )?;
     Ok(listed(&table, &typed.search, &notices, "constellation", "name"))
-}
-
-fn with_assumed_planes(constellation: &Constellation) -> usize {
-    let shells = constellation.shells.iter().filter(|shell| shell.planes_assumed);
-    shells.map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
 }

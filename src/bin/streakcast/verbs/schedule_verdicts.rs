@@ -3,14 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
 use hifitime::Epoch;
+use indicatif::ProgressBar;
 use serde_json::json;
-use streakcast::config::{Config, ObservationPlan, PreparedSky, state_scales};
+use streakcast::config::{Config, LoadedInputs, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::message::Quoted;
-use streakcast::output::{Provenance, Table, counted, format_utc};
+use streakcast::orbit::LeftOut;
+use streakcast::output::{Provenance, Table, Value as Cell, counted, format_utc};
+use streakcast::passes::Sky;
 use streakcast::schedule::{
     FlagReport, FlagTotals, Schedule, ScheduledExposure, Shard, StreakColumns, Verdict, VerdictKind, check_extension,
     evening_mjd, flag_exposures, streak_table,
@@ -26,9 +28,13 @@ const ROWS_AT_A_TIME: usize = 1000;
 pub struct PreparedSchedule {
     pub schedule: Schedule,
     plan: ObservationPlan,
-    /// Parts of the rows in their order. Only constellations that grow, or a schedule without a valid row, make more or
-    /// less than one part.
+    /// Rows by their satellites, in the order of their first rows. Only constellations that grow, or a schedule without
+    /// a valid row, make more or less than one part.
     parts: Vec<Part>,
+    /// Sky of the first part. The others are prepared when they are used, so that few are in memory.
+    first_sky: Option<PreparedSky>,
+    /// Inputs of the other skies.
+    inputs: Option<LoadedInputs>,
     /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
@@ -38,12 +44,77 @@ pub struct PreparedSchedule {
     pub keep: Option<Vec<bool>>,
 }
 
-/// Successive rows of a schedule with the same satellites.
+/// Rows of a schedule with the same satellites.
 struct Part {
-    rows: Range<usize>,
-    sky: Rc<PreparedSky>,
-    /// First shutter opening of all rows with these satellites.
-    first: Epoch,
+    rows: Vec<Range<usize>>,
+    /// First shutter opening and last closing.
+    span: (Epoch, Epoch),
+}
+
+/// Judges rows of a schedule in any order, and passes the verdicts on in the order of the schedule.
+pub struct RowJudge<'a> {
+    schedule: &'a Schedule,
+    plan: &'a ObservationPlan,
+    totals: FlagTotals,
+    bar: ProgressBar,
+    /// Verdicts by their first row until those of all rows before are known.
+    waiting: BTreeMap<usize, Vec<Verdict>>,
+    /// First row that was not passed on.
+    next: usize,
+}
+
+/// Receiver of rows and verdicts in the order of the schedule.
+type Take<'a> = &'a mut dyn FnMut(&[ScheduledExposure], &[Verdict]) -> anyhow::Result<()>;
+/// Receiver of verdicts as soon as they are known, with their sky and their first row.
+type See<'a> = &'a mut dyn FnMut(&Sky, usize, &[Verdict]);
+
+impl<'a> RowJudge<'a> {
+    pub fn new(schedule: &'a Schedule, plan: &'a ObservationPlan, notices: &Notices) -> Self {
+        let bar = notices.progress(schedule.exposures.len());
+        Self { schedule, plan, totals: FlagTotals::default(), bar, waiting: BTreeMap::new(), next: 0 }
+    }
+
+    /// Judges successive rows, and returns the satellites without a position.
+    pub fn judge(
+        &mut self,
+        prepared: &PreparedSky,
+        rows: Range<usize>,
+        see: See<'_>,
+        take: Take<'_>,
+    ) -> anyhow::Result<Vec<LeftOut>> {
+        let request = self.plan.request(&prepared.sky);
+        let mut left_out = Vec::new();
+        let mut first = rows.start;
+        for rows in self.schedule.exposures[rows].chunks(ROWS_AT_A_TIME) {
+            let mut report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request)?;
+            let flags = std::mem::take(&mut report.flags);
+            self.totals.add(&report);
+            left_out.append(&mut report.left_out);
+            see(&prepared.sky, first, &flags);
+            self.waiting.insert(first, flags);
+            first += rows.len();
+            self.bar.inc(rows.len() as u64);
+            self.pass_on(take)?;
+        }
+        Ok(left_out)
+    }
+
+    /// Returns the totals of all rows.
+    pub fn finish(self) -> FlagTotals {
+        self.bar.finish_and_clear();
+        self.totals
+    }
+
+    fn pass_on(&mut self, take: Take<'_>) -> anyhow::Result<()> {
+        while let Some(flags) = self.waiting.remove(&self.next) {
+            let rows = &self.schedule.exposures[self.next..self.next + flags.len()];
+            self.next += flags.len();
+            let report = FlagReport { flags, ..FlagReport::default() };
+            self.totals.add(&report);
+            take(rows, &report.flags)?;
+        }
+        Ok(())
+    }
 }
 
 impl PreparedSchedule {
@@ -70,175 +141,188 @@ impl PreparedSchedule {
             None => None,
         };
         // Without a valid time the sky cannot be prepared. If there are more shares than nights, some have no rows.
-        let parts = match judgeable.filter(|_| !schedule.exposures.is_empty()) {
+        let (parts, inputs) = match judgeable.filter(|_| !schedule.exposures.is_empty()) {
             Some(span) => parts(config, &schedule, span)?,
-            None => Vec::new(),
+            None => (Vec::new(), None),
         };
-        let mut provenance = provenance_of(&parts);
+        let first_sky = parts.first().map(|Part { span: (first, last), .. }| match &inputs {
+            Some(inputs) => inputs.prepare(*first, *last),
+            None => config.prepare(*first, *last),
+        });
+        let first_sky = first_sky.transpose()?;
+        let mut provenance = first_sky.as_ref().map_or_else(Provenance::new, |sky| sky.provenance.clone());
+        if let (Some(inputs), Some(sky)) = (&inputs, &first_sky) {
+            state_periods(&mut provenance, inputs, sky, parts.iter().map(|part| part.span.0))?;
+        }
         let ObservationPlan { policy, telescope, photometry, .. } = &plan;
         let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
         state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
         provenance.state("schedule", statement);
         provenance.state("options", config.flag_options(policy, telescope));
-        Ok(Self { schedule, plan, parts, provenance, notices, path: path.to_owned(), keep })
+        Ok(Self { schedule, plan, parts, first_sky, inputs, provenance, notices, path: path.to_owned(), keep })
     }
 
-    /// Judges the rows in parts, calls `take` with the rows and the report of each part, and prints the warnings and
-    /// the number of exposures with each verdict.
-    pub fn judge_in_parts(
-        &self,
-        take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
-    ) -> anyhow::Result<FlagTotals> {
+    /// Judges the rows in parts, calls `take` with the rows and the verdicts of each part in their order, and prints
+    /// the warnings and the number of exposures with each verdict.
+    pub fn judge_in_parts(&self, take: Take<'_>) -> anyhow::Result<FlagTotals> {
+        self.judge_and_see(&mut |_, _, _| {}, take)
+    }
+
+    fn judge_and_see(&self, see: See<'_>, take: Take<'_>) -> anyhow::Result<FlagTotals> {
         let Self { schedule, plan, notices, parts, .. } = self;
-        let totals = match parts.first() {
-            Some(first) => {
-                let mut warned = BTreeSet::new();
-                let new = |warning: &&String| warned.insert((*warning).clone());
-                let warnings = parts.iter().flat_map(|part| &part.sky.warnings).filter(new).cloned();
-                notices.warn(&warnings.collect::<Vec<_>>());
-                let skies = parts.iter().map(|part| (&*part.sky, part.rows.clone()));
-                flag_rows(skies, schedule, first.first, plan, notices, take)?
-            }
-            None => invalid_rows(schedule, take)?,
-        };
+        let totals = if parts.is_empty() { invalid_rows(schedule, take)? } else { self.judge_parts(see, take)? };
         notices.warn(&schedule.warnings(&plan.policy));
         summary(notices, &totals, schedule, &self.path);
+        Ok(totals)
+    }
+
+    fn judge_parts(&self, see: See<'_>, take: Take<'_>) -> anyhow::Result<FlagTotals> {
+        let Self { schedule, plan, notices, .. } = self;
+        let mut judge = RowJudge::new(schedule, plan, notices);
+        let mut warned = BTreeSet::new();
+        let mut without_position = Vec::new();
+        for (number, Part { rows, span: (first, last) }) in self.parts.iter().enumerate() {
+            let later = self.inputs.as_ref().filter(|_| number > 0);
+            let later = later.map(|inputs| inputs.prepare(*first, *last)).transpose()?;
+            let Some(prepared) = later.as_ref().or(self.first_sky.as_ref()) else { continue };
+            notices.warn(prepared.warnings.iter().filter(|warning| warned.insert((*warning).clone())));
+            let mut left_out = Vec::new();
+            for rows in rows {
+                left_out.append(&mut judge.judge(prepared, rows.clone(), see, take)?);
+            }
+            left_out.sort_by_key(|one| one.element_index);
+            left_out.dedup_by_key(|one| one.element_index);
+            without_position.extend(prepared.left_out_warning(&left_out, *first)?);
+        }
+        let totals = judge.finish();
+        notices.list_left_out(without_position, totals.left_out());
+        notices.warn(&totals.warnings());
         Ok(totals)
     }
 
     /// Judges all rows.
     pub fn judge(&self) -> anyhow::Result<(Vec<Verdict>, FlagTotals)> {
         let mut flags = Vec::with_capacity(self.schedule.exposures.len());
-        let totals = self.judge_in_parts(&mut |_, report| {
-            flags.extend(report.flags);
+        let totals = self.judge_in_parts(&mut |_, verdicts| {
+            flags.extend_from_slice(verdicts);
             Ok(())
         })?;
         Ok((flags, totals))
     }
 
-    /// Returns the streaks of judged rows: one row for each exposure and satellite.
-    pub fn streaks(&self, flags: &[Verdict]) -> Table {
+    /// Judges all rows, and returns the verdicts with the table of streaks: one row for each exposure and satellite.
+    pub fn judge_with_streaks(&self) -> anyhow::Result<(Vec<Verdict>, Table)> {
+        let mut flags = Vec::with_capacity(self.schedule.exposures.len());
+        let mut streaks: BTreeMap<usize, Vec<Vec<Cell>>> = BTreeMap::new();
+        self.judge_and_see(
+            &mut |sky, first, verdicts| {
+                streaks.insert(first, self.streaks(sky, &self.schedule.exposures[first..], verdicts).rows);
+            },
+            &mut |_, verdicts| {
+                flags.extend(verdicts.iter().map(|verdict| Verdict { passes: Vec::new(), ..verdict.clone() }));
+                Ok(())
+            },
+        )?;
+        Ok((
+            flags,
+            Table { rows: streaks.into_values().flatten().collect(), ..streak_table([], self.streak_columns()) },
+        ))
+    }
+
+    fn streak_columns(&self) -> StreakColumns {
+        StreakColumns { p_brighter: self.plan.policy.limit_mag.is_some(), ..StreakColumns::default() }
+    }
+
+    /// Returns the streaks of judged rows.
+    fn streaks(&self, sky: &Sky, rows: &[ScheduledExposure], flags: &[Verdict]) -> Table {
         let policy = &self.plan.policy;
-        let columns = StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() };
-        let judged = self.parts.iter().flat_map(|part| {
-            let rows = self.schedule.exposures[part.rows.clone()].iter().zip(&flags[part.rows.clone()]);
-            rows.filter_map(|(row, flag)| {
-                row.exposure.as_ref().ok().map(|exposure| (&part.sky.sky, row, exposure, flag))
-            })
-        });
-        let rows = judged.flat_map(|(sky, row, exposure, flag)| {
+        let request = self.plan.request(sky);
+        let judged = rows.iter().zip(flags).filter_map(|(row, flag)| Some((row, row.exposure.as_ref().ok()?, flag)));
+        let rows = judged.flat_map(|(row, exposure, flag)| {
             let band = row.band.as_deref();
             let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(band));
-            let request = self.plan.request(sky);
             flag.passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
         });
-        streak_table(rows, columns)
+        streak_table(rows, self.streak_columns())
     }
 }
 
-/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites, and prepares their skies.
-fn parts(config: &Config, schedule: &Schedule, (first, last): (Epoch, Epoch)) -> anyhow::Result<Vec<Part>> {
+/// Divides the rows of a schedule from `first` to `last` into parts with the same satellites. The inputs are returned
+/// if there are constellations that grow.
+fn parts(
+    config: &Config,
+    schedule: &Schedule,
+    (first, last): (Epoch, Epoch),
+) -> anyhow::Result<(Vec<Part>, Option<LoadedInputs>)> {
     let deployment = config.deployment()?;
     if deployment.periods().next().is_none() {
-        let rows = 0..schedule.exposures.len();
-        return Ok(vec![Part { rows, sky: Rc::new(config.prepare(first, last)?), first }]);
+        let rows = vec![0..schedule.exposures.len()];
+        return Ok((vec![Part { rows, span: (first, last) }], None));
     }
     let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;
-    let period_of = |epoch| deployment.periods_begun(evening_mjd(epoch, longitude_rad));
-    // Rows without a valid time are in the part of the row before them.
-    let mut previous = period_of(first);
-    let periods = schedule.exposures.iter().map(|row| {
-        previous = row.exposure.as_ref().map_or(previous, |exposure| period_of(exposure.start));
-        previous
-    });
-    let periods: Vec<usize> = periods.collect();
-    let mut spans: BTreeMap<usize, (Epoch, Epoch)> = BTreeMap::new();
-    for (exposure, period) in schedule.exposures.iter().zip(&periods) {
-        let Ok(exposure) = &exposure.exposure else { continue };
-        let (start, end) = (exposure.start, seconds_after(exposure.start, exposure.duration_s));
-        let span = spans.entry(*period).or_insert((start, end));
-        *span = (span.0.min(start), span.1.max(end));
-    }
-    let inputs = config.load()?;
-    let mut skies: BTreeMap<usize, (Rc<PreparedSky>, Epoch)> = BTreeMap::new();
-    for (period, (first, last)) in spans {
-        skies.insert(period, (Rc::new(inputs.prepare(first, last)?), first));
-    }
     let mut parts: Vec<Part> = Vec::new();
-    let mut begin = 0;
-    for rows in periods.chunk_by(|one, next| one == next) {
-        if let Some((sky, first)) = skies.get(&rows[0]) {
-            parts.push(Part { rows: begin..begin + rows.len(), sky: Rc::clone(sky), first: *first });
+    let mut by_period: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut previous = None;
+    for (row, scheduled) in schedule.exposures.iter().enumerate() {
+        let Ok(exposure) = &scheduled.exposure else { continue };
+        let (start, end) = (exposure.start, seconds_after(exposure.start, exposure.duration_s));
+        let period = deployment.periods_begun(evening_mjd(start, longitude_rad));
+        let part = *by_period.entry(period).or_insert_with(|| {
+            parts.push(Part { rows: Vec::new(), span: (start, end) });
+            parts.len() - 1
+        });
+        let span = &mut parts[part].span;
+        *span = (span.0.min(start), span.1.max(end));
+        // Rows without a valid time are in the part of the row before them, those at the beginning in the first part.
+        if previous != Some(part) {
+            let begin = if previous.is_none() { 0 } else { row };
+            parts[part].rows.push(begin..begin);
         }
-        begin += rows.len();
+        if let Some(before) = previous.filter(|before| *before != part)
+            && let Some(rows) = parts[before].rows.last_mut()
+        {
+            rows.end = row;
+        }
+        previous = Some(part);
     }
-    Ok(parts)
+    if let Some(rows) = previous.and_then(|part| parts[part].rows.last_mut()) {
+        rows.end = schedule.exposures.len();
+    }
+    Ok((parts, Some(config.load()?)))
 }
 
-/// Returns the provenance of the first sky, with the simulated constellations of each.
-fn provenance_of(parts: &[Part]) -> Provenance {
-    let Some(first) = parts.first() else { return Provenance::new() };
-    let mut provenance = first.sky.provenance.clone();
-    let mut skies: Vec<&Part> = parts.iter().collect();
-    skies.sort_by_key(|part| part.first);
-    skies.dedup_by(|one, other| Rc::ptr_eq(&one.sky, &other.sky));
-    if skies.len() > 1 {
-        let stated = skies.iter().map(|part| {
-            json!({
-                "first_start_utc": format_utc(part.first, 3),
-                "satellites": part.sky.sky.elements().len(),
-                "shells": part.sky.provenance.get("shells"),
-            })
-        });
-        provenance.state("periods", stated.collect::<Vec<_>>());
-    }
-    provenance
+/// States the simulated constellations of each period, if there are several; `sky` is that of the first of `starts`,
+/// the first shutter openings of the periods.
+fn state_periods(
+    provenance: &mut Provenance,
+    inputs: &LoadedInputs,
+    sky: &PreparedSky,
+    starts: impl Iterator<Item = Epoch>,
+) -> anyhow::Result<()> {
+    let mut starts: Vec<Epoch> = starts.collect();
+    let of_files = match starts.first() {
+        Some(first) if starts.len() > 1 => sky.sky.elements().len() - inputs.simulated_at(*first)?.0,
+        _ => return Ok(()),
+    };
+    starts.sort();
+    let stated = starts.into_iter().map(|first| {
+        let (simulated, shells) = inputs.simulated_at(first)?;
+        Ok(json!({ "first_start_utc": format_utc(first, 3), "satellites": of_files + simulated, "shells": shells }))
+    });
+    provenance.state("periods", stated.collect::<anyhow::Result<Vec<Value>>>()?);
+    Ok(())
 }
 
 /// Reports on a schedule in which no row can be judged.
-fn invalid_rows(
-    schedule: &Schedule,
-    take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
-) -> anyhow::Result<FlagTotals> {
+fn invalid_rows(schedule: &Schedule, take: Take<'_>) -> anyhow::Result<FlagTotals> {
     let mut totals = FlagTotals::default();
     for rows in schedule.exposures.chunks(ROWS_AT_A_TIME) {
         let reasons = rows.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
         let flags = reasons.map(|(row, reason)| Verdict::invalid(&row.id, reason.clone())).collect();
         let report = FlagReport { flags, ..FlagReport::default() };
         totals.add(&report);
-        take(rows, report)?;
+        take(rows, &report.flags)?;
     }
-    Ok(totals)
-}
-
-/// Judges all rows, each range for its sky, in parts, and prints warnings about the satellites and the times. If there
-/// are many rows, a progress bar is shown.
-pub fn flag_rows<'a>(
-    skies: impl Iterator<Item = (&'a PreparedSky, Range<usize>)>,
-    schedule: &Schedule,
-    first: Epoch,
-    plan: &ObservationPlan,
-    notices: &Notices,
-    take: &mut dyn FnMut(&[ScheduledExposure], FlagReport) -> anyhow::Result<()>,
-) -> anyhow::Result<FlagTotals> {
-    let mut totals = FlagTotals::default();
-    let bar = notices.progress(schedule.exposures.len());
-    let mut last_sky = None;
-    for (prepared, range) in skies {
-        let request = plan.request(&prepared.sky);
-        for rows in schedule.exposures[range].chunks(ROWS_AT_A_TIME) {
-            let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request)?;
-            totals.add(&report);
-            take(rows, report)?;
-            bar.inc(rows.len() as u64);
-        }
-        last_sky = Some(prepared);
-    }
-    bar.finish_and_clear();
-    if let Some(prepared) = last_sky {
-        notices.warn_left_out(prepared, totals.left_out(), first)?;
-    }
-    notices.warn(&totals.warnings());
     Ok(totals)
 }
 

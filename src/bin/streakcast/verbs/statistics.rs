@@ -1,17 +1,19 @@
 //! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure; for a telescope in
 //! orbit, trails in random exposures.
 
+use std::collections::BTreeSet;
+
 use crate::arguments::OutputArguments;
 use crate::clock::{date_line_remark, set_tonight};
 use anyhow::bail;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use streakcast::config::{
     Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_exposure_s, parse_night,
     parse_size_deg, state_scales, time_range,
 };
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
-use streakcast::output::{Section, format_utc};
+use streakcast::output::{Provenance, Section, format_utc};
 use streakcast::schedule::MagnitudeLimit;
 
 use super::orbit_statistics::{self, OrbitStatisticsArguments};
@@ -142,7 +144,9 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let latitudes_deg =
         if typed.latitudes.is_empty() { vec![None] } else { typed.latitudes.iter().map(|one| Some(*one)).collect() };
     let mut found: Vec<(f64, StatisticsRequest, Vec<SkyCount>)> = Vec::new();
-    let (mut first, mut left_out) = (None, Vec::new());
+    let mut provenance = Provenance::new();
+    let (mut warned, mut left_out, mut without_position) = (BTreeSet::new(), Vec::new(), Vec::new());
+    let mut periods: Vec<Value> = Vec::new();
     for night in &typed.night {
         for latitude_deg in &latitudes_deg {
             let at_latitude = match latitude_deg {
@@ -183,15 +187,29 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
                 )]);
             }
             found.push((latitude_rad, request, counts));
-            if first.is_none() {
-                notices.warn(&prepared.warnings);
-                notices.warn_left_out(&prepared, &without, start)?;
-                left_out = without;
-                first = Some(prepared);
+            if found.len() == 1 {
+                provenance = prepared.provenance.clone();
+            }
+            // Constellations that grow have other satellites in another night.
+            let shells = prepared.provenance.get("shells");
+            if found.len() == 1 || periods.last().is_some_and(|before| before.get("shells") != shells) {
+                notices.warn(prepared.warnings.iter().filter(|warning| warned.insert((*warning).clone())));
+                without_position.extend(prepared.left_out_warning(&without, start)?);
+                left_out.extend(without);
+                periods.push(json!({
+                    "first_utc": format_utc(start, 3),
+                    "satellites": prepared.sky.elements().len(),
+                    "shells": shells,
+                }));
             }
         }
     }
-    let mut provenance = first.map(|prepared| prepared.provenance).unwrap_or_default();
+    left_out.sort_by_key(|one| one.norad_id);
+    left_out.dedup_by_key(|one| one.norad_id);
+    notices.list_left_out(without_position, &left_out);
+    if periods.len() > 1 {
+        provenance.state("periods", periods);
+    }
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut provenance, &scale, &photometry);
     provenance.state(

@@ -160,8 +160,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     };
     let bands = targets.iter().map(|target| target.band.as_deref()).collect();
     notices.warn(plan.policy.band_warning(&bands).as_slice());
-    let mut report = clear_windows(&targets, from, to, &request)?;
-    close_by(&mut report, &targets, to);
+    let report = clear_windows(&targets, from, to, &request)?;
     notices.warn_left_out(&prepared, &report.left_out, from)?;
     if let Some(site) = prepared.sky.viewpoint().site() {
         let night = Night::over(&prepared.sky, from, to, request.max_sun_altitude_rad)?;
@@ -259,8 +258,8 @@ fn add_local_times(table: &mut Table, zone: &LocalTime) {
     }
 }
 
-/// Returns the ends of a window in local time, rounded inwards to a step in seconds, or to a finer step if the window is
-/// shorter.
+/// Returns the ends of a window in local time, rounded inwards to a step in seconds, or to a finer step if the window
+/// is shorter.
 fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [String; 2] {
     let inside = |step_s: f64| {
         let step = step_s * Unit::Second;
@@ -271,17 +270,6 @@ fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [St
     step_s.map_or([first, last].map(|epoch| zone.text(epoch, 1.0)), |step_s| {
         inside(step_s).map(|epoch| zone.text(epoch, step_s))
     })
-}
-
-/// Shortens windows so that the shutter closes by the end of the time range.
-fn close_by(report: &mut WindowReport, targets: &[WindowTarget], end: Epoch) {
-    for (of_target, target) in report.by_target.iter_mut().zip(targets) {
-        let last = end - target.exposure.duration_s * Unit::Second;
-        for windows in [&mut of_target.windows, &mut of_target.observable] {
-            windows.retain(|window| window.first <= last);
-            windows.iter_mut().for_each(|window| window.last = window.last.min(last));
-        }
-    }
 }
 
 /// Pairs every row of the target list with its windows.

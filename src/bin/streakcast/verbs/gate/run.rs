@@ -253,7 +253,7 @@ fn verdict(
         return Ok(GateVerdict::Best { waited_s, first, best });
     }
     // The windows extend beyond the longest wait, so that the end of the clear interval is known.
-    let horizon = seconds_after(now, flags.max_wait_s + duration_s.max(60.0));
+    let horizon = seconds_after(now, flags.max_wait_s + duration_s.max(60.0) + duration_s);
     let report = clear_windows(std::slice::from_ref(&target), now, horizon, &window_request)
         .map_err(|error| setup_fault(&error))?;
     prepared.left_out_warning(&report.left_out, now).map_err(|error| Fault::new(FaultKind::Elements, error))?;

@@ -33,6 +33,11 @@ impl Problem {
         Self::of_parameter(name, format!("invalid {name} '{}'; allowed: {allowed}", Quoted::new(given)))
     }
 
+    /// Returns the same error for a value in a part of another parameter, such as `exposure 3`.
+    pub fn in_part(self, name: &str, part: &str) -> Self {
+        Self::of_parameter(name, format!("{part}: {}", self.detail))
+    }
+
     /// Returns the error for a missing parameter.
     pub fn missing(name: &str, allowed: &str) -> Self {
         Self::of_parameter(name, format!("missing {name}; allowed: {allowed}"))

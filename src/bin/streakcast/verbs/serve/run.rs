@@ -28,7 +28,7 @@ use crate::local_time::LocalTime;
 use crate::notices::Notices;
 use crate::required::Required;
 use crate::start::begin;
-use crate::verbs::schedule_verdicts;
+use crate::verbs::schedule_verdicts::{self, RowJudge};
 
 /// Largest number of exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
@@ -99,11 +99,13 @@ fn load(
     let mut flags = Vec::new();
     let totals = match schedule {
         Some((_, schedule)) => {
-            let all = std::iter::once((&prepared, 0..schedule.exposures.len()));
-            schedule_verdicts::flag_rows(all, schedule, first, plan, notices, &mut |_, report| {
-                flags.extend(report.flags);
-                Ok(())
-            })?
+            let mut judge = RowJudge::new(schedule, plan, notices);
+            let all = 0..schedule.exposures.len();
+            judge.judge(&prepared, all, &mut |_, _, verdicts| flags.extend_from_slice(verdicts), &mut |_, _| Ok(()))?;
+            let totals = judge.finish();
+            notices.warn_left_out(&prepared, totals.left_out(), first)?;
+            notices.warn(&totals.warnings());
+            totals
         }
         None => FlagTotals::default(),
     };

@@ -120,8 +120,8 @@ impl ServerState {
         self.local_time.as_ref().map_or_else(by_longitude, |zone| zone.ahead_of_utc_h(epoch))
     }
 
-    /// Returns the values of local time minus UTC in a range: the times from which they hold, and the values, hours. The
-    /// first time is `from`.
+    /// Returns the values of local time minus UTC in a range: the times from which they hold, and the values, hours.
+    /// The first time is `from`.
     pub fn utc_offsets(&self, from: Epoch, to: Epoch) -> Vec<(Epoch, f64)> {
         let changes = self.local_time.as_ref().map(|zone| zone.changes(from, to)).unwrap_or_default();
         std::iter::once((from, self.utc_offset_h(from))).chain(changes).collect()

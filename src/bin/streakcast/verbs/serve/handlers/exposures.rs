@@ -62,32 +62,34 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
 }
 
 fn scheduled(state: &RequestState, row: usize, text: &str, rotation_deg: f64) -> Result<ScheduledExposure, Problem> {
-    let invalid = || Problem::parameter("exposures", text.trim(), ACCEPTED);
+    let id = (row + 1).to_string();
+    let of_this = |problem: Problem| problem.in_part("exposures", &format!("exposure {id}"));
+    let wrong = |what: &str, given: &str, allowed: &str| of_this(Problem::parameter(what, given, allowed));
     let cells: Vec<&str> = text.split(',').map(str::trim).collect();
     if !(4..=6).contains(&cells.len()) {
-        return Err(invalid());
+        return Err(wrong("values", text.trim(), ACCEPTED));
     }
-    let start = moment(cells[0]).ok_or_else(invalid)?;
-    let within = |text: &str, least: f64, greatest: f64| {
-        text.parse().ok().filter(|number| (least..=greatest).contains(number)).ok_or_else(invalid)
+    let start = moment(cells[0]).ok_or_else(|| wrong("start_utc", cells[0], "UTC like 2024-08-14T00:30:00Z"))?;
+    let within = |what: &str, text: &str, [least, greatest]: [f64; 2], unit: &str| {
+        let number = text.parse().ok().filter(|number| (least..=greatest).contains(number));
+        number.ok_or_else(|| wrong(what, text, &format!("{least} to {greatest} {unit}")))
     };
     let pointing = Direction::from_lon_lat_rad(
-        within(cells[2], 0.0, 360.0)?.to_radians(),
-        within(cells[3], -90.0, 90.0)?.to_radians(),
+        within("ra_deg", cells[2], [0.0, 360.0], "deg")?.to_radians(),
+        within("dec_deg", cells[3], [-90.0, 90.0], "deg")?.to_radians(),
     );
     let rotation_deg = match cells.get(4) {
-        Some(text) if !text.is_empty() => within(text, -360.0, 360.0)?,
+        Some(text) if !text.is_empty() => within("rotation_deg", text, [-360.0, 360.0], "deg")?,
         _ => rotation_deg,
     };
     let band = cells.get(5).filter(|band| !band.is_empty()).map(|band| (*band).to_owned());
     if let Some(band) = &band {
-        state.check_band("exposures", band)?;
+        state.check_band("band", band).map_err(of_this)?;
     }
-    let id = (row + 1).to_string();
     let exposure = Exposure {
         id: id.clone(),
         start,
-        duration_s: within(cells[1], 0.0, 3600.0)?,
+        duration_s: within("duration_s", cells[1], [0.0, 3600.0], "s")?,
         pointing,
         rotation_rad: rotation_deg.to_radians(),
     };

@@ -17,7 +17,7 @@ use super::document::{
     Document, OFFSETS, left_out_count_schema, object_schema, offset_table, provenance_schema, row_schema, rows_schema,
     warnings_schema,
 };
-use crate::clock::{civil_date, night_at, set_civil_night};
+use crate::clock::{civil_date, date_of, mean_evening_mjd, night_at};
 
 /// Largest number of points of all passes in a response.
 const MOST_POINTS: usize = 200_000;
@@ -38,16 +38,9 @@ pub const PARAMETERS: &[Parameter] = &[
 ];
 
 pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
-    let night = match (query.text("night"), query.moment("time_utc")) {
+    let night = match (query.date("night"), query.moment("time_utc")) {
         (Some(_), Some(_)) => return Err(Problem::both("night", "time_utc")),
-        (Some(night), None) => {
-            let mut night = Some(night.to_owned());
-            if let Some(zone) = &state.local_time {
-                set_civil_night(&mut night, &state.config, zone)
-                    .map_err(|error| Problem::new(400, error.to_string()))?;
-            }
-            night.unwrap_or_default()
-        }
+        (Some(noon), None) => date_of(mean_evening_mjd(noon, &state.site, state.local_time.as_ref())),
         (None, Some(epoch)) => night_at(&state.site, epoch),
         (None, None) => return Err(Problem::missing("night", "night or time_utc")),
     };

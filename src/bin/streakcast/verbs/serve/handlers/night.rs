@@ -2,7 +2,7 @@
 //! site.
 
 use serde_json::{Value, json};
-use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
+use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell, format_utc};
 use streakcast::passes::SkyError;
 use streakcast::schedule::{ScheduledExposure, Verdict, evening_mjd, flag_exposures, flag_table, night_of};
@@ -16,7 +16,7 @@ use super::document::{
 use super::document::{NIGHTS, OFFSETS, SCHEDULED, SITE, SUN};
 use super::document::{degrees, offset_table};
 use super::exposure::of_sky;
-use crate::clock::date_of;
+use crate::clock::{civil_date, date_of, mean_evening_mjd};
 
 pub const PARAMETERS: &[Parameter] = &[
     optional(
@@ -37,7 +37,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let night_at = |epoch| evening_mjd(epoch, state.site.longitude_rad);
     let night = match (query.date("night"), query.moment("time_utc")) {
         (Some(_), Some(_)) => return Err(Problem::both("night", "time_utc")),
-        (Some(noon), None) => mjd_utc(noon).floor() as i64,
+        (Some(noon), None) => mean_evening_mjd(noon, &state.site, state.local_time.as_ref()),
         (None, Some(epoch)) => night_at(epoch),
         (None, None) => state.nights.keys().next().copied().unwrap_or_else(|| night_at(state.started)),
     };
@@ -76,9 +76,10 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     } else {
         &state.caveats
     };
+    let date = |evening_mjd| civil_date(&date_of(evening_mjd), &state.site, state.local_time.as_ref());
     let nights = Table {
         columns: NIGHTS.to_vec(),
-        rows: state.nights.iter().map(|(night, rows)| vec![date_of(*night).into(), rows.len().into()]).collect(),
+        rows: state.nights.iter().map(|(night, rows)| vec![date(*night).into(), rows.len().into()]).collect(),
     };
     let site = Table {
         columns: SITE.to_vec(),
@@ -93,7 +94,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let photometry = &state.plan.photometry;
     let mut document = Document::with_provenance(&state.provenance);
     document.caveats(caveats);
-    document.value("night", date_of(night));
+    document.value("night", date(night));
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
     document.value("to_utc", format_utc(to, 0));

@@ -623,7 +623,7 @@ async function enterTyped() {
   const [target, text, length] = [$("target").value.trim(), $("start").value.trim(), Number($("length").value)];
   // In whole seconds, as `--start now` of the command line.
   if (text === "now") return enter(target, iso(Math.floor(Date.now() / 1e3) * 1e3), length);
-  const isUtc = text.endsWith("Z");
+  const isUtc = /[Zz]$/.test(text);
   const ms = typed(text.replace(/[Zz]$/, "").replace("T", " ").trim(), night.night);
   if (Number.isNaN(ms)) return problem("entry", `Invalid start '${text}'; allowed: now, a local time such as 23:30 or 2026-08-14 23:30, or UTC with Z at its end.`);
   if (isUtc) return enter(target, iso(ms), length);

@@ -26,8 +26,10 @@ export class TonightPanel {
     this.state = state;
     this.page = page;
     this.list = new Tonight($("passes"), $("more"));
-    /** Parameters of the last request; responses to earlier ones are outdated. */
+    /** Parameters of the last request; responses to earlier ones are outdated. Null after an error. */
     this.question = null;
+    /** Time of the last error, ms. */
+    this.failedAt = NaN;
     this.send = latest("/api/v1/forecast", (document, parameters) => {
       if (parameters === this.question) this.show(document);
     }, (error, parameters) => {
@@ -54,8 +56,11 @@ export class TonightPanel {
     setInterval(() => {
       list.tick();
       // After the night, its list is replaced by that of the next one. For the server, the next night begins at sunrise.
-      const isOver = !$("tonight").hidden && Date.now() > list.until;
-      if (isOver && this.question && this.question.time_utc !== present()) this.request();
+      // After an error, the request is sent again.
+      const isDue = this.question
+        ? Date.now() > list.until && this.question.time_utc !== present()
+        : Date.now() > this.failedAt + STEP_MS;
+      if (!$("tonight").hidden && isDue) this.request();
     }, 1000);
   }
 
@@ -88,6 +93,7 @@ export class TonightPanel {
     this.setBusy(false);
     // The list is not that of the question, which may be sent again.
     this.question = null;
+    this.failedAt = Date.now();
     this.list.show({ passes: [], calendar: null });
     $("calendar").hidden = true;
     $("tonight-title").textContent = "Tonight: unknown";

@@ -43,6 +43,8 @@ export function typed(text, evening) {
   const [, date, hour, minute, second = "0"] = /^(?:(\d{4}-\d\d-\d\d)[ T]+)?(\d{1,2}):(\d\d)(?::(\d\d(?:\.\d+)?))?$/.exec(text) ?? [];
   if (!hour || hour > 23 || minute > 59 || second >= 60) return NaN;
   const day = Date.parse(`${date ?? evening}T00:00:00Z`);
+  // 30 February would be 2 March.
+  if (Number.isNaN(day) || (date && !iso(day).startsWith(date))) return NaN;
   const isMorning = !date && hour < 12;
   return day + (isMorning ? 86400e3 : 0) + hour * 3600e3 + minute * 60e3 + Math.round(second * 1e3);
 }
