@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use hifitime::Epoch;
 use indicatif::ProgressBar;
-use serde_json::json;
+use serde_json::{Value, json};
 use streakcast::config::{Config, LoadedInputs, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::message::Quoted;
