@@ -214,7 +214,7 @@ impl SiteConfig {
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct LightConfig {
-    /// Passband of the magnitudes: B V R I u g r i z y G; V if omitted
+    /// Passband of the magnitudes: B V R I u g r i z y G J H K W1 W2; V if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "BAND"))]
     pub band: Option<String>,
     /// Zero point of the magnitudes: Vega or AB; the usual one of the band if omitted
@@ -300,6 +300,10 @@ pub struct RulesConfig {
     /// Limiting magnitude: brighter crossings give the verdict avoid; 7, or by band g=7,y=5,default=6
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_mag: Option<MagnitudeLimit>,
+    /// Limiting surface brightness, mag/arcsec2: brighter streaks give the verdict avoid (with --telescope); 22, or by
+    /// band W1=20,default=22
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
+    pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Satellites that block a start: any (all lit ones) or avoid (those that exceed a limit; default)
     #[cfg_attr(feature = "cli", arg(long, value_name = "CHOICE"))]
     pub blocking: Option<String>,
@@ -393,7 +397,8 @@ questions! {
     [max_zenith_angle], [min_sun_angle], [min_limb_angle],
     [fov, field] or telescope, [telescope], [bright_share] or telescope, [rotation],
     [light.band], [light.mag_system], [light.earthshine], [extinction], [sun_distance],
-    [rules.policy], [rules.limit_mag] or rules.policy, [min_probability] or rules.policy,
+    [rules.policy], [rules.limit_mag] or rules.policy, [rules.limit_surface_brightness] or rules.policy,
+    [min_probability] or rules.policy,
     [rules.blocking] or rules.policy, [rules.max_delay] or rules.policy,
     [time_scale], [time_zone], [eop], [run.threads], [run.quiet, run.verbose],
     [exposure.start], [exposure.duration], [exposure.target, exposure.ra, exposure.dec],

@@ -136,8 +136,9 @@ impl Config {
             Some(NameOrTable::Table(policy)) => policy.clone(),
         };
         self.check_limits()?;
-        let RulesConfig { limit_mag, blocking, max_delay, .. } = &self.rules;
+        let RulesConfig { limit_mag, limit_surface_brightness, blocking, max_delay, .. } = &self.rules;
         policy.limit_mag = limit_mag.clone().or(policy.limit_mag);
+        policy.limit_surface_brightness = limit_surface_brightness.clone().or(policy.limit_surface_brightness);
         policy.min_probability = self.min_probability.or(policy.min_probability);
         if let Some(blocking) = blocking {
             policy.blocking = blocking.parse().map_err(ConfigError::Policy)?;
@@ -147,9 +148,14 @@ impl Config {
         }
         policy.include_dark = self.is_in_orbit() && self.include_dark.unwrap_or(false);
         policy.validate().map_err(ConfigError::Policy)?;
-        if policy.max_cost_s.is_some() && self.telescope()?.is_none() {
-            let what = "telescope for max_cost_s of the policy";
-            return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
+        let needs_telescope = [
+            (policy.max_cost_s.is_some(), "telescope for max_cost_s of the policy"),
+            (policy.limit_surface_brightness.is_some(), "telescope for limit-surface-brightness"),
+        ];
+        for (_, what) in needs_telescope.into_iter().filter(|(is_given, _)| *is_given) {
+            if self.telescope()?.is_none() {
+                return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
+            }
         }
         Ok(policy)
     }
@@ -167,6 +173,12 @@ impl Config {
     pub(super) fn check_limits(&self) -> Result<(), ConfigError> {
         for limit in self.rules.limit_mag.iter().flat_map(MagnitudeLimit::numbers) {
             in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
+        }
+        for limit in self.rules.limit_surface_brightness.iter().flat_map(MagnitudeLimit::numbers) {
+            let allowed = "-30 to 60 mag/arcsec2";
+            in_range("limit-surface-brightness", limit, "mag/arcsec2", allowed, |limit| {
+                (-30.0..=60.0).contains(&limit)
+            })?;
         }
         if let Some(probability) = self.min_probability {
             in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
@@ -398,6 +410,10 @@ mod tests {
         assert!(message(config("min_probability = 2").policy()).contains("min-probability is 2; allowed: "));
         let cost = "[policy]\nmax_cost_s = 1";
         assert!(message(config(cost).policy()).contains("missing telescope for max_cost_s"));
+        let surface = "limit_surface_brightness = 22";
+        assert!(message(config(surface).policy()).contains("missing telescope for limit-surface-brightness"));
+        let policy = config("limit_surface_brightness = { W1 = 20 }\ntelescope = 'small'").policy().unwrap();
+        assert_eq!(policy.limit_surface_brightness.unwrap().of(Some("W1")), Some(20.0));
         assert!(config(&format!("telescope = 'rubin'\n{cost}")).policy().is_ok());
     }
 

@@ -36,6 +36,7 @@ mod phase;
 #[doc(hidden)]
 pub mod radiation;
 mod standard_magnitudes;
+mod thermal;
 pub(crate) mod two_panel;
 
 pub(crate) use atmosphere::clear_sky_extinction_mag;
@@ -48,6 +49,7 @@ pub use magnitude::{Magnitude, StandardMagnitude};
 pub use model::BrightnessModel;
 pub(crate) use pass_update::{PassResidual, PassUpdate};
 pub use standard_magnitudes::StandardMagnitudes;
+pub(crate) use thermal::SIZE_SIGMA;
 pub(crate) use two_panel::SatellitePositions;
 
 // Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for

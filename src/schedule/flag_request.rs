@@ -4,6 +4,7 @@ use crate::images::Telescope;
 use crate::passes::{Field, Pass, Sky};
 use crate::photometry::PhotometryOptions;
 
+use super::limits::Limits;
 use super::policy::{Blocking, Policy};
 use super::verdict_rules::blocks;
 
@@ -23,10 +24,25 @@ pub struct FlagRequest<'a> {
 }
 
 impl FlagRequest<'_> {
-    /// Returns true if a pass alone is sufficient for the verdict `avoid`: the probability that it crosses and is
-    /// brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if omitted). `None` if no
-    /// limit applies to the band.
-    pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>) -> Option<bool> {
-        self.policy.limit_mag_in(band).map(|_| blocks(pass, band, Blocking::Avoid, self.policy))
+    /// Returns true if a pass alone is sufficient for the verdict `avoid` on an exposure of this length: the probability
+    /// that it crosses and is brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if
+    /// omitted). `None` if no limit applies to the band.
+    pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>, exposure_s: f64) -> Option<bool> {
+        let limits = Limits::new(self, band, exposure_s);
+        (!limits.is_none()).then(|| blocks(pass, &limits, Blocking::Avoid, self.policy))
+    }
+
+    /// Returns the apparent magnitude than which the satellite of a pass is brighter than a limit: `limit_mag` or the
+    /// limit of surface brightness of the policy. `None` without either.
+    #[doc(hidden)]
+    pub fn limit_mag_of(
+        &self,
+        pass: &Pass,
+        band: Option<&str>,
+        exposure_s: f64,
+        limit_mag: Option<f64>,
+    ) -> Option<f64> {
+        let limits = Limits::new(self, band, exposure_s).with_limit_mag(limit_mag);
+        limits.of_pass(pass).map(|limit| limit.limit_mag)
     }
 }

@@ -498,12 +498,16 @@ impl Engine {
                     satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
                     telescope: self.telescope.as_ref(),
                     photometry: &self.photometry,
-                    limit_mag,
+                    limit_mag: request.limit_mag_of(pass, band, exposure.duration_s, limit_mag),
                     streak_cost_s: request.pass_cost_s(exposure, pass, band, limit_mag),
                 })
             })
             .collect();
-        let columns = StreakColumns { p_brighter: limits_mag.is_some(), chords: true, samples: samples > 0 };
+        let columns = StreakColumns {
+            p_brighter: limits_mag.is_some() || self.policy.limit_surface_brightness.is_some(),
+            chords: true,
+            samples: samples > 0,
+        };
         let mut table = streak_table(rows.iter().copied(), columns);
         table.columns.push(LOST);
         for (cells, row) in table.rows.iter_mut().zip(&rows) {

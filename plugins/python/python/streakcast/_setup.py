@@ -37,7 +37,10 @@ _KINDS: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("max_zenith_angle", "min_sun_angle", "min_limb_angle"), ((int, float), "a number")),
     **dict.fromkeys(("extinction", "min_probability", "bright_share"), ((int, float), "a number")),
     "observer_norad": ((int,), "a whole number"),
-    "limit_mag": ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),
+    **dict.fromkeys(
+        ("limit_mag", "limit_surface_brightness"),
+        ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),
+    ),
     "site": ((str, dict), "a name, an EarthLocation, or {'latitude_deg': ..., 'longitude_deg': ..., 'height_m': ...}"),
 }
 

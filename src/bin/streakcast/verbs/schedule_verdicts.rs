@@ -129,7 +129,8 @@ impl PreparedSchedule {
     /// Returns the streaks of judged rows: one row for each exposure and satellite.
     pub fn streaks(&self, flags: &[Verdict]) -> Table {
         let ObservationPlan { telescope, photometry, policy, .. } = &self.plan;
-        let columns = StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() };
+        let p_brighter = policy.limit_mag.is_some() || policy.limit_surface_brightness.is_some();
+        let columns = StreakColumns { p_brighter, ..StreakColumns::default() };
         let judged = self.parts.iter().flat_map(|part| {
             let rows = self.schedule.exposures[part.rows.clone()].iter().zip(&flags[part.rows.clone()]);
             rows.filter_map(|(row, flag)| {
@@ -147,7 +148,7 @@ impl PreparedSchedule {
                 satellite_size_m: sky.model(pass.element_index).size_m(),
                 telescope: telescope.as_ref(),
                 photometry,
-                limit_mag,
+                limit_mag: request.limit_mag_of(pass, band, exposure.duration_s, limit_mag),
                 streak_cost_s: request.pass_cost_s(exposure, pass, band, limit_mag),
             })
         });
