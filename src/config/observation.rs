@@ -7,13 +7,15 @@ use hifitime::TimeScale;
 use super::document::{Config, ExposureConfig, RulesConfig};
 use super::error::ConfigError;
 use super::inputs::{parse_file, read_text};
+use super::response_file::read_response;
 use super::values::{
-    NameOrTable, Quantity, in_range, is_file_name, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale,
+    NameOrTable, Quantity, in_range, is_file_name, is_response_file, parse_duration_s, parse_exposure_s,
+    parse_size_deg, parse_time_scale,
 };
 use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
-use crate::photometry::{Band, Earthshine, PhotometryOptions};
+use crate::photometry::{Band, Earthshine, MagSystem, PhotometryOptions};
 use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleError, ScheduleOptions};
 
 /// Largest number of points along one track.
@@ -208,10 +210,17 @@ impl Config {
     /// Returns band (V if omitted), magnitude system and light sources of the magnitudes.
     ///
     /// # Errors
-    /// The band or system is unknown, or the extinction is out of range.
+    /// The band or system is unknown, a response file is invalid or has no Vega magnitudes, or the extinction is out of
+    /// range.
     pub fn photometry(&self) -> Result<PhotometryOptions, ConfigError> {
-        let band: Band = self.light.band.as_deref().unwrap_or("V").parse()?;
+        let band: Band = match self.light.band.as_deref() {
+            Some(path) if is_response_file(path) => Band::Response(read_response(Path::new(path))?),
+            name => name.unwrap_or("V").parse()?,
+        };
         let system = self.light.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
+        if matches!(band, Band::Response(_)) && system != MagSystem::Ab {
+            return Err(ConfigError::invalid("mag-system is Vega with a response file as the band; allowed: AB"));
+        }
         let earthshine = if self.light.earthshine.unwrap_or(true) { Earthshine::Computed } else { Earthshine::Off };
         if let Some(extinction) = self.extinction {
             in_range("extinction", extinction, "mag", "0 to 5 mag", |extinction| (0.0..=5.0).contains(&extinction))?;

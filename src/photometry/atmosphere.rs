@@ -34,6 +34,7 @@ pub fn clear_sky_extinction_mag(band: Band, height_m: f64) -> f64 {
         Band::K => 2.159,
         Band::W1 => 3.353,
         Band::W2 => 4.603,
+        Band::Response(band) => band.wavelength_um(),
     };
     // Green's coefficients are those at this wavelength, the scale heights are in km.
     let (ratio, height_km) = (wavelength_um / 0.51, height_m / 1000.0);

@@ -7,6 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::error::PhotometryError;
+use super::response::ResponseBand;
 
 /// A passband.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -44,6 +45,8 @@ pub enum Band {
     W1,
     /// WISE W2, 4.6 µm.
     W2,
+    /// A response curve.
+    Response(ResponseBand),
 }
 
 /// Zero point of magnitudes.
@@ -58,10 +61,13 @@ pub enum MagSystem {
 
 /// Magnitude of 1 m² of a diffuse sphere at 1000 km, less that of the Sun: p A γ / (π d²) with the albedo p = 0.25, and
 /// γ = 2 / (3π) at a phase angle of 90°.
-const DIFFUSE_LESS_SUN_MAG: f64 = 34.43;
+pub(super) const DIFFUSE_LESS_SUN_MAG: f64 = 34.43;
+
+/// Magnitude of the full Moon less that of the Sun: -12.7 and -26.8 in V.
+pub(super) const FULL_MOON_LESS_SUN_MAG: f64 = 14.0;
 
 impl Band {
-    /// All bands, from blue to red within each photometric system.
+    /// All bands with a name, from blue to red within each photometric system.
     pub const ALL: [Band; 16] = [
         Band::B,
         Band::V,
@@ -81,7 +87,8 @@ impl Band {
         Band::W2,
     ];
 
-    /// Returns the band's name in tables, for example `V`, `g` (LSST), `G` (Gaia) or `K` (2MASS Ks).
+    /// Returns the band's name in tables, for example `V`, `g` (LSST), `G` (Gaia) or `K` (2MASS Ks);
+    /// `response` for a response curve.
     pub fn name(self) -> &'static str {
         match self {
             Band::B => "B",
@@ -100,6 +107,7 @@ impl Band {
             Band::K => "K",
             Band::W1 => "W1",
             Band::W2 => "W2",
+            Band::Response(_) => "response",
         }
     }
 
@@ -109,10 +117,11 @@ impl Band {
             Band::B | Band::V | Band::R | Band::I | Band::GaiaG => MagSystem::Vega,
             Band::J | Band::H | Band::K | Band::W1 | Band::W2 => MagSystem::Vega,
             Band::LsstU | Band::LsstG | Band::LsstR | Band::LsstI | Band::LsstZ | Band::LsstY => MagSystem::Ab,
+            Band::Response(_) => MagSystem::Ab,
         }
     }
 
-    /// Returns the apparent magnitude of the Sun at 1 au.
+    /// Returns the apparent magnitude of the Sun at 1 au. That of a response curve is AB in both systems.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
         // AB magnitudes, and Vega magnitudes in B, V, R, I, J, H, K, W1 and W2: Willmer (2018, ApJS 236, 47), table 3.
         // Vega magnitudes in u to y: the AB values less those of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
@@ -135,6 +144,7 @@ impl Band {
             Band::K => (-28.30, -26.49),
             Band::W1 => (-28.31, -25.66),
             Band::W2 => (-28.29, -25.00),
+            Band::Response(band) => (band.sun_mag(), band.sun_mag()),
         };
         match system {
             MagSystem::Vega => vega,
@@ -152,6 +162,7 @@ impl Band {
             Band::K => [17.942, 17.075],
             Band::W1 => [10.105, 9.562],
             Band::W2 => [6.869, 6.465],
+            Band::Response(band) => band.black_body_mag()?,
             _ => return None,
         };
         let to_system = self.sun_magnitude(system) - self.sun_magnitude(MagSystem::Ab);
@@ -159,13 +170,14 @@ impl Band {
     }
 
     /// Returns true if thermal emission contributes to the light of satellites, so that those in the Earth's shadow
-    /// have a magnitude: in K, W1 and W2.
+    /// have a magnitude: in K, W1, W2 and response curves beyond about 2 µm.
     pub(crate) fn has_emission(self) -> bool {
         self.black_body_mag(MagSystem::Ab).is_some()
     }
 
     /// Returns true if satellites in the Earth's shadow are not much fainter than others: their emission is at least 1 %
-    /// of the sunlight that a diffuse body of the same area reflects. This holds in W1 and W2, not in K (10 mag).
+    /// of the sunlight that a diffuse body of the same area reflects. This holds in W1, W2 and response curves
+    /// beyond about 3 µm, not in K (10 mag).
     pub(crate) fn is_thermal(self) -> bool {
         self.black_body_mag(MagSystem::Ab)
             .is_some_and(|[emitted, _]| emitted < self.sun_magnitude(MagSystem::Ab) + DIFFUSE_LESS_SUN_MAG + 5.0)

@@ -1,7 +1,7 @@
 //! Thermal emission of satellites in the infrared: a grey body with the area of the satellite, and its reflection of the
 //! Earth's infrared light.
 //!
-//! Borlaff, Marcum and Howell (2025, Nature 648, 51, "SPARKLES"), equations 4 to 6, with a temperature of 280 K and an
+//! Borlaff, Marcum and Howell (2025, Nature, s41586-025-09759-5, "SPARKLES"), equations 4 to 6, with a temperature of 280 K and an
 //! emissivity of 0.9 (Horiuchi et al. 2020, ApJ 905, 3). Unlike there, a surface reflects what it does not absorb, 10 %.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -185,7 +185,7 @@ mod tests {
         let bright = emission.with_reflection(Some(reflected(9.0)), 0.0);
         assert!(bright.source == MagnitudeSource::Thermal && bright.magnitude.0 < 5.0 && bright.sigma_mag > 1.1);
         let dark = emission.with_reflection(None, 0.2);
-        assert_eq!((dark.magnitude.0, dark.sigma_mag, dark.source), (5.2, 1.2, MagnitudeSource::Thermal));
         assert!((dark.probability_brighter_than(5.2) - 0.5).abs() < 1e-9);
+        assert_eq!((dark.magnitude.0, dark.sigma_mag, dark.source), (5.2, 1.2, MagnitudeSource::Thermal));
     }
 }

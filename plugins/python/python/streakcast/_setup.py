@@ -151,6 +151,14 @@ def _names(key: str, value: object) -> Json:
     return absolute(text) if text.endswith(".toml") else text
 
 
+def _band(key: str, value: object) -> Json:
+    """Returns names of bands unchanged, and paths of response files as absolute paths."""
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if text is None:
+        raise SetupError(f"{key} is {value!r}; allowed: a string")
+    return absolute(text) if "." in text or os.sep in text else text
+
+
 def _site(key: str, value: object) -> Json:
     if is_of("astropy.coordinates", "EarthLocation", value):
         geodetic = getattr(value, "to_geodetic")("WGS84")
@@ -210,6 +218,7 @@ _CONVERTERS: dict[str, Callable[[str, object], Json]] = {
     "elements": _paths,
     "shells": _names,
     "telescope": _names,
+    "band": _band,
     "eop": _path,
     "qs_mag": _path,
     "learned": _path,

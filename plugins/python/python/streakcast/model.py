@@ -90,7 +90,8 @@ class StreakModel(MaskQueries):
 
         - ``mpc``: observatory code, ``"X05"``; or ``lat``, ``lon`` (degrees, east positive) and ``height`` (metres
           above the ellipsoid, default 0), instead of ``site``.
-        - ``band``: band of the magnitudes, one of ``B V R I u g r i z y G J H K W1 W2`` (default ``"V"``).
+        - ``band``: band of the magnitudes, one of ``B V R I u g r i z y G J H K W1 W2`` (default ``"V"``), or the
+          path of a response curve (CSV or ECSV with ``wavelength_um`` and ``response``; AB magnitudes).
           In K, W1 and W2 magnitudes include thermal emission; in W1 and W2 satellites in shadow count.
         - ``bright_share``: share of an exposure that is lost to a bright streak across the whole field, 0 to 100 (default:
           that of the telescope, 0.08 if its file has none), for ``streak_cost_s``.
