@@ -85,6 +85,20 @@ pub static ARCSECONDS: Unit = Unit {
 #[cfg(all(feature = "fits", unix))]
 pub static KILOMETRES: Unit = Unit { accepted: &[("km", 1.0), ("m", 1e-3)], allowed: "km or m" };
 
+/// Wavelengths, micrometres.
+pub static MICROMETRES: Unit = Unit {
+    accepted: &[
+        ("um", 1.0),
+        ("micron", 1.0),
+        ("nm", 1e-3),
+        ("Angstrom", 1e-4),
+        ("angstrom", 1e-4),
+        ("AA", 1e-4),
+        ("m", 1e6),
+    ],
+    allowed: "um, nm, Angstrom or m",
+};
+
 /// Sizes, metres.
 #[cfg(all(feature = "fits", unix))]
 pub static METRES: Unit =

@@ -10,7 +10,7 @@ use super::coordinates::{parse_height_m, parse_latitude_deg, parse_longitude_deg
 use super::error::ConfigError;
 use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
-    TelescopeChoice, is_file_name, model_assignments, one_or_many,
+    TelescopeChoice, is_file_name, is_response_file, model_assignments, one_or_many,
 };
 use crate::elements::Constellation;
 use crate::input;
@@ -214,7 +214,8 @@ impl SiteConfig {
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct LightConfig {
-    /// Passband of the magnitudes: B V R I u g r i z y G; V if omitted
+    /// Passband of the magnitudes: B V R I u g r i z y G J H K W1 W2; V if omitted; or
+    /// a file of a response curve with the columns wavelength_um and response (AB)
     #[cfg_attr(feature = "cli", arg(long, value_name = "BAND"))]
     pub band: Option<String>,
     /// Zero point of the magnitudes: Vega or AB; the usual one of the band if omitted
@@ -300,6 +301,10 @@ pub struct RulesConfig {
     /// Limiting magnitude: brighter crossings give the verdict avoid; 7, or by band g=7,y=5,default=6
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_mag: Option<MagnitudeLimit>,
+    /// Limiting surface brightness, mag/arcsec2: brighter streaks give the verdict avoid (with --telescope); 22, or by
+    /// band W1=20,default=22
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
+    pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Satellites that block a start: any (all lit ones) or avoid (those that exceed a limit; default)
     #[cfg_attr(feature = "cli", arg(long, value_name = "CHOICE"))]
     pub blocking: Option<String>,
@@ -393,7 +398,8 @@ questions! {
     [max_zenith_angle], [min_sun_angle], [min_limb_angle],
     [fov, field] or telescope, [telescope], [bright_share] or telescope, [rotation],
     [light.band], [light.mag_system], [light.earthshine], [extinction], [sun_distance],
-    [rules.policy], [rules.limit_mag] or rules.policy, [min_probability] or rules.policy,
+    [rules.policy], [rules.limit_mag] or rules.policy, [rules.limit_surface_brightness] or rules.policy,
+    [min_probability] or rules.policy,
     [rules.blocking] or rules.policy, [rules.max_delay] or rules.policy,
     [time_scale], [time_zone], [eop], [run.threads], [run.quiet, run.verbose],
     [exposure.start], [exposure.duration], [exposure.target, exposure.ra, exposure.dec],
@@ -656,6 +662,10 @@ impl Config {
             field: None,
             telescope: self.telescope.clone().filter(|telescope| !is_file(telescope)),
             rules: RulesConfig { policy: None, ..self.rules.clone() },
+            light: LightConfig {
+                band: self.light.band.clone().filter(|band| !is_response_file(band)),
+                ..self.light.clone()
+            },
             ..self.clone()
         }
     }
@@ -684,7 +694,9 @@ impl Config {
             Some(NameOrTable::Name(name)) => Some(name),
             _ => None,
         };
-        for name in self.shells.iter_mut().chain(telescope).filter(|name| is_file_name(name)) {
+        let response = self.light.band.iter_mut().filter(|band| is_response_file(band));
+        let names = self.shells.iter_mut().chain(telescope).filter(|name| is_file_name(name));
+        for name in names.chain(response) {
             let mut path = PathBuf::from(&*name);
             visit(&mut path);
             *name = path.display().to_string();

@@ -30,6 +30,7 @@ mod measure;
 mod measured_tables;
 mod observation;
 mod prepared;
+mod response_file;
 mod site;
 mod values;
 mod warnings;

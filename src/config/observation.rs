@@ -8,13 +8,15 @@ use serde_json::{Value, json};
 use super::document::{Config, ExposureConfig, RulesConfig};
 use super::error::ConfigError;
 use super::inputs::{parse_file, read_text};
+use super::response_file::read_response;
 use super::values::{
-    NameOrTable, Quantity, in_range, is_file_name, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale,
+    NameOrTable, Quantity, in_range, is_file_name, is_response_file, parse_duration_s, parse_exposure_s,
+    parse_size_deg, parse_time_scale,
 };
 use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
-use crate::photometry::{Band, Earthshine, PhotometryOptions};
+use crate::photometry::{Band, Earthshine, MagSystem, PhotometryOptions};
 use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleError, ScheduleOptions};
 
 /// Largest number of points along one track.
@@ -160,8 +162,9 @@ impl Config {
             Some(NameOrTable::Table(policy)) => policy.clone(),
         };
         self.check_limits()?;
-        let RulesConfig { limit_mag, blocking, max_delay, .. } = &self.rules;
+        let RulesConfig { limit_mag, limit_surface_brightness, blocking, max_delay, .. } = &self.rules;
         policy.limit_mag = limit_mag.clone().or(policy.limit_mag);
+        policy.limit_surface_brightness = limit_surface_brightness.clone().or(policy.limit_surface_brightness);
         policy.min_probability = self.min_probability.or(policy.min_probability);
         if let Some(blocking) = blocking {
             policy.blocking = blocking.parse().map_err(ConfigError::Policy)?;
@@ -171,9 +174,14 @@ impl Config {
         }
         policy.include_dark = self.is_in_orbit() && self.include_dark.unwrap_or(false);
         policy.validate().map_err(ConfigError::Policy)?;
-        if policy.max_cost_s.is_some() && self.telescope()?.is_none() {
-            let what = "telescope for max_cost_s of the policy";
-            return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
+        let needs_telescope = [
+            (policy.max_cost_s.is_some(), "telescope for max_cost_s of the policy"),
+            (policy.limit_surface_brightness.is_some(), "telescope for limit-surface-brightness"),
+        ];
+        for (_, what) in needs_telescope.into_iter().filter(|(is_given, _)| *is_given) {
+            if self.telescope()?.is_none() {
+                return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
+            }
         }
         Ok(policy)
     }
@@ -191,6 +199,12 @@ impl Config {
     pub(super) fn check_limits(&self) -> Result<(), ConfigError> {
         for limit in self.rules.limit_mag.iter().flat_map(MagnitudeLimit::numbers) {
             in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
+        }
+        for limit in self.rules.limit_surface_brightness.iter().flat_map(MagnitudeLimit::numbers) {
+            let allowed = "-30 to 60 mag/arcsec2";
+            in_range("limit-surface-brightness", limit, "mag/arcsec2", allowed, |limit| {
+                (-30.0..=60.0).contains(&limit)
+            })?;
         }
         if let Some(probability) = self.min_probability {
             in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
@@ -220,10 +234,17 @@ impl Config {
     /// Returns band (V if omitted), magnitude system and light sources of the magnitudes.
     ///
     /// # Errors
-    /// The band or system is unknown, or the extinction is out of range.
+    /// The band or system is unknown, a response file is invalid or has no Vega magnitudes, or the extinction is out of
+    /// range.
     pub fn photometry(&self) -> Result<PhotometryOptions, ConfigError> {
-        let band: Band = self.light.band.as_deref().unwrap_or("V").parse()?;
+        let band: Band = match self.light.band.as_deref() {
+            Some(path) if is_response_file(path) => Band::Response(read_response(Path::new(path))?),
+            name => name.unwrap_or("V").parse()?,
+        };
         let system = self.light.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
+        if matches!(band, Band::Response(_)) && system != MagSystem::Ab {
+            return Err(ConfigError::invalid("mag-system is Vega with a response file as the band; allowed: AB"));
+        }
         let earthshine = if self.light.earthshine.unwrap_or(true) { Earthshine::Computed } else { Earthshine::Off };
         if let Some(extinction) = self.extinction {
             in_range("extinction", extinction, "mag", "0 to 5 mag", |extinction| (0.0..=5.0).contains(&extinction))?;
@@ -422,6 +443,10 @@ mod tests {
         assert!(message(config("min_probability = 2").policy()).contains("min-probability is 2; allowed: "));
         let cost = "[policy]\nmax_cost_s = 1";
         assert!(message(config(cost).policy()).contains("missing telescope for max_cost_s"));
+        let surface = "limit_surface_brightness = 22";
+        assert!(message(config(surface).policy()).contains("missing telescope for limit-surface-brightness"));
+        let policy = config("limit_surface_brightness = { W1 = 20 }\ntelescope = 'small'").policy().unwrap();
+        assert_eq!(policy.limit_surface_brightness.unwrap().of(Some("W1")), Some(20.0));
         assert!(config(&format!("telescope = 'rubin'\n{cost}")).policy().is_ok());
     }
 

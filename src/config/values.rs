@@ -229,6 +229,11 @@ pub(super) fn is_file_name(name: &str) -> bool {
     name.ends_with(".toml")
 }
 
+/// Returns true for the file of a response curve instead of the name of a band.
+pub(super) fn is_response_file(band: &str) -> bool {
+    band.contains(['.', '/', '\\'])
+}
+
 const DURATION_UNITS: &[(&str, f64)] =
     &[("ms", 1e-3), ("sec", 1.0), ("s", 1.0), ("min", 60.0), ("hours", 3600.0), ("hour", 3600.0), ("h", 3600.0)];
 const ANGLE_UNITS: &[(&str, f64)] = &[

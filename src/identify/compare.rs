@@ -124,7 +124,9 @@ pub(super) fn compare(
     }
     let passage = track.point(passage_s, photometry)?;
     let is_lit = |time_s: f64| track.point(time_s, photometry).is_some_and(|point| point.illumination.is_lit());
-    if !track.is_up(passage_s) || !(include_dark || line.times_s.iter().any(|&time_s| is_lit(time_s))) {
+    if !track.is_up(passage_s)
+        || !(include_dark || photometry.band.is_thermal() || line.times_s.iter().any(|&time_s| is_lit(time_s)))
+    {
         return None;
     }
     let length = line.length(&track, streak, &sigmas);

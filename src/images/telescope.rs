@@ -159,7 +159,7 @@ presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
 
 /// Names of the bands for which magnitudes of bright streaks can be given. They are listed here so that this module does
 /// not depend on photometry.
-const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
+const BANDS: [&str; 16] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G", "J", "H", "K", "W1", "W2"];
 
 impl Telescope {
     /// Returns a preset by its name; upper and lower case are equivalent. `lsst` is Rubin, `panstarrs` and `ps1` are
@@ -292,7 +292,11 @@ V = 6.0
             ("seeing_arcsec = 1.5", "", &["missing field `seeing_arcsec`"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "circle_deg = 0", &["field.circle_deg is 0"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "polygon_deg = [[0, 0]]", &["corners", "3 to"]),
-            ("V = 6.0", "W = 6.0", &["band of bright_mag is \"W\"", "B, V, R, I, u, g, r, i, z, y, G, default"]),
+            (
+                "V = 6.0",
+                "W = 6.0",
+                &["band of bright_mag is \"W\"", "B, V, R, I, u, g, r, i, z, y, G, J, H, K, W1, W2, default"],
+            ),
             ("V = 6.0", "V = 99.0", &["bright_mag is 99"]),
             ("[bright_mag]\nV = 6.0", "bright_mag = 'bright'", &["invalid magnitude limit"]),
             ("[bright_mag]", "[limits.V]", &["unknown field `limits`"]),

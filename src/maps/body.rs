@@ -134,7 +134,7 @@ impl<'a> BodyView<'a> {
     pub fn map(&self, grid: Grid) -> Result<BodyMap, MapError> {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let fill_row = |row: &GridRow, points: &mut [BodyPoint]| {
-            if !self.light.has_earthshine() {
+            if !self.light.is_single() {
                 return self.fill_by_columns(row, points);
             }
             for (point, observer_longitude_rad) in points.iter_mut().zip(row.longitudes_rad()) {

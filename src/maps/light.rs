@@ -27,10 +27,10 @@ impl<'a> MapPhotometry<'a> {
         Self { model, options, colour_mag: model.colour_to_mag(options.band, options.system) }
     }
 
-    /// Returns the magnitude at a range of 1000 km, with sunlight reduced to the fraction `lit_fraction` (above 0) and
-    /// with earthshine unless it is switched off. The Sun is at 1 au. `None` if no lit surface is visible.
+    /// Returns the magnitude at a range of 1000 km, with sunlight reduced to the fraction `lit_fraction` and with
+    /// earthshine unless it is switched off. The Sun is at 1 au. `None` if no lit surface is visible.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry, lit_fraction: f64) -> Option<StandardMagnitude> {
-        if self.has_earthshine() {
+        if self.is_single() {
             let geometry = ViewingGeometry { range_km: STANDARD_RANGE_KM, ..*geometry };
             let options = PhotometryOptions { sun_distance: false, extinction_mag_per_airmass: None, ..self.options };
             let bright = self.model.brightness(&geometry, lit_fraction, &options)?;
@@ -40,10 +40,16 @@ impl<'a> MapPhotometry<'a> {
         self.shaded(StandardMagnitude(standard.0 + self.colour_mag), lit_fraction)
     }
 
-    /// Returns true if each direction needs its own integral over the Earth. Without earthshine, all directions of a
-    /// row are computed together.
-    pub fn has_earthshine(&self) -> bool {
-        self.options.earthshine != Earthshine::Off && self.model.is_of_panels()
+    /// Returns true if each direction is computed alone: with its own integral over the Earth, or with thermal emission.
+    /// Otherwise all directions of a row are computed together.
+    pub fn is_single(&self) -> bool {
+        let has_earthshine = self.options.earthshine != Earthshine::Off && self.model.is_of_panels();
+        has_earthshine || self.shines_in_shadow()
+    }
+
+    /// Returns true if magnitudes include thermal emission, also that of satellites in the Earth's shadow.
+    pub fn shines_in_shadow(&self) -> bool {
+        self.options.band.has_emission()
     }
 
     /// Computes the magnitudes at a range of 1000 km in full sunlight; NaN where no lit surface is visible.

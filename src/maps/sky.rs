@@ -224,7 +224,7 @@ impl<'a> SkyView<'a> {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
         let fill_row = |grid_row: &GridRow, points: &mut [SkyPoint]| {
             let row = self.row(grid_row.latitude_rad);
-            if !self.light.has_earthshine() {
+            if !self.light.is_single() {
                 return self.fill_by_columns(&row, grid_row, points);
             }
             for (point, azimuth_rad) in points.iter_mut().zip(grid_row.longitudes_rad()) {
@@ -294,7 +294,7 @@ impl<'a> SkyView<'a> {
         let (direction, range_km, dimming) = self.sight(row, azimuth_rad.sin_cos());
         let satellite = self.observer.vector() + direction * range_km;
         let lit_fraction = self.lit_fraction(&satellite);
-        let magnitude = dimming.filter(|_| lit_fraction > 0.0).and_then(|dimming| {
+        let magnitude = dimming.filter(|_| lit_fraction > 0.0 || self.light.shines_in_shadow()).and_then(|dimming| {
             let geometry = ViewingGeometry::new(&Position::from_vector(satellite), &self.observer, &self.sun)?;
             let standard = self.light.standard_magnitude(&geometry, lit_fraction)?;
             Some(dimming.dimmed_by(standard.0))

@@ -6,11 +6,12 @@ use std::sync::Arc;
 use super::error::MeasureError;
 use super::frame::{FrameMeasurements, FrameOptions, MeasuredPass, measure_predictions};
 use super::measurement::{Flag, PredictedStreak};
-use super::predict::{KnownSatellite, Prediction, SIZE_SIGMA};
+use super::predict::{KnownSatellite, Prediction};
 use super::streak::LEAST_LENGTH_PIX;
 use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{PixelPosition, StreakEnds, StreakTable};
+use crate::photometry::SIZE_SIGMA;
 use crate::streaks::{
     GivenColumns, GivenStreak, GivenWidth, PathNode, SkyTrack, StreakPath, TargetChip, TargetFrame, Tracking,
 };

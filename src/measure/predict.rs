@@ -9,7 +9,7 @@ use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::ViewingGeometry;
 use crate::orbit::{LeftOut, PositionSource};
 use crate::passes::{Exposure, ExposureInterval, Field, Pass, PassOptions, Sky};
-use crate::photometry::{Brightness, PhotometryOptions};
+use crate::photometry::{Brightness, PhotometryOptions, SIZE_SIGMA};
 use crate::streaks::{PathNode, SkyPoint, SkyTrack, StreakPath, TargetChip, TargetFrame, Tracking};
 
 /// Number of points of a track in the field.
@@ -27,10 +27,6 @@ pub struct PredictOptions {
     /// Diameter of all satellites, m; `None` for those of the models.
     pub size_m: Option<f64>,
 }
-
-/// Error (one sigma) of the size in a brightness model, relative to the size. The sizes are those of the largest bright
-/// part; which part is bright depends on the geometry.
-pub const SIZE_SIGMA: f64 = 0.5;
 
 impl Default for PredictOptions {
     fn default() -> Self {

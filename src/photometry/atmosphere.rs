@@ -12,9 +12,11 @@ const DAY_SKY_MAG_ARCSEC2: f64 = 3.6;
 ///
 /// Rayleigh scattering, aerosols and ozone for visual observers: Green (1992, International Comet Quarterly 14, 55), as
 /// later programs quote it. The extension to other bands is ours: λ⁻⁴ for air, λ^-1.3 for aerosols, which gives Green's
-/// 0.120 mag at 0.51 µm, and ozone between 0.45 and 0.75 µm only.
+/// 0.120 mag at 0.51 µm, and ozone between 0.45 and 0.75 µm only. Water vapour, which absorbs in the infrared, is not
+/// included.
 pub fn clear_sky_extinction_mag(band: Band, height_m: f64) -> f64 {
-    // Effective wavelengths, micrometres: Bessell (2005, ARA&A 43, 293); LSST 2023 passbands; Gaia DR3.
+    // Effective wavelengths, micrometres: Bessell (2005, ARA&A 43, 293); LSST 2023 passbands; Gaia DR3; 2MASS (Cohen et
+    // al. 2003, AJ 126, 1090) and WISE (Jarrett et al. 2011, ApJ 735, 112), isophotal.
     let wavelength_um: f64 = match band {
         Band::B => 0.436,
         Band::V => 0.545,
@@ -27,6 +29,12 @@ pub fn clear_sky_extinction_mag(band: Band, height_m: f64) -> f64 {
         Band::LsstZ => 0.869,
         Band::LsstY => 0.971,
         Band::GaiaG => 0.622,
+        Band::J => 1.235,
+        Band::H => 1.662,
+        Band::K => 2.159,
+        Band::W1 => 3.353,
+        Band::W2 => 4.603,
+        Band::Response(band) => band.wavelength_um(),
     };
     // Green's coefficients are those at this wavelength, the scale heights are in km.
     let (ratio, height_km) = (wavelength_um / 0.51, height_m / 1000.0);

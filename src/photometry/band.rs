@@ -7,6 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::error::PhotometryError;
+use super::response::ResponseBand;
 
 /// A passband.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -34,6 +35,18 @@ pub enum Band {
     LsstY,
     /// Gaia G.
     GaiaG,
+    /// 2MASS J.
+    J,
+    /// 2MASS H.
+    H,
+    /// 2MASS Ks.
+    K,
+    /// WISE W1, 3.4 µm.
+    W1,
+    /// WISE W2, 4.6 µm.
+    W2,
+    /// A response curve.
+    Response(ResponseBand),
 }
 
 /// Zero point of magnitudes.
@@ -46,9 +59,16 @@ pub enum MagSystem {
     Ab,
 }
 
+/// Magnitude of 1 m² of a diffuse sphere at 1000 km, less that of the Sun: p A γ / (π d²) with the albedo p = 0.25, and
+/// γ = 2 / (3π) at a phase angle of 90°.
+pub(super) const DIFFUSE_LESS_SUN_MAG: f64 = 34.43;
+
+/// Magnitude of the full Moon less that of the Sun: -12.7 and -26.8 in V.
+pub(super) const FULL_MOON_LESS_SUN_MAG: f64 = 14.0;
+
 impl Band {
-    /// All bands, from blue to red within each photometric system.
-    pub const ALL: [Band; 11] = [
+    /// All bands with a name, from blue to red within each photometric system.
+    pub const ALL: [Band; 16] = [
         Band::B,
         Band::V,
         Band::R,
@@ -60,9 +80,15 @@ impl Band {
         Band::LsstZ,
         Band::LsstY,
         Band::GaiaG,
+        Band::J,
+        Band::H,
+        Band::K,
+        Band::W1,
+        Band::W2,
     ];
 
-    /// Returns the band's name in tables, for example `V`, `g` (LSST) or `G` (Gaia).
+    /// Returns the band's name in tables, for example `V`, `g` (LSST), `G` (Gaia) or `K` (2MASS Ks);
+    /// `response` for a response curve.
     pub fn name(self) -> &'static str {
         match self {
             Band::B => "B",
@@ -76,6 +102,12 @@ impl Band {
             Band::LsstZ => "z",
             Band::LsstY => "y",
             Band::GaiaG => "G",
+            Band::J => "J",
+            Band::H => "H",
+            Band::K => "K",
+            Band::W1 => "W1",
+            Band::W2 => "W2",
+            Band::Response(_) => "response",
         }
     }
 
@@ -83,13 +115,15 @@ impl Band {
     pub fn usual_system(self) -> MagSystem {
         match self {
             Band::B | Band::V | Band::R | Band::I | Band::GaiaG => MagSystem::Vega,
-            _ => MagSystem::Ab,
+            Band::J | Band::H | Band::K | Band::W1 | Band::W2 => MagSystem::Vega,
+            Band::LsstU | Band::LsstG | Band::LsstR | Band::LsstI | Band::LsstZ | Band::LsstY => MagSystem::Ab,
+            Band::Response(_) => MagSystem::Ab,
         }
     }
 
-    /// Returns the apparent magnitude of the Sun at 1 au.
+    /// Returns the apparent magnitude of the Sun at 1 au. That of a response curve is AB in both systems.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
-        // AB magnitudes, and Vega magnitudes in B, V, R and I: Willmer (2018, ApJS 236, 47), table 3.
+        // AB magnitudes, and Vega magnitudes in B, V, R, I, J, H, K, W1 and W2: Willmer (2018, ApJS 236, 47), table 3.
         // Vega magnitudes in u to y: the AB values less those of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
         // LSST 2023 passbands (speclite 1.0): 0.61, -0.10, 0.14, 0.36, 0.51, 0.55.
         // G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114 from the Gaia DR3 zero points.
@@ -105,11 +139,48 @@ impl Band {
             Band::LsstZ => (-27.57, -27.06),
             Band::LsstY => (-27.62, -27.07),
             Band::GaiaG => (-26.90, -26.79),
+            Band::J => (-27.90, -27.03),
+            Band::H => (-28.25, -26.91),
+            Band::K => (-28.30, -26.49),
+            Band::W1 => (-28.31, -25.66),
+            Band::W2 => (-28.29, -25.00),
+            Band::Response(band) => (band.sun_mag(), band.sun_mag()),
         };
         match system {
             MagSystem::Vega => vega,
             MagSystem::Ab => ab,
         }
+    }
+
+    /// Returns the magnitudes of 1 m² of a black body at 280 K and at 290 K, at a range of 1000 km. `None` in bands in
+    /// which the full Moon's light on a satellite outshines its thermal emission: in J, H and at shorter wavelengths.
+    pub(super) fn black_body_mag(self, system: MagSystem) -> Option<[f64; 2]> {
+        // AB magnitudes of Planck's law in the passbands: photon-weighted means by
+        // `tests/reference/make_infrared_bands.py`, with the response curves of Cohen et al. (2003, AJ 126, 1090) and
+        // Wright et al. (2010, AJ 140, 1868). Their zero points agree with those of Willmer within 0.04 mag.
+        let ab = match self {
+            Band::K => [17.942, 17.075],
+            Band::W1 => [10.105, 9.562],
+            Band::W2 => [6.869, 6.465],
+            Band::Response(band) => band.black_body_mag()?,
+            _ => return None,
+        };
+        let to_system = self.sun_magnitude(system) - self.sun_magnitude(MagSystem::Ab);
+        Some(ab.map(|ab| ab + to_system))
+    }
+
+    /// Returns true if thermal emission contributes to the light of satellites, so that those in the Earth's shadow
+    /// have a magnitude: in K, W1, W2 and response curves beyond about 2 µm.
+    pub(crate) fn has_emission(self) -> bool {
+        self.black_body_mag(MagSystem::Ab).is_some()
+    }
+
+    /// Returns true if satellites in the Earth's shadow are not much fainter than others: their emission is at least 1 %
+    /// of the sunlight that a diffuse body of the same area reflects. This holds in W1, W2 and response curves
+    /// beyond about 3 µm, not in K (10 mag).
+    pub(crate) fn is_thermal(self) -> bool {
+        self.black_body_mag(MagSystem::Ab)
+            .is_some_and(|[emitted, _]| emitted < self.sun_magnitude(MagSystem::Ab) + DIFFUSE_LESS_SUN_MAG + 5.0)
     }
 }
 
@@ -165,7 +236,7 @@ mod tests {
         assert_eq!("ab".parse::<MagSystem>().unwrap(), MagSystem::Ab);
         assert_eq!(MagSystem::Vega.to_string().parse::<MagSystem>().unwrap(), MagSystem::Vega);
         let error = "w".parse::<Band>().unwrap_err().to_string();
-        assert!(error.contains("\"w\"") && error.contains("u g r i z y"), "{error}");
+        assert!(error.contains("\"w\"") && error.contains("u g r i z y") && error.contains("J H K"), "{error}");
         assert!("vaga".parse::<MagSystem>().is_err());
     }
 

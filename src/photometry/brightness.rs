@@ -10,7 +10,7 @@ use super::magnitude::Magnitude;
 /// Source of a magnitude; cloning it is fast.
 ///
 /// It is displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or of
-/// a class of objects) or `prior` (unknown satellite). The name of a model is followed by ` (kind assumed)` if the kind
+/// a class of objects), `prior` (unknown satellite) or `thermal` (mostly thermal emission, in the infrared). The name of a model is followed by ` (kind assumed)` if the kind
 /// of the satellite is assumed, and by ` (learned)` if offsets learned from measurements are applied.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -25,6 +25,8 @@ pub enum MagnitudeSource {
     Mean(Arc<str>),
     /// An assumed mean for unknown satellites, with an uncertainty that covers most of them.
     Prior,
+    /// Thermal emission of the satellite, with at most an equal part of reflected light.
+    Thermal,
 }
 
 impl MagnitudeSource {
@@ -49,7 +51,7 @@ impl MagnitudeSource {
             Self::Brdf(name) => Self::Brdf(noted(name)),
             Self::Phase(name) => Self::Phase(noted(name)),
             Self::Mean(name) => Self::Mean(noted(name)),
-            Self::StandardMagnitude | Self::Prior => self.clone(),
+            Self::StandardMagnitude | Self::Prior | Self::Thermal => self.clone(),
         }
     }
 }
@@ -62,6 +64,7 @@ impl fmt::Display for MagnitudeSource {
             Self::StandardMagnitude => f.write_str("stdmag"),
             Self::Mean(name) => write!(f, "prior:{name}"),
             Self::Prior => f.write_str("prior"),
+            Self::Thermal => f.write_str("thermal"),
         }
     }
 }
@@ -69,7 +72,8 @@ impl fmt::Display for MagnitudeSource {
 /// Predicted apparent magnitude of a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brightness {
-    /// Magnitude at the observer, dimmed by the Earth's shadow: the median of single measurements.
+    /// Magnitude at the observer, dimmed by the Earth's shadow, with thermal emission in K, W1 and W2: the median of
+    /// single measurements.
     pub magnitude: Magnitude,
     /// One sigma of a single measurement about the prediction, mag: the scatter about the model and, in quadrature, the
     /// errors of colour and position.
@@ -84,7 +88,7 @@ pub struct Brightness {
     pub source: MagnitudeSource,
     /// True if the geometry is within 10° of that of the fitted measurements; farther away the uncertainty is more than
     /// 1.4 times as large as inside. False also for satellites of constellations below 300 km, which have just been
-    /// launched or re-enter; their uncertainty is at least 1.5 mag.
+    /// launched or re-enter; their uncertainty is at least 1.5 mag. False for light that is mostly thermal emission.
     pub in_fitted_range: bool,
     /// True if the model is for another band and the magnitude was converted with the Sun's colour.
     pub grey_reflectance: bool,

@@ -99,7 +99,7 @@ pub enum PhotometryError {
         problem: String,
     },
     /// The name of a band is unknown.
-    #[error("unknown band {given:?}; allowed: B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)", given = Quoted::new(.given))]
+    #[error("unknown band {given:?}; allowed: B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia), J H K (2MASS), W1 W2 (WISE)", given = Quoted::new(.given))]
     UnknownBand {
         /// Given name.
         given: String,

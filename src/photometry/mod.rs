@@ -35,7 +35,9 @@ mod pass_update;
 mod phase;
 #[doc(hidden)]
 pub mod radiation;
+mod response;
 mod standard_magnitudes;
+mod thermal;
 pub(crate) mod two_panel;
 
 pub(crate) use atmosphere::clear_sky_extinction_mag;
@@ -47,7 +49,10 @@ pub(crate) use magnitude::airmass;
 pub use magnitude::{Magnitude, StandardMagnitude};
 pub use model::BrightnessModel;
 pub(crate) use pass_update::{PassResidual, PassUpdate};
+pub use response::ResponseBand;
 pub use standard_magnitudes::StandardMagnitudes;
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use thermal::SIZE_SIGMA;
 pub(crate) use two_panel::SatellitePositions;
 
 // Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for

@@ -13,6 +13,7 @@ use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelKind};
 use super::panels::{PanelAssembly, PanelsSpec};
 use super::phase::{PhaseFunction, StandardObject};
+use super::thermal::{Emission, UNKNOWN_SIZE_M};
 use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::frames::{Body, Direction, Gcrs, Position};
@@ -29,9 +30,6 @@ const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 /// One sigma of a magnitude from an object's standard magnitude, mag. The assumed value covers unknown shapes and
 /// aspects, and errors of estimates by eye; authors of such lists state an accuracy of one magnitude.
 pub(super) const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
-
-/// Assumed size of an unknown object, m.
-const UNKNOWN_SIZE_M: f64 = 3.0;
 
 /// Distance from the fitted geometry at which the variance of single magnitudes is twice that inside, radians.
 ///
@@ -57,6 +55,14 @@ fn is_near_shadow(geometry: &ViewingGeometry, lit_fraction: f64) -> bool {
     let is_grazing = geometry.sun_latitude_rad < 0.0
         && radius_km * geometry.sun_latitude_rad.cos() < EARTH_EQUATORIAL_RADIUS_KM + KARMAN_LINE_KM;
     lit_fraction < NEAR_SHADOW_LIT || is_grazing
+}
+
+/// Returns the extinction, mag; `None` on and below the observer's horizon if extinction is applied.
+fn air_mag(geometry: &ViewingGeometry, options: &PhotometryOptions) -> Option<f64> {
+    Some(match options.extinction_mag_per_airmass {
+        Some(k) => k * airmass(geometry.geocentric_altitude_rad()?)?,
+        None => 0.0,
+    })
 }
 
 /// Height below which no constellation holds its orbit, km. Satellites there have just been launched or re-enter; drag
@@ -364,7 +370,30 @@ impl BrightnessModel {
     /// as a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag or more;
     /// elsewhere it is at most 5 mag fainter than this body. The source then ends with `(diffuse body)`. Without
     /// earthshine, magnitudes are those of sunlight on the panels alone.
+    ///
+    /// In K, W1, W2 and response curves beyond about 2 µm, thermal emission is added, and a satellite without sunlight has
+    /// a magnitude.
     pub fn brightness(
+        &self,
+        geometry: &ViewingGeometry,
+        lit_fraction: f64,
+        options: &PhotometryOptions,
+    ) -> Option<Brightness> {
+        let reflected = self.reflected_light(geometry, lit_fraction, options);
+        if !options.band.has_emission() {
+            return reflected;
+        }
+        if !(lit_fraction >= 0.0 && geometry.range_km > 0.0) {
+            return None;
+        }
+        // The sigma of a prior is that of different objects.
+        let objects_sigma_mag = if matches!(self.source, MagnitudeSource::Prior) { self.sigma_mag } else { 0.0 };
+        let emission = Emission::of(self.size_m, objects_sigma_mag, geometry, options)?;
+        Some(emission.with_reflection(reflected, air_mag(geometry, options)?))
+    }
+
+    /// Returns the light of [`Self::brightness`] without thermal emission.
+    fn reflected_light(
         &self,
         geometry: &ViewingGeometry,
         lit_fraction: f64,
@@ -389,10 +418,7 @@ impl BrightnessModel {
         let colour = self.colour_to_mag(options.band, options.system);
         let dimming = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
         let sun = if options.sun_distance { 5.0 * geometry.sun_distance_au.log10() } else { 0.0 };
-        let air = match options.extinction_mag_per_airmass {
-            Some(k) => k * airmass(geometry.geocentric_altitude_rad()?)?,
-            None => 0.0,
-        };
+        let air = air_mag(geometry, options)?;
         let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air + self.offset_mag);
         let (mut scatter_mag, in_fitted_range) = self.scatter_mag(geometry, to_sun.cosine(&to_observer), lit_fraction);
         if brighter.is_some() {

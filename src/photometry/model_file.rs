@@ -235,7 +235,7 @@ impl ModelFile {
         self.aliases.iter().try_for_each(|alias| check.name("aliases", alias))?;
         check.filled("title", &self.title)?;
         if self.band.parse::<Band>().is_err() {
-            return Err(check.text("band", &self.band, "B V R I u g r i z y G"));
+            return Err(check.text("band", &self.band, "B V R I u g r i z y G J H K W1 W2"));
         }
         if self.mag_system.parse::<MagSystem>().is_err() {
             return Err(check.text("mag_system", &self.mag_system, "Vega or AB"));

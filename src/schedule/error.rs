@@ -222,7 +222,9 @@ pub enum ScheduleError {
         source: rusqlite::Error,
     },
     /// The text is not TOML, or has an unknown key or a value of the wrong type.
-    #[error("policy: {0}; allowed: limit_mag, max_cost_s, min_probability, blocking, margin_s, max_delay_s")]
+    #[error(
+        "policy: {0}; allowed: limit_mag, limit_surface_brightness, max_cost_s, min_probability, blocking, margin_s, max_delay_s"
+    )]
     PolicySyntax(String),
     /// The magnitude limit is neither a number nor numbers by band.
     #[error("invalid magnitude limit '{given}'; allowed: a number, or numbers by band such as g=7,y=5,default=6", given = Quoted::new(.given))]

@@ -4,6 +4,7 @@ use crate::images::Telescope;
 use crate::passes::{Exposure, Field, Pass, Sky};
 use crate::photometry::PhotometryOptions;
 
+use super::limits::Limits;
 use super::policy::{Blocking, Policy};
 use super::tables::StreakRow;
 use super::verdict_rules::blocks;
@@ -24,7 +25,8 @@ pub struct FlagRequest<'a> {
 }
 
 impl<'a> FlagRequest<'a> {
-    /// Returns the row of a pass in [`streak_table`](super::streak_table). `limit_mag` is the limit of the exposure.
+    /// Returns the row of a pass in [`streak_table`](super::streak_table). `limit_mag` is the magnitude limit of
+    /// the exposure.
     #[doc(hidden)]
     pub fn streak_row(
         &self,
@@ -40,15 +42,30 @@ impl<'a> FlagRequest<'a> {
             satellite_size_m: self.sky.model(pass.element_index).size_m(),
             telescope: self.telescope,
             photometry: self.photometry,
-            limit_mag,
+            limit_mag: self.limit_mag_of(pass, band, exposure.duration_s, limit_mag),
             streak_cost_s: self.pass_cost_s(exposure, pass, band, limit_mag),
         }
     }
 
-    /// Returns true if a pass alone is sufficient for the verdict `avoid`: the probability that it crosses and is
-    /// brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if omitted). `None` if no
-    /// limit applies to the band.
-    pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>) -> Option<bool> {
-        self.policy.limit_mag_in(band).map(|_| blocks(pass, band, Blocking::Avoid, self.policy))
+    /// Returns true if a pass alone is sufficient for the verdict `avoid` on an exposure of this length: the probability
+    /// that it crosses and is brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if
+    /// omitted). `None` if no limit applies to the band.
+    pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>, exposure_s: f64) -> Option<bool> {
+        let limits = Limits::new(self, band, exposure_s);
+        (!limits.is_none()).then(|| blocks(pass, &limits, Blocking::Avoid, self.policy))
+    }
+
+    /// Returns the apparent magnitude than which the satellite of a pass is brighter than a limit: `limit_mag` or the
+    /// limit of surface brightness of the policy. `None` without either.
+    #[doc(hidden)]
+    pub fn limit_mag_of(
+        &self,
+        pass: &Pass,
+        band: Option<&str>,
+        exposure_s: f64,
+        limit_mag: Option<f64>,
+    ) -> Option<f64> {
+        let limits = Limits::new(self, band, exposure_s).with_limit_mag(limit_mag);
+        limits.of_pass(pass).map(|limit| limit.limit_mag)
     }
 }

@@ -30,6 +30,7 @@ mod error;
 mod flag_request;
 mod formats;
 mod horizon;
+mod limits;
 mod nights;
 mod policy;
 mod report;

@@ -79,6 +79,9 @@ impl FromStr for Blocking {
 pub struct Policy {
     /// Magnitude limit; the verdict is `avoid` if a lit crossing is brighter.
     pub limit_mag: Option<MagnitudeLimit>,
+    /// Limit of the surface brightness of streaks, averaged over the exposure, mag/arcsec²; the verdict is `avoid` if a
+    /// lit crossing is brighter. It requires a telescope.
+    pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Largest cost of streaks (`streak_cost_s`), seconds of open shutter; the verdict is `avoid` above it. It requires
     /// a telescope.
     pub max_cost_s: Option<f64>,
@@ -93,7 +96,8 @@ pub struct Policy {
     /// searches later starts only if it is given.
     pub max_delay_s: Option<f64>,
     /// If true, crossings in the Earth's shadow count as well: for a telescope in orbit that detects their infrared
-    /// light. They are not brighter than any limit. It has no effect at a site and is not a key of policy files.
+    /// light. They are not brighter than any limit, except by the thermal emission that magnitudes in K, W1 and W2
+    /// include. It has no effect at a site and is not a key of policy files.
     #[serde(skip)]
     #[doc(hidden)]
     pub include_dark: bool,
@@ -133,6 +137,12 @@ impl Policy {
                 return Err(ScheduleError::PolicyOutOfRange { field: "limit_mag", value, allowed: "-30 to 40 mag" });
             }
         }
+        for value in self.limit_surface_brightness.iter().flat_map(MagnitudeLimit::numbers) {
+            if !(-30.0..=60.0).contains(&value) {
+                let (field, allowed) = ("limit_surface_brightness", "-30 to 60 mag/arcsec2");
+                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed });
+            }
+        }
         let positive = [
             ("max_cost_s", self.max_cost_s, 86_400.0, "above 0, at most 86400 s"),
             ("min_probability", self.min_probability, 1.0, "above 0, at most 1"),
@@ -164,14 +174,29 @@ impl Policy {
         if self.include_dark { pass.track_length_rad } else { pass.streak_length_rad }
     }
 
-    /// Returns a warning if the magnitude limit has no value for some of the bands of the exposures. `None` is the band
-    /// of exposures without a band.
+    /// Returns true if there is a limit of magnitude or surface brightness.
+    #[doc(hidden)]
+    pub fn has_limit(&self) -> bool {
+        self.limit_mag.is_some() || self.limit_surface_brightness.is_some()
+    }
+
+    /// Returns true if a limit of magnitude or surface brightness applies to exposures in this band.
+    #[doc(hidden)]
+    pub fn has_limit_in(&self, band: Option<&str>) -> bool {
+        [&self.limit_mag, &self.limit_surface_brightness].into_iter().flatten().any(|limit| limit.of(band).is_some())
+    }
+
+    /// Returns a warning if the limit of magnitude or of surface brightness has no value for some of the bands of the
+    /// exposures. `None` is the band of exposures without a band.
     pub fn band_warning(&self, bands: &BTreeSet<Option<&str>>) -> Option<String> {
-        let limit = self.limit_mag.as_ref()?;
-        let without: Vec<&str> =
-            bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
-        (!without.is_empty())
-            .then(|| format!("limit_mag of the policy has no value for band {} and no default", listed(without)))
+        let limits = [("limit_mag", &self.limit_mag), ("limit_surface_brightness", &self.limit_surface_brightness)];
+        limits.into_iter().find_map(|(name, limit)| {
+            let limit = limit.as_ref()?;
+            let without: Vec<&str> =
+                bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
+            (!without.is_empty())
+                .then(|| format!("{name} of the policy has no value for band {} and no default", listed(without)))
+        })
     }
 
     /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.
@@ -227,6 +252,7 @@ mod tests {
             ("limit_mag = 'bright'", "line 1"),
             ("max_cost_s = 0", "max_cost_s is 0; allowed: above 0, at most 86400 s"),
             ("max_cost_s = nan", "max_cost_s is NaN"),
+            ("limit_surface_brightness = 61", "limit_surface_brightness is 61; allowed: -30 to 60 mag/arcsec2"),
             ("max_lost_fraction = 0.1", "unknown field `max_lost_fraction`"),
             ("saturation_mag = 4", "unknown field `saturation_mag`"),
             ("\nmin_probability = 0", "min_probability is 0; allowed"),

@@ -11,6 +11,7 @@ use crate::photometry::PhotometryOptions;
 
 use super::flag_request::FlagRequest;
 use super::horizon::{last_starts_s, lowest_altitudes_over};
+use super::limits::Limits;
 use super::policy::{Blocking, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
@@ -139,7 +140,12 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let mut crossings = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut crossings.left_out);
 
-    let probabilities = request.sky.probabilities_with(&exposures, request.field, request.policy.include_dark)?;
+    let probabilities = request.sky.probabilities_with(
+        &exposures,
+        request.field,
+        request.policy.include_dark,
+        request.photometry.band,
+    )?;
 
     for (((row, exposure), passes), satellites) in above.iter().zip(crossings.by_exposure).zip(probabilities) {
         request.sky.watch().check()?;
@@ -153,7 +159,13 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
                 along_track_sigma_s: one.along_track_sigma_s,
             })
             .collect();
-        let flag = judge_exposure(exposure, band, &passes, &expected, request.policy);
+        let flag = judge_exposure(
+            exposure,
+            &Limits::new(request, band, exposure.duration_s),
+            &passes,
+            &expected,
+            request.policy,
+        );
         counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
         flags[*row] = Some(with_age(flag, &counted[*row], &may_cross, &request.sky.predictability(exposure.start)));
         report.may_cross.extend(may_cross);
@@ -278,7 +290,7 @@ fn find_starts(
     if blocking == Blocking::Avoid {
         for (row, exposure) in above.iter() {
             let Some(flag) = flags[*row].as_mut() else { continue };
-            let start = match policy.limit_mag_in(band(*row)).is_some() {
+            let start = match policy.has_limit_in(band(*row)) {
                 true if flag.kind == VerdictKind::Avoid => continue,
                 true => Some((exposure.start, 0.0)),
                 false => flag.next_start(Blocking::Any),
@@ -291,7 +303,7 @@ fn find_starts(
         Blocking::Any => seeks,
         Blocking::Avoid => {
             seeks
-                && policy.limit_mag_in(band(row)).is_some()
+                && policy.has_limit_in(band(row))
                 && (kind == VerdictKind::Avoid || kind == VerdictKind::Streaked && margin_s > 0.0)
         }
     };
@@ -324,7 +336,8 @@ fn find_starts(
         watch.check()?;
         let lead_s = seconds_between(long.start, exposure.start);
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let is_blocking = |pass: &&Pass| blocks(pass, band(*row), blocking, policy);
+        let limits = Limits::new(request, band(*row), exposure.duration_s);
+        let is_blocking = |pass: &&Pass| blocks(pass, &limits, blocking, policy);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
             let ahead =
                 passes.iter().filter(is_blocking).flat_map(|pass| intervals(pass, exposure, lead_s, allowance_s(pass)));
@@ -456,7 +469,7 @@ fn confirm<'a>(
         let is_too_costly: Vec<bool> = match policy.max_cost_s {
             Some(most_s) => request
                 .sky
-                .probabilities_with(&later, request.field, policy.include_dark)?
+                .probabilities_with(&later, request.field, policy.include_dark, request.photometry.band)?
                 .iter()
                 .zip(open.iter().zip(&later).zip(&crossings.by_exposure))
                 .map(|(satellites, ((search, exposure), passes))| {
@@ -472,9 +485,10 @@ fn confirm<'a>(
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };
+            let limits = Limits::new(request, band(search.row), exposure.duration_s);
             let longest_sigma_s = passes
                 .iter()
-                .filter(|pass| blocks(pass, band(search.row), blocking, policy))
+                .filter(|pass| blocks(pass, &limits, blocking, policy))
                 .map(|pass| pass.along_track_sigma_s)
                 .max_by(f64::total_cmp);
             if longest_sigma_s.is_none() && !is_too_costly {

@@ -7,6 +7,7 @@ use crate::passes::{CrossingProbability, Exposure, Pass, Sky};
 use crate::photometry::Brightness;
 
 use super::flag_request::FlagRequest;
+use super::limits::{Limits, SatelliteLimit};
 use super::verdict_rules::{ExpectedLoss, peak_brightness};
 
 /// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.
@@ -17,20 +18,26 @@ pub(super) fn expected_of(
     passes: &[Pass],
     request: &FlagRequest<'_>,
 ) -> ExpectedLoss {
-    let limit_mag = request.policy.limit_mag_in(band);
-    if limit_mag.is_none() && request.telescope.is_none() {
+    let limits = Limits::new(request, band, exposure.duration_s);
+    if limits.is_none() && request.telescope.is_none() {
         return ExpectedLoss::of(satellites, &[]);
     }
     let lights: Vec<Option<Brightness>> =
         satellites.iter().map(|one| brightness_of(one, exposure.start, passes, request)).collect();
-    // A satellite in shadow is not bright: its thermal light is not part of the magnitudes.
+    // A satellite in shadow is not bright, except in bands in which magnitudes include its thermal emission.
     let is_dark = |one: &CrossingProbability| {
+        if request.photometry.band.has_emission() {
+            return false;
+        }
         let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
         request.policy.include_dark && pass.map_or(one.lit_fraction == 0.0, |pass| !pass.lit)
     };
     let of_lit = |one: &CrossingProbability, probability: f64| if is_dark(one) { 0.0 } else { probability };
-    let above_limit = lights.iter().zip(satellites).map(|(light, one)| of_lit(one, p_above(light.as_ref(), limit_mag)));
-    let brighter: Vec<f64> = if limit_mag.is_some() { above_limit.collect() } else { Vec::new() };
+    let p_above_limit = |light: Option<&Brightness>, one: &CrossingProbability| {
+        of_lit(one, p_above(light, limits.of(one.element_index, one.geometry.range_km, one.angular_rate_rad_s)))
+    };
+    let above_limit = lights.iter().zip(satellites).map(|(light, one)| p_above_limit(light.as_ref(), one));
+    let brighter: Vec<f64> = if limits.is_none() { Vec::new() } else { above_limit.collect() };
     let expected = ExpectedLoss::of(satellites, &brighter);
     let Some(telescope) = request.telescope else { return expected };
     let area_deg2 = request.field.area_deg2();
@@ -52,7 +59,7 @@ pub(super) fn expected_of(
                     bright.probability(light, element_index, geometry.range_km, angular_rate_rad_s)
                 }),
             ),
-            p_above_limit: of_lit(one, p_above(brightness.as_ref(), limit_mag)),
+            p_above_limit: p_above_limit(brightness.as_ref(), one),
         });
     }
     ExpectedLoss {
@@ -66,8 +73,8 @@ impl FlagRequest<'_> {
     /// Returns the expected cost of one pass, seconds of open shutter; `None` without a telescope.
     ///
     /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
-    /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is not bright.
-    /// `limit_mag` is the hard limit of the exposure, instead of that of the policy.
+    /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is bright only by
+    /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy.
     pub fn pass_cost_s(
         &self,
         exposure: &Exposure,
@@ -76,7 +83,8 @@ impl FlagRequest<'_> {
         limit_mag: Option<f64>,
     ) -> Option<f64> {
         let telescope = self.telescope?;
-        if !(pass.lit || self.policy.include_dark) {
+        let is_seen = pass.lit || self.photometry.band.has_emission();
+        if !(is_seen || self.policy.include_dark) {
             return Some(0.0);
         }
         let cost = StreakCost::new(telescope, self.field.area_deg2());
@@ -90,16 +98,17 @@ impl FlagRequest<'_> {
         let prior = || self.sky.prior_brightness(pass.element_index, &pass.mid.geometry, self.photometry);
         let brightness = peak_brightness(pass).cloned().or_else(prior);
         let bright = BrightStreaks::new(telescope, self.sky, band);
-        let of_lit = |probability: f64| if pass.lit { probability } else { 0.0 };
+        let of_seen = |probability: f64| if is_seen { probability } else { 0.0 };
+        let limits = Limits::new(self, band, exposure.duration_s).with_limit_mag(limit_mag);
         let range_km = pass.mid.range_km;
         let share = cost.expected_share(&PossibleStreak {
             probability: pass.probability,
             expected_length_deg: pass.probability * length_deg,
             width_arcsec: telescope.width_arcsec(range_km, self.sky.model(pass.element_index).size_m()),
-            p_bright: of_lit(of_known(brightness.as_ref(), |light| {
+            p_bright: of_seen(of_known(brightness.as_ref(), |light| {
                 bright.probability(light, pass.element_index, range_km, pass.angular_rate_rad_s)
             })),
-            p_above_limit: of_lit(p_above(brightness.as_ref(), limit_mag)),
+            p_above_limit: of_seen(p_above(brightness.as_ref(), limits.of_pass(pass))),
         });
         Some(cost.seconds(exposure.duration_s, share))
     }
@@ -139,8 +148,8 @@ impl<'a> BrightStreaks<'a> {
 }
 
 /// Returns the probability that a satellite is brighter than a hard limit; 0 without one.
-fn p_above(brightness: Option<&Brightness>, limit_mag: Option<f64>) -> f64 {
-    limit_mag.map_or(0.0, |limit_mag| of_known(brightness, |light| light.probability_brighter_than(limit_mag)))
+fn p_above(brightness: Option<&Brightness>, limit: Option<SatelliteLimit>) -> f64 {
+    limit.map_or(0.0, |limit| of_known(brightness, |light| light.probability_brighter_than(limit.limit_mag)))
 }
 
 /// Returns a probability that depends on the brightness, and 1 if that is unknown.

@@ -3,6 +3,7 @@
 use crate::passes::{CrossingProbability, Exposure, Pass};
 use crate::photometry::Brightness;
 
+use super::limits::{Limits, SatelliteLimit};
 use super::policy::{Blocking, Policy};
 use super::verdict::{Verdict, VerdictKind};
 
@@ -53,7 +54,7 @@ impl ExpectedLoss {
 /// `clear` if none does.
 pub(super) fn judge_exposure(
     exposure: &Exposure,
-    band: Option<&str>,
+    limits: &Limits<'_>,
     passes: &[Pass],
     expected: &ExpectedLoss,
     policy: &Policy,
@@ -61,14 +62,12 @@ pub(super) fn judge_exposure(
     let counted: Vec<&Pass> = passes.iter().filter(|pass| is_counted(pass, policy)).collect();
     let nominal = || counted.iter().filter(|pass| pass.is_crossing());
 
-    let limit_mag = policy.limit_mag_in(band);
-    let above = counted.iter().filter_map(|pass| Some((*pass, limit_mag?, peak_brightness(pass)?))).filter(
-        |(pass, limit_mag, brightness)| {
-            pass.probability * brightness.probability_brighter_than(*limit_mag) >= policy.avoid_probability()
+    let above = counted.iter().filter_map(|pass| Some((*pass, limits.of_pass(pass)?, peak_brightness(pass)?))).filter(
+        |(pass, limit, brightness)| {
+            pass.probability * brightness.probability_brighter_than(limit.limit_mag) >= policy.avoid_probability()
         },
     );
-    let mut reasons: Vec<String> =
-        above.map(|(pass, limit_mag, brightness)| reason(pass, brightness, limit_mag)).collect();
+    let mut reasons: Vec<String> = above.map(|(pass, limit, brightness)| reason(pass, brightness, &limit)).collect();
     if reasons.len() > MAX_REASONS {
         let more = reasons.len() - MAX_REASONS;
         reasons.truncate(MAX_REASONS);
@@ -132,16 +131,24 @@ fn text_above(number: f64, most: f64) -> String {
 }
 
 /// Returns the text that explains why a pass exceeds the limit.
-fn reason(pass: &Pass, brightness: &Brightness, limit_mag: f64) -> String {
-    let Brightness { magnitude, sigma_mag, source, .. } = brightness;
-    let brighter = percent(brightness.probability_brighter_than(limit_mag));
+fn reason(pass: &Pass, brightness: &Brightness, limit: &SatelliteLimit) -> String {
+    let Brightness { sigma_mag, source, .. } = brightness;
+    let brighter = percent(brightness.probability_brighter_than(limit.limit_mag));
+    // A surface brightness is compared with that of the streak. Rounding removes the errors of the conversion.
+    let (limit_mag, magnitude, unit) = match limit.surface_less_mag {
+        Some(less_mag) => {
+            let limit_mag_arcsec2 = ((limit.limit_mag + less_mag) * 1e6).round() / 1e6;
+            (limit_mag_arcsec2, brightness.magnitude.0 + less_mag, " mag/arcsec2")
+        }
+        None => (limit.limit_mag, brightness.magnitude.0, ""),
+    };
     let crossing = match percent(pass.probability).as_str() {
         "100" | ">99" => String::new(),
         percent => format!(", {percent} % of crossing"),
     };
     let norad_id = pass.norad_id;
     format!(
-        "{norad_id}: {brighter} % chance of being brighter than {limit_mag} ({magnitude:.2} +- {sigma_mag:.2}, {source}){crossing}"
+        "{norad_id}: {brighter} % chance of being brighter than {limit_mag}{unit} ({magnitude:.2} +- {sigma_mag:.2}, {source}){crossing}"
     )
 }
 
@@ -163,12 +170,12 @@ pub(super) fn is_counted(pass: &Pass, policy: &Policy) -> bool {
 }
 
 /// Returns true if a pass blocks the start of an exposure. The pass must count. With [`Blocking::Avoid`], if a limit
-/// applies to the band, the probability that it crosses and is brighter than the limit must also be at least
+/// applies, the probability that it crosses and is brighter than the limit must also be at least
 /// `min_probability` (0.5 if omitted).
-pub(super) fn blocks(pass: &Pass, band: Option<&str>, blocking: Blocking, policy: &Policy) -> bool {
+pub(super) fn blocks(pass: &Pass, limits: &Limits<'_>, blocking: Blocking, policy: &Policy) -> bool {
     let exceeds_limit = || {
-        policy.limit_mag_in(band).is_none_or(|limit_mag| {
-            pass.probability * pass.probability_brighter_than(limit_mag) >= policy.avoid_probability()
+        limits.of_pass(pass).is_none_or(|limit| {
+            pass.probability * pass.probability_brighter_than(limit.limit_mag) >= policy.avoid_probability()
         })
     };
     is_counted(pass, policy) && (blocking == Blocking::Any || exceeds_limit())
@@ -298,7 +305,7 @@ mod tests {
             streak_cost_s: Some(0.3 * sum),
             ..ExpectedLoss::of(&satellites, &brighter)
         };
-        judge_exposure(&exposure(), Some("r"), passes, &expected, &policy)
+        judge_exposure(&exposure(), &Limits::of_mag(policy.limit_mag_in(Some("r"))), passes, &expected, &policy)
     }
 
     fn verdict(passes: &[Pass], policy: &str) -> VerdictKind {
@@ -389,7 +396,7 @@ mod tests {
     fn satellites_that_exceed_a_limit_block_or_all_without_a_limit() {
         let blocked = |pass: &Pass, policy: &str| {
             let policy = Policy::from_toml(policy).unwrap();
-            blocks(pass, Some("r"), policy.blocking, &policy)
+            blocks(pass, &Limits::of_mag(policy.limit_mag_in(Some("r"))), policy.blocking, &policy)
         };
         let bright = pass(1, Some(5.0), 1.0);
         assert!(blocked(&bright, "limit_mag = 7") && blocked(&bright, "") && blocked(&bright, "limit_mag = {g = 0}"));

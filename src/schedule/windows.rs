@@ -9,6 +9,7 @@ use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::flag_request::FlagRequest;
 use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
+use super::limits::Limits;
 use super::policy::Blocking;
 use super::report::{GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
@@ -128,9 +129,11 @@ fn windows_of(
     let exposures: Vec<Exposure> =
         targets.iter().map(|target| Exposure { start, duration_s, ..target.exposure.clone() }).collect();
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
-    let every_crossing_blocks = (policy.blocking == Blocking::Any || policy.limit_mag.is_none())
+    let every_crossing_blocks = (policy.blocking == Blocking::Any
+        || policy.limit_mag.is_none() && policy.limit_surface_brightness.is_none())
         && policy.min_probability.is_none()
-        && !policy.include_dark;
+        && !policy.include_dark
+        && !request.conditions.photometry.band.is_thermal();
     let (blocked, left_out) = if every_crossing_blocks && !with_passes {
         crossings(from, &exposures, request)?
     } else {
@@ -195,8 +198,9 @@ fn passes(
     let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
     let of = |((target, searched), passes): ((&WindowTarget, &Exposure), Vec<Pass>)| {
         sky.watch().check()?;
+        let limits = Limits::new(&request.conditions, target.band.as_deref(), target.exposure.duration_s);
         let blocking_passes: Vec<Pass> =
-            passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref(), policy.blocking, policy)).collect();
+            passes.into_iter().filter(|pass| blocks(pass, &limits, policy.blocking, policy)).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
         let lead_s = seconds_between(searched.start, from);
         let intervals = blocking_passes

@@ -20,6 +20,7 @@ mod help;
 mod home;
 mod identify;
 #[cfg(unix)]
+mod infrared;
 mod inject;
 #[cfg(unix)]
 mod inject_chosen;

@@ -133,7 +133,7 @@ impl Engine {
         let schedule = Schedule::read(path, &options).map_err(failure::request)?;
         check_extension(path, schedule.format, output).map_err(failure::request)?;
         AtomicFile::check(output).map_err(|error| failure::request(format!("{}: {error}", output.display())))?;
-        let columns = StreakColumns { p_brighter: self.policy.limit_mag.is_some(), ..StreakColumns::default() };
+        let columns = StreakColumns { p_brighter: self.policy.has_limit(), ..StreakColumns::default() };
         let mut by_row: Vec<(usize, Table)> = Vec::new();
         let mut provenance: Option<Provenance> = None;
         let field = self.field()?;
@@ -577,7 +577,11 @@ impl Engine {
                 passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
             })
             .collect();
-        let columns = StreakColumns { p_brighter: limits_mag.is_some(), chords: true, samples: samples > 0 };
+        let columns = StreakColumns {
+            p_brighter: limits_mag.is_some() || self.policy.has_limit(),
+            chords: true,
+            samples: samples > 0,
+        };
         let mut table = streak_table(rows.iter().copied(), columns);
         table.columns.push(LOST);
         for (cells, row) in table.rows.iter_mut().zip(&rows) {

@@ -107,7 +107,9 @@ pub(super) fn policy(config: &Config) -> Finding {
             .collect(),
         _ => Vec::new(),
     };
-    let has_limit = keys.iter().any(|words| ["limit_mag", "max_cost_s"].iter().any(|key| words.starts_with(key)));
+    let has_limit = keys
+        .iter()
+        .any(|words| ["limit_mag", "limit_surface_brightness", "max_cost_s"].iter().any(|key| words.starts_with(key)));
     let without = "no magnitude limit is set: no exposure has the verdict avoid".to_owned();
     let is_default =
         config.rules.policy.is_none() && config.rules.max_delay.is_none() && config.rules.blocking.is_none();

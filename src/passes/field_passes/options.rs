@@ -5,7 +5,7 @@ use crate::photometry::PhotometryOptions;
 /// Options of a field query.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PassOptions {
-    /// If true, crossings that are dark all the time are included.
+    /// If true, crossings that are dark all the time are included. In W1 and W2 none is dark.
     pub include_dark: bool,
     /// Smallest probability with which near misses are included; `None` for nominal crossings only.
     pub min_probability: Option<f64>,
@@ -19,4 +19,11 @@ pub struct PassOptions {
     /// not affected.
     #[doc(hidden)]
     pub without_probability: bool,
+}
+
+impl PassOptions {
+    /// Returns true if satellites in the Earth's shadow are to be searched.
+    pub(in crate::passes) fn with_shadow(&self) -> bool {
+        self.include_dark || self.photometry.band.is_thermal()
+    }
 }

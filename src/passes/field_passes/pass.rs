@@ -28,8 +28,15 @@ impl ExposedField<'_> {
         let Some((enter_s, exit_s)) = evaluator.keep_above_ground(&mut crossing, near_the_ground) else {
             return Ok(None);
         };
-        let lit_chords: Vec<Chord> = crossing.chords.iter().flat_map(|chord| evaluator.lit_parts(chord)).collect();
-        let lit = if crossing.chords.is_empty() { evaluator.is_lit(enter_s, exit_s) } else { !lit_chords.is_empty() };
+        // In thermal bands no satellite is dark.
+        let band = options.photometry.band;
+        let lit_chords: Vec<Chord> = if band.is_thermal() {
+            crossing.chords.clone()
+        } else {
+            crossing.chords.iter().flat_map(|chord| evaluator.lit_parts(chord)).collect()
+        };
+        let lit = band.is_thermal()
+            || if crossing.chords.is_empty() { evaluator.is_lit(enter_s, exit_s) } else { !lit_chords.is_empty() };
         if !(lit || options.include_dark) {
             return Ok(None);
         }
@@ -72,7 +79,7 @@ impl ExposedField<'_> {
         Ok(Some(Pass {
             norad_id: satellite.propagator.norad_id(),
             element_index,
-            peak: if lit { evaluator.peak(enter_s, exit_s) } else { None },
+            peak: if lit || band.has_emission() { evaluator.peak(enter_s, exit_s) } else { None },
             samples: evaluator.samples(enter_s, exit_s, options.samples),
             streak_length_rad,
             track_length_rad: if is_all_lit { streak_length_rad } else { length_rad(&crossing.chords) },

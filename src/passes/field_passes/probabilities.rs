@@ -37,6 +37,7 @@ use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
 use crate::geometry::{Aspect, Observer, ViewingGeometry};
 use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
+use crate::photometry::{Band, PhotometryOptions};
 
 /// Length of a piece of an exposure, seconds. During a piece the site moves by at most 5 km. At the distance of
 /// satellites this is small compared with the width of a field of several degrees.
@@ -118,23 +119,25 @@ impl Sky {
         exposures: &[Exposure],
         field: &Field,
     ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
-        self.probabilities_with(exposures, field, false)
+        self.probabilities_with(exposures, field, false, Band::V)
     }
 
     /// Returns the same probabilities; for a telescope in orbit with those of satellites in the Earth's shadow if
-    /// `include_dark`, whose streaks then have the length of the whole track.
+    /// `include_dark`, whose streaks then have the length of the whole track. In the thermal bands W1 and W2 sunlit and
+    /// other satellites count alike.
     pub(crate) fn probabilities_with(
         &self,
         exposures: &[Exposure],
         field: &Field,
         include_dark: bool,
+        band: Band,
     ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
         let Some(observer) = self.viewpoint().site() else {
-            return self.probabilities_in_flight(exposures, field, include_dark);
+            return self.probabilities_in_flight(exposures, field, include_dark, band);
         };
         let (by_exposure, _) = self.by_exposure(exposures, SearchScope::Delayed, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
-            Ok((exposed.probabilities(observer, seen)?, Vec::new()))
+            Ok((exposed.probabilities(observer, band.is_thermal(), seen)?, Vec::new()))
         })?;
         Ok(by_exposure)
     }
@@ -144,8 +147,10 @@ impl Sky {
         exposures: &[Exposure],
         field: &Field,
         include_dark: bool,
+        band: Band,
     ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
         let options = PassOptions {
+            photometry: PhotometryOptions::in_band(band, band.usual_system()),
             include_dark,
             min_probability: Some(LEAST_IN_FLIGHT),
             without_light: true,
@@ -188,16 +193,18 @@ impl Sky {
 }
 
 impl ExposedField<'_> {
-    /// Returns the probabilities of all satellites that may be in the exposure. `seen` is a buffer that is reused.
+    /// Returns the probabilities of all satellites that may be in the exposure, sunlit or not if `with_shadow`. `seen` is
+    /// a buffer that is reused.
     fn probabilities(
         &self,
         observer: &Observer,
+        with_shadow: bool,
         seen: &mut Vec<Candidate>,
     ) -> Result<Vec<CrossingProbability>, SkyError> {
         let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
         // The pieces are computed only if a satellite may be late.
         let pieces: Vec<OnceCell<Vec<Piece>>> = parts.iter().map(|_| OnceCell::new()).collect();
-        let shadow = self.sky.dark_cone(self.scene, self.exposure);
+        let shadow = (!with_shadow).then(|| self.sky.dark_cone(self.scene, self.exposure));
         seen.clear();
         for (first, part) in (0..).zip(&parts) {
             self.sky.watch().check()?;
@@ -208,7 +215,7 @@ impl ExposedField<'_> {
             else {
                 continue;
             };
-            let cones = Cones { whole: &cone, parts: &[], first, shadow: Some(&shadow) };
+            let cones = Cones { whole: &cone, parts: &[], first, shadow: shadow.as_ref() };
             window.candidates(&cones, &teme_to_gcrs, seen);
         }
         seen.retain(|candidate| !candidate.is_dark);
@@ -226,13 +233,14 @@ impl ExposedField<'_> {
             if sigma.lateness.reach_s() < ON_TIME_S {
                 let all_s =
                     candidates.iter().map(near_s).reduce(|one, next| [one[0].min(next[0]), one[1].max(next[1])]);
-                return self.sunlit_probability(std::slice::from_ref(&whole), observer, element_index, all_s?, sigma);
+                let whole = std::slice::from_ref(&whole);
+                return self.visible_probability(whole, observer, element_index, all_s?, sigma, with_shadow);
             }
             let of_parts = candidates.iter().filter_map(|one| {
                 let part = one.cone as usize;
                 let pieces =
                     pieces[part].get_or_init(|| self.cut(observer, parts[part].start_s, parts[part].end_s, PIECE_S));
-                self.sunlit_probability(pieces, observer, element_index, near_s(one), sigma)
+                self.visible_probability(pieces, observer, element_index, near_s(one), sigma, with_shadow)
             });
             of_parts.reduce(CrossingProbability::plus)
         };
@@ -299,16 +307,17 @@ impl ExposedField<'_> {
         Piece { start_s, end_s, only_entering, orientation, site }
     }
 
-    /// Returns the probability of a satellite in several pieces, counted while it is sunlit and above the ground. Its
-    /// predicted track is near the field from `from_s` to `to_s`. `None` if it cannot be in the field or has no
-    /// position.
-    fn sunlit_probability(
+    /// Returns the probability of a satellite in several pieces, counted while it is above the ground and, unless
+    /// `with_shadow`, sunlit. Its predicted track is near the field from `from_s` to `to_s`. `None` if it cannot be in the
+    /// field or has no position.
+    fn visible_probability(
         &self,
         pieces: &[Piece],
         observer: &Observer,
         element_index: usize,
         [from_s, to_s]: [f64; 2],
         sigma: OrbitUncertainty,
+        with_shadow: bool,
     ) -> Option<CrossingProbability> {
         let propagator = self.propagator(element_index)?;
         let minutes = propagator.minutes_since_epoch(self.scene.start);
@@ -319,6 +328,9 @@ impl ExposedField<'_> {
                 let sine = observer.state(&piece.orientation).sine_of_altitude(&nearest.geometric);
                 if sine < LOWEST_ALTITUDE_RAD.sin() {
                     return 0.0;
+                }
+                if with_shadow {
+                    return 1.0;
                 }
                 self.lit_share(piece, &arc, nominal, (from_s, to_s), nearest.range_km)
             };

@@ -43,7 +43,7 @@ impl Sky {
         let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             let (mut passes, left_out) =
-                exposed.evaluate(options.include_dark, seen, |interval| exposed.pass(interval, options))?;
+                exposed.evaluate(options.with_shadow(), seen, |interval| exposed.pass(interval, options))?;
             passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
             Ok((passes, left_out))
         })?;

@@ -264,7 +264,10 @@ impl TrackLight {
                 let magnitude = light.exceeded_with(1.0 - options.coverage);
                 (light, magnitude)
             };
-            LightPoint { is_lit: point.illumination.is_lit(), brightness: point.brightness.map(bright) }
+            LightPoint {
+                is_lit: point.illumination.is_lit() || options.photometry.band.is_thermal(),
+                brightness: point.brightness.map(bright),
+            }
         };
         Self { times_s, points: (0..LIGHT_POINTS).map(point).collect() }
     }

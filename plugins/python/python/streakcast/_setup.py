@@ -37,7 +37,10 @@ _KINDS: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("max_zenith_angle", "min_sun_angle", "min_limb_angle"), ((int, float), "a number")),
     **dict.fromkeys(("extinction", "min_probability", "bright_share"), ((int, float), "a number")),
     "observer_norad": ((int,), "a whole number"),
-    "limit_mag": ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),
+    **dict.fromkeys(
+        ("limit_mag", "limit_surface_brightness"),
+        ((int, float, dict), "a number, or numbers by band, {'g': 7, 'default': 6}"),
+    ),
     "site": ((str, dict), "a name, an EarthLocation, or {'latitude_deg': ..., 'longitude_deg': ..., 'height_m': ...}"),
 }
 
@@ -148,6 +151,14 @@ def _names(key: str, value: object) -> Json:
     return absolute(text) if text.endswith(".toml") else text
 
 
+def _band(key: str, value: object) -> Json:
+    """Returns names of bands unchanged, and paths of response files as absolute paths."""
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if text is None:
+        raise SetupError(f"{key} is {value!r}; allowed: a string")
+    return absolute(text) if "." in text or os.sep in text else text
+
+
 def _site(key: str, value: object) -> Json:
     if is_of("astropy.coordinates", "EarthLocation", value):
         geodetic = getattr(value, "to_geodetic")("WGS84")
@@ -207,6 +218,7 @@ _CONVERTERS: dict[str, Callable[[str, object], Json]] = {
     "elements": _paths,
     "shells": _names,
     "telescope": _names,
+    "band": _band,
     "eop": _path,
     "qs_mag": _path,
     "learned": _path,

@@ -123,8 +123,8 @@ class ModelState:
         Parameters
         ----------
         **changes
-            ``fov, field, telescope, bright_share, limit_mag, policy, band, mag_system, extinction, min_probability,
-            max_delay, mjd_scale``, ...; ``None`` removes an option.
+            ``fov, field, telescope, bright_share, limit_mag, limit_surface_brightness, policy, band, mag_system,
+            extinction, min_probability, max_delay, mjd_scale``, ...; ``None`` removes an option.
 
         Returns
         -------

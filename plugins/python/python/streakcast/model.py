@@ -72,7 +72,7 @@ class StreakModel(MaskQueries):
         Satellites that block a start: ``avoid`` (default), those that exceed a magnitude limit (all lit satellites if no
         limit applies); ``any``, all lit satellites.
     policy : path or dict, optional
-        All limits: ``limit_mag, max_cost_s, min_probability, blocking, margin_s, max_delay_s``.
+        All limits: ``limit_mag, limit_surface_brightness, max_cost_s, min_probability, blocking, margin_s, max_delay_s``.
     mjd_scale : {"utc", "tai", "tt"}, optional
         Time scale of numbers given as times. Without it they raise `TypeError`.
     epoch : time, optional
@@ -90,9 +90,13 @@ class StreakModel(MaskQueries):
 
         - ``mpc``: observatory code, ``"X05"``; or ``lat``, ``lon`` (degrees, east positive) and ``height`` (metres
           above the ellipsoid, default 0), instead of ``site``.
-        - ``band``: band of the magnitudes, one of ``B V R I u g r i z y G`` (default ``"V"``).
+        - ``band``: band of the magnitudes, one of ``B V R I u g r i z y G J H K W1 W2`` (default ``"V"``), or the
+          path of a response curve (CSV or ECSV with ``wavelength_um`` and ``response``; AB magnitudes).
+          In K, W1 and W2 magnitudes include thermal emission; in W1 and W2 satellites in shadow count.
         - ``bright_share``: share of an exposure that is lost to a bright streak across the whole field, 0 to 100 (default:
           that of the telescope, 0.08 if its file has none), for ``streak_cost_s``.
+        - ``limit_surface_brightness``: limit of the surface brightness of streaks averaged over the exposure,
+          mag/arcsec2, or by band as ``limit_mag``; requires ``telescope``.
         - ``mag_system``: ``"Vega"`` or ``"AB"`` (default: the usual one of the band).
         - ``earthshine``: whether models made of panels include earthshine (default `True`).
         - ``extinction``: magnitudes per airmass, 0 to 5 (default: magnitudes outside the atmosphere).

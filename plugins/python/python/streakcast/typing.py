@@ -264,6 +264,7 @@ class FieldOptions(_ExposureOptions, total=False):
     field: PathLike | Options | None
     telescope: PathLike | Options | None
     limit_mag: LimitLike | None
+    limit_surface_brightness: LimitLike | None
     policy: PathLike | Options | None
     blocking: str | None
     mjd_scale: str | None
@@ -295,6 +296,7 @@ class ModelOptions(_ExposureOptions, total=False):
     """Further arguments of `streakcast.StreakModel`."""
 
     mpc: str | None
+    limit_surface_brightness: LimitLike | None
     lat: FloatLike | None
     lon: FloatLike | None
     height: FloatLike | None

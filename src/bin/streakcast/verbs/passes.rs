@@ -28,6 +28,10 @@ pub struct PassesArguments {
     /// listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
+    /// Report the probability of each streak to have a higher surface brightness than this, mag/arcsec2 (with
+    /// --telescope); with --limit-mag, that of either
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Number of points along each track, 0 to 100000; none if omitted
     #[arg(long, value_name = "N")]
     pub samples: Option<usize>,
@@ -65,7 +69,11 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let flags = Config {
         exposure: typed.exposure,
         include_dark: typed.include_dark.then_some(true),
-        rules: RulesConfig { limit_mag: typed.limit_mag, ..RulesConfig::default() },
+        rules: RulesConfig {
+            limit_mag: typed.limit_mag,
+            limit_surface_brightness: typed.limit_surface_brightness,
+            ..RulesConfig::default()
+        },
         samples: typed.samples,
         ..typed.config
     };
@@ -154,7 +162,7 @@ impl Prediction {
         let row = |pass| request.streak_row(&self.exposure, pass, Some(band), self.limit_mag);
         let rows = self.found().iter().map(row);
         let columns = StreakColumns {
-            p_brighter: self.limit_mag.is_some(),
+            p_brighter: self.limit_mag.is_some() || self.plan.policy.has_limit_in(Some(band)),
             chords: is_nested,
             samples: self.options.samples > 0,
         };

@@ -230,7 +230,7 @@ impl PreparedSchedule {
     }
 
     fn streak_columns(&self) -> StreakColumns {
-        StreakColumns { p_brighter: self.plan.policy.limit_mag.is_some(), ..StreakColumns::default() }
+        StreakColumns { p_brighter: self.plan.policy.has_limit(), ..StreakColumns::default() }
     }
 
     /// Returns the streaks of judged rows.
@@ -256,7 +256,7 @@ fn parts(
 ) -> anyhow::Result<(Vec<Part>, Option<LoadedInputs>)> {
     let deployment = config.deployment()?;
     if deployment.periods().next().is_none() {
-        let rows = vec![0..schedule.exposures.len()];
+        let rows = std::iter::once(0..schedule.exposures.len()).collect();
         return Ok((vec![Part { rows, span: (first, last) }], None));
     }
     let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;

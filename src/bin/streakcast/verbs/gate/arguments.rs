@@ -141,6 +141,7 @@ impl Flags {
             rules: RulesConfig {
                 policy: typed.policy,
                 limit_mag: typed.limit_mag,
+                limit_surface_brightness: None,
                 blocking: typed.blocking,
                 max_delay: None,
             },
@@ -250,7 +251,7 @@ impl Request {
     /// band, and not all lit satellites block.
     pub fn decides_by_cost(&self, band: Option<&str>) -> bool {
         let ObservationPlan { telescope, policy, .. } = &self.plan;
-        telescope.is_some() && policy.limit_mag_in(band).is_none() && policy.blocking == Blocking::Avoid
+        telescope.is_some() && !policy.has_limit_in(band) && policy.blocking == Blocking::Avoid
     }
 
     /// Reads the configuration, policy, field and telescope.

@@ -211,7 +211,7 @@ fn verdict(
     step.begin("computing the crossings");
     let policy = &request.plan.policy;
     notices.warn(policy.band_warning(&BTreeSet::from([band.as_deref()])).as_slice());
-    let is_limited = policy.blocking == Blocking::Avoid && policy.limit_mag_in(band.as_deref()).is_some();
+    let is_limited = policy.blocking == Blocking::Avoid && policy.has_limit_in(band.as_deref());
     let window_request = WindowRequest {
         conditions: request.plan.request(&prepared.sky),
         min_altitude_rad: 0.0,

@@ -112,7 +112,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     }
     let streaks = streak_table(
         passes.iter().map(|pass| request.streak_row(&exposure, pass, row.band.as_deref(), limit_mag)),
-        StreakColumns { p_brighter: limit_mag.is_some(), chords: true, samples: samples > 0 },
+        StreakColumns { p_brighter: policy.has_limit_in(row.band.as_deref()), chords: true, samples: samples > 0 },
     );
     let around = Table {
         columns: AROUND.to_vec(),
@@ -143,6 +143,8 @@ fn around_row(
 ) -> Vec<Cell> {
     let after_s = |epoch| seconds_between(exposure.start, epoch);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+    let band = row.band.as_deref();
+    let limit_mag = request.limit_mag_of(pass, band, exposure.duration_s, limit_mag);
     vec![
         i64::from(pass.norad_id.0).into(),
         request.sky.elements()[pass.element_index].name.as_ref().into(),
@@ -151,7 +153,7 @@ fn around_row(
         peak.map(|brightness| brightness.magnitude.0).into(),
         pass.probability.into(),
         limit_mag.map(|limit_mag| pass.probability_brighter_than(limit_mag)).into(),
-        request.exceeds_limit(pass, row.band.as_deref()).into(),
+        request.exceeds_limit(pass, band, exposure.duration_s).into(),
     ]
 }
 

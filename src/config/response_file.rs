@@ -1,0 +1,35 @@
+//! Response curves of bands, from files.
+
+use std::path::Path;
+
+use super::error::ConfigError;
+use super::inputs::read_text;
+use crate::input::TableRows;
+use crate::photometry::ResponseBand;
+use crate::units::MICROMETRES;
+
+/// Columns of a response file, for errors.
+const COLUMNS: &str = "wavelength_um (or wavelength_nm, wavelength_Angstrom) and response";
+
+/// Reads a band from a table with the columns `wavelength_um` and `response`. The unit of the wavelength is that of the
+/// header of ECSV, or of the name of the column.
+pub(super) fn read_response(path: &Path) -> Result<ResponseBand, ConfigError> {
+    let what = "response file";
+    let text = read_text(what, path)?;
+    let failed = |source| ConfigError::Io { what, path: path.display().to_string(), source };
+    let rows = TableRows::new(text).map_err(failed)?;
+    let wavelength = rows.numbers(&["wavelength_um", "wavelength"], &MICROMETRES, COLUMNS).map_err(failed)?;
+    let response = rows.column("response", COLUMNS).map_err(failed)?;
+    let mut curve: Vec<(f64, f64)> = Vec::new();
+    for row in rows {
+        let row = row.map_err(failed)?;
+        let wavelength_um = row.number_in(wavelength, ResponseBand::WAVELENGTHS_UM).map_err(failed)?;
+        if curve.last().is_some_and(|(last_um, _)| *last_um >= wavelength_um) {
+            return Err(failed(row.wrong(wavelength, "wavelengths that increase")));
+        }
+        curve.push((wavelength_um, row.number_in(response, [0.0, f64::MAX]).map_err(failed)?));
+    }
+    ResponseBand::from_curve(&curve).ok_or_else(|| {
+        ConfigError::invalid(format!("{what} {}: no response is positive; allowed: two rows or more", path.display()))
+    })
+}
