@@ -1,8 +1,9 @@
 //! Thermal emission of satellites in the infrared: a grey body with the area of the satellite, and its reflection of the
 //! Earth's infrared light.
 //!
-//! Borlaff, Marcum and Howell (2025, Nature, s41586-025-09759-5, "SPARKLES"), equations 4 to 6, with a temperature of 280 K and an
-//! emissivity of 0.9 (Horiuchi et al. 2020, ApJ 905, 3). Unlike there, a surface reflects what it does not absorb, 10 %.
+//! Borlaff, Marcum and Howell (2025, Nature, s41586-025-09759-5, "SPARKLES"), equations 4 to 6, with a temperature of 280
+//! K and an emissivity of 0.9 (Horiuchi et al. 2020, ApJ 905, 3). Unlike there, a surface reflects what it does not
+//! absorb, 10 %.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -121,8 +122,9 @@ mod tests {
     /// (interpolated in table 1 of Wright et al. 2010: 1.41 in W1, 1.12 in W2), for 0.9 * 10 m² at 1000 km.
     #[test]
     fn valid_emission_is_that_of_plancks_law_with_the_colour_corrections_of_wise() {
-        /// Tolerance, mag: 1 % in the interpolated colour corrections, which include the reference spectrum.
-        const COLOUR_MAG: f64 = 0.03;
+        /// Tolerance, mag: the colour corrections are relative to a spectrum ν⁻² (2 %) and interpolated (1 %), and the
+        /// Sun's magnitudes are rounded to 0.01 mag.
+        const COLOUR_MAG: f64 = 0.05;
         let size_m = (40.0 / PI).sqrt();
         for (band, wavelength_um, colour, zero_jy) in
             [(Band::W1, 3.3526, 1.41, 309.54), (Band::W2, 4.6028, 1.12, 171.787)]

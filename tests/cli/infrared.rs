@@ -95,7 +95,7 @@ fn invalid_response_files_are_errors_with_their_line() {
     let path = folder.path().join("band.csv").display().to_string();
     let exposure = ["--start", START, "--exposure", "30s", "--ra", "10", "--dec", "20", "--band", &path];
     for (text, words) in [
-        ("wavelength_um,flux\n3,1\n", "column response is missing"),
+        ("wavelength_um,flux\n3,1\n", "missing column response"),
         ("wavelength_um,response\n3,1\n2,1\n", "line 3: wavelength_um is '2'; allowed: wavelengths that increase"),
         ("wavelength,response\n3000,1\n4000,1\n", "line 2: wavelength_um is '3000'; allowed: a number from 0.25 to 50"),
         ("wavelength_um,response\n3,1\n4,-1\n", "line 3: response is '-1'; allowed: a number from 0"),

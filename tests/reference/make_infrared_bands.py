@@ -2,10 +2,10 @@
 
 pip install speclite==1.0.0; python tests/reference/make_infrared_bands.py FOLDER_OF_SPECLITE/data/filters
 
-Response curves: 2MASS (Cohen et al. 2003, AJ 126, 1090) and WISE (Wright et al. 2010, AJ 140, 1868) as in speclite 1.0.0
-(BSD licence). Prints AB magnitudes of 1 m2 of a black body at a range of 1000 km, and the colour corrections of WISE
-for black bodies, which agree with table 1 of Wright et al. (2.0577, 1.3917, 1.1316 in W1; 1.3448, 1.1124, 1.0229 in W2
-at 200, 283 and 400 K).
+Response curves: 2MASS (Cohen et al. 2003, AJ 126, 1090) and WISE (Wright et al. 2010, AJ 140, 1868) as in speclite
+1.0.0 (BSD licence). Prints AB magnitudes of 1 m2 of a black body at a range of 1000 km, and the colour corrections of
+WISE for black bodies, which agree with table 1 of Wright et al. (2.0577, 1.3917, 1.1316 in W1; 1.3448, 1.1124, 1.0229 in
+W2 at 200, 283 and 400 K).
 """
 
 import math
@@ -33,7 +33,7 @@ def planck(wavelength_um, kelvin):
 
 
 def mean(curve, of):
-    """Returns the photon-weighted mean of F_nu: integral of F_nu R dlambda / lambda, over that of R dlambda / lambda."""
+    """Returns the mean of F_nu by photons: integral of F_nu R dlambda / lambda, over that of R dlambda / lambda."""
     total = weights = 0.0
     for (left, low), (right, high) in zip(curve, curve[1:]):
         for step in range(20):
@@ -50,13 +50,15 @@ def main():
     for name, isophotal in [("twomass-J", 1.235), ("twomass-H", 1.662), ("twomass-Ks", 2.159), ("wise2010-W1", 3.3526),
                             ("wise2010-W2", 4.6028)]:
         curve = read(folder / f"{name}.ecsv")
-        flux = {kelvin: mean(curve, lambda um, kelvin=kelvin: planck(um, kelvin)) for kelvin in (200, 280, 283, 290, 400)}
+        kelvins = (200, 280, 283, 290, 400)
+        flux = {kelvin: mean(curve, lambda um, kelvin=kelvin: planck(um, kelvin)) for kelvin in kelvins}
         # AB: 3631 Jy at magnitude 0; 1 m2 at 1e6 m is 1e-12 sr.
         magnitudes = [-2.5 * math.log10(flux[kelvin] * 1e-12 / 3631e-26) for kelvin in (280, 290)]
         # The reference spectrum of WISE is F_nu ~ nu^-2.
         reference = mean(curve, lambda um: um**2) / isophotal**2
         colours = [flux[kelvin] / planck(isophotal, kelvin) / reference for kelvin in (200, 283, 400)]
-        print(name, "280 K, 290 K:", *(f"{one:.3f}" for one in magnitudes), "colours:", *(f"{one:.4f}" for one in colours))
+        print(name, "280 K, 290 K:", *(f"{one:.3f}" for one in magnitudes))
+        print("    colours:", *(f"{one:.4f}" for one in colours))
 
 
 if __name__ == "__main__":
