@@ -10,7 +10,7 @@
 //!
 //! where L (seconds) is the lateness of the older set with B* = 0 at the epoch of the newer one, Δ (days) the time between
 //! the epochs, P the period and D = |ṅ/2| P. Otherwise the satellite changed its orbit between the epochs: the prediction
-//! is that of one set, and its error distribution is wider.
+//! is that of one set (with 2 τ = -0.45 d in strong drag and for Direct-to-Cell), and its error distribution is wider.
 //!
 //! A satellite that does not cancel its drag had the mean motion n₀ - ṅ/2 Δ between the epochs. If n_obs agrees with it,
 //! the satellite is coasting, and the published drag is applied.
@@ -118,7 +118,13 @@ impl OrbitModel {
             return with(elements, MeanMotion::Rate, nearest.days);
         }
         let motion = if class == StarlinkClass::MovingV15 { MeanMotion::NoRate } else { MeanMotion::Changed };
-        with(of_one(), motion, nearest.days)
+        // The change was before the epoch.
+        let changed = if nearest.days < 0.0 && !links.is_enclosing {
+            class.mean_motion_after_change(set).map_or_else(|| set.clone(), |n| without_drag(set, n))
+        } else {
+            of_one()
+        };
+        with(changed, motion, nearest.days)
     }
 }
 

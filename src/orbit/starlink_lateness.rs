@@ -138,7 +138,7 @@ fn of_four_sets(class: StarlinkClass, t: f64) -> Shape {
     // s = √(s₀² + b² t + (k t)²)
     let core_s = |s0: f64, b: f64, k: f64| norm3(s0, b * t.sqrt(), k * t);
     match class {
-        StarlinkClass::V15          => Shape::steady(core_s(0.188, 0.228, 0.037), 3.1,  (0.017, 0.009), t),
+        StarlinkClass::V15          => Shape::steady(core_s(0.188, 0.228, 0.060), 3.1,  (0.017, 0.009), t),
         StarlinkClass::StrongDrag   => Shape::steady(core_s(0.418, 0.307, 0.025), 2.35, (0.0,   0.0),   t),
         StarlinkClass::DirectToCell => Shape::steady(core_s(0.405, 0.234, 0.039), 2.3,  (0.0,   0.0),   t),
         _                           => Shape::steady(core_s(0.363, 0.227, 0.060), 2.9,  (0.0,   0.0),   t),
@@ -150,7 +150,9 @@ fn of_changed_orbit(class: StarlinkClass, t: f64, d: f64) -> Shape {
     match class {
         StarlinkClass::Parked => of_one_set(StarlinkClass::Parked, t, d),
         StarlinkClass::DirectToCell => of_one_set(StarlinkClass::Raising, t, d),
-        StarlinkClass::StrongDrag => Shape::changing(FLOOR_S.hypot(1.47 * t), 3.4, 0.41, 6.9 * t.powf(2.23)),
+        StarlinkClass::StrongDrag => {
+            Shape::changing(FLOOR_S.hypot(0.81 * t), 9.6, 0.074 + 0.023 * t, 99.0 * t.powf(0.94))
+        }
         _ => Shape::changing(FLOOR_S.hypot(0.62 * t), 3.0, 0.27, 7.0 * t.powf(1.75)),
     }
 }

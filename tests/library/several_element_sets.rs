@@ -161,6 +161,31 @@ fn verif_a_manoeuvre_between_the_sets() {
     }
 }
 
+/// A V2 Mini in strong drag, or a Direct-to-Cell, that has arrived at its height: its mean motion lags behind, n₀ + 0.45 d
+/// ṅ/2. A set after the exposures says nothing of a change before them.
+#[test]
+fn verif_mean_motion_after_a_change_of_the_orbit() {
+    const RATE: f64 = 6e-4;
+    for name in [V2_MINI, "STARLINK-11100 [DTC]"] {
+        let of = |set: ElementSet| ElementSet {
+            mean_motion_dot_rev_day2: RATE,
+            bstar_per_earth_radius: 1e-3,
+            mean_anomaly_deg: (set.mean_anomaly_deg + 30.0).rem_euclid(360.0),
+            ..set
+        };
+        let newest = ElementSet { mean_motion_dot_rev_day2: RATE, ..set(name, 0.0, 0.0) };
+        let kept = model(&newest, &[], 3.0).elements.mean_motion_rev_day;
+        for (other_days, expected) in [(-7.0, TRUE_REV_DAY + 0.45 * RATE), (7.0, kept)] {
+            // The exposures are on the far side of the newest set.
+            let with = model(&newest, &[of(set(name, other_days, 0.0))], -3.0 * other_days.signum());
+            assert_eq!(motion(&with), MeanMotion::Changed, "{name} {other_days}");
+            assert_eq!(with.elements.bstar_per_earth_radius, 0.0);
+            let found = with.elements.mean_motion_rev_day;
+            assert!((found - expected).abs() < 1e-12, "{name} {other_days}: {found}, expected {expected}");
+        }
+    }
+}
+
 #[test]
 fn verif_order_and_number_of_the_sets() {
     let newest = set(V2_MINI, 0.0, 3e-4);

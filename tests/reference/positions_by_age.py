@@ -172,8 +172,13 @@ def main():
                 values = np.array(cells[its, age, selection]).reshape(-1, 2)
                 half_width = np.quantile(np.abs(values[:, 0]), 0.6827)
                 stated = values[np.isfinite(values[:, 1])]
-                inside = 100 * np.mean(np.abs(stated[:, 0]) <= stated[:, 1])
-                cell += f" {half_width:.2f} |" if selection == "published" else f" {half_width:.2f}, {np.median(stated[:, 1]):.2f}, {inside:.0f} % |"
+                if selection == "published":
+                    cell += f" {half_width:.2f} |"
+                elif len(stated) == 0:
+                    cell += f" {half_width:.2f}, unknown |"
+                else:
+                    inside = 100 * np.mean(np.abs(stated[:, 0]) <= stated[:, 1])
+                    cell += f" {half_width:.2f}, {np.median(stated[:, 1]):.2f}, {inside:.0f} % |"
                 if selection == "two" and its in LIMITS_S and age in (1, 7):
                     limit_s = LIMITS_S[its][age == 7]
                     print(f"{its}, {age} d: {half_width:.2f} s, allowed {limit_s} s: {'met' if half_width <= limit_s else 'NOT MET'}")
