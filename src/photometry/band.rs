@@ -7,7 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::error::PhotometryError;
-use super::response::ResponseBand;
+use super::response::{DIFFUSE_LESS_SUN_MAG, ResponseBand};
 
 /// A passband.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -58,13 +58,6 @@ pub enum MagSystem {
     /// A source of 3631 Jy at every frequency has magnitude 0.
     Ab,
 }
-
-/// Magnitude of 1 m² of a diffuse sphere at 1000 km, less that of the Sun: p A γ / (π d²) with the albedo p = 0.25, and
-/// γ = 2 / (3π) at a phase angle of 90°.
-pub(super) const DIFFUSE_LESS_SUN_MAG: f64 = 34.43;
-
-/// Magnitude of the full Moon less that of the Sun: -12.7 and -26.8 in V.
-pub(super) const FULL_MOON_LESS_SUN_MAG: f64 = 14.0;
 
 impl Band {
     /// All bands with a name, from blue to red within each photometric system.

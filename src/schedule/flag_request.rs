@@ -47,11 +47,16 @@ impl<'a> FlagRequest<'a> {
         }
     }
 
+    /// Returns the limits for exposures of this length in a band.
+    pub(super) fn limits(&self, band: Option<&str>, exposure_s: f64) -> Limits<'a> {
+        Limits::new(self.policy, self.telescope, self.sky, band, exposure_s)
+    }
+
     /// Returns true if a pass alone is sufficient for the verdict `avoid` on an exposure of this length: the probability
     /// that it crosses and is brighter at its peak than a limit is at least the `min_probability` of the policy (0.5 if
     /// omitted). `None` if no limit applies to the band.
     pub fn exceeds_limit(&self, pass: &Pass, band: Option<&str>, exposure_s: f64) -> Option<bool> {
-        let limits = Limits::new(self, band, exposure_s);
+        let limits = self.limits(band, exposure_s);
         (!limits.is_none()).then(|| blocks(pass, &limits, Blocking::Avoid, self.policy))
     }
 
@@ -65,7 +70,7 @@ impl<'a> FlagRequest<'a> {
         exposure_s: f64,
         limit_mag: Option<f64>,
     ) -> Option<f64> {
-        let limits = Limits::new(self, band, exposure_s).with_limit_mag(limit_mag);
+        let limits = self.limits(band, exposure_s).with_limit_mag(limit_mag);
         limits.of_pass(pass).map(|limit| limit.limit_mag)
     }
 }

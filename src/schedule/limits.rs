@@ -3,7 +3,7 @@
 use crate::images::{ARCSEC_PER_RAD, Telescope, surface_brightness_mag_arcsec2};
 use crate::passes::{Pass, Sky};
 
-use super::flag_request::FlagRequest;
+use super::policy::Policy;
 
 /// Limits of a policy for one exposure. A satellite exceeds them if it is brighter than one of them.
 #[derive(Copy, Clone, Debug, Default)]
@@ -32,9 +32,14 @@ pub(super) struct SatelliteLimit {
 
 impl<'a> Limits<'a> {
     /// Returns the limits for exposures of this length in a band. A limit of surface brightness needs a telescope.
-    pub fn new(request: &FlagRequest<'a>, band: Option<&str>, exposure_s: f64) -> Self {
-        let FlagRequest { sky, policy, telescope, .. } = request;
-        let surface = policy.limit_surface_brightness.as_ref().and_then(|limit| limit.of(band)).zip(*telescope);
+    pub fn new(
+        policy: &Policy,
+        telescope: Option<&'a Telescope>,
+        sky: &'a Sky,
+        band: Option<&str>,
+        exposure_s: f64,
+    ) -> Self {
+        let surface = policy.limit_surface_brightness.as_ref().and_then(|limit| limit.of(band)).zip(telescope);
         Self {
             limit_mag: policy.limit_mag_in(band),
             surface: surface.map(|(limit_mag_arcsec2, telescope)| SurfaceLimit {

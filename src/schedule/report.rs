@@ -11,7 +11,6 @@ use crate::photometry::PhotometryOptions;
 
 use super::flag_request::FlagRequest;
 use super::horizon::{last_starts_s, lowest_altitudes_over};
-use super::limits::Limits;
 use super::policy::{Blocking, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
@@ -159,13 +158,8 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
                 along_track_sigma_s: one.along_track_sigma_s,
             })
             .collect();
-        let flag = judge_exposure(
-            exposure,
-            &Limits::new(request, band, exposure.duration_s),
-            &passes,
-            &expected,
-            request.policy,
-        );
+        let flag =
+            judge_exposure(exposure, &request.limits(band, exposure.duration_s), &passes, &expected, request.policy);
         counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
         flags[*row] = Some(with_age(flag, &counted[*row], &may_cross, &request.sky.predictability(exposure.start)));
         report.may_cross.extend(may_cross);
@@ -336,7 +330,7 @@ fn find_starts(
         watch.check()?;
         let lead_s = seconds_between(long.start, exposure.start);
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let limits = Limits::new(request, band(*row), exposure.duration_s);
+        let limits = request.limits(band(*row), exposure.duration_s);
         let is_blocking = |pass: &&Pass| blocks(pass, &limits, blocking, policy);
         let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
             let ahead =
@@ -485,7 +479,7 @@ fn confirm<'a>(
             let (Some(flag), Some(exposure)) = (flags[search.row].as_mut(), scheduled.get(&search.row)) else {
                 continue;
             };
-            let limits = Limits::new(request, band(search.row), exposure.duration_s);
+            let limits = request.limits(band(search.row), exposure.duration_s);
             let longest_sigma_s = passes
                 .iter()
                 .filter(|pass| blocks(pass, &limits, blocking, policy))

@@ -7,7 +7,7 @@ use crate::passes::{CrossingProbability, Exposure, Pass, Sky};
 use crate::photometry::Brightness;
 
 use super::flag_request::FlagRequest;
-use super::limits::{Limits, SatelliteLimit};
+use super::limits::SatelliteLimit;
 use super::verdict_rules::{ExpectedLoss, peak_brightness};
 
 /// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.
@@ -18,7 +18,7 @@ pub(super) fn expected_of(
     passes: &[Pass],
     request: &FlagRequest<'_>,
 ) -> ExpectedLoss {
-    let limits = Limits::new(request, band, exposure.duration_s);
+    let limits = request.limits(band, exposure.duration_s);
     if limits.is_none() && request.telescope.is_none() {
         return ExpectedLoss::of(satellites, &[]);
     }
@@ -99,7 +99,7 @@ impl FlagRequest<'_> {
         let brightness = peak_brightness(pass).cloned().or_else(prior);
         let bright = BrightStreaks::new(telescope, self.sky, band);
         let of_seen = |probability: f64| if is_seen { probability } else { 0.0 };
-        let limits = Limits::new(self, band, exposure.duration_s).with_limit_mag(limit_mag);
+        let limits = self.limits(band, exposure.duration_s).with_limit_mag(limit_mag);
         let range_km = pass.mid.range_km;
         let share = cost.expected_share(&PossibleStreak {
             probability: pass.probability,

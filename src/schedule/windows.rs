@@ -9,7 +9,6 @@ use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::flag_request::FlagRequest;
 use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
-use super::limits::Limits;
 use super::policy::Blocking;
 use super::report::{GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
@@ -198,7 +197,7 @@ fn passes(
     let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
     let of = |((target, searched), passes): ((&WindowTarget, &Exposure), Vec<Pass>)| {
         sky.watch().check()?;
-        let limits = Limits::new(&request.conditions, target.band.as_deref(), target.exposure.duration_s);
+        let limits = request.conditions.limits(target.band.as_deref(), target.exposure.duration_s);
         let blocking_passes: Vec<Pass> =
             passes.into_iter().filter(|pass| blocks(pass, &limits, policy.blocking, policy)).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
