@@ -33,8 +33,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STREAKCAST_DATA") or ROOT.parent / "shared/data")
 BINARY = os.environ.get("STREAKCAST_BIN") or ROOT / "target/release/streakcast"
-# Every second day of the second half of June. The file of 22 June has the element sets of 21 June.
-STARTS, AGES_DAY = range(15, 30, 2), (1, 3, 7, 14)
+# The files of these days, and of the days before, have epochs about as far apart as their names.
+STARTS, AGES_DAY = (15, 16, 19, 23), (1, 3, 7, 14)
 SELECTIONS = {"published": (), "one": (), "two": (7,), "four": (3, 7, 14)}
 CLASSES = ("V1.5", "VisorSat, V2 Mini", "V2 Mini, strong drag", "Direct-to-Cell", "V2 Mini, parked", "V2 Mini, raising", "V1.5, moving", "V1.0, descending")
 # Acceptance: largest half width with 68 % at 1 and 7 days with one older set, s, and the range of the share inside, %.
