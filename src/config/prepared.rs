@@ -141,11 +141,10 @@ impl LoadedInputs {
 
         let eop = self.eop.clone();
         let has_others = !others.is_empty();
-        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice)
-            .with_drag(self.drag)
-            .with_other_epochs(others, middle)
-            .with_shadow(self.shadow)
-            .with_ephemerides(ephemerides.to_vec());
+        let sky =
+            Sky::with_models_and_others(elements, (others, middle), self.drag, viewpoint, eop.clone(), &self.choice)
+                .with_shadow(self.shadow)
+                .with_ephemerides(ephemerides.to_vec());
         if has_others {
             provenance.state("mean_motion", mean_motion_json(&sky, from_files, middle));
         }

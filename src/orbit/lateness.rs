@@ -105,9 +105,17 @@ impl Lateness {
         // sigma.
         let mut half_s = inner_s;
         for _ in 0..100 {
-            let step_s = (ONE_SIGMA - self.share(-half_s, half_s)) / (2.0 * self.log_density(half_s).exp());
+            // P(|δ| ≤ x) = Σ w (1 - erfc(x / σ√2)), and its derivative 2 Σ w N(x; σ).
+            let (mut within, mut slope) = (0.0, 0.0);
+            for (weight, sigma_s) in self.parts() {
+                let z = half_s / sigma_s;
+                within += weight * (1.0 - libm::erfc(z * FRAC_1_SQRT_2));
+                slope += 2.0 * weight * (-0.5 * z * z).exp() / (TAU.sqrt() * sigma_s);
+            }
+            let step_s = (ONE_SIGMA - within) / slope;
             half_s += step_s;
-            if step_s < 1e-9 * half_s {
+            // The error of the result is of the order of the square of the last step.
+            if step_s < 1e-5 * half_s {
                 break;
             }
         }

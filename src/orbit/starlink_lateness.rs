@@ -151,7 +151,7 @@ fn of_changed_orbit(class: StarlinkClass, t: f64, d: f64) -> Shape {
         StarlinkClass::Parked => of_one_set(StarlinkClass::Parked, t, d),
         StarlinkClass::DirectToCell => of_one_set(StarlinkClass::Raising, t, d),
         StarlinkClass::StrongDrag => {
-            Shape::changing(FLOOR_S.hypot(0.81 * t), 9.6, 0.074 + 0.023 * t, 99.0 * t.powf(0.94))
+            Shape::changing(FLOOR_S.hypot(0.77 * t), 8.3, 0.113 + 0.020 * t, 47.0 * t.powf(1.3))
         }
         _ => Shape::changing(FLOOR_S.hypot(0.62 * t), 3.0, 0.27, 7.0 * t.powf(1.75)),
     }

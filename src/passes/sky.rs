@@ -66,18 +66,23 @@ struct OtherEpochs {
     moment: Epoch,
 }
 
+impl OtherEpochs {
+    fn new(mut sets: Vec<ElementSet>, moment: Epoch) -> Self {
+        sets.sort_by_key(|set| set.norad_id);
+        Self { sets, moment }
+    }
+}
+
 impl Sky {
     /// Creates a sky from satellites and an observer, with the embedded brightness models and Earth orientation table.
     ///
     /// This takes about 2 µs of processor time per satellite. The model of the Earth's shadow includes the atmosphere.
     pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
         let Satellites { element_sets, other_epochs, ephemerides, selected_for, .. } = satellites;
-        let sky = Self::with_models(element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default());
-        match selected_for {
-            Some(moment) => sky.with_other_epochs(other_epochs, moment),
-            None => sky,
-        }
-        .with_ephemerides(ephemerides)
+        let others = OtherEpochs::new(other_epochs, selected_for.unwrap_or_default());
+        let (eop, choice) = (EopTable::embedded(), ModelChoice::default());
+        Self::of(element_sets, others, DragModel::default(), viewpoint.into(), eop, &choice)
+            .with_ephemerides(ephemerides)
     }
 
     /// Creates a sky like [`Sky::new`] does, but with the given brightness models and Earth orientation table, and
@@ -88,8 +93,32 @@ impl Sky {
         eop: EopTable,
         choice: &ModelChoice,
     ) -> Self {
-        let drag = DragModel::default();
-        let others = OtherEpochs { sets: Vec::new(), moment: Epoch::default() };
+        let others = OtherEpochs::new(Vec::new(), Epoch::default());
+        Self::of(elements, others, DragModel::default(), viewpoint.into(), eop, choice)
+    }
+
+    /// As [`Sky::with_models`], with a treatment of atmospheric drag, and with element sets of other epochs as in
+    /// [`Sky::with_other_epochs`]. Each orbit is initialised once.
+    #[doc(hidden)]
+    pub fn with_models_and_others(
+        elements: Vec<ElementSet>,
+        (others, moment): (Vec<ElementSet>, Epoch),
+        drag: DragModel,
+        viewpoint: impl Into<Viewpoint>,
+        eop: EopTable,
+        choice: &ModelChoice,
+    ) -> Self {
+        Self::of(elements, OtherEpochs::new(others, moment), drag, viewpoint.into(), eop, choice)
+    }
+
+    fn of(
+        elements: Vec<ElementSet>,
+        others: OtherEpochs,
+        drag: DragModel,
+        viewpoint: Viewpoint,
+        eop: EopTable,
+        choice: &ModelChoice,
+    ) -> Self {
         let factors = elements.iter().map(|set| choice.lateness_factor(set)).collect::<Vec<_>>();
         let (index, classes) = orbits(&elements, &others, drag, |index| factors[index]);
         let models: Vec<_> = elements.iter().map(|elements| choice.model_of(elements)).collect();
@@ -102,7 +131,7 @@ impl Sky {
             models: Arc::new(models),
             priors: choice.priors().clone(),
             measured: Arc::default(),
-            viewpoint: viewpoint.into(),
+            viewpoint,
             drag,
             shadow: ShadowModel::default(),
             eop,
@@ -148,12 +177,11 @@ impl Sky {
 
     /// Returns the sky with element sets of other epochs of the same satellites, in any order. They improve the mean
     /// motions of Starlinks near the time `moment` ([`OrbitModel`]).
-    pub fn with_other_epochs(self, mut sets: Vec<ElementSet>, moment: Epoch) -> Self {
+    pub fn with_other_epochs(self, sets: Vec<ElementSet>, moment: Epoch) -> Self {
         if sets.is_empty() {
             return self;
         }
-        sets.sort_by_key(|set| set.norad_id);
-        Self { others: Arc::new(OtherEpochs { sets, moment }), ..self }.with_new_orbits()
+        Self { others: Arc::new(OtherEpochs::new(sets, moment)), ..self }.with_new_orbits()
     }
 
     fn with_new_orbits(self) -> Self {
