@@ -123,7 +123,7 @@ impl ResponseBand {
             return None;
         }
         let photons = integral(curve, |wavelength_um| 1.0 / wavelength_um);
-        if !(photons > 0.0) {
+        if photons.is_nan() || photons <= 0.0 {
             return None;
         }
         // <F_ν> = ∫ F_ν R dλ/λ / ∫ R dλ/λ

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use hifitime::{Epoch, Unit};
+use hifitime::Unit;
 use streakcast::Satellites;
 use streakcast::elements::{ElementSet, NoradId};
 use streakcast::frames::{EopTable, Gcrs, Orientation, Position, seconds_after};
