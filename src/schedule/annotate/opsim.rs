@@ -145,10 +145,15 @@ fn id_column(columns: &[(String, String)]) -> Option<&(String, String)> {
 /// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they do
 /// not assign a verdict to each observation.
 fn write_view(connection: &Connection, flags: &Table) -> Result<(), rusqlite::Error> {
-    let query = format!("SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}");
     let Some((id, _)) = id_column(&columns_of_observations(connection)?).cloned() else { return Ok(()) };
-    if !connection.query_row(&query, [], |row| row.get::<_, bool>(0))? {
-        return Ok(());
+    // The verdict of an observation without an identifier has the number of its row, which may be another identifier.
+    for query in [
+        format!("SELECT count(*) = count(DISTINCT exposure_id) FROM {FLAGS}"),
+        format!("SELECT count(*) = count(\"{id}\") FROM observations"),
+    ] {
+        if !connection.query_row(&query, [], |row| row.get::<_, bool>(0))? {
+            return Ok(());
+        }
     }
     let names = flags.columns.iter().map(|column| column.name).filter(|name| *name != "exposure_id");
     let added: Vec<String> = names.map(|name| format!("f.\"{name}\"")).collect();
@@ -320,6 +325,13 @@ mod tests {
         copy.execute_batch(other).unwrap();
         drop(copy);
         annotate(&output, &output, &annotation(true)).unwrap();
-        assert_eq!(count(&Connection::open(&output).unwrap(), joined), 2);
+        let copy = Connection::open(&output).unwrap();
+        assert_eq!(count(&copy, joined), 2);
+        // Without an identifier an observation has no verdict in the view, which is therefore missing.
+        copy.execute_batch("UPDATE observations SET observationId = NULL WHERE observationId = 9").unwrap();
+        drop(copy);
+        annotate(&output, &output, &annotation(true)).unwrap();
+        let views = "SELECT count(*) FROM sqlite_master WHERE type = 'view'";
+        assert_eq!(count(&Connection::open(&output).unwrap(), views), 0);
     }
 }
