@@ -234,7 +234,7 @@ fn given_widths_are_used_as_they_are() {
     assert!((in_pixels.0 / wide.0 - 1.0).abs() < 1e-4, "{in_pixels:?} {wide:?}");
     assert_eq!(measured(",fwhm_arcsec", ",180", &["--seeing", "90arcsec"]), wide);
     // Neither the size of the model nor a given one widens the image again.
-    for more in [&[][..], &["--satellite-size", "500m"]] {
+    for more in [&[][..], &["--satellite-size", "500"]] {
         let given = measured(",fwhm_arcsec", ",180", &[&["--seeing", "90arcsec"], SATELLITES, more].concat());
         assert!((given.0 / wide.0 - 1.0).abs() < 1e-9 && given.1 == wide.1 && given.2.is_none(), "{given:?} {wide:?}");
     }
