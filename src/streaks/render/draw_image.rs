@@ -65,14 +65,14 @@ pub fn draw_image(
     }
     let mut patch = extents.into_patch();
     let mut samples: Option<([i64; 2], Vec<f64>)> = None;
-    let mut stamp: Option<(([i64; 2], [i64; 2]), Vec<f64>)> = None;
+    let mut stamp: Option<([[i64; 2]; 2], Vec<f64>)> = None;
     for ((block, phase, pixel), light) in &lights {
-        if stamp.as_ref().is_none_or(|(of, _)| *of != (*block, *phase)) {
+        if stamp.as_ref().is_none_or(|(of, _)| *of != [*block, *phase]) {
             watch.check()?;
             if samples.as_ref().is_none_or(|(of, _)| of != block) {
                 samples = Some((*block, samples_at(psf, *block, rows, columns)?));
             }
-            stamp = samples.as_ref().map(|(_, samples)| ((*block, *phase), frame.values(psf, samples, *phase)));
+            stamp = samples.as_ref().map(|(_, samples)| ([*block, *phase], frame.values(psf, samples, *phase)));
         }
         let Some((_, values)) = &stamp else { continue };
         for (row, range, from) in frame.rows(*pixel, rows, columns) {
