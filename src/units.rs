@@ -9,7 +9,7 @@ use thiserror::Error;
 use crate::message::Quoted;
 
 /// Unit of a column in the program, and the units that are converted to it.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub struct Unit {
     /// Other spellings and units, each with its value in the first one, which is the unit in the program.
     accepted: &'static [(&'static str, f64)],
@@ -133,6 +133,20 @@ pub enum UnitError {
 }
 
 impl Unit {
+    /// Returns true if two numbers of one quantity, in the unit of the program, differ by no more than their rounding:
+    /// 0.01, or a ten-thousandth. Angles are equal after a whole turn, and right ascensions without a unit may be in hours.
+    pub fn is_same(&self, one: f64, other: f64) -> bool {
+        const ROUNDING: f64 = 0.01;
+        const SHARE: f64 = 1e-4;
+        let hours = self.value("hourangle").map(|(_, degrees)| degrees);
+        let difference = |other: f64| match hours {
+            Some(_) => (one - other + 180.0).rem_euclid(360.0) - 180.0,
+            None => one - other,
+        };
+        let is_near = |other: f64| difference(other).abs() <= ROUNDING.max(SHARE * one.abs());
+        is_near(other) || hours.is_some_and(|degrees| is_near(degrees * other))
+    }
+
     fn value(&self, unit: &str) -> Option<(&'static str, f64)> {
         self.accepted.iter().find(|(accepted, _)| *accepted == unit).copied()
     }
@@ -200,6 +214,22 @@ mod tests {
         let message = |column| DEGREES.scale(column, &units).unwrap_err().to_string();
         assert_eq!(message("ra_deg"), "column ra_deg is in 'hourangle'; allowed: deg");
         assert_eq!(message("dec"), "column dec is in 'm'; allowed: deg, rad, hourangle, arcmin, arcsec or mas");
+    }
+
+    #[test]
+    fn equal_values_differ_by_rounding() {
+        for (unit, one, other, is_same) in [
+            (&SECONDS, 30.0, 30.001, true),
+            (&SECONDS, 30.0, 390.0, false),
+            (&SECONDS, 30.0, 2.0, false),
+            (&DEGREES, 198.1234, -161.87656, true),
+            (&DEGREES, 359.9999, 0.0, true),
+            (&DEGREES, 0.0, 359.9999, true),
+            (&DEGREES, 190.0, 12.666667, true),
+            (&DEGREES, 190.0, 10.0, false),
+        ] {
+            assert_eq!(unit.is_same(one, other), is_same, "{one} {other}");
+        }
     }
 
     #[test]

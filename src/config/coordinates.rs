@@ -56,14 +56,22 @@ type Coordinates = (f64, f64, Option<f64>);
 pub fn parse_coordinates(text: &str) -> Option<Result<Coordinates, String>> {
     let text = text.trim();
     let by_comma = text.contains(',');
+    let is_letter = |part: &str| ["N", "S", "E", "W"].iter().any(|letter| letter.eq_ignore_ascii_case(part));
     let mut parts: Vec<String> = Vec::new();
+    let mut letters_are_first = false;
     for part in text.split(|mark: char| if by_comma { mark == ',' } else { mark.is_whitespace() }) {
-        match (part.trim(), parts.last_mut()) {
-            ("", _) => {}
-            // The letter of a hemisphere, and minutes and seconds, after a blank.
-            (letter @ ("N" | "S" | "E" | "W" | "n" | "s" | "e" | "w"), Some(last)) => *last += letter,
-            (minutes, Some(last)) if minutes.ends_with(['\'', '′', '"', '″']) => *last += minutes,
-            (part, _) => parts.push(part.to_owned()),
+        let part = part.trim();
+        letters_are_first |= parts.is_empty() && is_letter(part);
+        // Minutes and seconds after a blank.
+        let continues = part.ends_with(['\'', '′', '"', '″'])
+            && !part.contains(|mark: char| matches!(mark, '°' | '-' | '+' | '−') || mark.is_alphabetic());
+        match parts.last_mut() {
+            _ if part.is_empty() => {}
+            Some(last) if !by_comma && is_letter(last) => *last += part,
+            Some(last) if !by_comma && continues => *last += part,
+            // A blank before an S distinguishes the hemisphere from seconds.
+            Some(last) if !by_comma && !letters_are_first && is_letter(part) => *last = format!("{last} {part}"),
+            _ => parts.push(part.to_owned()),
         }
     }
     let is_plain = |mark: char| mark.is_ascii_digit() || matches!(mark, ',' | ' ' | '-' | '+' | '−');
@@ -103,16 +111,18 @@ fn degrees_with_letter(text: &str, [plus, minus]: [char; 2]) -> Option<f64> {
     if let Ok(number) = text.parse() {
         return Some(number);
     }
-    let is_letter = |mark: char| mark.eq_ignore_ascii_case(&plus) || mark.eq_ignore_ascii_case(&minus);
-    let letter = text.chars().next_back().into_iter().chain(text.chars().next()).find(|mark| is_letter(*mark));
-    let Some(letter) = letter else {
-        return degrees_of(text);
+    let is_letter = |mark: &char| mark.eq_ignore_ascii_case(&plus) || mark.eq_ignore_ascii_case(&minus);
+    // The s of 33d54m12s, in lower case directly after a digit, is the unit of the seconds.
+    let is_unit = text.strip_suffix('s').is_some_and(|before| {
+        before.ends_with(|mark: char| mark.is_ascii_digit() || mark == '.') && before.contains(['d', 'D', 'm', 'M'])
+    });
+    let (first, last) = (text.chars().next().filter(is_letter), text.chars().next_back().filter(is_letter));
+    let (letter, bare) = match (first, last.filter(|_| !is_unit)) {
+        (None, None) => return degrees_of(text),
+        (Some(letter), None) => (letter, text.strip_prefix(letter)?.trim()),
+        (None, Some(letter)) => (letter, text.strip_suffix(letter)?.trim()),
+        (Some(_), Some(_)) => return None,
     };
-    let bare = text.strip_suffix(letter).or_else(|| text.strip_prefix(letter))?.trim();
-    // The s of 33d54m12s is the unit of the seconds.
-    if letter.eq_ignore_ascii_case(&'s') && bare.contains(['d', 'D', 'm', 'M']) {
-        return degrees_of(text);
-    }
     let value = degrees_of(bare).filter(|_| !bare.starts_with(['-', '+', '−']))?;
     Some(if letter.eq_ignore_ascii_case(&minus) { -value } else { value })
 }
@@ -176,15 +186,41 @@ mod tests {
         {
             assert!((parse_latitude_deg(text).expect(text) - expected).abs() < 1e-12, "{text}");
         }
+        for (text, degrees) in [
+            ("33.9S", -33.9),
+            ("−33.9", -33.9),
+            ("-33°54'", -33.9),
+            ("s33.9", -33.9),
+            ("4.7e1", 47.0),
+            ("33.9s", -33.9),
+        ] {
+            assert!((parse_latitude_deg(text).expect(text) - degrees).abs() < 1e-12, "{text}");
+        }
+        // A capital S, or an s after a blank or a unit, is the hemisphere.
+        for text in [
+            "33d54m12S",
+            "33d54m12 S",
+            "33d54m12 s",
+            "33d54m12sS",
+            "33°54m12S",
+            "33°54'12\"s",
+            "S33d54m12s",
+            "S 33d54m12s",
+            "-33d54m12s",
+        ] {
+            assert!((parse_latitude_deg(text).expect(text) + 33.0 + 54.2 / 60.0).abs() < 1e-12, "{text}");
+        }
         for (text, degrees) in
-            [("33.9S", -33.9), ("−33.9", -33.9), ("-33°54'", -33.9), ("s33.9", -33.9), ("4.7e1", 47.0)]
+            [("33d54S", -33.9), ("33d54'S", -33.9), ("33d54mS", -33.9), ("33dS", -33.0), ("33d54N", 33.9)]
         {
             assert!((parse_latitude_deg(text).expect(text) - degrees).abs() < 1e-12, "{text}");
         }
         for (text, degrees) in [("70°45'W", -70.75), ("8.54E", 8.54), ("289:15", 289.25), ("−70.75", -70.75)] {
             assert!((parse_longitude_deg(text).expect(text) - degrees).abs() < 1e-12, "{text}");
         }
-        for text in ["47,37", "-33.9S", "47.37E", "47h", "47°61'", "N", "", "N47S", "33d54mS"] {
+        for text in
+            ["47,37", "-33.9S", "47.37E", "47h", "47°61'", "N", "", "N47S", "33d54s", "N33d54m12S", "-33d54m12S"]
+        {
             assert!(parse_latitude_deg(text).is_err(), "{text}");
         }
         let error = parse_latitude_deg("47,37").unwrap_err();
@@ -204,6 +240,13 @@ mod tests {
             ("47.37 N 8.54 E 430m", (47.37, 8.54, Some(430.0))),
             ("47°30' N, 8°30' E", (47.5, 8.5, None)),
             ("47° 30' N 8° 30' E", (47.5, 8.5, None)),
+            ("N 47° 30' E 8° 30'", (47.5, 8.5, None)),
+            ("N47°30', E8°30'", (47.5, 8.5, None)),
+            ("47°30' 8°30'", (47.5, 8.5, None)),
+            ("-33°54', 18°30'", (-33.9, 18.5, None)),
+            ("-33°54' -18°30' 20m", (-33.9, -18.5, Some(20.0))),
+            ("33d54m S 18d30m E", (-33.9, 18.5, None)),
+            ("30d30m36 S 18d30m36 E", (-30.51, 18.51, None)),
             ("-30,-70,2600", (-30.0, -70.0, Some(2600.0))),
             ("47, 8", (47.0, 8.0, None)),
             ("47.5,8", (47.5, 8.0, None)),

@@ -48,20 +48,37 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
     Ok((file, hdu))
 }
 
-/// Returns positions of a detector of streaks, which may be outside of the frame by a pixel, moved into the frame.
-pub(super) fn clamped(
+/// Returns the ends of the part of a line in the frame, or the line if it has none. A line that is fitted to a streak may
+/// have its ends outside of the frame.
+pub(super) fn clipped(
     path: &Path,
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
 ) -> Result<[PixelPosition; 2], ConfigError> {
-    const OUTSIDE_PIX: f64 = 1.0;
     let (file, hdu) = image(path, hdu)?;
     let [rows, columns] = file.image_size(hdu)?;
-    let inside = |at: f64, count: usize| {
-        let moved = at.clamp(-0.5, count as f64 - 0.5);
-        if (moved - at).abs() <= OUTSIDE_PIX { moved } else { at }
-    };
-    Ok(pixels.map(|at| PixelPosition { x: inside(at.x, columns), y: inside(at.y, rows) }))
+    let [from, to] = pixels;
+    // Shares of the line at which it enters and leaves the range of each axis (Liang and Barsky 1984).
+    let mut shares = [0.0f64, 1.0];
+    for (start, end, count) in [(from.x, to.x, columns), (from.y, to.y, rows)] {
+        let [low, high] = [-0.5, count as f64 - 0.5];
+        if start == end {
+            if !(low..=high).contains(&start) {
+                return Ok(pixels);
+            }
+            continue;
+        }
+        let [one, other] = [low, high].map(|edge| (edge - start) / (end - start));
+        shares = [shares[0].max(one.min(other)), shares[1].min(one.max(other))];
+    }
+    if shares[0] >= shares[1] {
+        return Ok(pixels);
+    }
+    let within = |at: f64, count: usize| at.clamp(-0.5, count as f64 - 0.5);
+    Ok(shares.map(|share| PixelPosition {
+        x: within(from.x + share * (to.x - from.x), columns),
+        y: within(from.y + share * (to.y - from.y), rows),
+    }))
 }
 
 /// Returns the sky positions of two pixels, and the pixel scale between them, arcsec.

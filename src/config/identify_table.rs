@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use super::error::ConfigError;
 use super::identify::IdentifyConfig;
-use super::identify_frame::clamped;
+use super::identify_frame::clipped;
 use crate::images::{Bounded, StreakEnds, StreakTable};
+use crate::message::listed;
 use crate::units::SECONDS;
 
 /// Largest number of streaks in a table.
@@ -26,7 +27,8 @@ pub struct TableStreak {
 /// Returns the streaks of a table (CSV, ECSV, ASTRiDE, or a catalog of findsat_mrt), and remarks about its columns.
 ///
 /// The frame of a row is that of its column `image`, relative to the folder of the table, or else that of `base`. Its
-/// columns `start_utc` and `duration_s`, or else the values of `base`, replace the times in the header of the frame.
+/// columns `start_utc` and `duration_s`, or else the values of `base`, replace the times in the header of the frame. Ends
+/// in pixels are those of the part in the frame. Rows without ends are left out, which a remark states.
 ///
 /// # Errors
 /// The table cannot be read, a cell is invalid, or a streak in pixels has no frame.
@@ -45,10 +47,14 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
         Ok((rows.find("start_utc"), Bounded::find(rows, &["duration_s"], &SECONDS, [0.0, 1e6])?))
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut streaks = Vec::new();
+    let (mut streaks, mut without) = (Vec::new(), Vec::new());
     for (row, number) in table.rows().zip(1..) {
         if number > MOST_STREAKS {
             return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")).into());
+        }
+        if !row.has_ends() {
+            without.push(row.id(number));
+            continue;
         }
         let image: Option<PathBuf> = row.image().map(|image| folder.join(image)).or_else(|| base.image.clone());
         let hdu = row.hdu()?.or(base.hdu);
@@ -70,7 +76,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
                 let Some(frame) = &streak.image else {
                     return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME").into());
                 };
-                let [from, to] = clamped(frame, streak.hdu, ends)?.map(|at| {
+                let [from, to] = clipped(frame, streak.hdu, ends)?.map(|at| {
                     let [x, y] = at.fits();
                     Some(format!("{x},{y}"))
                 });
@@ -79,5 +85,10 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
         }
         streaks.push(TableStreak { id: row.id(number), origin: row.origin(), streak });
     }
-    Ok((streaks, table.remarks(&["start_utc", "duration_s"])))
+    let mut remarks = table.remarks(&["start_utc", "duration_s"]);
+    if !without.is_empty() {
+        let names = listed(without.iter().map(String::as_str));
+        remarks.push(format!("{}: streaks without ends are left out: {names}", path.display()));
+    }
+    Ok((streaks, remarks))
 }

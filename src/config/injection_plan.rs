@@ -207,6 +207,7 @@ impl InjectionConfig {
             seed: self.seed,
             truth_points: self.truth_points,
             labels: self.label_formats()?,
+            inputs: self.files().into_iter().chain(config.files()).collect(),
             mask_preset: MaskPreset::by_name(&self.mask_bits)?,
             pixels_only: self.pixels_only,
         })

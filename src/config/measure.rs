@@ -101,6 +101,8 @@ pub struct Measurements {
     /// Table of all measurements. For streaks of tables it has a row for each streak, also for those that are not
     /// measured.
     pub table: Table,
+    /// Files of the frames, also of those that rows of tables name.
+    pub frames: Vec<PathBuf>,
     /// Satellites whose positions cannot be computed, for each frame.
     pub left_out: Vec<LeftOut>,
     /// Site of the frames.
@@ -231,7 +233,7 @@ impl MeasureConfig {
         let viewpoint = of_all.as_ref().and_then(|all| all.sky.viewpoint().site());
         let site = viewpoint.map(|observer| observer.site().clone());
         let table = if self.streaks.is_empty() { measurement_table(&passes) } else { listed_table(&rows) };
-        Ok(Measurements { passes, table, left_out, site, provenance, remarks, warnings })
+        Ok(Measurements { passes, table, frames: listed.frames, left_out, site, provenance, remarks, warnings })
     }
 
     /// Returns the table of stars, with the colours of `star_colours` if these are given.

@@ -1,6 +1,6 @@
 //! Tables of streaks that are measured: the frames of their rows, and the satellites of the streaks.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use super::error::ConfigError;
 use super::identify::{POSITION_SIGMA_PIX, TIME_SIGMA_S};
@@ -45,21 +45,19 @@ impl MeasuredTables {
             let folder = path.parent().unwrap_or(Path::new(""));
             for streak in &mut list.streaks {
                 match &mut streak.image {
-                    Some(image) if !frames.iter().any(|frame| frame.ends_with(&*image)) => {
-                        let file = folder.join(&*image);
-                        if !file.is_file() {
-                            return Err(ConfigError::invalid(format!(
-                                "{}: image is '{}'; allowed: the name of a FRAME, or a file in the folder of the table",
+                    Some(image) => {
+                        let file = frame_of(image, folder, frames).map_err(|allowed| {
+                            ConfigError::invalid(format!(
+                                "{}: image is '{}'; allowed: {allowed}",
                                 streak.origin,
                                 Quoted::new(image)
-                            )));
-                        }
+                            ))
+                        })?;
                         *image = file.display().to_string();
                         if !found.frames.contains(&file) {
                             found.frames.push(file);
                         }
                     }
-                    Some(_) => {}
                     None if tables.len() == 1 && !frames.is_empty() => {}
                     None if tables.len() == frames.len() => {}
                     None => {
@@ -84,15 +82,38 @@ impl MeasuredTables {
         let rows = self.tables.iter().flat_map(|(list, of_table)| {
             list.streaks.iter().filter(move |streak| match (&streak.image, of_table) {
                 (None, Some(of_table)) => of_table == frame,
-                _ => streak.is_of(frame),
+                (None, None) => true,
+                (Some(image), _) => Path::new(image) == frame,
             })
         });
         rows.cloned().collect()
     }
 }
 
-/// Adds the satellite to each streak without one that a satellite of the sky has probably made. Returns the satellites
-/// whose positions cannot be computed.
+/// Returns the frame of a row with this name: the only one of `frames` with this end of its path, or the one in the folder
+/// of the table, or else a file there.
+///
+/// # Errors
+/// What is allowed, if there is no such frame or several.
+fn frame_of(image: &str, folder: &Path, frames: &[PathBuf]) -> Result<PathBuf, &'static str> {
+    let plain = |path: &Path| -> PathBuf { path.components().filter(|part| *part != Component::CurDir).collect() };
+    let file = folder.join(image);
+    let named: Vec<&PathBuf> = frames.iter().filter(|frame| plain(frame).ends_with(plain(Path::new(image)))).collect();
+    match named[..] {
+        [only] => Ok(only.clone()),
+        [] if file.is_file() => Ok(file),
+        [] => Err("the name of a FRAME, or a file in the folder of the table"),
+        _ => {
+            let in_folder = named.iter().find(|frame| plain(frame) == plain(&file));
+            in_folder
+                .map(|frame| (*frame).clone())
+                .ok_or("the name of one FRAME with its folder, because several have this name")
+        }
+    }
+}
+
+/// Adds to each streak the satellite of the sky that has probably made it, or what the sky knows about the satellite that
+/// the table names. Returns the satellites whose positions cannot be computed.
 ///
 /// # Errors
 /// Positions cannot be computed at the time of the frame.
@@ -105,7 +126,7 @@ pub(super) fn identify_listed(
 ) -> Result<Vec<LeftOut>, ConfigError> {
     let options = IdentifyOptions { include_dark: false, photometry: *photometry };
     let mut left_out = Vec::new();
-    for streak in streaks.iter_mut().filter(|streak| streak.satellite.norad_id.is_none()) {
+    for streak in streaks {
         let Some((ends, pixel_arcsec)) = streak.on_sky(frame) else { continue };
         let sigma_rad = place_sigma_deg.unwrap_or(POSITION_SIGMA_PIX * pixel_arcsec / 3600.0).to_radians();
         let time = (frame.opened, frame.exposure_s);
@@ -115,8 +136,12 @@ pub(super) fn identify_listed(
         };
         let found = identify_streak(sky, &measured, &options)?;
         left_out = found.left_out;
-        let Some(best) = found.candidates.first().filter(|best| best.probability >= LIKELY) else { continue };
-        streak.probability = Some(best.probability);
+        let best = match streak.satellite.norad_id {
+            Some(named) => found.candidates.iter().find(|one| one.norad_id == named),
+            None => found.candidates.first().filter(|best| best.probability >= LIKELY),
+        };
+        let Some(best) = best else { continue };
+        streak.probability = streak.satellite.norad_id.is_none().then_some(best.probability);
         if let Some(given) = streak.given.as_mut().filter(|given| !given.has_times()) {
             // A streak that the satellite crosses in less than the exposure continues outside of the frame. Its light
             // is that of the time between the ends.
@@ -135,6 +160,7 @@ pub(super) fn identify_listed(
             geometry: Some(best.passage.geometry),
             range_km: Some(best.passage.range_km),
             model_size_m: Some(sky.model(best.element_index).size_m()),
+            time_sigma_s: Some(best.along_track_s.sigma),
         };
     }
     Ok(left_out)

@@ -54,7 +54,7 @@ struct Polynomial {
 }
 
 impl PsfFile {
-    /// Returns true for the name of such a file: it ends in .fits, .fit, .fz or .psf.
+    /// Returns true for the name of such a file: it ends in .fits, .fit, .fts, .fz or .psf.
     pub fn is_name(text: &str) -> bool {
         let end = Path::new(text).extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         ["fits", "fit", "fts", "fz", "psf"].contains(&end.as_str())
@@ -85,19 +85,23 @@ impl PsfFile {
         Ok(Self { path: path.to_owned(), grids })
     }
 
-    /// Returns the point spread function of a chip, which is the `index`-th of `count` chips of a frame.
+    /// Returns the point spread function of the chip in an HDU, which is one of the `chosen` of `all` images of a frame.
     ///
     /// # Errors
     /// The file has neither one set for all chips nor one for each.
-    pub fn of_chip(&self, index: usize, count: usize) -> Result<&PsfGrid, ImagesError> {
-        match &self.grids[..] {
-            [only] => Ok(only),
-            several if several.len() == count => Ok(&several[index]),
-            several => {
-                let what = format!("{}: number of tables PSF_MASK", self.path.display());
-                Err(ImagesError::invalid(what, several.len(), format!("1, or {count}, one for each image")))
-            }
+    pub fn of_chip(&self, hdu: usize, chosen: &[usize], all: &[usize]) -> Result<&PsfGrid, ImagesError> {
+        if let [only] = &self.grids[..] {
+            return Ok(only);
         }
+        let place = |hdus: &[usize]| hdus.iter().position(|of| *of == hdu).filter(|_| hdus.len() == self.grids.len());
+        place(chosen).or_else(|| place(all)).map(|index| &self.grids[index]).ok_or_else(|| {
+            let what = format!("{}: number of tables PSF_MASK", self.path.display());
+            let allowed = match all.len() {
+                1 => "1".to_owned(),
+                count => format!("1, or {count}, one for each image"),
+            };
+            ImagesError::invalid(what, self.grids.len(), allowed)
+        })
     }
 }
 
@@ -160,13 +164,28 @@ fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, ImagesError>
     Ok(grid)
 }
 
+/// Returns the weights of the cells around a cell in a pixel of `number` cells along an axis.
+fn cell_weights(number: usize) -> Vec<f64> {
+    if !number.is_multiple_of(2) {
+        return vec![1.0; number];
+    }
+    // The edges of the pixel are in the middle of cells. The light up to the middle of cell 0 is the integral of the
+    // polynomial of degree 5 through the sums up to the six nearest edges of cells:
+    // a_0 / 2 + 22 (a_-1 - a_1) / 256 - 3 (a_-2 - a_2) / 256
+    const INNER: [f64; 5] = [3.0 / 256.0, -22.0 / 256.0, 0.5, 22.0 / 256.0, -3.0 / 256.0];
+    let mut weights = vec![0.0; number + 5];
+    weights[3..number + 2].fill(1.0);
+    for (index, weight) in INNER.into_iter().enumerate() {
+        weights[index] += weight;
+        weights[number + 4 - index] += weight;
+    }
+    weights
+}
+
 /// Returns the light in a pixel of `number` by `number` cells around each cell. The image becomes larger by a pixel.
 fn summed(cells: Vec<f64>, [rows, columns]: [usize; 2], number: usize) -> (Vec<f64>, [usize; 2]) {
-    let half = number / 2;
-    // A pixel of an even number of cells contains half of the cells at its edges.
-    let weights: Vec<f64> = (0..=2 * half)
-        .map(|index| if number.is_multiple_of(2) && (index == 0 || index == 2 * half) { 0.5 } else { 1.0 })
-        .collect();
+    let weights = cell_weights(number);
+    let half = weights.len() / 2;
     let (wide, high) = (columns + 2 * half, rows + 2 * half);
     let mut along = vec![0.0; rows * wide];
     for row in 0..rows {
@@ -267,9 +286,12 @@ fn check_values(what: &str, values: &[f64]) -> Result<(), ImagesError> {
     if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
         return Err(ImagesError::invalid(format!("{what}: point spread function"), bad, "finite values"));
     }
-    let sum: f64 = values.iter().sum();
-    if sum <= 0.0 {
-        return Err(ImagesError::invalid(format!("{what}: sum of the point spread function"), sum, "above 0"));
+    /// Smallest sum relative to that of the absolute values. A smaller one is that of noise.
+    const LEAST_SHARE: f64 = 0.1;
+    let (sum, all): (f64, f64) = (values.iter().sum(), values.iter().map(|value| value.abs()).sum());
+    if sum <= LEAST_SHARE * all {
+        let allowed = format!("above 0, and above {LEAST_SHARE} of the sum of the absolute values, {all}");
+        return Err(ImagesError::invalid(format!("{what}: sum of the point spread function"), sum, allowed));
     }
     Ok(())
 }

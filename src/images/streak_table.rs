@@ -192,7 +192,7 @@ impl Bounded {
     pub(crate) fn find(
         rows: &TableRows,
         accepted: &[&'static str],
-        unit: &Unit,
+        unit: &'static Unit,
         range: [f64; 2],
     ) -> io::Result<Option<Self>> {
         let column = rows.optional_numbers(accepted, unit)?;
@@ -220,12 +220,15 @@ impl StreakRow<'_> {
     /// Returns the number in a cell; `None` if the column is missing or the cell is empty.
     ///
     /// # Errors
-    /// The cell is not a number, or the number is out of range.
+    /// The cell is not a number, the number is out of range, or it contradicts another column of the same quantity.
     pub(crate) fn number(&self, column: Option<Bounded>) -> Result<Option<f64>, ImagesError> {
         let Some(Bounded { name, column, range: [least, most] }) = column else { return Ok(None) };
         let text = self.cells.text(column);
         if text.is_empty() {
             return Ok(None);
+        }
+        if let Some(error) = self.cells.contradiction(column) {
+            return Err(ImagesError::io(&self.table.path)(error));
         }
         match self.cells.number(column) {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),

@@ -99,7 +99,7 @@ pub fn check_regular(path: &Path) -> io::Result<()> {
 }
 
 /// Returns true for addresses of the web, which nothing in the library reads.
-pub fn is_address(path: &Path) -> bool {
+fn is_address(path: &Path) -> bool {
     let scheme = path.to_str().and_then(|text| text.split_once("://")).map(|(scheme, _)| scheme.to_ascii_lowercase());
     scheme.is_some_and(|scheme| ["http", "https", "ftp"].contains(&scheme.as_str()))
 }

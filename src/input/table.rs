@@ -43,6 +43,18 @@ pub struct Column {
     /// Name in messages.
     name: &'static str,
     scale: f64,
+    /// Another column of the same quantity.
+    other: Option<OtherColumn>,
+}
+
+/// Column that is compared with the one that is read.
+#[derive(Copy, Clone, Debug, PartialEq)]
+struct OtherColumn {
+    index: usize,
+    /// Names of the column that is read and of this one.
+    names: [&'static str; 2],
+    scale: f64,
+    unit: &'static Unit,
 }
 
 /// Row of a table.
@@ -69,11 +81,28 @@ impl TableRow {
         self.text(column).parse::<f64>().ok().map(|number| number * column.scale)
     }
 
+    /// Returns the contradiction of the number in a cell and that in another column of the same quantity; `None` if there
+    /// is none. Cells that are not numbers are not compared.
+    pub fn contradiction(&self, column: Column) -> Option<io::Error> {
+        let OtherColumn { index, names: [first, second], scale, unit } = column.other?;
+        let cell = self.cells.get(index).unwrap_or_default();
+        let other = cell.parse::<f64>().ok().map(|number| number * scale).filter(|number| number.is_finite())?;
+        let number = self.number(column).filter(|number| !unit.is_same(*number, other))?;
+        Some(invalid(format!(
+            "line {}: {first} is {number} and {second} is {other}: they contradict each other; allowed: one of these columns, \
+             or equal values",
+            self.line
+        )))
+    }
+
     /// Returns a number in a range.
     ///
     /// # Errors
-    /// The cell is not a number, or is out of range.
+    /// The cell is not a number, is out of range, or contradicts another column of the same quantity.
     pub fn number_in(&self, column: Column, [least, most]: [f64; 2]) -> io::Result<f64> {
+        if let Some(error) = self.contradiction(column) {
+            return Err(error);
+        }
         let number = self.number(column).filter(|number| number.is_finite() && (least..=most).contains(number));
         number.ok_or_else(|| match (least > f64::MIN, most < f64::MAX) {
             (true, true) => self.wrong(column, &format!("a number from {least} to {most}")),
@@ -170,30 +199,32 @@ impl TableRows {
     /// Returns a column; `None` if it is missing.
     pub fn find(&self, name: &'static str) -> Option<Column> {
         let index = self.names.iter().position(|found| found == name)?;
-        Some(Column { index, name, scale: 1.0 })
+        Some(Column { index, name, scale: 1.0, other: None })
     }
 
     /// Returns a column of numbers, which are converted to `unit`; `None` if it is missing. It has one of the names in
-    /// `accepted`, or such a name with another unit at its end.
+    /// `accepted`, in order of preference, or such a name with another unit at its end. A second column with an accepted
+    /// name and an accepted unit is compared with it, row by row.
     ///
     /// # Errors
-    /// The unit is unknown or contradicts the name of the column, or several columns have the quantity.
-    pub fn optional_numbers(&self, accepted: &[&'static str], unit: &Unit) -> io::Result<Option<Column>> {
+    /// The unit is unknown or contradicts the name of the column.
+    pub fn optional_numbers(&self, accepted: &[&'static str], unit: &'static Unit) -> io::Result<Option<Column>> {
         let failed = |error: UnitError| invalid(error.to_string());
-        let mut same = self.names.iter().filter(|name| accepted.contains(&name.as_str()));
-        if let (Some(first), Some(second)) = (same.next(), same.next()) {
-            return Err(failed(UnitError::TwoColumns { first: first.clone(), second: second.clone() }));
-        }
         let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
         let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
-        Ok(Some(Column { index, name: accepted[0], scale }))
+        let named = |index: usize| accepted.iter().copied().find(|name| *name == self.names[index]);
+        let other = (0..self.names.len()).filter(|other| *other != index).find_map(|other| {
+            let (names, scale) = ([named(index)?, named(other)?], unit.scale(&self.names[other], &self.units).ok()?);
+            Some(OtherColumn { index: other, names, scale, unit })
+        });
+        Ok(Some(Column { index, name: accepted[0], scale, other }))
     }
 
     /// Same as [`TableRows::optional_numbers`], for a column that the table must have.
     ///
     /// # Errors
     /// The errors of [`TableRows::optional_numbers`], and a missing column; the message names `allowed`.
-    pub fn numbers(&self, accepted: &[&'static str], unit: &Unit, allowed: &str) -> io::Result<Column> {
+    pub fn numbers(&self, accepted: &[&'static str], unit: &'static Unit, allowed: &str) -> io::Result<Column> {
         self.optional_numbers(accepted, unit)?.ok_or_else(|| missing(accepted[0], allowed))
     }
 }
@@ -345,6 +376,26 @@ mod tests {
             assert_eq!(error, format!("line {line}: ra_deg is '1.5'; allowed: a number from 0 to 1"));
             assert!(rows.next().is_none());
         }
+    }
+
+    #[test]
+    fn two_columns_of_a_quantity_are_compared() {
+        let text = "ra,ra_deg,dec_deg\n12h40m,190,0\n12.6666667,190.0,0\n-170,190.001,0\n,190,0\n10,190,0\n";
+        let rows = TableRows::new(text.to_owned()).unwrap();
+        let ra = rows.numbers(&["ra_deg", "ra"], &DEGREES, "").unwrap();
+        let read: Vec<_> = rows.map(|row| row.unwrap().number_in(ra, [0.0, 360.0])).collect();
+        assert_eq!(read[..4].iter().flatten().copied().collect::<Vec<_>>(), [190.0, 190.0, 190.001, 190.0]);
+        let error = read[4].as_ref().unwrap_err().to_string();
+        assert!(
+            error.starts_with("line 6: ra_deg is 190 and ra is 10: they contradict each other; allowed"),
+            "{error}"
+        );
+        // The unit of a column that is only compared may be any.
+        let header = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: ra, unit: 'h:m:s', datatype: string}\n\
+            # - {name: ra_deg, unit: deg, datatype: float64}\n";
+        let mut rows = TableRows::new(format!("{header}ra ra_deg\n12:40:00 190\n")).unwrap();
+        let ra = rows.numbers(&["ra_deg", "ra"], &DEGREES, "").unwrap();
+        assert_eq!(rows.next().unwrap().unwrap().number(ra), Some(190.0));
     }
 
     #[test]

@@ -156,6 +156,8 @@ pub fn measure_predictions(
         let chip = &target.chip;
         let mut plane = frame.file.read_plane(chip.hdu)?;
         done.planes_used.extend(remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?);
+        // Infinite pixels, such as those of a division by a flat field of 0, have no value.
+        plane.values_mut().iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = f32::NAN);
         let background = Background::of(&plane, &chip.light_area);
         let image = StreakImage {
             plane: &plane,
@@ -187,7 +189,7 @@ pub fn measure_predictions(
         }
         let measured = of_chip.par_iter().map(|(number, prediction)| -> Result<Option<(usize, MeasuredPass)>, _> {
             watch.check()?;
-            let (optics, measure) = width_of(prediction, optics, measure);
+            let (optics, measure) = width_of(prediction, optics, measure, options.measure.fit_width);
             let Some(measured) = measure_streak(&image, &prediction.streak, &optics, &measure)? else {
                 return Ok(None);
             };
@@ -205,13 +207,20 @@ pub fn measure_predictions(
     Ok((passes, done))
 }
 
-/// Returns the optics and the options of a streak. A given width of its image replaces seeing and defocus. Without a width
-/// and a distance, the width is fitted, and the seeing is its first estimate.
-fn width_of(prediction: &Prediction, optics: Optics, measure: MeasureOptions) -> (Optics, MeasureOptions) {
+/// Returns the optics and the options of a streak. A given width of its image replaces seeing and defocus, and is fitted
+/// only if this is requested by `fit_given`. Without a width and a distance, the width is fitted, and the seeing is its
+/// first estimate.
+fn width_of(
+    prediction: &Prediction,
+    optics: Optics,
+    measure: MeasureOptions,
+    fit_given: bool,
+) -> (Optics, MeasureOptions) {
     match (prediction.image_fwhm_arcsec, prediction.satellite.range_km) {
-        (Some(seeing_arcsec), _) => {
-            (Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, ..optics }, measure)
-        }
+        (Some(seeing_arcsec), _) => (
+            Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, ..optics },
+            MeasureOptions { fit_width: fit_given, ..measure },
+        ),
         (None, Some(_)) => (optics, measure),
         (None, None) => (optics, MeasureOptions { fit_width: true, ..measure }),
     }

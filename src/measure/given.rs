@@ -107,11 +107,6 @@ impl StreakList {
 }
 
 impl ListedStreak {
-    /// Returns true if the row belongs to a frame: it names no file, or the end of the path of this one.
-    pub fn is_of(&self, frame: &Path) -> bool {
-        self.image.as_ref().is_none_or(|image| frame.ends_with(image))
-    }
-
     /// Returns the directions of the ends, and the side of a pixel, arcsec; `None` if they are unknown.
     pub fn on_sky(&self, frame: &TargetFrame) -> Option<([Direction<Gcrs>; 2], f64)> {
         let given = self.given.as_ref()?;
@@ -157,8 +152,10 @@ pub fn measure_listed(
                 Ok(placed) => {
                     predicted.push(placed);
                     owners.push(index);
+                    // A streak in the frame that has no measurement is on pixels without values.
+                    reasons[index] = Flag::Masked;
                 }
-                Err(Flag::Short) => reasons[index] = Flag::Short,
+                Err(reason) if reasons[index] == Flag::Outside => reasons[index] = reason,
                 Err(_) => {}
             }
         }
@@ -178,6 +175,10 @@ pub fn measure_listed(
         if is_open(&pass, &frame.chips[predicted[number].chip]) {
             pass.measured.flags.push(Flag::Open);
             pass.measured.flags.sort_unstable();
+            if !pass.prediction.has_times && pass.prediction.satellite.norad_id.is_some() {
+                // The light is that of an unknown part of the exposure: it does not give the magnitude of the satellite.
+                (pass.magnitude, pass.limit_mag, pass.faintest_mag) = (None, None, None);
+            }
         }
         rows[owner].push(row(&streaks[owner], Some(pass.hdu), Ok(Box::new(pass))));
     }
@@ -226,19 +227,24 @@ fn placed(
         GivenWidth::Distance { range_km, size_m } => (Some(range_km), size_m),
         _ => (streak.satellite.range_km, None),
     };
-    let given_m = size_m.or(options.satellite_size_m);
-    let model_m = streak.satellite.model_size_m.unwrap_or(0.0);
+    let image_fwhm_arcsec = match given.width {
+        GivenWidth::Pixels(fwhm_pix) => Some(fwhm_pix * scale_arcsec),
+        GivenWidth::Arcsec(fwhm_arcsec) => Some(fwhm_arcsec),
+        GivenWidth::Unknown | GivenWidth::Distance { .. } => None,
+    };
+    // A given or fitted width contains the size.
+    let has_angle = range_km.is_some() && image_fwhm_arcsec.is_none();
+    let given_m = size_m.or(options.satellite_size_m).filter(|_| has_angle);
+    let model_m = streak.satellite.model_size_m.filter(|_| has_angle && given_m.is_none());
+    let size_m = given_m.or(model_m);
     Ok(Ok(Prediction {
         id: streak.id.as_str().into(),
         satellite: KnownSatellite { range_km, ..streak.satellite.clone() },
         is_position_known: true,
         has_times: given.has_times(),
         chip: number,
-        image_fwhm_arcsec: match given.width {
-            GivenWidth::Pixels(fwhm_pix) => Some(fwhm_pix * scale_arcsec),
-            GivenWidth::Arcsec(fwhm_arcsec) => Some(fwhm_arcsec),
-            GivenWidth::Unknown | GivenWidth::Distance { .. } => None,
-        },
+        image_fwhm_arcsec,
+        size_m,
         streak: PredictedStreak {
             path: extended(&path, EXTENSION_SIGMAS * cross_sigma_pix)?,
             drift_pix_s: [0.0; 2],
@@ -248,14 +254,17 @@ fn placed(
             cross_sigma_pix,
             // Without a distance, the width of the image is given or fitted.
             range_km: range_km.unwrap_or(GivenStreak::FAR_KM),
-            radius_m: if range_km.is_some() { 0.5 * given_m.unwrap_or(model_m) } else { 0.0 },
-            radius_sigma_m: if range_km.is_some() && given_m.is_none() { 0.5 * SIZE_SIGMA * model_m } else { 0.0 },
+            radius_m: 0.5 * size_m.unwrap_or(0.0),
+            radius_sigma_m: 0.5 * SIZE_SIGMA * model_m.unwrap_or(0.0),
         },
     }))
 }
 
 /// Returns a path that is longer by `pix` at both ends, along its direction there.
 fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, MeasureError> {
+    /// Smallest extension, pixels. The times of nodes differ by more than their rounding.
+    const LEAST_PIX: f64 = 1e-3;
+    let pix = pix.max(LEAST_PIX);
     let nodes = path.nodes();
     let beyond = |end: &PathNode, next: &PathNode| -> Option<PathNode> {
         let length = end.at.distance(next.at);

@@ -82,7 +82,7 @@ pub enum Flag {
     Saturated,
     /// The streak runs along the edge of the image.
     Edge,
-    /// Stars or defects cover more than half of the streak.
+    /// Stars or defects cover more than half of the streak. A streak of a table without any usable pixel is not measured.
     Masked,
     /// The width of the streak differs from the given seeing by more than 20 %: the flux is biased.
     Width,

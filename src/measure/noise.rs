@@ -59,10 +59,10 @@ pub(super) fn controls(
 }
 
 /// Returns the factor by which a fitted flux is multiplied because offset, tilt, and a number of parameters `along` the
-/// streak (the delay if an end of the streak is in the image, or fitted ends) are fitted to the same pixels. Each of these parameters follows the noise to a position of
-/// more light, which increases the flux by the fraction 1 / (2 S²) at a signal to noise S. For two parameters this is
-/// the bias 1 / S² of Portillo, Speagle & Finkbeiner (2020, AJ 159, 165). The factor is 1 below the signal to noise
-/// from which the parameters are fitted.
+/// streak (the delay if an end of the streak is in the image, or fitted ends) are fitted to the same pixels. Each of these
+/// parameters follows the noise to a position of more light, which increases the flux by the fraction 1 / (2 S²) at a
+/// signal to noise S. For two parameters this is the bias 1 / S² of Portillo, Speagle & Finkbeiner (2020, AJ 159, 165).
+/// The factor is 1 below the signal to noise from which the parameters are fitted.
 pub(super) fn without_fit_bias(signal_to_noise: f64, along: usize) -> f64 {
     let parameters = 2.0 + along as f64;
     if signal_to_noise < REFINED_FROM { 1.0 } else { 1.0 - 0.5 * parameters / (signal_to_noise * signal_to_noise) }

@@ -51,6 +51,8 @@ pub struct KnownSatellite {
     pub range_km: Option<f64>,
     /// Diameter in the brightness model, m.
     pub model_size_m: Option<f64>,
+    /// Error (one sigma) of the predicted time, seconds.
+    pub time_sigma_s: Option<f64>,
 }
 
 /// Predicted streak of one satellite on one chip, or a streak of a table.
@@ -68,6 +70,8 @@ pub struct Prediction {
     /// Full width at half maximum of the image of the light, arcsec; `None` for that of the seeing, the distance and the
     /// size, or a fitted one if the distance is unknown.
     pub image_fwhm_arcsec: Option<f64>,
+    /// Diameter with which the image is drawn, m; `None` if it is unknown, or if the width of the image is given or fitted.
+    pub size_m: Option<f64>,
     /// Index of the chip in [`TargetFrame::chips`].
     pub chip: usize,
     /// Track in pixels with its errors.
@@ -118,8 +122,10 @@ pub fn predictions(
                         geometry: Some(pass.mid.geometry),
                         range_km: Some(pass.mid.range_km),
                         model_size_m: Some(interval.sky().model(pass.element_index).size_m()),
+                        time_sigma_s: Some(pass.along_track_sigma_s),
                     },
                     image_fwhm_arcsec: None,
+                    size_m: Some(2.0 * streak.radius_m),
                     has_times: true,
                     is_position_known: pass.position_source != PositionSource::ElementSet
                         || of_known_age.is_known(pass.element_index, pass.element_age_days),

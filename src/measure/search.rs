@@ -62,6 +62,8 @@ struct Sums {
     pixels: Vec<f32>,
     /// Index of the middle of each block on the major axis, relative to the middle of the track.
     position: Vec<f64>,
+    /// Smallest number of pixels along the track; that of the track if it is less, as of a short given streak.
+    least: f32,
     time_s: Vec<f64>,
 }
 
@@ -201,6 +203,7 @@ impl Sums {
         Self {
             blocks,
             offsets,
+            least: LEAST_PIXELS.min(length as f32),
             light,
             pixels,
             position: middles.iter().map(|middle| *middle as f64 - 0.5 * length as f64).collect(),
@@ -254,7 +257,7 @@ impl Sums {
             block = end;
         }
         let most = pixels.iter().copied().fold(0.0, f32::max);
-        let least = (LEAST_COVERAGE as f32 * most).max(LEAST_PIXELS);
+        let least = (LEAST_COVERAGE as f32 * most).max(self.least);
         let mean: Vec<f32> = light
             .iter()
             .zip(&pixels)

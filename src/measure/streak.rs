@@ -40,6 +40,8 @@ const ENDS_FROM: f64 = 10.0;
 const END_SIGMAS: f64 = 3.0;
 /// Smallest number of pixels along the track.
 pub(super) const LEAST_LENGTH_PIX: usize = 12;
+/// The same for a streak whose ends are given, and which has this length in any direction.
+const LEAST_GIVEN_PIX: usize = 8;
 /// Share of a streak's length with saturated pixels from which the flux is a lower limit.
 const SATURATED_SHARE: f64 = 0.05;
 /// Share of the length that may be near the edge of the frame, or masked, without a flag.
@@ -76,7 +78,9 @@ pub fn measure_streak(
     options: &MeasureOptions,
 ) -> Result<Option<StreakMeasurement>, MeasureError> {
     let (rows, columns) = (image.plane.rows(), image.plane.columns());
-    let Some(corridor) = Corridor::of(&predicted.path, rows, columns, LEAST_LENGTH_PIX) else { return Ok(None) };
+    // A given streak of this length has at least 1 / √2 as many pixels along the nearer axis.
+    let least = if predicted.ends_s.is_some() { LEAST_GIVEN_PIX } else { LEAST_LENGTH_PIX };
+    let Some(corridor) = Corridor::of(&predicted.path, rows, columns, least) else { return Ok(None) };
     let mut measuring =
         Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
     let extent = measuring.extent(options);

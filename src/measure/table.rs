@@ -50,12 +50,12 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         |one| {
             let rate = one.measured.rate.value;
             let sigma = 2.5 / std::f64::consts::LN_10 * one.measured.size_sigma / rate;
-            one.magnitude.map(|_| sigma).into()
+            one.magnitude.and(one.prediction.size_m).map(|_| sigma).into()
         },
     ),
     TableField::new(
         Column::real("size_m", "m", 3, "Diameter of the satellite, given or assumed by its brightness model."),
-        |one| one.prediction.satellite.range_km.map(|_| 2.0 * one.prediction.streak.radius_m).into(),
+        |one| one.prediction.size_m.into(),
     ),
     TableField::new(
         Column::real("limit_magnitude", "mag", 4, "For a streak not found: faintest magnitude that is excluded."),
@@ -194,7 +194,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             "flags",
             Kind::List { separator: " " },
             "Remarks: saturated, edge, masked, width, no_gain, pixel_noise, position; for streaks of a table also open, \
-             and outside, short and no_ends for those that are not measured.",
+             and masked, outside, short and no_ends for those that are not measured.",
         ),
         |one| Value::List(one.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
     ),
@@ -270,8 +270,8 @@ pub struct ScoreObserver {
 ///
 /// Streaks that were not found have no magnitude, the limit in `limiting_magnitude` and a comment, as the format
 /// requires for non-detections. Saturated streaks, satellites of unknown position and instrumental magnitudes are
-/// omitted. The range is that of the
-/// prediction.
+/// omitted, and so are streaks of tables that were not found, because their satellite may be elsewhere. The range is that
+/// of the prediction.
 pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserver) -> Table {
     let columns = [
         text("satellite_name", ""),
@@ -306,16 +306,18 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         one.is_calibrated
             && one.prediction.is_position_known
             && one.prediction.satellite.norad_id.is_some()
-            // The magnitude of a streak that continues outside of the frame needs the times at the edge.
-            && (one.prediction.has_times || !one.measured.flags.contains(&Flag::Open))
-            && !(one.measured.is_detected && one.measured.flags.contains(&Flag::Saturated))
+            && if one.measured.is_detected {
+                one.magnitude.is_some() && !one.measured.flags.contains(&Flag::Saturated)
+            } else {
+                one.prediction.id.is_empty()
+            }
     };
     let rows = passes.iter().filter(is_usable).map(|one| {
         let longitude_deg = site.longitude_rad.to_degrees();
         let time_sigma_s = match one.measured.late_s {
             Some(late) => late.sigma,
             // The satellite crossed during the exposure T: σ <= T / √12, that of an even distribution.
-            None => one.prediction.streak.lateness_sigma_s.min(one.exposure_s / 12f64.sqrt()),
+            None => one.prediction.satellite.time_sigma_s.unwrap_or(f64::INFINITY).min(one.exposure_s / 12f64.sqrt()),
         };
         let is_detected = one.measured.is_detected;
         let comment = if is_detected {

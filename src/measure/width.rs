@@ -139,31 +139,35 @@ impl Measuring<'_> {
             let drawn = self.drawn(band, shift).ok()??;
             combined(&fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks))
         };
-        let mut forms: Vec<(Optics, Amplitude)> = FORMS
-            .into_iter()
-            .filter(|form| *form != given.form)
-            .chain([given.form])
+        let forms = FORMS.into_iter().filter(|form| *form != given.form).chain([given.form]);
+        let mut forms: Vec<(Optics, Amplitude)> = forms
             .map(|form| Optics { form, seeing_arcsec: measured_arcsec, ..given })
             .filter_map(|optics| Some((optics, of(optics)?)))
             .collect();
-        forms.sort_by(|one, other| one.1.squares.total_cmp(&other.1.squares));
-        let is_better = |other: &Amplitude| other.squares + noise < assumed.squares;
-        let mut best = forms.first().copied().filter(|(_, amplitude)| is_better(amplitude));
-        if let Some((optics, start)) = &mut best {
-            // The best width depends on the form.
-            let (middle_arcsec, first) = (optics.seeing_arcsec, start.squares);
-            let at = |ln_ratio: f64| Optics { seeing_arcsec: middle_arcsec * ln_ratio.exp(), ..*optics };
+        // The best width depends on the form.
+        let mut with_best_width = |(optics, start): (Optics, Amplitude)| -> Amplitude {
+            let at = |ln_ratio: f64| Optics { seeing_arcsec: optics.seeing_arcsec * ln_ratio.exp(), ..optics };
             let ln_ratio = minimum(
                 |ln_ratio| of(at(ln_ratio)).map_or(f64::NAN, |amplitude| amplitude.squares),
                 FORM_WIDTHS.map(f64::ln),
-                (0.0, first),
+                (0.0, start.squares),
                 FORM_WIDTH_TOLERANCE,
             )
             .0;
-            *start = of(at(ln_ratio)).unwrap_or(*start);
-        }
+            of(at(ln_ratio)).unwrap_or(start)
+        };
+        let is_better = |other: &Amplitude| other.squares + noise < assumed.squares;
+        let by_squares = |one: &Amplitude, other: &Amplitude| one.squares.total_cmp(&other.squares);
+        // Forms are compared with a fitted width only if the assumed one has it, too.
+        let best = if given.seeing_arcsec == measured_arcsec {
+            let fitted = forms.into_iter().filter(|(optics, _)| optics.form != given.form).map(with_best_width);
+            fitted.min_by(by_squares).filter(is_better)
+        } else {
+            forms.sort_by(|one, other| by_squares(&one.1, &other.1));
+            forms.first().copied().filter(|(_, amplitude)| is_better(amplitude)).map(&mut with_best_width)
+        };
         self.profile = profile;
-        Ok(best.map_or(0.0, |(_, amplitude)| (amplitude.value - assumed.value).abs()))
+        Ok(best.map_or(0.0, |amplitude| (amplitude.value - assumed.value).abs()))
     }
 
     /// Returns the factor by which the variance of the flux is larger because the width is fitted, too:

@@ -47,7 +47,8 @@ pub struct MeasuredMagnitude {
 
 /// Reads a CSV or ECSV table with the columns `norad_id`, `mid_utc`, `magnitude` and `magnitude_sigma`, for example one that
 /// `streakcast measure` wrote. Lines that begin with `#`, rows without a magnitude, and rows whose `flags` contain
-/// `saturated`, `masked` or `position` or whose `calibrated` is `false` are omitted.
+/// `saturated`, `masked` or `position` or whose `calibrated` is `false` are omitted, and so are streaks of unknown
+/// satellites in a table with the column `streak` (`measure --streaks`).
 ///
 /// # Errors
 /// [`MeasuredError`] if the file cannot be read, a column is missing or a value is invalid.
@@ -60,12 +61,16 @@ pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, MeasuredErro
     let [id, time, magnitude, sigma] =
         [column("norad_id")?, column("mid_utc")?, column("magnitude")?, column("magnitude_sigma")?];
     let [flags, calibrated] = [rows.find("flags"), rows.find("calibrated")];
+    let has_given_tracks = rows.find("streak").is_some();
     let mut measured = Vec::new();
     for row in rows {
         let row = row.map_err(failed)?;
+        if row.is_missing(magnitude) || has_given_tracks && row.is_missing(id) {
+            continue;
+        }
         let is_doubtful = flags.is_some_and(|flags| UNUSED_FLAGS.iter().any(|flag| row.text(flags).contains(flag)));
         let is_calibrated = calibrated.map(|column| row.truth(column)).transpose().map_err(failed)?;
-        if row.is_missing(magnitude) || is_doubtful || is_calibrated == Some(false) {
+        if is_doubtful || is_calibrated == Some(false) {
             continue;
         }
         let wrong_time = || failed(row.wrong(time, "a time in UTC, such as 2026-08-14T23:36:25Z"));

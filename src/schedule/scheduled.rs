@@ -203,7 +203,13 @@ fn reject_starts<'a>(
     const DIFFERENCE_S: f64 = 1.0;
     // Unit of the last digit.
     let rounding_s = |column: &StartColumn| match cell(column.index) {
-        Cell::Text(text) if column.form != StartForm::Iso => {
+        // The time of day follows the date, before the offset from UTC.
+        Cell::Text(text) if column.form == StartForm::Iso => match text.trim().split_once(['T', 't', ' ']) {
+            None => DAY_S,
+            Some((_, time)) if time.split(['+', '-']).next().is_some_and(|time| time.matches(':').count() < 2) => 60.0,
+            Some(_) => 0.0,
+        },
+        Cell::Text(text) => {
             let digits = text.split_once('.').map_or(0, |(_, digits)| digits.len());
             DAY_S * 10f64.powi(-(digits.min(12) as i32))
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 use hifitime::Epoch;
 
 use super::error::ScheduleError;
-use super::formats::{Cell, Checks, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, display, read_raw};
+use super::formats::{Cell, Checks, DECLINATIONS, RIGHT_ASCENSIONS, TARGET_DURATIONS, display, read_raw};
 use super::windows::WindowTarget;
 use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
@@ -16,7 +16,6 @@ const NAME: &[&str] = &["name", "target_name", "starname", "target"];
 const UNIQUE_ID: &[&str] = &["unique_id", "id"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "ra", "s_ra"];
 const DECLINATION: &[&str] = &["dec_deg", "dec", "s_dec"];
-const EXPOSURE: &[&str] = &["exposure_s", "exposure", "duration_s", "exptime", "exp_time", "t_exptime"];
 const ROTATION: &[&str] = &["rotation_deg"];
 const BAND: &[&str] = &["band", "filter"];
 
@@ -59,7 +58,7 @@ pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> 
         find(NAME),
         with_unit(&DEGREES, RIGHT_ASCENSION)?,
         with_unit(&DEGREES, DECLINATION)?,
-        with_unit(&SECONDS, EXPOSURE)?,
+        with_unit(&SECONDS, TARGET_DURATIONS.names)?,
     ];
     let needed = [("name", true), ("ra_deg", true), ("dec_deg", true), ("exposure_s", duration_s.is_none())];
     let missing: Vec<&str> = columns
@@ -86,7 +85,7 @@ pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> 
         scale(exposure, &SECONDS)?,
         scale(rotation, &DEGREES)?,
     ];
-    let read = [(exposure, &DURATIONS), (right_ascension, &RIGHT_ASCENSIONS), (declination, &DECLINATIONS)];
+    let read = [(exposure, &TARGET_DURATIONS), (right_ascension, &RIGHT_ASCENSIONS), (declination, &DECLINATIONS)];
     let checks = Checks::find(path, &table, &read, None)?;
     let listed = table.rows.iter().enumerate().map(|(row, cells)| {
         let numbered = (row + 1).to_string();
@@ -170,7 +169,7 @@ mod tests {
 
     #[test]
     fn contradictory_columns_and_comments_like_rows_are_found() {
-        let csv = "name,ra,dec,exposure_s,duration_s,equinox\na,10,20,30,30,2000\n#b,10,20,30,30,2000\n\
+        let csv = "name,ra,dec,exposure_s,exposure,equinox\na,10,20,30,30,2000\n#b,10,20,30,30,2000\n\
             c,10,20,30,300,2000\nd,10,20,30,30,1950\n";
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
@@ -179,7 +178,7 @@ mod tests {
         let reasons = list.targets.iter().map(|one| one.target.as_ref().err().cloned().unwrap_or_default());
         let reasons: Vec<String> = reasons.collect();
         assert_eq!((list.comments_like_rows, reasons[0].as_str()), (1, ""));
-        assert!(reasons[1].starts_with("exposure_s is 30 and duration_s is 300"), "{reasons:?}");
+        assert!(reasons[1].starts_with("exposure_s is 30 and exposure is 300"), "{reasons:?}");
         assert!(reasons[2].starts_with("equinox is 1950"), "{reasons:?}");
     }
 

@@ -15,6 +15,8 @@ use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::images::PsfGrid;
 use crate::images::{Patch, PixelPosition};
 use crate::streaks::RadialProfile;
+#[cfg(all(feature = "fits", unix))]
+use crate::watch::Watch;
 
 /// Exposure data that are common to all chips of a frame.
 #[derive(Copy, Clone, Debug)]
@@ -106,7 +108,7 @@ pub fn draw_on_chip<'a>(
     chip: &'a Chip,
     shot: &Shot<'_>,
 ) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
-    draw_lights(source, chip, shot, &|part, nearest_s, optics| {
+    draw_lights(source, chip, shot, None, &|part, nearest_s, optics| {
         let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
         let profile = optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
         Ok(Box::new(profile))
@@ -116,18 +118,20 @@ pub fn draw_on_chip<'a>(
 /// Same as [`draw_on_chip`], with a point spread function from a file in place of seeing, defocus and size.
 ///
 /// # Errors
-/// The errors of [`draw_on_chip`], and a point spread function without light.
+/// The errors of [`draw_on_chip`], a point spread function without light, and a stop of the computation.
 #[cfg(all(feature = "fits", unix))]
 pub(crate) fn draw_image_on_chip<'a>(
     source: &'a Source,
     chip: &'a Chip,
     shot: &Shot<'_>,
     psf: &PsfGrid,
+    watch: &Watch,
 ) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
-    let reach_arcsec = psf.reach_pix() * chip.pixel_scale_arcsec();
-    let optics = Optics { seeing_arcsec: reach_arcsec, ..*shot.optics };
-    let shot = Shot { optics: &optics, ..*shot };
-    let mut drawn = draw_lights(source, chip, &shot, &|_, _, _| Ok(Box::new(psf)))?;
+    let reach_rad = (psf.reach_pix() * chip.pixel_scale_arcsec() / 3600.0).to_radians();
+    let image = |_: &SourcePart, _: f64, _: &Optics| -> Result<Box<dyn PointImage + '_>, StreaksError> {
+        Ok(Box::new(FileImage { psf, watch }))
+    };
+    let mut drawn = draw_lights(source, chip, shot, Some(reach_rad), &image)?;
     drawn.iter_mut().for_each(|streak| streak.size_m = None);
     Ok(drawn)
 }
@@ -140,7 +144,7 @@ trait PointImage {
     /// Draws a path of the light on a chip.
     ///
     /// # Errors
-    /// The image has no light somewhere on the path.
+    /// The image has no light somewhere on the path, or the computation is stopped.
     fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError>;
 
     /// Returns the full width at half maximum of a line at this position and angle, measured across the line, in pixels
@@ -163,18 +167,25 @@ impl PointImage for RadialProfile {
     }
 }
 
+/// Image of a light from a file.
 #[cfg(all(feature = "fits", unix))]
-impl PointImage for &PsfGrid {
+struct FileImage<'a> {
+    psf: &'a PsfGrid,
+    watch: &'a Watch,
+}
+
+#[cfg(all(feature = "fits", unix))]
+impl PointImage for FileImage<'_> {
     fn reach_pix(&self) -> f64 {
-        PsfGrid::reach_pix(self)
+        self.psf.reach_pix()
     }
 
     fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError> {
-        draw_image(path, self, chip.rows, chip.columns)
+        draw_image(path, self.psf, chip.rows, chip.columns, self.watch)
     }
 
     fn width(&self, chip: &Chip, at: PixelPosition, angle_rad: f64) -> [f64; 2] {
-        let width_pix = image_width_pix(self, at, angle_rad).unwrap_or(f64::NAN);
+        let width_pix = image_width_pix(self.psf, at, angle_rad).unwrap_or(f64::NAN);
         let side = chip.pixel_aspect().sqrt();
         let (sin, cos) = angle_rad.sin_cos();
         // A pixel has unit area, so the product of the lengths across and along is 1.
@@ -185,10 +196,13 @@ impl PointImage for &PsfGrid {
 /// Returns the image of a part of a source that is nearest to the middle of the chip at a time.
 type ImageOf<'b> = &'b dyn Fn(&SourcePart, f64, &Optics) -> Result<Box<dyn PointImage + 'b>, StreaksError>;
 
+/// Draws the lights of a source. `reach_rad` is the distance of the farthest light from a point, radians; `None` for that
+/// of seeing, defocus and size.
 fn draw_lights<'a>(
     source: &'a Source,
     chip: &'a Chip,
     shot: &Shot<'_>,
+    reach_rad: Option<f64>,
     image_of: ImageOf<'_>,
 ) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
     let mut drawn = Vec::new();
@@ -202,7 +216,7 @@ fn draw_lights<'a>(
         }
         None => *shot.optics,
     };
-    let farthest_rad = optics.farthest_rad();
+    let farthest_rad = reach_rad.unwrap_or_else(|| optics.farthest_rad());
     for part in source.parts.iter().filter(|part| chip.is_near(&part.track, shot.tracking, &shot.centre, farthest_rad))
     {
         let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);

@@ -76,7 +76,13 @@ impl Optics {
             body_radius_pix: radius_m * pixels_a_metre,
         };
         RadialProfile::on_oblong(&blur, aspect).map_err(|error| {
-            error.at(format_args!("light at {range_km:.0} km on pixels of {pixel_scale_arcsec:.3} arcsec"))
+            let pixels = format_args!("pixels of {pixel_scale_arcsec:.3} arcsec").to_string();
+            // Defocus and size have no effect on a light whose width is given.
+            if self.outer_radius_m == 0.0 && radius_m == 0.0 {
+                error.at(format_args!("image of {:.3} arcsec on {pixels}", self.seeing_arcsec))
+            } else {
+                error.at(format_args!("light at {range_km:.0} km on {pixels}"))
+            }
         })
     }
 

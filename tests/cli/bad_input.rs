@@ -731,8 +731,13 @@ fn contradictory_columns_and_other_equinoxes_make_rows_invalid() {
         ("old", ",,B1950,,", "equinox is B1950; allowed: 2000"),
         ("plane", ",,,galactic,", "frame is galactic; allowed: ICRS"),
         ("many", ",,,,30", "nexp is 30; allowed: 1"),
+        ("turn", "390,,,,", "duration_s is 30 and exposure_s is 390"),
+        ("dark", ",,,17,", ""),
+        ("minute", ",60536.979942,,,", ""),
     ];
     let text: String = rows.iter().map(|(id, more, _)| row(id, more)).collect();
+    // A start without seconds is rounded to a minute.
+    let text = text.replace("minute,2024-08-14T23:30:00Z", "minute,2024-08-14T23:30Z");
     let schedule = file(&folder, "s.csv", format!("{names}{text}").as_bytes());
     let (_, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
     let flags: serde_json::Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));

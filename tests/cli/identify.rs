@@ -274,6 +274,21 @@ fn streaks_of_tables_and_detectors_are_identified() {
         .collect();
     std::fs::write(&table, format!("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n{text}")).unwrap();
     assert_eq!(identified(&table, &["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"]), expected);
+    // Rows that cannot be used are left out: no ends, equal ends, outside of the frame. Lines end in the frame.
+    let [x1, y1, x2, y2] = line(0);
+    let (fx, fy) = (x2 + 0.2 * (x2 - x1), y2 + 0.2 * (y2 - y1));
+    let text = format!("long,{x1},{y1},{fx},{fy}\nempty,,,,\nequal,5,5,5,5\nfar,9000,9000,9100,9100\n");
+    std::fs::write(&table, format!("id,x1_pix,y1_pix,x2_pix,y2_pix\n{text}")).unwrap();
+    let (code, found, error) = run(&[
+        &["identify", "--streaks", &table, "--image", &frame, "--top", "1", "--format", "csv"],
+        &satellites[..4],
+    ]);
+    let found = records(&found);
+    assert_eq!((code, &found[1][0], found.len()), (0, "long", 2), "{error}");
+    assert!(found[1].iter().any(|cell| cell == ids[0].to_string()), "{found:?}");
+    for words in ["streaks without ends are left out: empty", "line 4: ", "line 5: "] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
     // Detectors count pixels from 0. Trails that failed a test of findsat_mrt are left out.
     let [x1, y1, x2, y2] = line(0).map(|coordinate| coordinate - 1.0);
     let (astride, findsat) = (path(&folder, "streaks.txt"), path(&folder, "visit_catalog.fits"));
@@ -297,7 +312,7 @@ fn streaks_of_tables_and_detectors_are_identified() {
         ("#ID x_center y_center\n".to_owned(), "column ep1_x of ASTRiDE is missing; allowed"),
         ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4,5\n".to_owned(), "line: 2"),
         ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,1e7,4\n".to_owned(), "line 2: x2_pix is '1e7'; allowed"),
-        ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4000\n".to_owned(), "outside of the frame; allowed"),
+        ("x1_pix,y1_pix,x2_pix,y2_pix\n900,2,990,4000\n".to_owned(), "outside of the frame; allowed"),
         ("x1_pix,y1_pix,x2_pix,y2_pix,image\n1,2,3,4,none.fits\n".to_owned(), "none.fits"),
     ] {
         std::fs::write(&astride, &text).unwrap();

@@ -429,7 +429,15 @@ fn verif_resolved_panels_are_two_light_sources() {
         // The default model of these satellites does not separate chassis and solar array.
         let panels = ["--model", "starlink-v1.5=starlink-v1.5"];
         let shot = ["--shells", "starlink-gen1", "--mpc", "X05", "--start", &start, "--exposure", "4s", "--ra", &ra];
-        done(&[&["inject"], &frame, &shot, &panels, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
+        done(&[
+            &["inject"],
+            &frame,
+            &shot,
+            &panels,
+            &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"],
+            more,
+            &["--labels", "coco"],
+        ]);
         (records(&fs::read_to_string(&truth).unwrap()), values(&output, 0))
     };
     let (whole, whole_values) = inject_with("whole.fits", &[]);
@@ -443,6 +451,14 @@ fn verif_resolved_panels_are_two_light_sources() {
     let labels = |parts: &[(String, f64)]| parts.iter().map(|(label, _)| label.clone()).collect::<Vec<_>>();
     assert_eq!(labels(&whole), ["whole"]);
     assert_eq!(labels(&apart), ["chassis", "array"]);
+    // They are one label.
+    let annotations = |name: &str| -> Vec<String> {
+        let text = fs::read_to_string(path(&folder, name)).unwrap();
+        let coco: serde_json::Value = serde_json::from_str(&text).unwrap();
+        coco["annotations"].as_array().unwrap().iter().map(|one| one["streak"].to_string()).collect()
+    };
+    let names = annotations("whole.coco.json");
+    assert!(!names.is_empty() && annotations("apart.coco.json") == names, "{names:?}");
     // The total is the same, except that at a corner of the frame one path is a few pixels longer.
     let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
     assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);

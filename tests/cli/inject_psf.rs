@@ -163,6 +163,13 @@ fn verif_an_image_draws_streaks_of_its_shape_with_all_of_their_light() {
     let peak = expected.iter().copied().fold(0.0, f64::max);
     let difference = found.iter().zip(&expected).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
     assert!(difference < PROFILE * peak, "{difference} {peak}");
+    // The same with an even number of cells, whose light is that of the Gaussian in each cell.
+    const EVEN: f64 = 0.003;
+    let sigma = 2.8f64.hypot(12f64.recip().sqrt());
+    fs::write(&coarse, image(&[61, 61], gaussian(61, [sigma, sigma]), &[card("OVERSAMP", 2)])).unwrap();
+    let even = frame.added(&["--psf", &coarse]);
+    let difference = even.iter().zip(&expected).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+    assert!(difference < EVEN * peak, "{difference} {peak}");
     // A long image in x on pixels of the frame. Its sum is not 1.
     fs::write(&coarse, image(&[31, 31], gaussian(31, [3.0, 1.2]).map(|value| 7.0 * value), &[])).unwrap();
     for (psf, sigma) in [(vec!["--psf", &fine], 1.4f64.hypot(12f64.recip().sqrt())), (vec!["--psf", &coarse], 1.2)] {
@@ -230,6 +237,65 @@ fn verif_a_file_of_psfex_changes_with_the_position() {
     }
 }
 
+/// Light of streaks beside the frame reaches it as far as the image does, and a polynomial is not extrapolated.
+#[test]
+fn verif_images_reach_the_frame_from_outside() {
+    const SIDE: usize = 101;
+    let frame = Frame::new();
+    let [sky, none, plain] = ["sky.toml", "none.csv", "plain.fits"].map(|name| frame.path(name));
+    let wide = unrounded()
+        .replace("rows = 300", "rows = 40")
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
+    fs::write(&sky, wide).unwrap();
+    done(&[
+        &["inject", "--synthetic", &sky, "-o", &plain, "--streaks", &none, "--exposure", "30s"],
+        &["--seeing", "60arcsec", "--pixels-only", "--quiet"],
+    ]);
+    let file = frame.path("flat.fits");
+    fs::write(&file, image(&[SIDE, SIDE], std::iter::repeat_n(1.0, SIDE * SIDE), &[])).unwrap();
+    let with_streak = |x: f64| {
+        fs::write(frame.path("two.csv"), format!("x1_pix,y1_pix,x2_pix,y2_pix,peak\n{x},5,{x},35,10\n")).unwrap();
+        frame.added(&["--psf", &file])
+    };
+    for (x, columns) in [(-39.0, 11), (440.0, 11), (-3.0, 47)] {
+        let added = with_streak(x);
+        let lit = (0..COLUMNS).filter(|column| added[20 * COLUMNS + column] > 5.0).count();
+        assert_eq!(lit, columns, "{x}");
+    }
+    // The mean plus (X - 200) / 400 times 1.9 of it has no light at X < -10.
+    let plane: Vec<f32> = gaussian(45, [3.0, 3.0]).collect();
+    let planes = [plane.clone(), plane.iter().map(|value| 1.9 * value).collect(), vec![0.0f32; 45 * 45]];
+    let file = frame.path("stars.psf");
+    fs::write(&file, psfex(45, &planes, 1.0, 1, &[])).unwrap();
+    fs::write(frame.path("two.csv"), "x1_pix,y1_pix,x2_pix,y2_pix,peak\n-100,20,100,20,10\n").unwrap();
+    let added = frame.added(&["--psf", &file]);
+    assert!(added[19 * COLUMNS] > 1.0 && added[19 * COLUMNS + 50] > 1.0);
+}
+
+/// A table of degree 2 has the terms 1, x, x², y, xy, y².
+#[test]
+fn verif_terms_of_psfex_are_in_its_order() {
+    let frame = Frame::new();
+    let file = frame.path("stars.psf");
+    let [narrow, wide] = [2.0, 4.0].map(|sigma: f64| -> Vec<f32> {
+        gaussian(45, [sigma, sigma]).map(|value| value / (sigma * sigma) as f32).collect()
+    });
+    // Only the term of y changes the width: 1.5 wide + 0.5 narrow at the top, and the inverse at the bottom.
+    let mean = narrow.iter().zip(&wide).map(|(a, b)| a + b).collect::<Vec<f32>>();
+    let slope = narrow.iter().zip(&wide).map(|(a, b)| b - a).collect::<Vec<f32>>();
+    let zero = vec![0.0f32; 45 * 45];
+    let planes = [mean, zero.clone(), zero.clone(), slope, zero.clone(), zero];
+    fs::write(&file, psfex(45, &planes, 0.5, 2, &[])).unwrap();
+    let width = |y: f64| {
+        let table = format!("x1_pix,y1_pix,x2_pix,y2_pix,magnitude\n300,{y},340,{y},11\n");
+        fs::write(frame.path("two.csv"), table).unwrap();
+        half(&frame.added(&["--psf", &file]), 1)[2]
+    };
+    let (bottom, top) = (width(40.0), width(260.0));
+    assert!(top > bottom + 0.2, "{bottom} {top}");
+}
+
 fn rejected(frame: &Frame, psf: &[&str], words: &str) {
     let [plain, table, output] = ["plain.fits", "two.csv", "bad.fits"].map(|name| frame.path(name));
     let (code, _, error) = run(&[&["inject", "--image", &plain, "-o", &output, "--streaks", &table, "--quiet"], psf]);
@@ -246,6 +312,7 @@ fn invalid_point_spread_functions_give_one_line() {
     for (bytes, words) in [
         (image(&[3, 3], (0..9).map(|at| if at == 4 { f32::NAN } else { 1.0 }), &[]), "NaN; allowed: finite"),
         (image(&[3, 3], ones(9).map(|one| -one), &[]), "sum of the point spread function is -9; allowed: above 0"),
+        (image(&[3, 3], (0..9).map(|at| if at == 4 { 8.0001 } else { -1.0 }), &[]), "above 0.1 of the sum"),
         (image(&[4, 3], ones(12), &[]), "4 by 3 pixels; allowed: odd numbers"),
         (image(&[3, 3, 3], ones(27), &[]), "missing; allowed: an image with two axes"),
         (image(&[1027, 3], ones(3081), &[]), "1027 by 3 pixels; allowed: odd numbers up to 1025"),

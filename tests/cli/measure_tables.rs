@@ -134,7 +134,7 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
         (row("a,none.fits,,,1,2,3,4"), "line 2: image is 'none.fits'; allowed"),
         (row("a,,7,,1,2,3,4"), "line 2: hdu is 7; allowed: HDU 0 of"),
         (row("a,,,x,1,2,3,4"), "line 2: norad_id is 'x'; allowed"),
-        (row("a,,,,1,2,3,4").replace("norad_id", "enter_s").replace(",,,,1", ",,,99,1"), "enter_utc is 99.000 s"),
+        (row("a,,,,1,2,3,4").replace("norad_id", "enter_s").replace(",,,,1", ",,,99,1"), "enter_s is 99.000 s"),
     ] {
         fs::write(&table, &text).unwrap();
         let (code, _, error) = run(&[&["measure", &frame, "--streaks", &table, "--quiet"]]);
@@ -148,25 +148,189 @@ fn streaks_outside_of_the_frame_have_rows_with_flags() {
     assert!(code == 2 && error.contains("--streaks"), "{error}");
 }
 
-/// Catalogs of detectors have no names of frames: each belongs to the frame at its place.
-#[test]
-fn several_tables_belong_to_the_frames_in_order_and_streaks_are_identified() {
-    let folder = TempDir::new().unwrap();
-    let description = path(&folder, "wide.toml");
+const SATELLITES: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05"];
+
+/// Injects satellites into a frame of three degrees. Returns the frame and its truth.
+fn wide(folder: &TempDir, name: &str, start: &str) -> (String, Vec<csv::StringRecord>) {
+    let [description, frame, truth] = ["wide.toml", name, "truth.csv"].map(|name| path(folder, name));
     let sky = crate::common::injected::unrounded()
         .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
         .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
     fs::write(&description, sky).unwrap();
-    let satellites = ["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth, "--seeing", "90arcsec"],
+        &["--start", start, "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--quiet"],
+        SATELLITES,
+    ]);
+    (frame, records(&fs::read_to_string(truth).unwrap()))
+}
+
+/// Rows without a measurement or a satellite are left out by the verbs that read tables of `measure --streaks`, and what
+/// is unknown about a satellite is not stated.
+#[test]
+fn tables_of_measured_streaks_serve_the_other_verbs() {
+    let folder = TempDir::new().unwrap();
+    let (frame, truth) = wide(&folder, "v.fits", "2026-08-14T23:29:05Z");
+    let [table, measured, mask, score] = ["t.csv", "m.csv", "mask.fits", "score.csv"].map(|name| path(&folder, name));
+    let id = column(&truth, "norad_id")[0].clone();
+    let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| column(&truth, name)[0].clone()).join(",");
+    let names = "id,norad_id,x1_pix,y1_pix,x2_pix,y2_pix,fwhm_pix";
+    let rows =
+        format!("found,,{ends},\nnamed,{id},{ends},\nelsewhere,{id},30,270,90,290,\nfar,,-500,-500,-300,-200,\n");
+    fs::write(&table, format!("{names}\n{rows}")).unwrap();
+    let measure = ["measure", &frame, "--streaks", &table, "--seeing", "90arcsec", "--quiet"];
+    done(&[&measure, SATELLITES, &["-o", &measured]]);
+    let text = fs::read_to_string(&measured).unwrap();
+    let rows = records(&text);
+    // The satellite that the table names has the same distance, times and magnitude as the identified one.
+    for name in ["norad_id", "range_km", "predicted_magnitude", "duration_s", "magnitude"] {
+        let cells = column(&rows, name);
+        assert!(!cells[0].is_empty() && cells[0] == cells[1], "{name}: {cells:?}");
+    }
+    assert_eq!(column(&rows, "detected"), ["true", "true", "false", ""]);
+    // Another streak, of an aircraft.
+    let line = text.lines().find(|line| line.starts_with("found,")).unwrap();
+    let unnamed = line.replacen(&format!(",{id},"), ",,", 1);
+    assert!(unnamed != line);
+    fs::write(&measured, format!("{text}{unnamed}\n")).unwrap();
+    let given = ["--measured", measured.as_str()];
+    done(&[&["mask", &frame, "-o", &mask, "--seeing", "90arcsec", "--quiet"], SATELLITES, &given]);
+    let times = ["ephemeris", "--times", "2026-08-14T23:29:20Z", "--norad", &id, "--quiet"];
+    let stated = json(&[&times, SATELLITES, &given]);
+    assert_eq!(stated["provenance"]["measured"]["measurements"], 2, "{}", stated["provenance"]);
+    // SCORE: the two that were found, with the error of the predicted time.
+    let observer = ["--observer-email", "a@b.org", "--observer-orcid", "0000-0002-1825-0097", "--instrument", "camera"];
+    done(&[&measure, SATELLITES, &observer, &["--format", "score", "-o", &score]]);
+    let rows = records(&fs::read_to_string(&score).unwrap());
+    assert_eq!(rows.len(), 3, "{rows:?}");
+    let sigmas = numbers(&rows, "observation_time_uncertainty_sec");
+    assert!(sigmas.iter().all(|sigma| *sigma > 0.0 && *sigma < 9.0), "{sigmas:?}");
+    // Without elements the times at the edges of the frame are unknown, and with them the magnitude of the satellite.
+    let named = format!("{names}\nnamed,{id},{ends},\n");
+    fs::write(&table, named).unwrap();
+    let document = json(&[&measure]);
+    let row = &document["measurements"][0];
+    assert!(row["flags"].to_string().contains("open") && row["flux"].is_number(), "{row}");
+    assert!(row["magnitude"].is_null() && row["size_m"].is_null() && row["magnitude_size_sigma"].is_null(), "{row}");
+}
+
+/// A given width is not fitted, and contains the size of the satellite.
+#[test]
+fn given_widths_are_used_as_they_are() {
+    let folder = TempDir::new().unwrap();
+    let (frame, truth) = wide(&folder, "v.fits", "2026-08-14T23:29:05Z");
+    let table = path(&folder, "t.csv");
+    let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| column(&truth, name)[0].clone()).join(",");
+    let measured = |names: &str, cells: &str, more: &[&str]| {
+        fs::write(&table, format!("x1_pix,y1_pix,x2_pix,y2_pix,enter_s,exit_s{names}\n{ends},10,20{cells}\n")).unwrap();
+        let document = json(&[&["measure", &frame, "--streaks", &table, "--quiet"], more]);
+        let row = document["measurements"][0].clone();
+        (row["flux"].as_f64().unwrap(), row["flux_sigma"].as_f64().unwrap(), row["size_m"].as_f64())
+    };
+    let fitted = measured("", "", &[]);
+    let wide = measured(",fwhm_arcsec", ",180", &[]);
+    assert!(wide.0 > 1.2 * fitted.0, "{wide:?} {fitted:?}");
+    let in_pixels = measured(",fwhm_pix", ",6", &[]);
+    assert!((in_pixels.0 / wide.0 - 1.0).abs() < 1e-4, "{in_pixels:?} {wide:?}");
+    assert_eq!(measured(",fwhm_arcsec", ",180", &["--seeing", "90arcsec"]), wide);
+    // Neither the size of the model nor a given one widens the image again.
+    for more in [&[][..], &["--satellite-size", "500"]] {
+        let given = measured(",fwhm_arcsec", ",180", &[&["--seeing", "90arcsec"], SATELLITES, more].concat());
+        assert!((given.0 / wide.0 - 1.0).abs() < 1e-9 && given.1 == wide.1 && given.2.is_none(), "{given:?} {wide:?}");
+    }
+    // The size at a given distance is unknown.
+    assert_eq!(measured(",range_km", ",900", &["--seeing", "90arcsec"]).2, None);
+    assert_eq!(measured(",range_km,size_m", ",900,3", &["--seeing", "90arcsec"]).2, Some(3.0));
+}
+
+/// The reason why a streak in the frame is not measured does not depend on the error of its ends.
+#[test]
+fn short_and_masked_streaks_are_not_outside() {
+    let folder = TempDir::new().unwrap();
+    let description = path(&folder, "sky.toml");
+    fs::write(&description, SKY).unwrap();
+    let frame = path(&folder, "v.fits");
+    let random = ["--random-streaks", "0", "--magnitude", "8", "--exposure", "30s", "--seeing", "1.5arcsec", "--quiet"];
+    done(&[&["inject", "--synthetic", &description, "-o", &frame, "--pixels-only"], &random]);
+    let mut bytes = fs::read(&frame).unwrap();
+    let data = bytes.len() - (SIDE * SIDE * 4).next_multiple_of(2880);
+    for row in 500..620 {
+        for column in 500..620 {
+            let at = data + 4 * (row * SIDE + column);
+            bytes[at..at + 4].copy_from_slice(&f32::NAN.to_be_bytes());
+        }
+    }
+    fs::write(&frame, bytes).unwrap();
+    let table = path(&folder, "t.csv");
+    let rows = "diagonal,250,50,260,60\nshort,250,50,256,56\nbad,530,560,590,560\nfar,-500,-500,-300,-200\n";
+    fs::write(&table, format!("id,x1_pix,y1_pix,x2_pix,y2_pix\n{rows}")).unwrap();
+    for sigma in [&["--place-sigma", "0.05arcsec"][..], &[]] {
+        let document = json(&[&["measure", &frame, "--streaks", &table, "--seeing", "1.5arcsec", "--quiet"], sigma]);
+        let rows = document["measurements"].as_array().unwrap();
+        let flags: Vec<String> = rows.iter().map(|row| row["flags"].to_string()).collect();
+        for (flags, (flag, is_measured)) in
+            flags.iter().zip([("", true), ("short", false), ("masked", false), ("outside", false)])
+        {
+            assert!(flags.contains(flag), "{sigma:?} {flags} {flag}");
+            let row = &rows[if is_measured { 0 } else { 1 }];
+            assert_eq!(row["flux"].is_number(), is_measured, "{row}");
+        }
+        assert!(!flags[0].contains("short") && !flags[0].contains("outside"), "{flags:?}");
+    }
+    // A frame with the same name in another folder has the rows of its own table only.
+    let [here, there, own] = ["a/x.fits", "b/x.fits", "a/t.csv"].map(|name| path(&folder, name));
+    for part in ["a", "b"] {
+        fs::create_dir(folder.path().join(part)).unwrap();
+    }
+    fs::copy(&frame, &here).unwrap();
+    fs::copy(&frame, &there).unwrap();
+    let text = "image,x1_pix,y1_pix,x2_pix,y2_pix\nx.fits,250,50,256,56\n./x.fits,250,50,256,56\n";
+    fs::write(&own, text).unwrap();
+    fs::write(&table, text).unwrap();
+    let rows = records(&done(&[&["measure", &there, &here, "--streaks", &own, "--format", "csv", "--quiet"]]));
+    assert_eq!(column(&rows, "image"), [here.clone(), here.clone()]);
+    let (code, _, error) = run(&[&["measure", &there, &here, "--streaks", &table, "--quiet"]]);
+    assert!(code == 2 && error.contains("image is 'x.fits'; allowed: the name of one FRAME"), "{error}");
+    // An error of the ends far below a pixel is no error of the path.
+    let tiny = ["--place-sigma", "1e-9arcsec", "--seeing", "1.5arcsec"];
+    fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n250,50,290,60\n").unwrap();
+    done(&[&["measure", &frame, "--streaks", &table, "--quiet"], &tiny]);
+}
+
+/// A pixel of infinite value has no light, as one without a value.
+#[test]
+fn infinite_pixels_have_no_value() {
+    let folder = TempDir::new().unwrap();
+    let (frame, truth) = wide(&folder, "v.fits", "2026-08-14T23:29:05Z");
+    let table = path(&folder, "t.csv");
+    let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| numbers(&truth, name)[0]);
+    let [x1, y1, x2, y2] = ends;
+    fs::write(&table, format!("x1_pix,y1_pix,x2_pix,y2_pix\n{x1},{y1},{x2},{y2}\n")).unwrap();
+    let whole = fs::read(&frame).unwrap();
+    let file = streakcast::images::FrameFile::open(std::path::Path::new(&frame)).unwrap();
+    let columns = file.image_size(file.images()[0]).unwrap()[1];
+    // The primary image follows the header that ends with END.
+    let end = whole.chunks_exact(80).position(|card| card.starts_with(b"END     ")).unwrap() * 80 + 80;
+    let [x, y] = [0.5 * (x1 + x2), 0.5 * (y1 + y2)].map(|at| at as usize);
+    let at = end.next_multiple_of(2880) + 4 * ((y - 1) * columns + x - 1);
+    let with = |value: f32| {
+        let mut bytes = whole.clone();
+        bytes[at..at + 4].copy_from_slice(&value.to_be_bytes());
+        fs::write(&frame, bytes).unwrap();
+        let document = json(&[&["measure", &frame, "--streaks", &table, "--seeing", "90arcsec", "--quiet"]]);
+        document["measurements"][0]["flux"].as_f64().unwrap()
+    };
+    let [missing, infinite, negative] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(with);
+    assert!(missing == infinite && missing == negative, "{missing} {infinite} {negative}");
+}
+
+/// Catalogs of detectors have no names of frames: each belongs to the frame at its place.
+#[test]
+fn several_tables_belong_to_the_frames_in_order_and_streaks_are_identified() {
+    let folder = TempDir::new().unwrap();
     let (mut frames, mut tables, mut expected) = (Vec::new(), Vec::new(), Vec::new());
     for (number, start) in ["2026-08-14T23:29:05Z", "2026-08-14T23:31:05Z"].into_iter().enumerate() {
-        let (frame, truth) = (path(&folder, &format!("v{number}.fits")), path(&folder, "truth.csv"));
-        done(&[
-            &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth, "--seeing", "90arcsec"],
-            &["--start", start, "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"],
-            &satellites,
-        ]);
-        let rows = records(&fs::read_to_string(&truth).unwrap());
+        let (frame, rows) = wide(&folder, &format!("v{number}.fits"), start);
         let ids = numbers(&rows, "norad_id");
         let ends = ["x1_pix", "y1_pix", "x2_pix", "y2_pix"].map(|name| column(&rows, name));
         let table = path(&folder, &format!("v{number}.csv"));
@@ -180,7 +344,7 @@ fn several_tables_belong_to_the_frames_in_order_and_streaks_are_identified() {
         tables.push(table);
     }
     let arguments = ["measure", &frames[0], &frames[1], "--streaks", &tables[0], &tables[1]];
-    let document = json(&[&arguments, &satellites]);
+    let document = json(&[&arguments, SATELLITES, &["--quiet"]]);
     let rows = document["measurements"].as_array().unwrap();
     let found: Vec<(String, f64)> = rows
         .iter()

@@ -60,6 +60,14 @@ fn errors_name_what_is_probably_meant() {
             .concat(),
             "allowed: 2024-08-14T03:30+02:00 for local time in the given time zone",
         ),
+        (
+            &[
+                &["forecast", "--start", "2024-08-14", "--end", "2024-08-15T00:00Z", "--time-zone", "Europe/Zurich"],
+                SKY,
+            ]
+            .concat(),
+            "allowed: 2024-08-14T00:00+02:00 for local time in the given time zone",
+        ),
     ] {
         let (code, _, stderr) = run(&[arguments]);
         assert!(code == 2 && stderr.contains(part) && stderr.lines().count() == 1, "{arguments:?}: {stderr}");

@@ -341,6 +341,8 @@ fn verif_settings_of_cameras_are_no_gains() {
         "GAIN    = 1.39 / 0.1dB units",
         "GAIN    = 3 / left shift",
         "GAIN    = 12\nINSTRUME= 'ZWO ASI294MM Pro'",
+        "GAIN    = 12\nINSTRUME= 'ASI294MM'",
+        "GAIN    = 8\nCAMERA  = 'Sony A7'",
         "GAIN    = 5 / gain\nSWCREATE= 'N.I.N.A. 3.1.2.9001 (x64)'",
     ] {
         let calibration = of(cards);
@@ -354,6 +356,8 @@ fn verif_settings_of_cameras_are_no_gains() {
         ("GAIN    = 4.5 / camera gain (electrons/ADU)", 4.5),
         ("GAIN    = 1.6", 1.6),
         ("GAIN    = 1.6\nINSTRUME= 'ALFOSC'", 1.6),
+        ("GAIN    = 0.98\nINSTRUME= 'Asiago AFOSC'", 0.98),
+        ("GAIN    = 0.8\nDETECTOR= 'Sony IMX455'", 0.8),
         ("GAIN    = 0.25 / e-/ADU\nINSTRUME= 'QHY600M'", 0.25),
     ] {
         let calibration = of(cards);

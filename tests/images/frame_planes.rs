@@ -104,6 +104,8 @@ fn chips_are_frames_and_planes_belong_to_their_chip() {
         let found = roles(&names.map(|name| (name, sky(10.0)))).expect("roles");
         assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[0][..], Some(0)), "{names:?}");
     }
+    let layers = [("FLUX", version(1, sky(10.0))), ("FLUX", version(2, sky(10.0)))];
+    assert_eq!(roles(&layers).expect("roles").frames, [0]);
     // A background model in front of the science image.
     let found = roles(&[("BKG", sky(10.0)), ("SCI", sky(10.0))]).expect("roles");
     assert_eq!((found.frames.as_slice(), found.companions[0].of), (&[1][..], Some(1)));

@@ -9,6 +9,7 @@ use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
 use streakcast::config::{Config, ConfigError};
 use streakcast::frames::{FramesError, parse_instant, seconds_after};
+use streakcast::message::Quoted;
 
 /// Largest offset of a local clock from UTC, hours.
 const MAX_UTC_OFFSET_H: f64 = 14.0;
@@ -85,15 +86,19 @@ pub fn with_offset(error: anyhow::Error, zone: &LocalTime) -> anyhow::Error {
         (Some(ConfigError::Frames(FramesError::NoScale(given))), _) | (_, Some(FramesError::NoScale(given))) => given,
         _ => return error,
     };
-    let Ok(local) = parse_instant(given, Some(TimeScale::UTC)) else { return error };
+    let given = given.trim();
+    // A Julian date has no offset.
+    let (Ok(local), Err(_)) = (parse_instant(given, Some(TimeScale::UTC)), given.parse::<f64>()) else { return error };
     // The offset half a day away may differ, so that it is computed again at the time itself.
     let utc = |ahead_h: f64| seconds_after(local, -3600.0 * ahead_h);
     let text = zone.text(utc(zone.ahead_of_utc_h(utc(zone.ahead_of_utc_h(local)))), 1.0);
     let offset = text.rsplit(' ').next().unwrap_or_default();
+    // An offset follows a time of day.
+    let midnight = if given.contains([':', 'T']) { "" } else { "T00:00" };
     anyhow!(
-        "time '{given}' has no time scale; allowed: {given}{offset} for local time in the given time zone, a time that ends in \
-         Z (UTC), or any time with --time-scale utc, tai or tt",
-        given = given.trim()
+        "time '{given}' has no time scale; allowed: {given}{midnight}{offset} for local time in the given time zone, a time \
+         that ends in Z (UTC), or any time with --time-scale utc, tai or tt",
+        given = Quoted::new(given)
     )
 }
 

@@ -186,6 +186,8 @@ const SETTING_CAMERAS: &[&str] = &[
     "kstars",
     "ekos",
     "asistudio",
+    "asiair",
+    "asicap",
     "stellarmate",
 ];
 /// Largest gain without a unit that is taken as electrons per count. The 16 bits of most detectors hold a full well of
@@ -214,9 +216,18 @@ fn gain(keywords: Keywords<'_>) -> Result<Option<HeaderValue<f64>>, String> {
     // "0.1dB", "[%]"
     let has_other_unit = comment.contains('%') || comment.contains("dB");
     let is_setting = words.has(SETTINGS) || has_other_unit || keywords.number(CAMERA_OFFSETS, |_| true).is_some();
-    let is_camera = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword])).any(|(_, text)| {
+    let is_camera = CAMERAS.iter().filter_map(|keyword| keywords.text(&[keyword])).any(|(keyword, text)| {
         let lower = text.to_ascii_lowercase();
-        lower.split_whitespace().any(|word| SETTING_CAMERAS.iter().any(|camera| word.starts_with(camera)))
+        let is_of = |word: &str, camera: &str| {
+            word.strip_prefix(camera).is_some_and(|rest| match camera {
+                // Names of cameras have a number, as ASI294MM; other words begin like this.
+                "asi" => rest.starts_with(|mark: char| mark.is_ascii_digit()),
+                // Sensors of Sony are also in the cameras of observatories.
+                "sony" => keyword != "DETECTOR",
+                _ => true,
+            })
+        };
+        lower.split_whitespace().any(|word| SETTING_CAMERAS.iter().any(|camera| is_of(word, camera)))
     });
     let is_setting = is_setting || (is_camera && keyword == "GAIN");
     if !has_unit && (is_setting || value > LARGEST_GAIN_E) {

@@ -305,7 +305,7 @@ impl Image {
         };
         if !self.name.is_empty() && stem(&self.name) == stem(&frame.name) {
             // Two chips cannot have one sky: their images are planes, or one of them has wrong world coordinates.
-            if has_same_sky && self.name != frame.name && !is_science(self) {
+            if has_same_sky && (self.name != frame.name || has_other_version) && !is_science(self) {
                 return if CHIPS.contains(&stem(&self.name)) { Role::Unclear } else { Role::Plane };
             }
             return if self.name != frame.name || has_other_version { Role::Frame } else { Role::Unclear };

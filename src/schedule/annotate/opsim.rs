@@ -365,6 +365,13 @@ mod tests {
         copy.execute_batch(other).unwrap();
         drop(copy);
         annotate(&output, &output, &annotation(true)).unwrap();
-        assert_eq!(count(&Connection::open(&output).unwrap(), joined), 2);
+        let copy = Connection::open(&output).unwrap();
+        assert_eq!(count(&copy, joined), 2);
+        // Without an identifier an observation has no verdict in the view, which is therefore missing.
+        copy.execute_batch("UPDATE observations SET observationId = NULL WHERE observationId = 9").unwrap();
+        drop(copy);
+        annotate(&output, &output, &annotation(true)).unwrap();
+        let views = "SELECT count(*) FROM sqlite_master WHERE type = 'view'";
+        assert_eq!(count(&Connection::open(&output).unwrap(), views), 0);
     }
 }

@@ -3,31 +3,10 @@
 use std::path::Path;
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, display};
+use super::columns::{Cell, Quantity};
 use super::raw_table::RawTable;
 use crate::message::Quoted;
-use crate::units::{DEGREES, SECONDS, Unit};
-
-/// Quantity with its names in schedules and target lists.
-pub(in crate::schedule) struct Quantity {
-    names: &'static [&'static str],
-    unit: &'static Unit,
-    /// Differences up to this value, and up to this fraction, are those of rounding.
-    rounding: f64,
-    /// Factors between equal values: right ascensions without a unit may be in hours.
-    factors: &'static [f64],
-}
-
-pub(in crate::schedule) static DURATIONS: Quantity = Quantity {
-    names: &["duration_s", "exposure_s", "exptime", "exp_time", "t_exptime", "visitExposureTime"],
-    unit: &SECONDS,
-    rounding: 1e-2,
-    factors: &[1.0],
-};
-pub(in crate::schedule) static RIGHT_ASCENSIONS: Quantity =
-    Quantity { names: &["ra_deg", "ra", "fieldRA", "s_ra"], unit: &DEGREES, rounding: 1e-3, factors: &[1.0, 15.0] };
-pub(in crate::schedule) static DECLINATIONS: Quantity =
-    Quantity { names: &["dec_deg", "dec", "fieldDec", "s_dec"], unit: &DEGREES, rounding: 1e-3, factors: &[1.0] };
+use crate::units::Unit;
 
 /// Columns that change the meaning of a row.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -56,8 +35,32 @@ const MEANINGS: &[(&str, Meaning)] = &[
     ("num_exposures", Meaning::Count),
     ("coadds", Meaning::Count),
 ];
-/// Frames whose axes differ from ICRS by less than 0.1 arcsec, in lower case.
-const ICRS: [&str; 7] = ["icrs", "gcrs", "fk5", "j2000", "fk5 j2000", "fk5/j2000", "eme2000"];
+/// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
+/// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
+const OTHER_FRAMES: &[&str] = &[
+    "fk4",
+    "fk4noe",
+    "fk4noeterms",
+    "fk4b1950",
+    "b1950",
+    "1950",
+    "galactic",
+    "supergalactic",
+    "altaz",
+    "azel",
+    "azalt",
+    "horizontal",
+    "hadec",
+    "cirs",
+    "tete",
+    "teme",
+    "itrs",
+    "itrf",
+    "gappt",
+    "apparent",
+    "jnow",
+    "fk5jnow",
+];
 
 /// Another column of a quantity that is read.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +68,7 @@ struct Other {
     indices: [usize; 2],
     names: [String; 2],
     scales: [f64; 2],
-    rounding: f64,
-    factors: &'static [f64],
+    unit: &'static Unit,
 }
 
 /// Checks of the cells of a row.
@@ -81,7 +83,7 @@ impl Checks {
     /// quantities that are read and their columns; `counted` is the column of a number of exposures that is used.
     ///
     /// # Errors
-    /// The unit of a column is unknown or contradicts its name.
+    /// The unit of a column that is read is unknown or contradicts its name. Others with such a unit are not compared.
     pub fn find(
         path: &Path,
         table: &RawTable,
@@ -89,20 +91,18 @@ impl Checks {
         counted: Option<usize>,
     ) -> Result<Self, ScheduleError> {
         let mut others = Vec::new();
-        for (index, quantity) in read {
+        for (index, Quantity { names, unit }) in read {
             let Some(index) = *index else { continue };
-            let scale = |at: usize| {
-                let scale = quantity.unit.scale(&table.names[at], &table.units);
-                scale.map_err(|source| ScheduleError::Unit { path: display(path), source })
-            };
+            let scale = table.scale(path, index, unit)?;
             for other in (0..table.names.len()).filter(|at| *at != index) {
-                if quantity.names.contains(&&*table.names[other]) {
+                if names.contains(&&*table.names[other])
+                    && let Ok(other_scale) = unit.scale(&table.names[other], &table.units)
+                {
                     others.push(Other {
                         indices: [index, other],
                         names: [index, other].map(|at| table.names[at].clone()),
-                        scales: [scale(index)?, scale(other)?],
-                        rounding: quantity.rounding,
-                        factors: quantity.factors,
+                        scales: [scale, other_scale],
+                        unit,
                     });
                 }
             }
@@ -120,14 +120,10 @@ impl Checks {
     /// # Errors
     /// The columns of a quantity contradict each other, positions are not ICRS, or a row is of several exposures.
     pub fn reject<'a>(&self, cell: impl Fn(usize) -> &'a Cell) -> Result<(), String> {
-        for Other { indices, names, scales, rounding, factors } in &self.others {
+        for Other { indices, names, scales, unit } in &self.others {
             let numbers = indices.map(|index| cell(index).number().ok());
             let [Some(one), Some(other)] = numbers else { continue };
-            let is_same = |factor: &&f64| {
-                let (one, other) = (one * scales[0], other * scales[1] * **factor);
-                (one - other).abs() <= rounding.max(1e-4 * one.abs()) || (one - other).abs() == 360.0
-            };
-            if factors.iter().find(is_same).is_none() {
+            if !unit.is_same(one * scales[0], other * scales[1]) {
                 let [first, second] = names;
                 return Err(format!(
                     "{first} is {one} and {second} is {other}: they contradict each other; allowed: one of these columns, \
@@ -141,13 +137,17 @@ impl Checks {
             let year = lower.trim_start_matches(['j', 'b']).parse::<f64>().ok();
             let (is_allowed, allowed) = match meaning {
                 Meaning::Equinox => (year == Some(2000.0), "2000: positions are read as ICRS"),
-                // A year after 1980 is the epoch of proper motions, and other numbers are dates.
+                // A year after 1980 is the epoch of proper motions; other numbers are dates or those of visits.
                 Meaning::Epoch => {
-                    let is_date =
-                        year.map_or(!["now", "jnow", "date", "apparent"].contains(&&*lower), |year| year > 1980.0);
-                    (is_date && !lower.starts_with('b'), "2000: positions are read as ICRS")
+                    let is_other = year.map_or(["now", "jnow", "date", "apparent"].contains(&&*lower), |year| {
+                        (1800.0..=1980.0).contains(&year) || lower.starts_with('b')
+                    });
+                    (!is_other, "2000: positions are read as ICRS")
                 }
-                Meaning::Frame => (ICRS.contains(&&*lower), "ICRS"),
+                Meaning::Frame => {
+                    let letters: String = lower.chars().filter(char::is_ascii_alphanumeric).collect();
+                    (!OTHER_FRAMES.contains(&&*letters) && !letters.ends_with("ecliptic"), "ICRS")
+                }
                 Meaning::Count => (
                     lower.parse::<f64>().is_ok_and(|count| count <= 1.0),
                     "1, with the time from the first opening to the last closing of the shutter as duration",
@@ -163,7 +163,7 @@ impl Checks {
 
 #[cfg(test)]
 mod tests {
-    use super::super::columns::ScheduleFormat;
+    use super::super::columns::{DURATIONS, RIGHT_ASCENSIONS, ScheduleFormat};
     use super::*;
 
     fn reason(row: &[(&str, &str)]) -> Option<String> {
@@ -172,6 +172,15 @@ mod tests {
         let table = RawTable::new(ScheduleFormat::Csv, names);
         let read = [(Some(0), &DURATIONS), (Some(1), &RIGHT_ASCENSIONS)];
         Checks::find(Path::new("t.csv"), &table, &read, None).unwrap().reject(|index| &cells[index]).err()
+    }
+
+    #[test]
+    fn a_compared_column_has_any_unit() {
+        let names = ["duration_s", "ra_deg", "ra"].map(str::to_owned);
+        let mut table = RawTable::new(ScheduleFormat::Ecsv, names.to_vec());
+        table.units.insert("ra".to_owned(), "h:m:s".to_owned());
+        let read = [(Some(0), &DURATIONS), (Some(1), &RIGHT_ASCENSIONS)];
+        assert_eq!(Checks::find(Path::new("t.ecsv"), &table, &read, None).unwrap().others, []);
     }
 
     #[test]
@@ -189,7 +198,15 @@ mod tests {
             ("equinox", "J2000.0"),
             ("epoch", "2016.0"),
             ("epoch", "2026-08-22T03:14:59"),
+            ("epoch", "1"),
+            ("epoch", "blue"),
             ("FRAME", "FK5"),
+            ("frame", "17"),
+            ("frame", "Light"),
+            ("frame", "ICRF"),
+            ("ra", "-170.00004"),
+            ("s_ra", "550"),
+            ("exposure", "2026042500012"),
             ("coadds", "1"),
             ("nexp", ""),
             ("airmass", "1.2"),
@@ -199,6 +216,10 @@ mod tests {
         for (name, text, expected) in [
             ("exposure_s", "300", "duration_s is 30 and exposure_s is 300: they contradict each other"),
             ("visitExposureTime", "29", "duration_s is 30 and visitExposureTime is 29"),
+            ("exposure_s", "390", "duration_s is 30 and exposure_s is 390"),
+            ("epoch", "1950", "epoch is 1950; allowed: 2000"),
+            ("frame", "FK4-NO-E", "frame is FK4-NO-E; allowed: ICRS"),
+            ("coordsys", "BarycentricMeanEcliptic", "coordsys is BarycentricMeanEcliptic; allowed: ICRS"),
             ("ra", "10", "ra_deg is 190 and ra is 10"),
             ("equinox", "1950", "equinox is 1950; allowed: 2000"),
             ("Equinox", "JNOW", "Equinox is JNOW; allowed: 2000"),

@@ -11,9 +11,27 @@ use crate::units::{DEGREES, SECONDS, Unit};
 
 /// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
-const DURATION: &[&str] = &["duration_s", "exposure_s", VISIT_EXPOSURE, "exp_time", "t_exptime"];
+/// Quantity with its names in schedules and target lists.
+pub(in crate::schedule) struct Quantity {
+    /// Names in order of preference.
+    pub names: &'static [&'static str],
+    pub unit: &'static Unit,
+}
+
 /// Exposure time of a visit of Rubin's simulations: the sum over its snaps.
 const VISIT_EXPOSURE: &str = "visitExposureTime";
+/// Names of durations. The last one is that of target lists only: in schedules it may be the number of an exposure.
+const DURATION_NAMES: &[&str] =
+    &["duration_s", "exposure_s", VISIT_EXPOSURE, "exptime", "exp_time", "t_exptime", "exposure"];
+
+pub(in crate::schedule) static DURATIONS: Quantity =
+    Quantity { names: DURATION_NAMES.split_at(DURATION_NAMES.len() - 1).0, unit: &SECONDS };
+pub(in crate::schedule) static TARGET_DURATIONS: Quantity = Quantity { names: DURATION_NAMES, unit: &SECONDS };
+pub(in crate::schedule) static RIGHT_ASCENSIONS: Quantity =
+    Quantity { names: &["ra_deg", "ra", "fieldRA", "s_ra"], unit: &DEGREES };
+pub(in crate::schedule) static DECLINATIONS: Quantity =
+    Quantity { names: &["dec_deg", "dec", "fieldDec", "s_dec"], unit: &DEGREES };
+
 /// Number of snaps of a visit, and time from its start to its end with shutter and readout.
 const SNAPS: &[&str] = &["numExposures", "nexp"];
 const VISIT: &[&str] = &["visitTime"];
@@ -100,7 +118,7 @@ impl ColumnMap {
     /// One error with all missing columns and all columns of the file; or a column that is read occurs twice.
     pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
         let starts = STARTS.iter().map(|(name, ..)| name);
-        let read = [ID, DURATION, SNAPS, VISIT, RIGHT_ASCENSION, DECLINATION, ROTATION, BAND].concat();
+        let read = [ID, DURATIONS.names, SNAPS, VISIT, RIGHT_ASCENSION, DECLINATION, ROTATION, BAND].concat();
         for name in read.iter().chain(starts) {
             if names.iter().filter(|found| found == name).count() > 1 {
                 return Err(ScheduleError::RepeatedColumn { path: display(path), column: (*name).to_owned() });
@@ -113,7 +131,7 @@ impl ColumnMap {
         let start = start_columns(names).next();
         let (id, duration, right_ascension, declination) = (
             find(ID),
-            with_unit(&SECONDS, DURATION)?,
+            with_unit(DURATIONS.unit, DURATIONS.names)?,
             with_unit(&DEGREES, RIGHT_ASCENSION)?,
             with_unit(&DEGREES, DECLINATION)?,
         );

@@ -11,9 +11,12 @@ mod raw_table;
 mod read;
 mod votable;
 
-pub(super) use checks::{Checks, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS};
+pub(super) use checks::Checks;
 pub use columns::ScheduleFormat;
-pub(super) use columns::{Cell, ColumnMap, ID, Row, StartColumn, StartForm, display, start_columns};
+pub(super) use columns::{
+    Cell, ColumnMap, DECLINATIONS, DURATIONS, ID, RIGHT_ASCENSIONS, Row, StartColumn, StartForm, TARGET_DURATIONS,
+    display, start_columns,
+};
 pub(super) use csv_text::csv_layout;
 pub(super) use delimited::ecsv_layout;
 pub(super) use json::{Members, json_layout};

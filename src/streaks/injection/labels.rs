@@ -62,8 +62,6 @@ pub struct Label {
 /// File of labels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelFile {
-    /// Format.
-    pub format: LabelFormat,
     /// Path.
     pub path: PathBuf,
     /// Content.
@@ -97,8 +95,9 @@ impl LabelFormat {
     /// Returns the path of the labels of an image of a frame, beside the frame; for COCO, that of all `frames`.
     pub fn path(self, frame: &Path, frames: usize, hdu: Option<usize>) -> PathBuf {
         let name = file_name(frame);
-        let stem = [".fits.fz", ".fits", ".fit", ".fts", ".fz"].iter().find_map(|end| name.strip_suffix(end));
-        let stem = stem.unwrap_or(&name);
+        let lower = name.to_ascii_lowercase();
+        let end = [".fits.fz", ".fits", ".fit", ".fts", ".fz"].into_iter().find(|end| lower.ends_with(end));
+        let stem = &name[..name.len() - end.map_or(0, str::len)];
         let chip = hdu.map_or_else(String::new, |hdu| format!("-hdu{hdu}"));
         frame.with_file_name(match self {
             Self::Coco if frames > 1 => "coco.json".to_owned(),
@@ -112,43 +111,88 @@ impl LabelFormat {
 impl LabelledImage {
     /// Returns the outlines of the streaks on a chip.
     pub fn of(chip: &Chip, is_only: bool, streaks: &[DrawnStreak<'_>]) -> Self {
-        let of_chip = streaks.iter().filter(|streak| streak.hdu == chip.hdu);
+        // The parts of a satellite that are drawn separately are one streak.
+        let mut groups: Vec<Vec<&DrawnStreak<'_>>> = Vec::new();
+        for streak in streaks.iter().filter(|streak| streak.hdu == chip.hdu && !streak.points.is_empty()) {
+            match groups.iter_mut().find(|group| group.iter().any(|other| is_part(streak, other))) {
+                Some(group) => group.push(streak),
+                None => groups.push(vec![streak]),
+            }
+        }
         Self {
             hdu: chip.hdu,
             is_only,
             size: [chip.rows, chip.columns],
-            labels: of_chip.filter_map(|streak| Label::of(chip, streak)).collect(),
+            labels: groups.iter().filter_map(|group| Label::of(chip, group)).collect(),
         }
     }
 }
 
+/// Returns true if two streaks are of parts of one source at the same time.
+fn is_part(one: &DrawnStreak<'_>, other: &DrawnStreak<'_>) -> bool {
+    let [Some([from, to]), Some([first, last])] = [one, other].map(DrawnStreak::ends) else { return false };
+    std::ptr::eq(one.source, other.source)
+        && one.part != other.part
+        && from.epoch <= last.epoch
+        && first.epoch <= to.epoch
+}
+
 impl Label {
-    fn of(chip: &Chip, streak: &DrawnStreak<'_>) -> Option<Self> {
-        let [first, last] = streak.ends()?.map(|point| point.at);
-        let radius_pix = streak.width_pix.max(LEAST_HALF_WIDTH_PIX);
-        let cells = (0..).zip(streak.points.windows(2)).map(|(number, pair)| Cell {
-            ends: [pair[0].at, pair[1].at],
-            radius_pix,
-            light_pix: radius_pix,
-            times_s: [f64::from(number), f64::from(number + 1)],
-        });
-        let cells: Vec<Cell> = cells.collect();
-        let outline = polygons(&cells, &chip.light_area);
+    /// Returns the label of one streak, whose parts may be drawn separately.
+    fn of(chip: &Chip, parts: &[&DrawnStreak<'_>]) -> Option<Self> {
+        let brightest = parts.iter().min_by(|a, b| {
+            let magnitude = |streak: &DrawnStreak<'_>| streak.peak_magnitude.unwrap_or(f64::INFINITY);
+            magnitude(a).total_cmp(&magnitude(b))
+        })?;
+        let ends = brightest.ends()?.map(|point| point.at);
+        let mut outline = Vec::new();
+        for streak in parts {
+            let radius_pix = streak.width_pix.max(LEAST_HALF_WIDTH_PIX);
+            let cells = (0..).zip(streak.points.windows(2)).map(|(number, pair)| Cell {
+                ends: [pair[0].at, pair[1].at],
+                radius_pix,
+                light_pix: radius_pix,
+                times_s: [f64::from(number), f64::from(number + 1)],
+            });
+            let cells: Vec<Cell> = cells.collect();
+            outline.extend(polygons(&cells, &chip.light_area));
+        }
         (!outline.is_empty()).then(|| Self {
-            name: streak.source.name.to_string(),
-            magnitude: streak.peak_magnitude,
-            ends: [first, last],
+            name: brightest.source.name.to_string(),
+            magnitude: brightest.peak_magnitude,
+            ends,
             outline,
         })
     }
 
-    /// Returns the area of the polygons, square pixels: half of the sum of x_i y_(i+1) - x_(i+1) y_i of each.
+    /// Returns the area in any of the polygons, which are convex and may overlap, square pixels: the sum of their chords
+    /// along equidistant rows.
     fn area_pix(&self) -> f64 {
-        let of_polygon = |corners: &Vec<PixelPosition>| {
+        /// Distance of the rows, pixels.
+        const STEP_PIX: f64 = 0.125;
+        let [[_, low], [_, high]] = self.bounds();
+        let chord = |corners: &Vec<PixelPosition>, y: f64| -> Option<[f64; 2]> {
             let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-            0.5 * sides.map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>().abs()
+            let crossings = sides.filter(|(a, b)| (a.y > y) != (b.y > y));
+            let at = crossings.map(|(a, b)| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+            let range = at.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], x| [least.min(x), most.max(x)]);
+            (range[0] < range[1]).then_some(range)
         };
-        self.outline.iter().map(of_polygon).sum()
+        let rows = ((high - low) / STEP_PIX).ceil().max(1.0);
+        let step = (high - low) / rows;
+        let of_row = |row: usize| {
+            let y = low - 0.5 + (row as f64 + 0.5) * step;
+            let mut chords: Vec<[f64; 2]> = self.outline.iter().filter_map(|corners| chord(corners, y)).collect();
+            chords.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let mut reached = f64::NEG_INFINITY;
+            let mut length = 0.0;
+            for [from, to] in chords {
+                length += (to - from.max(reached)).max(0.0);
+                reached = reached.max(to);
+            }
+            step * length
+        };
+        (0..rows as usize).map(of_row).sum()
     }
 
     fn corners(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
@@ -200,12 +244,11 @@ pub fn label_files(formats: &[LabelFormat], frames: &[(&Path, &[LabelledImage])]
     for &format in formats {
         if format == LabelFormat::Coco {
             let first = frames.first().map(|(path, _)| format.path(path, frames.len(), None));
-            files.extend(first.map(|path| LabelFile { format, path, text: coco(frames) }));
+            files.extend(first.map(|path| LabelFile { path, text: coco(frames) }));
             continue;
         }
         for (path, images) in frames {
             files.extend(images.iter().map(|image| LabelFile {
-                format,
                 path: format.path(path, frames.len(), (!image.is_only).then_some(image.hdu)),
                 text: if format == LabelFormat::Yolo { yolo(image) } else { ds9(image) },
             }));
@@ -219,7 +262,7 @@ pub fn label_files(formats: &[LabelFormat], frames: &[(&Path, &[LabelledImage])]
 /// # Errors
 /// A file cannot be written.
 pub fn write_labels(files: &[LabelFile]) -> Result<(), StreaksError> {
-    for LabelFile { path, text, .. } in files {
+    for LabelFile { path, text } in files {
         write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(ImagesError::io(path))?;
     }
     Ok(())

@@ -21,6 +21,7 @@ use crate::message::listed;
 use crate::output::{Provenance, counted, format_utc};
 use crate::passes::{Exposure, Sky};
 use crate::photometry::PhotometryOptions;
+use crate::watch::Watch;
 
 /// Diameter of random lights if none is given, m, which is that of a small satellite.
 const RANDOM_SIZE_M: f64 = 2.0;
@@ -42,7 +43,7 @@ pub fn sources(
     plan: &InjectionPlan,
     sky: Option<InjectionSky<'_>>,
     frame: &TargetFrame,
-    shot: &Shot<'_>,
+    (shot, watch): (&Shot<'_>, &Watch),
     photometry: &PhotometryOptions,
     seed: u64,
     output: &Path,
@@ -58,7 +59,8 @@ pub fn sources(
     if let Some(chosen) = &plan.chosen {
         let names = [file_name(frame.file.path()), file_name(output)];
         let of_frame = chosen.streaks.iter().filter(|streak| names.iter().any(|name| streak.given.is_of(name)));
-        let sources = of_frame.map(|streak| chosen_source(streak, plan, frame, shot)).collect::<Result<_, _>>()?;
+        let sources =
+            of_frame.map(|streak| chosen_source(streak, plan, frame, (shot, watch))).collect::<Result<_, _>>()?;
         return Ok((sources, None));
     }
     let Some(sky) = sky else { return Ok((Vec::new(), None)) };
@@ -132,7 +134,7 @@ fn chosen_source(
     streak: &ChosenStreak,
     plan: &InjectionPlan,
     frame: &TargetFrame,
-    shot: &Shot<'_>,
+    (shot, watch): (&Shot<'_>, &Watch),
 ) -> Result<Source, StreaksError> {
     let given = &streak.given;
     let chip = chip_of(given, frame)?;
@@ -179,7 +181,7 @@ fn chosen_source(
         let stand_in = source(&track);
         let mut brightest = 0.0f64;
         for index in 0..frame.chips.len() {
-            for drawn in drawn(&stand_in, frame, index, plan, shot)? {
+            for drawn in drawn(&stand_in, frame, index, plan, shot, watch)? {
                 let values = drawn.patch.iter().flat_map(|span| span.values.to_vec());
                 brightest = values.map(f64::from).fold(brightest, f64::max);
             }
@@ -198,10 +200,14 @@ pub fn drawn<'a>(
     index: usize,
     plan: &InjectionPlan,
     shot: &Shot<'_>,
+    watch: &Watch,
 ) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
     let chip = &frame.chips[index].chip;
     match &plan.psf_file {
-        Some(file) => draw_image_on_chip(source, chip, shot, file.of_chip(index, frame.chips.len())?),
+        Some(file) => {
+            let chosen: Vec<usize> = frame.chips.iter().map(|target| target.chip.hdu).collect();
+            draw_image_on_chip(source, chip, shot, file.of_chip(chip.hdu, &chosen, &frame.images.frames)?, watch)
+        }
         None => draw_on_chip(source, chip, shot),
     }
 }

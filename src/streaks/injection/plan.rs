@@ -59,6 +59,8 @@ pub struct InjectionPlan {
     pub truth_points: usize,
     /// Formats of labels that are written beside the frames.
     pub labels: Vec<LabelFormat>,
+    /// Files that are read, which no labels may replace.
+    pub inputs: Vec<PathBuf>,
     /// Survey or pipeline whose mask bits are used.
     pub mask_preset: MaskPreset,
     /// If true, neither masks nor truth tables are appended to the file.

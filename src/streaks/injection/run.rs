@@ -91,6 +91,7 @@ impl<'a> Injection<'a> {
     /// # Errors
     /// - An output cannot be written completely: its folder is missing, or it is a pipe, a device or a compressed file.
     ///   No frame is read in this case.
+    /// - A file of labels cannot be written, or is also an input.
     /// - A frame cannot be opened or created.
     pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, StreaksError> {
         for output in outputs {
@@ -99,6 +100,7 @@ impl<'a> Injection<'a> {
         }
         let frames = Frames::open(plan, outputs)?;
         frames.reject_untiled(outputs)?;
+        check_labels(plan, outputs, frames.known())?;
         Ok(Self { plan, outputs, frames })
     }
 
@@ -183,6 +185,25 @@ impl<'a> Injection<'a> {
     }
 }
 
+/// Checks that the files of labels, of which frames with several chips have one for each, can be written and are no inputs.
+fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]) -> Result<(), StreaksError> {
+    let place = |path: &Path| std::fs::canonicalize(path).ok();
+    let inputs: Vec<PathBuf> = plan.inputs.iter().filter_map(|input| place(input)).collect();
+    for (index, output) in outputs.iter().enumerate() {
+        let Some(frame) = known.get(index).or(known.first()) else { continue };
+        let is_only = frame.chips.len() == 1;
+        for (format, chip) in plan.labels.iter().flat_map(|format| frame.chips.iter().map(move |chip| (format, chip))) {
+            let path = format.path(output, outputs.len(), (!is_only).then_some(chip.chip.hdu));
+            if place(&path).is_some_and(|path| inputs.contains(&path)) {
+                let allowed = "labels that replace no input: another name of the output or of the input";
+                return Err(StreaksError::invalid(path.display().to_string(), "also an input", allowed));
+            }
+            AtomicFile::check(&path).map_err(ImagesError::io(&path))?;
+        }
+    }
+    Ok(())
+}
+
 /// Rejects names of compressed files, because the program does not compress whole files.
 pub fn reject_packed(output: &Path) -> Result<(), StreaksError> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
@@ -230,7 +251,7 @@ fn one(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
-    let (sources, left_out) = sources(plan, sky, frame, &shot, &photometry, seed, output)?;
+    let (sources, left_out) = sources(plan, sky, frame, (&shot, watch), &photometry, seed, output)?;
     // A synthetic frame is a temporary file, so errors name the output file instead.
     let shown = if plan.synthetic.is_some() { output } else { frame.file.path() };
     let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
@@ -241,7 +262,7 @@ fn one(
         .map(|(index, _)| {
             let of_chip = seen.par_iter().map(|source| {
                 watch.check()?;
-                drawn(source, frame, index, plan, &shot)
+                drawn(source, frame, index, plan, &shot, watch)
             });
             let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
             Ok(drawn.into_iter().flatten().collect())

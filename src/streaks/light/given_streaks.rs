@@ -106,7 +106,7 @@ impl GivenColumns {
         Ok(Self {
             range_km: find(&["range_km", "range"], &KILOMETRES, [1.0, 1e9])?,
             size_m: find(&["size_m", "size"], &METRES, [0.0, 1000.0])?,
-            fwhm_pix: find(&["fwhm_pix"], &PIXELS, [0.1, 1000.0])?,
+            fwhm_pix: find(&["fwhm_pix"], &PIXELS, [0.1, 100.0])?,
             fwhm_arcsec: find(&["fwhm_arcsec"], &ARCSECONDS, [1e-3, 36_000.0])?,
             enter_s: find(&["enter_s", "enter"], &SECONDS, [-1e6, 1e6])?,
             exit_s: find(&["exit_s", "exit"], &SECONDS, [-1e6, 1e6])?,
@@ -214,7 +214,10 @@ impl GivenStreak {
             EndTime::At(epoch) => seconds_between(opened, epoch),
         };
         let ends_s = [at(self.times[0], 0.0), at(self.times[1], exposure_s)];
-        for (name, time_s) in ["enter_utc", "exit_utc"].into_iter().zip(ends_s) {
+        let [enter, exit] = self.times.map(|time| matches!(time, EndTime::Seconds(_)));
+        let enter = if enter { "enter_s" } else { "enter_utc" };
+        let exit = if exit { "exit_s" } else { "exit_utc" };
+        for (name, time_s) in [enter, exit].into_iter().zip(ends_s) {
             if !(-ROUNDED_S..=exposure_s + ROUNDED_S).contains(&time_s) {
                 let allowed =
                     format!("0 to {exposure_s} s after the opening of the shutter at {}", format_utc(opened, 3));
@@ -223,7 +226,7 @@ impl GivenStreak {
         }
         let [from_s, to_s] = ends_s.map(|time_s| time_s.clamp(0.0, exposure_s));
         if to_s <= from_s {
-            return Err(self.invalid("exit_utc", format!("{to_s} s"), format!("later than enter_utc, {from_s} s")));
+            return Err(self.invalid(exit, format!("{to_s} s"), format!("later than {enter}, {from_s} s")));
         }
         Ok([from_s, to_s])
     }

@@ -70,6 +70,7 @@ pub fn satellites(
     });
     let sources = known.into_iter().map(|pass| source(sky, eop, exposure, pass, light)).collect();
     let mut unknown: Vec<NoradId> = unknown.into_iter().map(|pass| pass.norad_id).collect();
+    unknown.sort_unstable();
     unknown.dedup();
     Ok(SatelliteExposure { sources, unknown })
 }

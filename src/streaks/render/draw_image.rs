@@ -1,10 +1,12 @@
 //! Drawing of a path with a point spread function from a file.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::path::StreakPath;
 use crate::images::{Patch, PatchRows, PixelPosition, PsfGrid};
 use crate::streaks::error::StreaksError;
+use crate::watch::Watch;
 
 /// Number of positions of a star within a pixel, along each axis, for which its light in pixels is computed. Points of the
 /// path are divided among the nearest four of them, which adds 0.03 pixels in quadrature to the width.
@@ -14,16 +16,23 @@ const STEP_PIX: f64 = 0.05;
 /// Side of the squares in which a variable point spread function is that of their middle, pixels.
 const BLOCK_PIX: f64 = 64.0;
 
-/// Light at the positions of a square of the frame, in units of 1/16 of a pixel.
-type Lights = BTreeMap<[i64; 2], f64>;
+/// Square of the frame, position within a pixel in units of 1/16, and pixel. In this order, the light of a star is computed
+/// once for each square and position within a pixel, and is not kept.
+type Place = ([i64; 2], [i64; 2], [i64; 2]);
 
 /// Draws a path in a frame of `rows` by `columns` pixels. The light of each point is conserved: the pixels of a star have
 /// the sum of its light at each position within a pixel.
 ///
 /// # Errors
-/// The sum of a variable point spread function is not positive somewhere on the path.
-pub fn draw_image(path: &StreakPath, psf: &PsfGrid, rows: usize, columns: usize) -> Result<Patch, StreaksError> {
-    let mut blocks: BTreeMap<[i64; 2], Lights> = BTreeMap::new();
+/// The sum of a variable point spread function is not positive somewhere on the path, or the computation is stopped.
+pub fn draw_image(
+    path: &StreakPath,
+    psf: &PsfGrid,
+    rows: usize,
+    columns: usize,
+    watch: &Watch,
+) -> Result<Patch, StreaksError> {
+    let mut lights: BTreeMap<Place, f64> = BTreeMap::new();
     let reach = psf.reach_pix() + 1.0;
     let is_near = |at: PixelPosition| {
         let within = |at: f64, count: usize| at > -reach && at < count as f64 - 1.0 + reach;
@@ -44,77 +53,88 @@ pub fn draw_image(path: &StreakPath, psf: &PsfGrid, rows: usize, columns: usize)
             }
             let light = piece.rate.integral(since_s + step_s) - piece.rate.integral(since_s);
             let block = if psf.is_variable() { [at.x, at.y].map(|at| (at / BLOCK_PIX).floor() as i64) } else { [0, 0] };
-            add(blocks.entry(block).or_default(), at, light);
+            add(&mut lights, block, at, light);
         }
     }
-    let mut stamps = BTreeMap::new();
+    let frame = StampFrame::of(psf);
     let mut extents = PatchRows::new(rows, columns);
-    for (block, lights) in &blocks {
-        let middle = block.map(|index| (index as f64 + 0.5) * BLOCK_PIX);
-        let middle = PixelPosition { x: middle[0], y: middle[1] };
-        let samples = psf.at(middle).ok_or_else(|| {
-            let [x, y] = middle.fits();
-            StreaksError::invalid(
-                format!("sum of the point spread function at ({x:.0}, {y:.0})"),
-                "0 or less",
-                "above 0",
-            )
-        })?;
-        for cell in lights.keys() {
-            let phase = cell.map(|index| index.rem_euclid(PHASES));
-            let stamp = stamps.entry((*block, phase)).or_insert_with(|| Stamp::of(psf, &samples, phase));
-            for (row, range, _) in stamp.rows(*cell, rows, columns) {
-                extents.add(row, range);
-            }
+    for (_, _, pixel) in lights.keys() {
+        for (row, range, _) in frame.rows(*pixel, rows, columns) {
+            extents.add(row, range);
         }
     }
     let mut patch = extents.into_patch();
-    for (block, lights) in &blocks {
-        for (cell, light) in lights {
-            let stamp = &stamps[&(*block, cell.map(|index| index.rem_euclid(PHASES)))];
-            for (row, range, values) in stamp.rows(*cell, rows, columns) {
-                let pixels = patch.span_mut(row, range);
-                pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel += (light * value) as f32);
+    let mut samples: Option<([i64; 2], Vec<f64>)> = None;
+    let mut stamp: Option<([[i64; 2]; 2], Vec<f64>)> = None;
+    for ((block, phase, pixel), light) in &lights {
+        if stamp.as_ref().is_none_or(|(of, _)| *of != [*block, *phase]) {
+            watch.check()?;
+            if samples.as_ref().is_none_or(|(of, _)| of != block) {
+                samples = Some((*block, samples_at(psf, *block, rows, columns)?));
             }
+            stamp = samples.as_ref().map(|(_, samples)| ([*block, *phase], frame.values(psf, samples, *phase)));
+        }
+        let Some((_, values)) = &stamp else { continue };
+        for (row, range, from) in frame.rows(*pixel, rows, columns) {
+            let values = &values[from..from + range.len()];
+            let pixels = patch.span_mut(row, range);
+            pixels.iter_mut().zip(values).for_each(|(pixel, value)| *pixel += (light * value) as f32);
         }
     }
     Ok(patch)
 }
 
+/// Returns the samples of the point spread function in the middle of a square. A square outside of the frame has those of
+/// the nearest place in the frame, because a polynomial has no meaning elsewhere.
+fn samples_at(psf: &PsfGrid, block: [i64; 2], rows: usize, columns: usize) -> Result<Vec<f64>, StreaksError> {
+    let middle = |axis: usize, count: usize| ((block[axis] as f64 + 0.5) * BLOCK_PIX).clamp(0.0, count as f64);
+    let middle = PixelPosition { x: middle(0, columns), y: middle(1, rows) };
+    psf.at(middle).ok_or_else(|| {
+        let [x, y] = middle.fits();
+        StreaksError::invalid(format!("sum of the point spread function at ({x:.0}, {y:.0})"), "0 or less", "above 0")
+    })
+}
+
 /// Divides the light of a point among the nearest four positions.
-fn add(lights: &mut Lights, at: PixelPosition, light: f64) {
+fn add(lights: &mut BTreeMap<Place, f64>, block: [i64; 2], at: PixelPosition, light: f64) {
     let fine = [at.x, at.y].map(|at| at * PHASES as f64);
     let first = fine.map(|at| at.floor() as i64);
     let share = [0, 1].map(|axis| fine[axis] - first[axis] as f64);
     for (dx, wx) in [(0, 1.0 - share[0]), (1, share[0])] {
         for (dy, wy) in [(0, 1.0 - share[1]), (1, share[1])] {
             if wx * wy > 0.0 {
-                *lights.entry([first[0] + dx, first[1] + dy]).or_default() += light * wx * wy;
+                let cell = [first[0] + dx, first[1] + dy];
+                let place = (block, cell.map(|at| at.rem_euclid(PHASES)), cell.map(|at| at.div_euclid(PHASES)));
+                *lights.entry(place).or_default() += light * wx * wy;
             }
         }
     }
 }
 
-/// Light of a star of unit light in the pixels around it, for one position within a pixel.
-struct Stamp {
+/// The pixels around a star that have its light.
+struct StampFrame {
     /// Number of pixels to the left of and below the pixel of the star.
     before: [i64; 2],
     /// Columns and rows.
     size: [usize; 2],
-    values: Vec<f64>,
 }
 
-impl Stamp {
-    fn of(psf: &PsfGrid, samples: &[f64], phase: [i64; 2]) -> Self {
+impl StampFrame {
+    fn of(psf: &PsfGrid) -> Self {
         let [rows, columns] = psf.size;
-        let axis = |count: usize, phase: i64| -> (i64, Vec<Vec<(usize, f64)>>) {
-            let middle = 0.5 * (count as f64 - 1.0);
-            let half = ((middle + 1.0) * psf.step_pix).ceil() as i64;
-            let star = phase as f64 / PHASES as f64;
-            let weights = (-half..=half + 1).map(|pixel| weights(count, (pixel as f64 - star) / psf.step_pix + middle));
-            (half, weights.collect())
+        let before = [columns, rows].map(|count| ((0.5 * (count as f64 - 1.0) + 1.0) * psf.step_pix).ceil() as i64);
+        Self { before, size: before.map(|half| 2 * half as usize + 2) }
+    }
+
+    /// Returns the light of a star of unit light in these pixels, for a position within its pixel.
+    fn values(&self, psf: &PsfGrid, samples: &[f64], phase: [i64; 2]) -> Vec<f64> {
+        let [rows, columns] = psf.size;
+        let axis = |axis: usize, count: usize| -> Vec<Vec<(usize, f64)>> {
+            let (middle, half) = (0.5 * (count as f64 - 1.0), self.before[axis]);
+            let star = phase[axis] as f64 / PHASES as f64;
+            (-half..=half + 1).map(|pixel| weights(count, (pixel as f64 - star) / psf.step_pix + middle)).collect()
         };
-        let ((left, across), (below, up)) = (axis(columns, phase[0]), axis(rows, phase[1]));
+        let (across, up) = (axis(0, columns), axis(1, rows));
         let mut values = Vec::with_capacity(across.len() * up.len());
         let mut line = vec![0.0; columns];
         for of_row in &up {
@@ -131,17 +151,18 @@ impl Stamp {
         if sum > 0.0 {
             values.iter_mut().for_each(|value| *value /= sum);
         }
-        Self { before: [left, below], size: [across.len(), up.len()], values }
+        values
     }
 
-    /// Returns the rows of the frame that the stamp reaches for a star in a cell: columns and values.
+    /// Returns the rows of the frame that the light of a star in a pixel reaches: columns, and the index of their first
+    /// value.
     fn rows(
         &self,
-        cell: [i64; 2],
+        pixel: [i64; 2],
         rows: usize,
         columns: usize,
-    ) -> impl Iterator<Item = (usize, std::ops::Range<usize>, &[f64])> {
-        let [left, bottom] = [0, 1].map(|axis| cell[axis].div_euclid(PHASES) - self.before[axis]);
+    ) -> impl Iterator<Item = (usize, Range<usize>, usize)> + use<> {
+        let [left, bottom] = [0, 1].map(|axis| pixel[axis] - self.before[axis]);
         let [width, height] = self.size;
         let first = left.clamp(0, columns as i64);
         let end = (left + width as i64).clamp(first, columns as i64);
@@ -149,7 +170,7 @@ impl Stamp {
         (0..height as i64).filter_map(move |row| {
             let in_frame = usize::try_from(bottom + row).ok().filter(|row| *row < rows && !range.is_empty())?;
             let from = row as usize * width + (first - left) as usize;
-            Some((in_frame, range.clone(), &self.values[from..from + range.len()]))
+            Some((in_frame, range.clone(), from))
         })
     }
 }

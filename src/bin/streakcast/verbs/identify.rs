@@ -190,13 +190,20 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
     candidates.columns.splice(0..0, named);
     let (mut left_out, mut last): (_, Option<Done>) = (left_out_table(&[]), None);
     let (mut count, mut without, mut frame) = (0, Vec::new(), None);
+    let mut failed = Vec::new();
     for path in &typed.streaks {
         let (rows, remarks) = streaks_of_table(path, &typed.streak)?;
         remarks.iter().for_each(|remark| notices.info(remark));
         for row in rows {
             let at_row = |error: &dyn std::fmt::Display| anyhow!("{}: {error}", row.origin);
             let (at_site, remark) = row.streak.with_site_of_frame(config.clone()).map_err(|error| at_row(&error))?;
-            let plan = row.streak.resolve(&at_site).map_err(|error| at_row(&error))?;
+            let plan = match row.streak.resolve(&at_site) {
+                Ok(plan) => plan,
+                Err(error) => {
+                    failed.push(at_row(&error));
+                    continue;
+                }
+            };
             // Streaks of one frame have the same sky.
             let key = (row.streak.image.clone(), plan.streak.start(), plan.streak.duration_s().to_bits());
             let same = frame.as_ref() == Some(&key);
@@ -204,7 +211,13 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
                 remark.iter().for_each(|remark| notices.info(remark));
             }
             let prepared = last.take().filter(|_| same).map(|done| done.prepared);
-            let done = identified(typed, &at_site, &plan, prepared, &notices).map_err(|error| at_row(&error))?;
+            let done = match identified(typed, &at_site, &plan, prepared, &notices) {
+                Ok(done) => done,
+                Err(error) => {
+                    failed.push(at_row(&error));
+                    continue;
+                }
+            };
             let image = row.streak.image.as_ref().map(|image| image.display().to_string());
             let table = done.table(typed.top);
             if table.rows.is_empty() {
@@ -219,6 +232,13 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
             }
             (frame, last, count) = (Some(key), Some(done), count + 1);
         }
+    }
+    if !failed.is_empty() {
+        if count == 0 {
+            return Err(failed.swap_remove(0));
+        }
+        let warnings = failed.iter().map(|error| format!("{error}; the streak is left out"));
+        notices.warn_first(warnings, "streaks left out");
     }
     // A detector may have found no streak.
     let (mut provenance, include_dark) = match last {

@@ -133,11 +133,17 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
         Some(upload) => upload_table(&done, &observer, upload)?,
         None => done.table.clone(),
     };
-    let frames: Vec<String> = typed.measure.image.iter().map(|path| path.display().to_string()).collect();
-    let mut options = json!({ "frames": frames, "satellite_size_m": typed.measure.satellite_size });
+    let shown = |paths: &[PathBuf]| paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>();
+    let mut options = json!({
+        "frames": shown(&done.frames),
+        "satellite_size_m": typed.measure.satellite_size,
+        "seeing": typed.measure.seeing,
+        "fit_width": typed.measure.fit_width,
+        "star_colours": typed.measure.star_colours,
+    });
     if has_tables {
-        let tables = typed.measure.streaks.iter().map(|path| path.display().to_string());
-        options["streaks"] = tables.collect::<Vec<_>>().into();
+        options["streaks"] = shown(&typed.measure.streaks).into();
+        options["place_sigma"] = typed.measure.place_sigma.clone().into();
     }
     done.provenance.state("options", options);
     // Uploads must begin with the line of column names, so no provenance is written.
@@ -172,6 +178,7 @@ fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Resul
         let number = satellite.norad_id.map_or_else(String::new, |id| format!(" ({id})"));
         let light = match (&pass.magnitude, pass.limit_mag) {
             (Some(light), _) => format!("{:.3} +- {:.3} mag", light.value, light.sigma),
+            (None, _) if pass.measured.is_detected => "found, magnitude unknown".to_owned(),
             (None, Some(limit)) => format!("not found, fainter than {limit:.2} mag"),
             (None, None) => "not found".to_owned(),
         };
