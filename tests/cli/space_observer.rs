@@ -189,7 +189,7 @@ fn costs_with_satellites_in_shadow_follow_one_rule() {
     let folder = TempDir::new().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let header = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n";
-    let row = |row: usize, start: &str| format!("{row},{start},30,{},{}\n", 6 * row, (row % 7) * 20 - 60);
+    let row = |row: i32, start: &str| format!("{row},{start},30,{},{}\n", 6 * row, (row % 7) * 20 - 60);
     let rows: String = (10..30).map(|number| row(number, &format!("2026-03-21T06:{number:02}:00Z"))).collect();
     fs::write(path("s.csv"), format!("{header}{rows}")).unwrap();
     fs::write(path("p.toml"), "limit_mag = 1\nmax_cost_s = 0.004\nmax_delay_s = 120\n").unwrap();
@@ -284,9 +284,8 @@ fn contradictory_segments_of_the_telescope_are_named() {
     let second: String = EPHEMERIS[EPHEMERIS.find("META_START").unwrap()..].lines().map(shifted).collect();
     for (text, expected) in [(EPHEMERIS.to_owned(), false), (format!("{EPHEMERIS}\n{second}"), true)] {
         fs::write(&path, text).unwrap();
-        let exposure =
-            ["passes", "--start", "2024-08-14T01:00:00Z", "--exposure", "60s", "--fov", "5deg", "--ra", "10"];
-        let satellites = ["--dec", "20", "--shells", "oneweb", "--observer-elements", &path];
+        let exposure = ["passes", "--start", "2024-08-14T01:10:00Z", "--exposure", "60s", "--fov", "5deg", "--ra", "0"];
+        let satellites = ["--dec", "10", "--shells", "oneweb", "--observer-elements", &path];
         let (_, _, stderr) = run(&[&exposure, &satellites]);
         let warning = "segments of one ephemeris message overlap and differ by more than 1 km";
         assert_eq!(stderr.contains(warning), expected, "{stderr}");
