@@ -224,6 +224,8 @@ impl PreparedSky {
         warnings.extend(warnings::of_orientation(&self.eop, first, last));
         if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {
             warnings.extend(warnings::of_observer(observer, first, last));
+            let contradictory = observer.has_contradictory_ephemerides().then(|| observer.name());
+            warnings.extend(warnings::of_contradictory(contradictory.as_slice()));
         }
         warnings
     }

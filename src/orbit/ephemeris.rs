@@ -202,7 +202,7 @@ impl EphemerisTable {
     }
 
     /// Returns true if another ephemeris of the same message is for the same time, but for another orbit.
-    fn contradicts(&self, other: &Self) -> bool {
+    pub fn contradicts(&self, other: &Self) -> bool {
         let [own, others] = [(0.0, self), (utc_seconds(self.start, other.start), other)];
         let from_s = (own.0 + self.usable_s[0]).max(others.0 + other.usable_s[0]);
         let to_s = (own.0 + self.usable_s[1]).min(others.0 + other.usable_s[1]);

@@ -47,6 +47,12 @@ impl ObserverOrbit {
         }
     }
 
+    /// Returns true if two ephemerides of one message are for the same time and differ by more than a kilometre.
+    pub fn is_contradictory(&self) -> bool {
+        let Source::Ephemerides(tables) = &self.0 else { return false };
+        tables.iter().enumerate().any(|(at, one)| tables[at + 1..].iter().any(|other| one.contradicts(other)))
+    }
+
     /// Returns the longest part of an interval around another one, `inner`, for which one ephemeris gives positions; the
     /// whole interval for an element set. `None` if no ephemeris covers `inner`: positions in it are unknown.
     pub fn known_part(&self, outer: [Epoch; 2], inner: [Epoch; 2]) -> Option<[Epoch; 2]> {

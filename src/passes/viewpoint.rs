@@ -82,6 +82,13 @@ impl OrbitingObserver {
         &self.ephemerides
     }
 
+    /// Returns true if two of its ephemerides are of one message and for the same time, and differ by more than a
+    /// kilometre.
+    #[doc(hidden)]
+    pub fn has_contradictory_ephemerides(&self) -> bool {
+        self.orbit.is_contradictory()
+    }
+
     /// Returns the geocentric position, km.
     ///
     /// # Errors

@@ -13,9 +13,8 @@ const MAX_REASONS: usize = 5;
 /// Crossing probabilities and expected loss of an exposure for all satellites together, including near misses.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(super) struct ExpectedLoss {
-    /// Probability that at least one satellite crosses while it is lit and brighter than a limit of the policy; equal
-    /// to
-    /// `p_crossing` if no limit applies.
+    /// Probability that at least one satellite crosses while it is lit and brighter than a limit of the policy; that
+    /// of `p_crossing` if no limit applies.
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses; with `include_dark`, one that is lit or not.
     pub p_crossing: f64,

@@ -17,6 +17,8 @@ pub struct FoundWindows<'a> {
     pub listed: &'a ListedTarget,
     /// Windows of the target; `None` if the row is invalid.
     pub found: Option<&'a TargetWindows>,
+    /// True for a telescope in orbit.
+    pub is_in_orbit: bool,
 }
 
 impl FoundWindows<'_> {
@@ -30,7 +32,11 @@ impl FoundWindows<'_> {
         match (&self.listed.target, self.found) {
             (Err(reason), _) => Some(reason.clone()),
             (Ok(_), Some(found)) if found.observable.is_empty() => {
-                Some("never above the lowest altitude in the dark".to_owned())
+                let reason = match self.is_in_orbit {
+                    true => "never above the Earth's limb and within the limits of the telescope",
+                    false => "never above the lowest altitude in the dark",
+                };
+                Some(reason.to_owned())
             }
             (Ok(_), Some(TargetWindows { windows, unknown: None, .. })) => {
                 windows.is_empty().then(|| "never clear".to_owned())
@@ -300,7 +306,7 @@ mod tests {
             windows: windows.iter().map(|(a, b)| ClearWindow { first: utc(a), last: utc(b) }).collect(),
             ..TargetWindows::default()
         };
-        let all = [FoundWindows { listed: &listed, found: Some(&found) }];
+        let all = [FoundWindows { listed: &listed, found: Some(&found), is_in_orbit: false }];
         let json =
             |shape: SchedulerFormat, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s).0).unwrap();
         let lco = json(SchedulerFormat::Lco, 0.0);
@@ -344,7 +350,8 @@ mod tests {
             ..TargetWindows::default()
         };
         let never = TargetWindows::default();
-        let all = [&found, &never].map(|found| FoundWindows { listed: &listed, found: Some(found) });
+        let all =
+            [&found, &never].map(|found| FoundWindows { listed: &listed, found: Some(found), is_in_orbit: false });
         let (text, left_out) = SchedulerFormat::Lco.text(&all, 90.0);
         let document: Json = serde_json::from_str(&text).unwrap();
         assert_eq!((document["requests"].as_array().unwrap().len(), left_out.len()), (1, 1));

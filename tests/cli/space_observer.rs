@@ -189,7 +189,7 @@ fn costs_with_satellites_in_shadow_follow_one_rule() {
     let folder = TempDir::new().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let header = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n";
-    let row = |row: usize, start: &str| format!("{row},{start},30,{},{}\n", 6 * row, (row % 7) * 20 - 60);
+    let row = |row: i32, start: &str| format!("{row},{start},30,{},{}\n", 6 * row, (row % 7) * 20 - 60);
     let rows: String = (10..30).map(|number| row(number, &format!("2026-03-21T06:{number:02}:00Z"))).collect();
     fs::write(path("s.csv"), format!("{header}{rows}")).unwrap();
     fs::write(path("p.toml"), "limit_mag = 1\nmax_cost_s = 0.004\nmax_delay_s = 120\n").unwrap();
@@ -257,11 +257,39 @@ fn windows_and_statistics_end_with_the_ephemeris() {
             last_starts.extend(windows.iter().map(|one| one["last_start_utc"].as_str().unwrap().to_owned()));
         }
     }
+    let target = ["windows", "--ra", "0", "--dec", "10", "--exposure", "500s", "--fov", "1deg"];
+    let (_, _, stderr) = run(&[&target, &["--shells", "oneweb", "--min-sun-angle", "180"], &span]);
+    assert!(stderr.contains("never above the Earth's limb and within the limits of the telescope"), "{stderr}");
     // The shutter closes by 01:30:00.
     assert_eq!(last_starts.iter().max().map(|last| &last[..19]), Some("2024-08-14T01:21:40"), "{last_starts:?}");
     let statistics = ["statistics", "--fov", "1deg", "--exposure", "500s", "--pointings", "40", "--format", "json"];
     let (code, _, stderr) = run(&[&statistics, SHELLS, &span]);
     assert_eq!(code, 0, "{stderr}");
+}
+
+/// Segments of the telescope's ephemeris that overlap and differ are named, as those of satellites are.
+#[test]
+fn contradictory_segments_of_the_telescope_are_named() {
+    const EPHEMERIS: &str = include_str!("../data/ephemerides/invented.oem");
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("two.oem").display().to_string();
+    // The second segment is 100 km away.
+    let shifted = |line: &str| match line.split_once(' ') {
+        Some((time, cells)) if time.starts_with("2024-") => {
+            let (x, others) = cells.split_once(' ').unwrap();
+            format!("{time} {:.9} {others}\n", x.parse::<f64>().unwrap() + 100.0)
+        }
+        _ => format!("{line}\n"),
+    };
+    let second: String = EPHEMERIS[EPHEMERIS.find("META_START").unwrap()..].lines().map(shifted).collect();
+    for (text, expected) in [(EPHEMERIS.to_owned(), false), (format!("{EPHEMERIS}\n{second}"), true)] {
+        fs::write(&path, text).unwrap();
+        let exposure = ["passes", "--start", "2024-08-14T01:10:00Z", "--exposure", "60s", "--fov", "5deg", "--ra", "0"];
+        let satellites = ["--dec", "10", "--shells", "oneweb", "--observer-elements", &path];
+        let (_, _, stderr) = run(&[&exposure, &satellites]);
+        let warning = "segments of one ephemeris message overlap and differ by more than 1 km";
+        assert_eq!(stderr.contains(warning), expected, "{stderr}");
+    }
 }
 
 /// Limits that allow three in 10,000 pointings are no error, whatever the seed (with seeds 1, 2, 3, 4 and 7 they were).

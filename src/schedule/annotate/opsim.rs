@@ -167,16 +167,22 @@ fn id_column(columns: &[(String, String)]) -> Option<&(String, String)> {
 /// Creates the view of the observations with their verdicts, unless identifiers are missing or repeated, so that they
 /// do not assign a verdict to each observation.
 fn write_view(connection: &Connection, flags: &Table) -> Result<(), rusqlite::Error> {
-    let Some((id, _)) = id_column(&columns_of_observations(connection)?).cloned() else { return Ok(()) };
+    let columns = columns_of_observations(connection)?;
+    let Some((id, _)) = id_column(&columns) else { return Ok(()) };
     let missing = format!("SELECT EXISTS (SELECT 1 FROM observations WHERE \"{id}\" IS NULL)");
     if !has_unique_ids(connection)? || connection.query_row(&missing, [], |row| row.get::<_, bool>(0))? {
         return Ok(());
     }
-    let names = flags.columns.iter().map(|column| column.name).filter(|name| *name != "exposure_id");
-    let added: Vec<String> = names.map(|name| format!("f.\"{name}\"")).collect();
+    let names: Vec<&str> =
+        flags.columns.iter().map(|column| column.name).filter(|name| *name != "exposure_id").collect();
+    // Columns of the observations with the name of one of these are left out, so that the name has one meaning.
+    let is_kept = |name: &&String| !names.iter().any(|own| own.eq_ignore_ascii_case(name));
+    let kept =
+        columns.iter().map(|(name, _)| name).filter(is_kept).map(|name| format!("o.\"{}\"", name.replace('"', "\"\"")));
+    let added = names.iter().map(|name| format!("f.\"{name}\""));
     let view = format!(
-        "CREATE VIEW {JOINED} AS SELECT o.*, {} FROM observations o LEFT JOIN {FLAGS} f ON o.\"{id}\" = f.exposure_id",
-        added.join(", ")
+        "CREATE VIEW {JOINED} AS SELECT {} FROM observations o LEFT JOIN {FLAGS} f ON o.\"{id}\" = f.exposure_id",
+        kept.chain(added).collect::<Vec<_>>().join(", ")
     );
     connection.execute(&view, []).map(drop)
 }
@@ -307,6 +313,29 @@ mod tests {
             let views: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
             assert_eq!(views, expected, "{values}");
         }
+    }
+
+    /// A column of the observations with the name of one of the verdicts is not in the view.
+    #[test]
+    fn names_in_the_view_are_those_of_the_verdicts() {
+        let folder = tempfile::tempdir().unwrap();
+        let [input, output] = ["in.db", "out.db"].map(|name| folder.path().join(name));
+        let (flags, streaks) = tables(&["7", "8"]);
+        let rows = "CREATE TABLE observations (observationId INTEGER, P_any REAL, \"a \"\"b\" TEXT);
+                    INSERT INTO observations VALUES (7, -5, 'x'), (8, -5, 'y');";
+        Connection::open(&input).unwrap().execute_batch(rows).unwrap();
+        let provenance = Provenance::default();
+        let annotation =
+            Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
+        annotate(&input, &output, &annotation).unwrap();
+        let copy = Connection::open(&output).unwrap();
+        let query = "SELECT count(*), max(v.p_any = f.p_any), max(\"a \"\"b\") FROM observations_streaks v
+                     JOIN streak_flags f ON f.exposure_id = observationId";
+        let found: (i64, bool, String) =
+            copy.query_row(query, [], |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?))).unwrap();
+        assert_eq!(found, (2, true, "y".to_owned()));
+        let query = "SELECT count(*) FROM pragma_table_info('observations_streaks') WHERE name LIKE 'p_any%'";
+        assert_eq!(copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap(), 1);
     }
 
     #[test]

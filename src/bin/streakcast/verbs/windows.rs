@@ -166,7 +166,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         let night = Night::over(&prepared.sky, from, to, request.max_sun_altitude_rad)?;
         notices.warn(&night.why_never_dark(&site.site().name));
     }
-    let found = found(&listed, &report);
+    let found = found(&listed, &report, in_orbit);
     let without = found.iter().filter_map(|one| {
         let name = Quoted::new(&one.listed.name);
         let what = if one.windows().is_empty() { " has no window" } else { "" };
@@ -273,11 +273,14 @@ fn local_window(first: Epoch, last: Epoch, step_s: f64, zone: &LocalTime) -> [St
 }
 
 /// Pairs every row of the target list with its windows.
-fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundWindows<'a>> {
+fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport, is_in_orbit: bool) -> Vec<FoundWindows<'a>> {
     let mut results = report.by_target.iter();
     listed
         .iter()
-        .map(|listed| FoundWindows { listed, found: listed.target.as_ref().ok().and_then(|_| results.next()) })
+        .map(|listed| {
+            let found = listed.target.as_ref().ok().and_then(|_| results.next());
+            FoundWindows { listed, found, is_in_orbit }
+        })
         .collect()
 }
 
