@@ -8,7 +8,7 @@ use streakcast::geometry::{Observer, ShadowModel, Site, ViewingGeometry};
 use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky};
 use streakcast::photometry::{
-    BrightObjects, DiffuseSphere, MagnitudeSource, StandardMagnitude, StandardMagnitudes, StandardObject,
+    BrightObject, BrightObjects, DiffuseSphere, MagnitudeSource, StandardMagnitude, StandardMagnitudes, StandardObject,
 };
 
 /// Tolerance for the rounding of magnitudes and times by Heavens-Above, mag. Near the zenith, a pass brightens by 0.03
@@ -145,7 +145,8 @@ fn valid_class_means_of_rocket_bodies() {
     let path = data.join("tle/fullcat/TLE3_2023-04-07.txt");
     let catalogue = Satellites::read(&[path], &ReadOptions::default()).unwrap();
     let table = BrightObjects::embedded();
-    for class in table.iter().filter(|object| object.norad_id.is_none()) {
+    let is_class = |object: &&BrightObject| object.norad_id.is_none() && !object.name.ends_with('*');
+    for class in table.iter().filter(is_class) {
         let of_class = catalogue
             .element_sets
             .iter()
@@ -154,6 +155,27 @@ fn valid_class_means_of_rocket_bodies() {
         let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
         assert!(magnitudes.len() >= 5 && (mean - class.half_lit.0).abs() < 0.02, "{class:?}: {mean}");
     }
+}
+
+/// The magnitude of families of cubesats is the mean of the smallest objects in the list.
+#[test]
+fn valid_mean_of_small_objects() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let bytes = std::fs::read(data.join("metadata/qs.mag")).unwrap();
+    let text = String::from_utf8_lossy(&bytes);
+    let listed = StandardMagnitudes::from_qs_mag(&text).unwrap();
+    // Columns 39-50: three sizes, m; 0 if unknown.
+    let size = |line: &str, column: usize| line.get(column..column + 4)?.trim().parse::<f64>().ok();
+    let largest = |line: &str| Some(size(line, 38)?.max(size(line, 42)?).max(size(line, 46)?));
+    let is_small = |line: &&str| largest(line).is_some_and(|size_m| size_m > 0.0 && size_m <= 0.4);
+    let magnitude = |line: &str| Some(listed.get(line.get(..5)?.trim().parse().ok()?)?.0);
+    let magnitudes: Vec<f64> = text.lines().filter(is_small).filter_map(magnitude).collect();
+    let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
+    let of_flock = BrightObjects::embedded().get(0, "FLOCK 4P-12").unwrap();
+    assert!(magnitudes.len() == 11 && (mean - of_flock.half_lit.0).abs() < 0.005, "{magnitudes:?}");
+    // Standard deviation of the objects, and 1 mag for single magnitudes.
+    let variance = magnitudes.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / 10.0;
+    assert!((variance.sqrt().hypot(1.0) - of_flock.sigma_mag).abs() < 0.01, "{variance}");
 }
 
 /// Priors of unknown satellites in high orbits, which have the median of the listed objects of their class of orbit.

@@ -292,26 +292,30 @@ mod tests {
         }
     }
 
-    /// The view has the verdict of each observation, or does not exist: without an identifier there is none.
+    /// The view has the verdict of each observation, or does not exist: without an identifier, and with one of two
+    /// verdicts, there is none. Observations that are in the database twice have one verdict.
     #[test]
     fn the_view_needs_identifiers() {
         let folder = tempfile::tempdir().unwrap();
-        for (number, (values, ids, expected)) in
-            [("(7), (8)", ["7", "8"], 1), ("(7), (NULL)", ["7", "2"], 0), ("(7), (7)", ["7", "7"], 0)]
-                .into_iter()
-                .enumerate()
-        {
+        let cases = [
+            ("(7), (8)", ["7", "8"], 0.5, 1),
+            ("(7), (NULL)", ["7", "2"], 0.5, 0),
+            ("(7), (7)", ["7", "7"], 0.5, 1),
+            ("(7), (7)", ["7", "7"], 0.6, 0),
+        ];
+        for (number, (values, ids, p_any, expected)) in cases.into_iter().enumerate() {
             let [input, output] = ["in", "out"].map(|name| folder.path().join(format!("{name}{number}.db")));
             let table = "CREATE TABLE observations (observationId INTEGER); INSERT INTO observations VALUES";
             Connection::open(&input).unwrap().execute_batch(&format!("{table} {values};")).unwrap();
-            let (flags, streaks) = tables(&ids);
+            let (mut flags, streaks) = tables(&ids);
+            flags.rows[1][1] = p_any.into();
             let provenance = Provenance::default();
             let annotation =
                 Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
             annotate(&input, &output, &annotation).unwrap();
             let query = "SELECT count(*) FROM sqlite_schema WHERE type = 'view'";
             let views: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
-            assert_eq!(views, expected, "{values}");
+            assert_eq!(views, expected, "{values}, {p_any}");
         }
     }
 
