@@ -8,7 +8,7 @@ use streakcast::geometry::{Observer, ShadowModel, Site, ViewingGeometry};
 use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky};
 use streakcast::photometry::{
-    BrightObject, BrightObjects, DiffuseSphere, MagnitudeSource, StandardMagnitude, StandardMagnitudes, StandardObject,
+    BrightObjects, DiffuseSphere, MagnitudeSource, StandardMagnitude, StandardMagnitudes, StandardObject,
 };
 
 /// Tolerance for the rounding of magnitudes and times by Heavens-Above, mag. Near the zenith, a pass brightens by 0.03
@@ -145,8 +145,7 @@ fn valid_class_means_of_rocket_bodies() {
     let path = data.join("tle/fullcat/TLE3_2023-04-07.txt");
     let catalogue = Satellites::read(&[path], &ReadOptions::default()).unwrap();
     let table = BrightObjects::embedded();
-    let is_class = |object: &&BrightObject| object.norad_id.is_none() && !object.name.ends_with('*');
-    for class in table.iter().filter(is_class) {
+    for class in table.iter().filter(|object| object.norad_id.is_none() && !object.name.ends_with('*')) {
         let of_class = catalogue
             .element_sets
             .iter()
