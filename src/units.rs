@@ -134,11 +134,13 @@ pub enum UnitError {
 
 impl Unit {
     /// Returns true if two numbers of one quantity, in the unit of the program, differ by no more than their rounding:
-    /// 0.01, or a ten-thousandth. Angles are equal after a whole turn, and right ascensions without a unit may be in hours.
-    pub fn is_same(&self, one: f64, other: f64) -> bool {
+    /// 0.01, or a ten-thousandth. Right ascensions are equal after a whole turn, and those without a unit may be in hours;
+    /// `column` is the name of one of the columns.
+    pub fn is_same(&self, column: &str, one: f64, other: f64) -> bool {
         const ROUNDING: f64 = 0.01;
         const SHARE: f64 = 1e-4;
-        let hours = self.value("hourangle").map(|(_, degrees)| degrees);
+        let is_right_ascension = column.to_ascii_lowercase().contains("ra");
+        let hours = self.value("hourangle").filter(|_| is_right_ascension).map(|(_, degrees)| degrees);
         let difference = |other: f64| match hours {
             Some(_) => (one - other + 180.0).rem_euclid(360.0) - 180.0,
             None => one - other,
@@ -218,17 +220,20 @@ mod tests {
 
     #[test]
     fn equal_values_differ_by_rounding() {
-        for (unit, one, other, is_same) in [
-            (&SECONDS, 30.0, 30.001, true),
-            (&SECONDS, 30.0, 390.0, false),
-            (&SECONDS, 30.0, 2.0, false),
-            (&DEGREES, 198.1234, -161.87656, true),
-            (&DEGREES, 359.9999, 0.0, true),
-            (&DEGREES, 0.0, 359.9999, true),
-            (&DEGREES, 190.0, 12.666667, true),
-            (&DEGREES, 190.0, 10.0, false),
+        for (unit, column, one, other, is_same) in [
+            (&SECONDS, "duration_s", 30.0, 30.001, true),
+            (&SECONDS, "duration_s", 30.0, 390.0, false),
+            (&SECONDS, "duration_s", 30.0, 2.0, false),
+            (&DEGREES, "s_ra", 198.1234, -161.87656, true),
+            (&DEGREES, "s_ra", 359.9999, 0.0, true),
+            (&DEGREES, "s_ra", 0.0, 359.9999, true),
+            (&DEGREES, "s_ra", 190.0, 12.666667, true),
+            (&DEGREES, "s_ra", 190.0, 10.0, false),
+            (&DEGREES, "dec_deg", 30.0, 30.0001, true),
+            (&DEGREES, "dec_deg", 30.0, 2.0, false),
+            (&DEGREES, "dec_deg", -10.0, 350.0, false),
         ] {
-            assert_eq!(unit.is_same(one, other), is_same, "{one} {other}");
+            assert_eq!(unit.is_same(column, one, other), is_same, "{column} {one} {other}");
         }
     }
 

@@ -372,8 +372,10 @@ pub(super) fn with_site(
 /// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
 pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, ConfigError> {
     let given = config.photometry()?;
-    let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
-    let band = word.and_then(|word| word.trim_end_matches('\'').parse::<Band>().ok());
+    let filter = frame.filter.as_deref().unwrap_or_default().trim();
+    let word = filter.split_whitespace().next().unwrap_or_default();
+    // `H alpha 656nm` is no infrared band.
+    let band = word.trim_end_matches('\'').parse::<Band>().ok().filter(|band| !band.is_infrared() || word == filter);
     Ok(match band.filter(|_| config.light.band.is_none()) {
         Some(band) => {
             let system = if config.light.mag_system.is_some() { given.system } else { band.usual_system() };

@@ -30,6 +30,9 @@ pub(super) fn read_response(path: &Path) -> Result<ResponseBand, ConfigError> {
         curve.push((wavelength_um, row.number_in(response, [0.0, f64::MAX]).map_err(failed)?));
     }
     ResponseBand::from_curve(&curve).ok_or_else(|| {
-        ConfigError::invalid(format!("{what} {}: no response is positive; allowed: two rows or more", path.display()))
+        ConfigError::invalid(format!(
+            "{what} {}: too few rows, or no response is positive; allowed: two rows or more, with positive responses",
+            path.display()
+        ))
     })
 }

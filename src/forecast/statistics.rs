@@ -219,10 +219,11 @@ fn count(
         |one: &SatelliteSnapshot| one.point.altitude_rad.is_some_and(|altitude_rad| altitude_rad >= min_altitude_rad);
     for (element_index, one) in snapshots.filter(|(_, one)| is_above(one)) {
         count.above += share;
-        if !one.is_lit() {
+        if one.is_lit() {
+            count.lit += share;
+        } else if !request.photometry.band.is_thermal() {
             continue;
         }
-        count.lit += share;
         // (π D²/4 + ω t D) / Ω                                             Bassa et al. (2022), section 2
         let field_sr = request.field_sr.unwrap_or(0.25 * PI * request.field_rad * request.field_rad);
         let swept_sr = one.angular_rate_rad_s * request.exposure_s * request.field_rad;
@@ -259,7 +260,12 @@ const COLUMNS: [Column; 17] = [
     Column::real("brighter_than_8", "", 2, "Expected number of satellites brighter than magnitude 8."),
     Column::real("field_deg", "deg", 4, "Full diameter of the field; mean width of a field that is not a circle."),
     Column::real("exposure_s", "s", 3, "Length of the exposure."),
-    Column::real("trails_per_exposure", "", 5, "Expected number of trails of lit satellites in one exposure."),
+    Column::real(
+        "trails_per_exposure",
+        "",
+        5,
+        "Expected number of trails of lit satellites in one exposure; in thermal bands of all.",
+    ),
     Column::real("streaked_share", "", 5, "Expected fraction of exposures with at least one trail."),
 ];
 const LIMIT_COLUMNS: [Column; 3] = [

@@ -87,7 +87,7 @@ impl TableRow {
         let OtherColumn { index, names: [first, second], scale, unit } = column.other?;
         let cell = self.cells.get(index).unwrap_or_default();
         let other = cell.parse::<f64>().ok().map(|number| number * scale).filter(|number| number.is_finite())?;
-        let number = self.number(column).filter(|number| !unit.is_same(*number, other))?;
+        let number = self.number(column).filter(|number| !unit.is_same(first, *number, other))?;
         Some(invalid(format!(
             "line {}: {first} is {number} and {second} is {other}: they contradict each other; allowed: one of these columns, \
              or equal values",

@@ -162,16 +162,24 @@ impl Band {
         Some(ab.map(|ab| ab + to_system))
     }
 
+    /// Returns true for J, H, K, W1 and W2.
+    #[doc(hidden)]
+    pub fn is_infrared(self) -> bool {
+        matches!(self, Band::J | Band::H | Band::K | Band::W1 | Band::W2)
+    }
+
     /// Returns true if thermal emission contributes to the light of satellites, so that those in the Earth's shadow
     /// have a magnitude: in K, W1, W2 and response curves beyond about 2 µm.
-    pub(crate) fn has_emission(self) -> bool {
+    #[doc(hidden)]
+    pub fn has_emission(self) -> bool {
         self.black_body_mag(MagSystem::Ab).is_some()
     }
 
     /// Returns true if satellites in the Earth's shadow are not much fainter than others: their emission is at least 1 %
     /// of the sunlight that a diffuse body of the same area reflects. This holds in W1, W2 and response curves
     /// beyond about 3 µm, not in K (10 mag).
-    pub(crate) fn is_thermal(self) -> bool {
+    #[doc(hidden)]
+    pub fn is_thermal(self) -> bool {
         self.black_body_mag(MagSystem::Ab)
             .is_some_and(|[emitted, _]| emitted < self.sun_magnitude(MagSystem::Ab) + DIFFUSE_LESS_SUN_MAG + 5.0)
     }
@@ -195,11 +203,12 @@ impl fmt::Display for MagSystem {
 impl FromStr for Band {
     type Err = PhotometryError;
 
-    /// Parses the name of a band. Case matters (`R` is Cousins, `r` is LSST; `G` is Gaia, `g` is LSST).
+    /// Parses the name of a band. Case matters (`R` is Cousins, `r` is LSST; `G` is Gaia, `g` is LSST). `Ks` is `K`.
     fn from_str(text: &str) -> Result<Self, PhotometryError> {
+        let name = if text.trim() == "Ks" { "K" } else { text.trim() };
         Band::ALL
             .into_iter()
-            .find(|band| band.name() == text.trim())
+            .find(|band| band.name() == name)
             .ok_or_else(|| PhotometryError::UnknownBand { given: text.to_owned() })
     }
 }

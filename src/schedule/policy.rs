@@ -186,17 +186,29 @@ impl Policy {
         [&self.limit_mag, &self.limit_surface_brightness].into_iter().flatten().any(|limit| limit.of(band).is_some())
     }
 
-    /// Returns a warning if the limit of magnitude or of surface brightness has no value for some of the bands of the
-    /// exposures. `None` is the band of exposures without a band.
-    pub fn band_warning(&self, bands: &BTreeSet<Option<&str>>) -> Option<String> {
+    /// Returns warnings if the limits of magnitude and of surface brightness have no value for some of the bands of the
+    /// exposures, or have one for a band that differs from these by its case. `None` is the band of exposures without a
+    /// band.
+    pub fn band_warnings(&self, bands: &BTreeSet<Option<&str>>) -> Vec<String> {
         let limits = [("limit_mag", &self.limit_mag), ("limit_surface_brightness", &self.limit_surface_brightness)];
-        limits.into_iter().find_map(|(name, limit)| {
+        let warning = |(name, limit): (&str, &Option<MagnitudeLimit>)| {
             let limit = limit.as_ref()?;
+            if let MagnitudeLimit::PerBand(values) = limit {
+                // `Y` in place of `y`.
+                let other_case =
+                    values.keys().filter(|named| !bands.contains(&Some(named.as_str()))).find_map(|named| {
+                        Some((named, bands.iter().flatten().find(|band| band.eq_ignore_ascii_case(named))?))
+                    });
+                if let Some((named, band)) = other_case {
+                    return Some(format!("{name} of band {named} has no effect: the exposures have the band {band}"));
+                }
+            }
             let without: Vec<&str> =
                 bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
             (!without.is_empty())
                 .then(|| format!("{name} of the policy has no value for band {} and no default", listed(without)))
-        })
+        };
+        limits.into_iter().filter_map(warning).collect()
     }
 
     /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.

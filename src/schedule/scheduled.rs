@@ -112,7 +112,7 @@ impl Schedule {
                 "{exposures} the exposure_id of an earlier one, so that it does not identify the exposure of a streak"
             ));
         }
-        warnings.extend(policy.band_warning(&self.bands()));
+        warnings.extend(policy.band_warnings(&self.bands()));
         warnings
     }
 

@@ -159,7 +159,8 @@ fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -
 
 /// Returns the brightness of a satellite that may cross an exposure: at the peak of its pass, or, for a near miss
 /// without a pass, at the point of its track nearest to the field centre. If it is unknown there, or the satellite is
-/// in the Earth's shadow there, that of the sunlit part of the track, or else the prior of its orbit.
+/// in the Earth's shadow there, that of the sunlit part of the track (also in K, where emission is much fainter), or else
+/// the prior of its orbit.
 fn brightness_of(
     one: &CrossingProbability,
     epoch: Epoch,
@@ -173,7 +174,12 @@ fn brightness_of(
         return Some(brightness.clone());
     }
     let nearest = |lit_fraction| sky.brightness_in(*element_index, epoch, geometry, lit_fraction, photometry);
-    nearest(*lit_fraction)
+    let lit_fraction = if photometry.band.is_thermal() || *lit_fraction > 0.0 || request.policy.include_dark {
+        *lit_fraction
+    } else {
+        1.0
+    };
+    nearest(lit_fraction)
         .or_else(|| nearest(1.0))
         .or_else(|| sky.prior_brightness(*element_index, geometry, photometry))
 }

@@ -226,7 +226,7 @@ pub struct StreakRow<'a> {
     pub telescope: Option<&'a Telescope>,
     /// Band and system of the magnitudes.
     pub photometry: &'a PhotometryOptions,
-    /// Magnitude limit of the exposure, used for the column `p_brighter`.
+    /// Magnitude at which this satellite exceeds a limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
     /// Expected cost of the pass, seconds of open shutter
     /// ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
@@ -449,7 +449,7 @@ fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {
             "p_brighter",
             "",
             4,
-            "Probability of being brighter at the peak than the magnitude limit; empty without a limit for the band.",
+            "Probability of being brighter at the peak than a limit of magnitude or surface brightness; empty without one for the band.",
         ),
         |row| row.limit_mag.map(|limit_mag| row.pass.probability_brighter_than(limit_mag)).into(),
     )

@@ -128,8 +128,7 @@ fn windows_of(
     let exposures: Vec<Exposure> =
         targets.iter().map(|target| Exposure { start, duration_s, ..target.exposure.clone() }).collect();
     // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
-    let every_crossing_blocks = (policy.blocking == Blocking::Any
-        || policy.limit_mag.is_none() && policy.limit_surface_brightness.is_none())
+    let every_crossing_blocks = (policy.blocking == Blocking::Any || !policy.has_limit())
         && policy.min_probability.is_none()
         && !policy.include_dark
         && !request.conditions.photometry.band.is_thermal();

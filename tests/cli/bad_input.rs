@@ -441,6 +441,8 @@ fn suspicious_schedules_give_warnings() {
     );
     let (_, _, quiet) = run(&[&flag(&schedule), &["--policy", &policy, "--quiet"]]);
     assert_eq!(quiet, "");
+    let (_, _, stderr) = run(&[&flag(&schedule), &["--limit-mag", "G=5,default=7"]]);
+    assert!(stderr.contains("limit_mag of band G has no effect: the exposures have the band g"), "{stderr}");
 }
 
 #[test]

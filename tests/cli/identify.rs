@@ -286,6 +286,13 @@ fn streaks_of_tables_and_detectors_are_identified() {
     let found = records(&found);
     assert_eq!((code, &found[1][0], found.len()), (0, "long", 2), "{error}");
     assert!(found[1].iter().any(|cell| cell == ids[0].to_string()), "{found:?}");
+    // The provenance is that of the satellites, although the last row failed.
+    let (_, json, _) = run(&[
+        &["identify", "--streaks", &table, "--image", &frame, "--top", "1", "--format", "json"],
+        &satellites[..4],
+    ]);
+    let answer: Value = serde_json::from_str(&json).unwrap();
+    assert!(answer["provenance"]["models"].is_object() && answer["provenance"]["band"].is_string(), "{answer}");
     for words in ["streaks without ends are left out: empty", "line 4: ", "line 5: "] {
         assert!(error.contains(words), "{words}: {error}");
     }

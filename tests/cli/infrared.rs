@@ -62,6 +62,25 @@ fn satellites_in_shadow_shine_in_thermal_bands() {
     assert!(thermal.iter().filter(|pass| is_dark(pass)).all(|pass| number(pass, "magnitude_peak_sigma") > 1.1));
 }
 
+/// In the middle of the night nearly all satellites are in shadow; in W2 they count in the statistics.
+#[test]
+fn statistics_of_a_site_count_satellites_in_shadow() {
+    let trails = |band: &str| {
+        let shared = ["--shells", "starlink-gen1", "--mpc", "X05", "--fov", "1deg", "--exposure", "60s", "--quiet"];
+        let more = ["--night", "2026-06-21", "--format", "json", "--band", band];
+        let (code, stdout, stderr) = run(&[&["statistics"], &shared, &more]);
+        assert_eq!(code, 0, "{stderr}");
+        let answer: Value = serde_json::from_str(&stdout).unwrap();
+        let rows = answer["statistics"].as_array().unwrap_or_else(|| panic!("{answer}")).clone();
+        let lowest = rows
+            .iter()
+            .min_by(|one, other| number(one, "sun_altitude_deg").total_cmp(&number(other, "sun_altitude_deg")));
+        number(lowest.unwrap(), "trails_per_exposure")
+    };
+    let (visual, thermal) = (trails("V"), trails("W2"));
+    assert!(thermal > 5.0 * visual.max(0.01), "{visual} {thermal}");
+}
+
 /// A satellite of 100 m² at 5 µm and 20 µm, against Planck's law by an independent computation in Python: 1.417 and
 /// -2.523 mag (AB) at 1000 km. Their difference agrees with SPARKLES' figure within 0.1 mag (`photometry/response.rs`).
 #[test]

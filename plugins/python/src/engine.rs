@@ -8,12 +8,13 @@ use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use serde_json::json;
 use streakcast::Watch;
 use streakcast::config::{Config, ConfigError, PreparedSky, parse_time_scale, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::message::Quoted;
-use streakcast::output::{AtomicFile, Column, Provenance, Table, counted};
+use streakcast::output::{AtomicFile, Column, Provenance, Table, Value, counted, format_utc};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::{Brightness, PhotometryOptions};
 use streakcast::schedule::{
@@ -91,7 +92,7 @@ impl Engine {
         rows: &[ScheduledExposure],
         policy: &Policy,
         judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
-        each: &mut dyn FnMut(&PreparedSky, &[&ScheduledExposure], &[Verdict]),
+        each: &mut dyn FnMut(&PreparedSky, &[&ScheduledExposure], &mut [Verdict]),
         watch: &Watch,
     ) -> PyResult<WithWarnings<Vec<Verdict>>> {
         let field = self.field()?;
@@ -103,18 +104,18 @@ impl Engine {
             rows.iter().enumerate().filter_map(|(row, one)| Some((row, one.exposure.as_ref().ok()?.start))).unzip();
         for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[valid[*index]]).collect();
-            let report = judge(&night_rows, &FlagRequest { policy, ..self.request(field, &prepared) })
+            let mut report = judge(&night_rows, &FlagRequest { policy, ..self.request(field, &prepared) })
                 .map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
             totals.add(&report);
-            each(&prepared, &night_rows, &report.flags);
+            each(&prepared, &night_rows, &mut report.flags);
             for (index, flag) in indices.into_iter().zip(report.flags) {
                 flags[valid[index]] = Some(flag);
             }
         }
         warnings.extend(totals.warnings());
         let bands = rows.iter().map(|row| row.band.as_deref()).collect();
-        warnings.extend(policy.band_warning(&bands));
+        warnings.extend(policy.band_warnings(&bands));
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
 
@@ -134,27 +135,41 @@ impl Engine {
         check_extension(path, schedule.format, output).map_err(failure::request)?;
         AtomicFile::check(output).map_err(|error| failure::request(format!("{}: {error}", output.display())))?;
         let columns = StreakColumns { p_brighter: self.policy.has_limit(), ..StreakColumns::default() };
-        let mut by_row: Vec<(usize, Table)> = Vec::new();
+        let mut by_row: BTreeMap<usize, Vec<Vec<Value>>> = BTreeMap::new();
+        let mut periods: Vec<serde_json::Value> = Vec::new();
         let mut provenance: Option<Provenance> = None;
         let field = self.field()?;
-        let mut each = |prepared: &PreparedSky, rows: &[&ScheduledExposure], flags: &[Verdict]| {
+        let mut each = |prepared: &PreparedSky, rows: &[&ScheduledExposure], flags: &mut [Verdict]| {
             provenance.get_or_insert_with(|| prepared.provenance.clone());
+            // Constellations that grow differ from night to night.
+            let shells = prepared.provenance.get("shells").cloned().unwrap_or_default();
+            if periods.last().is_none_or(|last| last["shells"] != shells) {
+                let first = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).min();
+                periods.push(json!({
+                    "first_start_utc": first.map(|first| format_utc(first, 3)),
+                    "satellites": prepared.sky.elements().len(),
+                    "shells": shells,
+                }));
+            }
             let request = self.request(field, prepared);
             for (row, flag) in rows.iter().zip(flags) {
-                let Ok(exposure) = &row.exposure else { continue };
+                let (Ok(exposure), false) = (&row.exposure, flag.passes.is_empty()) else { continue };
                 let band = row.band.as_deref();
                 let limit_mag = self.policy.limit_mag_in(band);
                 let streaks = flag.passes.iter().map(|pass| request.streak_row(exposure, pass, band, limit_mag));
-                by_row.push((row.row, streak_table(streaks, columns)));
+                by_row.insert(row.row, streak_table(streaks, columns).rows);
+                // Of many nights only the rows are kept.
+                flag.passes = Vec::new();
             }
         };
         let (flags, warnings) = self.report(&schedule.exposures, &self.policy, flag_exposures, &mut each, watch)?;
-        by_row.sort_by_key(|(row, _)| *row);
-        let mut streaks = streak_table([], columns);
-        streaks.rows = by_row.into_iter().flat_map(|(_, table)| table.rows).collect();
+        let streaks = Table { rows: by_row.into_values().flatten().collect(), ..streak_table([], columns) };
         let mut provenance = provenance.unwrap_or_default();
         state_scales(&mut provenance, &scale_name(schedule.time_scale), &self.photometry);
         provenance.state("schedule", schedule.statement(path));
+        if periods.len() > 1 {
+            provenance.state("periods", periods);
+        }
         let telescope = self.telescope.as_ref().map(|telescope| telescope.name.as_str());
         provenance.state("options", self.setup.flag_options(&self.policy, telescope));
         let annotation =
@@ -421,7 +436,7 @@ impl Engine {
         // Brightness is only computed at the middle of each track.
         let options = SnapshotOptions {
             min_altitude_rad: min_altitude_deg.to_radians(),
-            include_dark,
+            include_dark: include_dark || self.photometry.band.is_thermal(),
             whole_tracks: false,
             photometry: None,
         };
@@ -508,8 +523,9 @@ impl Engine {
                 None
             };
             let magnitude = brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
-            // Probability that depends on the brightness: 0 in the Earth's shadow, 1 if nothing is known.
-            let probability = |of: &dyn Fn(&Brightness) -> f64| match middle.point.illumination.is_lit() {
+            // Probability that depends on the brightness: 0 for a dark satellite, 1 if nothing is known.
+            let is_seen = middle.point.illumination.is_lit() || self.photometry.band.has_emission();
+            let probability = |of: &dyn Fn(&Brightness) -> f64| match is_seen {
                 true if light.is_computed => {
                     or_prior(track, middle, brightness.as_ref()).map_or(1.0, |light| of(&light))
                 }
@@ -609,7 +625,7 @@ impl Engine {
         let times: Vec<(Exposure, Option<String>)> =
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
         let bands = times.iter().map(|(_, band)| band.as_deref()).collect();
-        let (mut found, mut warnings) = (Vec::new(), policy.band_warning(&bands).into_iter().collect::<Vec<_>>());
+        let (mut found, mut warnings) = (Vec::new(), policy.band_warnings(&bands));
         for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start), watch)? {
             let conditions = FlagRequest { policy: &policy, ..self.request(field, &prepared) };
             let Limits { min_altitude_rad, max_sun_altitude_rad, .. } = *limits;

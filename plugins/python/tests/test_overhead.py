@@ -115,3 +115,12 @@ def test_a_bare_number_needs_a_scale(wide):
     with pytest.raises(TypeError, match="without a time scale"):
         wide.overhead(61267.9)
     assert wide.overhead(61267.9, scale="utc").moment is not None
+
+
+def test_satellites_in_shadow_shine_in_thermal_bands():
+    night = "2026-06-22T04:40:00Z"  # local midnight in winter
+    options = dict(mpc="X05", shells="starlink-gen1", telescope="rubin")
+    visual = streakcast.StreakModel(**options).overhead(night, [0.0], limit_mag=[30.0], min_altitude=20.0)
+    thermal = streakcast.StreakModel(**options, band="W2").overhead(night, [0.0], limit_mag=[30.0], min_altitude=20.0)
+    assert len(thermal.norad_id) > len(visual.norad_id) + 10
+    assert np.isfinite(thermal.magnitude).all() and (thermal.p_brighter > 0.99).all()

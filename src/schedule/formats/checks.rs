@@ -123,7 +123,7 @@ impl Checks {
         for Other { indices, names, scales, unit } in &self.others {
             let numbers = indices.map(|index| cell(index).number().ok());
             let [Some(one), Some(other)] = numbers else { continue };
-            if !unit.is_same(one * scales[0], other * scales[1]) {
+            if !unit.is_same(&names[0], one * scales[0], other * scales[1]) {
                 let [first, second] = names;
                 return Err(format!(
                     "{first} is {one} and {second} is {other}: they contradict each other; allowed: one of these columns, \
@@ -140,7 +140,7 @@ impl Checks {
                 // A year after 1980 is the epoch of proper motions; other numbers are dates or those of visits.
                 Meaning::Epoch => {
                     let is_other = year.map_or(["now", "jnow", "date", "apparent"].contains(&&*lower), |year| {
-                        (1800.0..=1980.0).contains(&year) || lower.starts_with('b')
+                        [1855.0, 1875.0, 1900.0, 1950.0].contains(&year) || lower.starts_with('b')
                     });
                     (!is_other, "2000: positions are read as ICRS")
                 }
@@ -199,6 +199,7 @@ mod tests {
             ("epoch", "2016.0"),
             ("epoch", "2026-08-22T03:14:59"),
             ("epoch", "1"),
+            ("epoch", "1870"),
             ("epoch", "blue"),
             ("FRAME", "FK5"),
             ("frame", "17"),

@@ -149,6 +149,9 @@ class ExposureQueries(SiteQueries):
     ) -> list[Path]:
         """Writes a copy of a schedule file with verdicts and streaks, as ``streakcast annotate``.
 
+        As in the other methods, element sets are chosen for each night; the command line chooses them for the middle of
+        the whole schedule.
+
         Parameters
         ----------
         schedule : path
@@ -227,7 +230,19 @@ class ExposureQueries(SiteQueries):
         band: TextLike | None = None,
         scale: str | None = None,
     ) -> FloatOrArray:
-        """Deprecated: returns a delay in seconds, of the rule that belongs to the policy's ``blocking``. Use `next_start`."""
+        """Deprecated: use `next_start`, which returns times. Returns the delay of each exposure.
+
+        Parameters
+        ----------
+        target, start, exposure, rotation, band, scale
+            As for `next_start`.
+
+        Returns
+        -------
+        float or array
+            Delay, seconds; NaN if there is no start within the limit. The rule is ``clear``, or, for the policy's
+            ``blocking="avoid"``, ``acceptable``.
+        """
         warnings.warn("next_clear_start is deprecated; use next_start, or the delays in flags", DeprecationWarning, stacklevel=2)
         name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[self._open()[1].blocking]
         column, shape = self._starts(name, target, start, exposure, rotation, band, scale)

@@ -212,8 +212,8 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
         if name in table:
             columns[name] = _numbers(table[name], unit, name)
     if {"visitTime", "numExposures"} <= table.keys() and "exposure_s" not in names:
-        is_of_snaps = _numbers(table["numExposures"], "", "numExposures") > 1
-        columns["exposure_s"] = np.where(is_of_snaps, _numbers(table["visitTime"], "s", "visitTime"), columns["exposure_s"])
+        snaps, visit_s = _numbers(table["numExposures"], "", "numExposures"), _numbers(table["visitTime"], "s", "visitTime")
+        columns["exposure_s"] = np.where(snaps > 1, np.broadcast_to(visit_s, snaps.shape), columns["exposure_s"])
     default_deg = model._open()[1].defaults[0]
     rotation_deg = columns.get("rotation_deg", np.full(len(columns["jd1"]), np.nan))
     columns["rotation_deg"] = np.where(np.isnan(rotation_deg), default_deg, rotation_deg)
@@ -226,17 +226,27 @@ def _columns(visits: VisitsLike, model: StreakModel, scale: str | None) -> Colum
 
 
 def _numbers(column: Any, unit: str, name: str) -> npt.NDArray[np.float64]:
-    """Returns a column of numbers; masked cells and `None` are NaN."""
+    """Returns a column of numbers; masked cells, and cells of an object array that are no numbers, are NaN."""
     if isinstance(column, np.ma.MaskedArray):
         column = np.ma.filled(column.astype(float), np.nan)
     elif getattr(column, "dtype", None) == object:
-        column = np.array([np.nan if one is None else one for one in column], dtype=float)
+        column = np.array([_float(one) for one in column])
     return np.ravel(number(column, unit, name))
+
+
+def _float(cell: Any) -> float:
+    """Returns a number; NaN for `None`, pandas' NA and other objects."""
+    try:
+        return float(cell)
+    except (TypeError, ValueError):
+        return float("nan")
 
 
 def _starts(column: Any, scale: str | None) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Returns two-part Julian dates, TAI; NaN for missing MJD and MJD out of range."""
-    if not isinstance(column, np.ma.MaskedArray) and getattr(column, "dtype", np.dtype("O")).kind not in "iuf":
+    kind = getattr(column, "dtype", np.dtype("U")).kind
+    is_mjd = kind in "iuf" or kind == "O" and any(isinstance(one, (int, float)) for one in column)
+    if not isinstance(column, np.ma.MaskedArray) and not is_mjd:
         jd1, jd2 = to_tai(column, scale, "start")
         return np.ravel(jd1), np.ravel(jd2)
     mjd = _numbers(column, "d", "start")

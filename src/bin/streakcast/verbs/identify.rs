@@ -98,9 +98,10 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     let output = typed.output.clone().open(&at_site)?;
     let notices = begin(&at_site)?;
     remark.iter().for_each(|remark| notices.info(remark));
-    let mut done = identified(&typed, &at_site, &plan, None, &notices)?;
+    let mut prepared = prepared_for(&at_site, &plan, &notices)?;
+    let done = identified(&typed, &at_site, &plan, &mut prepared, &notices)?;
     let found = &done.found;
-    done.prepared.provenance.state(
+    prepared.provenance.state(
         "options",
         json!({
             "streak": plan.source,
@@ -110,7 +111,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
             "unknown_probability": (found.unknown_probability * 1e6).round() / 1e6,
         }),
     );
-    let candidates = done.table(typed.top);
+    let candidates = done.table(&prepared, typed.top);
     output.write(
         &VerbResult {
             sections: vec![
@@ -119,40 +120,47 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
                 Section { name: "left_out", table: &left_out_table(&done.found.left_out) },
             ],
             main: &candidates,
-            provenance: &done.prepared.provenance,
+            provenance: &prepared.provenance,
             style: Style { columns: ON_SCREEN, bold_row: (!candidates.rows.is_empty()).then_some(0) },
         },
         &notices,
     )?;
-    summary(&notices, &done.found, &done.prepared.sky);
+    summary(&notices, &done.found, &prepared.sky);
     Ok(if candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
-/// Candidates of one streak, with the sky in which they were searched.
+/// Candidates of one streak.
 struct Done {
     found: Identified,
     options: IdentifyOptions,
-    prepared: PreparedSky,
 }
 
 impl Done {
     /// Returns the table of the first candidates. If no candidate fits, none is listed: all are far from the streak.
-    fn table(&self, top: usize) -> Table {
+    fn table(&self, prepared: &PreparedSky, top: usize) -> Table {
         let top = if self.found.is_without_fit() { 0 } else { top };
         candidate_table(self.found.candidates.iter().take(top).map(|candidate| CandidateRow {
             candidate,
-            elements: &self.prepared.sky.elements()[candidate.element_index],
+            elements: &prepared.sky.elements()[candidate.element_index],
             photometry: &self.options.photometry,
         }))
     }
 }
 
-/// Searches the candidates of one streak. `prepared` is the sky of a streak at the same time, if there is one.
+/// Prepares the sky of a streak, and prints its warnings.
+fn prepared_for(config: &Config, plan: &IdentifyPlan, notices: &Notices) -> anyhow::Result<PreparedSky> {
+    let streak = &plan.streak;
+    let prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
+    notices.warn(&prepared.warnings);
+    Ok(prepared)
+}
+
+/// Searches the candidates of one streak in its sky.
 fn identified(
     typed: &IdentifyArguments,
     config: &Config,
     plan: &IdentifyPlan,
-    prepared: Option<PreparedSky>,
+    prepared: &mut PreparedSky,
     notices: &Notices,
 ) -> anyhow::Result<Done> {
     let streak = &plan.streak;
@@ -160,20 +168,12 @@ fn identified(
         include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
         photometry: config.photometry()?,
     };
-    let mut prepared = match prepared {
-        Some(prepared) => prepared,
-        None => {
-            let prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
-            notices.warn(&prepared.warnings);
-            prepared
-        }
-    };
     prepared.check_altitude("streak", &plan.exposure())?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
-    notices.warn_left_out(&prepared, &found.left_out, streak.start())?;
+    notices.warn_left_out(prepared, &found.left_out, streak.start())?;
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &options.photometry);
-    Ok(Done { found, options, prepared })
+    Ok(Done { found, options })
 }
 
 /// Identifies the streaks of tables. The table of candidates has the name and the frame of each streak in front.
@@ -188,8 +188,10 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
         Column::new("image", Kind::Text, "File of the frame; empty for a streak without a frame."),
     ];
     candidates.columns.splice(0..0, named);
-    let (mut left_out, mut last): (_, Option<Done>) = (left_out_table(&[]), None);
-    let (mut count, mut without, mut frame) = (0, Vec::new(), None);
+    let mut left_out = left_out_table(&[]);
+    // Sky of the last streak, and its frame and times.
+    let mut sky: Option<(_, PreparedSky)> = None;
+    let (mut count, mut without) = (0, Vec::new());
     let mut failed = Vec::new();
     for path in &typed.streaks {
         let (rows, remarks) = streaks_of_table(path, &typed.streak)?;
@@ -206,11 +208,14 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
             };
             // Streaks of one frame have the same sky.
             let key = (row.streak.image.clone(), plan.streak.start(), plan.streak.duration_s().to_bits());
-            let same = frame.as_ref() == Some(&key);
+            let same = sky.take_if(|(of, _)| *of != key).is_none() && sky.is_some();
             if !same {
                 remark.iter().for_each(|remark| notices.info(remark));
             }
-            let prepared = last.take().filter(|_| same).map(|done| done.prepared);
+            let (_, prepared) = match &mut sky {
+                Some(sky) => sky,
+                None => sky.insert((key, prepared_for(&at_site, &plan, &notices)?)),
+            };
             let done = match identified(typed, &at_site, &plan, prepared, &notices) {
                 Ok(done) => done,
                 Err(error) => {
@@ -219,7 +224,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
                 }
             };
             let image = row.streak.image.as_ref().map(|image| image.display().to_string());
-            let table = done.table(typed.top);
+            let table = done.table(prepared, typed.top);
             if table.rows.is_empty() {
                 without.push(row.id.clone());
             }
@@ -230,7 +235,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
             if !same {
                 left_out.rows.extend(left_out_table(&done.found.left_out).rows);
             }
-            (frame, last, count) = (Some(key), Some(done), count + 1);
+            count += 1;
         }
     }
     if !failed.is_empty() {
@@ -241,10 +246,8 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
         notices.warn_first(warnings, "streaks left out");
     }
     // A detector may have found no streak.
-    let (mut provenance, include_dark) = match last {
-        Some(done) => (done.prepared.provenance, done.options.include_dark),
-        None => (Provenance::new(), typed.include_dark || config.include_dark.unwrap_or(false)),
-    };
+    let mut provenance = sky.map_or_else(Provenance::new, |(_, prepared)| prepared.provenance);
+    let include_dark = typed.include_dark || config.include_dark.unwrap_or(false);
     let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
     provenance.state("options", json!({ "streaks": tables, "include_dark": include_dark, "top": typed.top }));
     output.write(

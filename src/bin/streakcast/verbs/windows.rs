@@ -159,7 +159,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         max_sun_altitude_rad: max_sun_altitude_deg.map(f64::to_radians),
     };
     let bands = targets.iter().map(|target| target.band.as_deref()).collect();
-    notices.warn(plan.policy.band_warning(&bands).as_slice());
+    notices.warn(&plan.policy.band_warnings(&bands));
     let report = clear_windows(&targets, from, to, &request)?;
     notices.warn_left_out(&prepared, &report.left_out, from)?;
     if let Some(site) = prepared.sky.viewpoint().site() {

@@ -210,7 +210,7 @@ fn verdict(
     state(status, SUN_ALTITUDE, rounded(sun.altitude_rad.to_degrees(), 2));
     step.begin("computing the crossings");
     let policy = &request.plan.policy;
-    notices.warn(policy.band_warning(&BTreeSet::from([band.as_deref()])).as_slice());
+    notices.warn(&policy.band_warnings(&BTreeSet::from([band.as_deref()])));
     let is_limited = policy.blocking == Blocking::Avoid && policy.has_limit_in(band.as_deref());
     let window_request = WindowRequest {
         conditions: request.plan.request(&prepared.sky),

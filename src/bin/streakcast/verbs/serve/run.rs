@@ -154,7 +154,9 @@ fn load(
 
 /// Returns the bands that an exposure may have: those of magnitudes, of the limits and of the schedule.
 fn bands_of(exposures: &[ScheduledExposure], plan: &ObservationPlan) -> BTreeSet<String> {
-    let of_limits = [plan.policy.limit_mag.as_ref(), plan.telescope.as_ref().map(|telescope| &telescope.bright_mag)];
+    let policy = &plan.policy;
+    let bright_mag = plan.telescope.as_ref().map(|telescope| &telescope.bright_mag);
+    let of_limits = [policy.limit_mag.as_ref(), policy.limit_surface_brightness.as_ref(), bright_mag];
     let of_limits = of_limits.into_iter().flatten().flat_map(|limit| match limit {
         MagnitudeLimit::PerBand(limits) => limits.keys().filter(|band| *band != "default").cloned().collect(),
         MagnitudeLimit::All(_) => Vec::new(),

@@ -70,7 +70,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let times_s: Vec<f64> = (0..count).map(|number| duration_s * number as f64 / (TRACK_POINTS - 1) as f64).collect();
     let options = SnapshotOptions {
         min_altitude_rad,
-        include_dark: state.pass_options(0).include_dark,
+        include_dark: state.pass_options(0).include_dark || photometry.band.is_thermal(),
         whole_tracks: true,
         photometry: Some(photometry),
     };
