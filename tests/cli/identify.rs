@@ -292,7 +292,7 @@ fn streaks_of_tables_and_detectors_are_identified() {
         &satellites[..4],
     ]);
     let answer: Value = serde_json::from_str(&json).unwrap();
-    assert!(answer["provenance"]["models"].is_object() && answer["provenance"]["band"].is_string(), "{answer}");
+    assert!(answer["provenance"]["models"].is_array() && answer["provenance"]["band"].is_string(), "{answer}");
     for words in ["streaks without ends are left out: empty", "line 4: ", "line 5: "] {
         assert!(error.contains(words), "{words}: {error}");
     }

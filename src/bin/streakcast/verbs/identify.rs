@@ -99,7 +99,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     let notices = begin(&at_site)?;
     remark.iter().for_each(|remark| notices.info(remark));
     let mut prepared = prepared_for(&at_site, &plan, &notices)?;
-    let done = identified(&typed, &at_site, &plan, &mut prepared, &notices)?;
+    let done = identified(&typed, &at_site, &plan, &prepared, &notices)?;
     let found = &done.found;
     prepared.provenance.state(
         "options",
@@ -150,8 +150,10 @@ impl Done {
 /// Prepares the sky of a streak, and prints its warnings.
 fn prepared_for(config: &Config, plan: &IdentifyPlan, notices: &Notices) -> anyhow::Result<PreparedSky> {
     let streak = &plan.streak;
-    let prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
+    let mut prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
     notices.warn(&prepared.warnings);
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut prepared.provenance, &scale, &config.photometry()?);
     Ok(prepared)
 }
 
@@ -160,7 +162,7 @@ fn identified(
     typed: &IdentifyArguments,
     config: &Config,
     plan: &IdentifyPlan,
-    prepared: &mut PreparedSky,
+    prepared: &PreparedSky,
     notices: &Notices,
 ) -> anyhow::Result<Done> {
     let streak = &plan.streak;
@@ -171,8 +173,6 @@ fn identified(
     prepared.check_altitude("streak", &plan.exposure())?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
     notices.warn_left_out(prepared, &found.left_out, streak.start())?;
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &options.photometry);
     Ok(Done { found, options })
 }
 
