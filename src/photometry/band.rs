@@ -116,7 +116,8 @@ impl Band {
 
     /// Returns the apparent magnitude of the Sun at 1 au. That of a response curve is AB in both systems.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
-        // AB magnitudes, and Vega magnitudes in B, V, R, I, J, H, K, W1 and W2: Willmer (2018, ApJS 236, 47), table 3.
+        // AB magnitudes, and Vega magnitudes in B, V, R, I, J, H, K, W1 and W2: Willmer (2018, ApJS 236, 47), table 3;
+        // Vega magnitudes in W1 and W2 were read from copies of the table, not compared with the paper.
         // Vega magnitudes in u to y: the AB values less those of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
         // LSST 2023 passbands (speclite 1.0): 0.61, -0.10, 0.14, 0.36, 0.51, 0.55.
         // G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114 from the Gaia DR3 zero points.

@@ -1,26 +1,24 @@
 //! Computations of a model: sky cache with field of view, telescope, policy and photometry options.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use serde_json::json;
 use streakcast::Watch;
-use streakcast::config::{Config, ConfigError, PreparedSky, parse_time_scale, state_scales};
+use streakcast::config::{Config, ConfigError, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
-use streakcast::message::Quoted;
-use streakcast::output::{AtomicFile, Column, Provenance, Table, Value, counted, format_utc};
+use streakcast::output::{Column, Table};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::{Brightness, PhotometryOptions};
 use streakcast::schedule::{
-    Annotation, Blocking, BrightStreaks, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, Schedule,
-    ScheduledExposure, StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, annotate,
-    check_extension, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures, streak_table,
+    Blocking, BrightStreaks, ClearWindow, FlagReport, FlagRequest, FlagTotals, Policy, ScheduledExposure,
+    StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes,
+    flag_exposures, flag_table, judge_exposures, streak_table,
 };
 
 use crate::columns::{columns, times};
@@ -29,20 +27,20 @@ use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
 /// Result with its warnings.
-type WithWarnings<T> = (T, Vec<String>);
+pub(crate) type WithWarnings<T> = (T, Vec<String>);
 
 /// Sky cache with a field, a telescope, a policy and a band.
 #[pyclass(frozen, module = "streakcast._core")]
 pub struct Engine {
     sky_cache: Py<SkyCache>,
     /// Field of view, or the error message if there is none.
-    field: Result<Field, String>,
-    telescope: Option<Telescope>,
-    policy: Policy,
-    photometry: PhotometryOptions,
+    pub(crate) field: Result<Field, String>,
+    pub(crate) telescope: Option<Telescope>,
+    pub(crate) policy: Policy,
+    pub(crate) photometry: PhotometryOptions,
     time_scale: Option<String>,
     defaults: (f64, bool, usize),
-    setup: Config,
+    pub(crate) setup: Config,
 }
 
 /// Requirements for clear windows: blocking satellites (those of the policy if `None`), altitude limits of pointing and
@@ -60,11 +58,11 @@ struct Night {
 }
 
 impl Engine {
-    fn field(&self) -> PyResult<&Field> {
+    pub(crate) fn field(&self) -> PyResult<&Field> {
         self.field.as_ref().map_err(|message| failure::SetupError::new_err(message.clone()))
     }
 
-    fn request<'a>(&'a self, field: &'a Field, prepared: &'a PreparedSky) -> FlagRequest<'a> {
+    pub(crate) fn request<'a>(&'a self, field: &'a Field, prepared: &'a PreparedSky) -> FlagRequest<'a> {
         FlagRequest {
             sky: &prepared.sky,
             field,
@@ -87,7 +85,7 @@ impl Engine {
 
     /// Computes verdicts for each night, and returns them in the order of the rows. Invalid rows have the verdict
     /// `invalid`. `each` is called with the sky, the rows and the verdicts of each night.
-    fn report(
+    pub(crate) fn report(
         &self,
         rows: &[ScheduledExposure],
         policy: &Policy,
@@ -118,76 +116,6 @@ impl Engine {
         warnings.extend(policy.band_warnings(&bands));
         Ok((flags.into_iter().flatten().collect(), warnings))
     }
-
-    /// Writes a copy of a schedule file with verdicts and streaks. Returns the paths of the written files.
-    fn annotated(
-        &self,
-        path: &Path,
-        output: &Path,
-        scale: Option<&str>,
-        replace: bool,
-        watch: &Watch,
-    ) -> PyResult<WithWarnings<Vec<PathBuf>>> {
-        let mut options = self.setup.schedule_options().map_err(failure::setup)?;
-        options.default_time_scale = options.time_scale.take().or(options.default_time_scale);
-        options.time_scale = scale.map(parse_time_scale).transpose().map_err(failure::request)?;
-        let schedule = Schedule::read(path, &options).map_err(failure::request)?;
-        check_extension(path, schedule.format, output).map_err(failure::request)?;
-        AtomicFile::check(output).map_err(|error| failure::request(format!("{}: {error}", output.display())))?;
-        let columns = StreakColumns { p_brighter: self.policy.has_limit(), ..StreakColumns::default() };
-        let mut by_row: BTreeMap<usize, Vec<Vec<Value>>> = BTreeMap::new();
-        let mut periods: Vec<serde_json::Value> = Vec::new();
-        let mut provenance: Option<Provenance> = None;
-        let field = self.field()?;
-        let mut each = |prepared: &PreparedSky, rows: &[&ScheduledExposure], flags: &mut [Verdict]| {
-            provenance.get_or_insert_with(|| prepared.provenance.clone());
-            // Constellations that grow differ from night to night.
-            let shells = prepared.provenance.get("shells").cloned().unwrap_or_default();
-            if periods.last().is_none_or(|last| last["shells"] != shells) {
-                let first = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).min();
-                periods.push(json!({
-                    "first_start_utc": first.map(|first| format_utc(first, 3)),
-                    "satellites": prepared.sky.elements().len(),
-                    "shells": shells,
-                }));
-            }
-            let request = self.request(field, prepared);
-            for (row, flag) in rows.iter().zip(flags) {
-                let (Ok(exposure), false) = (&row.exposure, flag.passes.is_empty()) else { continue };
-                let band = row.band.as_deref();
-                let limit_mag = self.policy.limit_mag_in(band);
-                let streaks = flag.passes.iter().map(|pass| request.streak_row(exposure, pass, band, limit_mag));
-                by_row.insert(row.row, streak_table(streaks, columns).rows);
-                // Of many nights only the rows are kept.
-                flag.passes = Vec::new();
-            }
-        };
-        let (flags, warnings) = self.report(&schedule.exposures, &self.policy, flag_exposures, &mut each, watch)?;
-        let streaks = Table { rows: by_row.into_values().flatten().collect(), ..streak_table([], columns) };
-        let mut provenance = provenance.unwrap_or_default();
-        state_scales(&mut provenance, &scale_name(schedule.time_scale), &self.photometry);
-        provenance.state("schedule", schedule.statement(path));
-        if periods.len() > 1 {
-            provenance.state("periods", periods);
-        }
-        let telescope = self.telescope.as_ref().map(|telescope| telescope.name.as_str());
-        provenance.state("options", self.setup.flag_options(&self.policy, telescope));
-        let annotation =
-            Annotation { flags: &flag_table(&flags), streaks: &streaks, provenance: &provenance, replace, keep: None };
-        let written = annotate(path, schedule.format, output, &annotation).map_err(failure::request)?;
-        let mut all = schedule.warnings(&self.policy);
-        all.extend(warnings);
-        all.extend(invalid_warning(&flags));
-        Ok((written, all))
-    }
-}
-
-/// Returns a warning about exposures of invalid rows, with the first one; `None` if there are none.
-fn invalid_warning(flags: &[Verdict]) -> Option<String> {
-    let mut invalid = flags.iter().filter(|flag| flag.kind == VerdictKind::Invalid);
-    let first = invalid.next()?;
-    let count = counted(1 + invalid.count(), "exposure is", "exposures are");
-    Some(format!("{count} invalid; first {}: {}", Quoted::new(&first.exposure_id), first.reasons.join("; ")))
 }
 
 /// Rejects a request for times at which the positions of the satellites are unknown.

@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+mod annotation;
 mod columns;
 mod engine;
 mod exposures;

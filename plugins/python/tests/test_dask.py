@@ -179,7 +179,8 @@ def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, t
         distributed.Client(cluster) as client,
     ):
         options = {"streaks": True, "next_starts": True}
-        files = streakcast.dask.annotate(few, grown, client, tmp_path / "grown", **options)
+        with pytest.warns(streakcast.StreakcastWarning, match="3 of 300 visits lack a number or .* are invalid; first row 0: start"):
+            files = streakcast.dask.annotate(few, grown, client, tmp_path / "grown", **options)
         flags, streaks = streakcast.dask.read(files), streakcast.dask.read_streaks(files)
         assert np.flatnonzero(flags["verdict"] == "invalid").tolist() == invalid
         assert all("allowed" in flags["reasons"][row][0] for row in invalid), flags["reasons"][invalid]
@@ -206,6 +207,9 @@ def test_quiet_nights_invalid_visits_unknown_positions_and_units(data, visits, t
         table["band"] = few["band"][valid]
         result = streakcast.dask.read(streakcast.dask.annotate(table, grown, client, tmp_path / "units"))
     np.testing.assert_array_equal(result["streak_length_deg"], expected.streak_length_deg)
+    with pytest.raises(TypeError, match="a column of visits contains '12h30m'; allowed: numbers"):
+        texts = np.full(len(few["ra_deg"]), "12h30m", dtype=object)
+        streakcast.dask.annotate({**few, "ra_deg": texts}, grown, None, tmp_path)
     without = {name: column for name, column in few.items() if name != "exposure_s"}
     with pytest.raises(ValueError, match="missing columns of visits exposure_s"):
         streakcast.dask.annotate({**without, "visitTime": few["start"], "numExposures": few["start"]}, grown, None, tmp_path)

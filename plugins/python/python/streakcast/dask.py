@@ -64,7 +64,9 @@ def annotate(
 ) -> list[Path]:
     """Computes the verdicts on the visits of a survey, and writes one Parquet file per night.
 
-    Visits with missing numbers, or numbers out of range, have the verdict ``invalid``. Each night is one task. The worker reads the files of the model from their paths (once per worker), uses one thread,
+    Visits with missing numbers, or numbers out of range, have the verdict ``invalid``.
+
+    Each night is one task. The worker reads the files of the model from their paths (once per worker), uses one thread,
     and writes the file of the night atomically. Nights with a valid file for the same visits, model and options are
     skipped, so that an interrupted run can be resumed. If a worker is lost, its task is run again and its temporary file
     is deleted.
@@ -104,7 +106,8 @@ def annotate(
     Warns
     -----
     StreakcastWarning
-        The warnings of the workers, each once with the number of nights, also those of nights that were skipped.
+        The warnings of the workers, each once with the number of nights, also those of nights that were skipped; and
+        visits that lack a number.
 
     Raises
     ------
@@ -142,6 +145,12 @@ def annotate(
             similar.setdefault(without_numbers(message), {}).setdefault(path, message)
     for by_night in similar.values():
         warn(f"{next(iter(by_night.values()))} ({len(by_night)} of {len(files)} nights)")
+    numbers = [name for name in columns if name != "band"]
+    missing = np.flatnonzero(np.any([~np.isfinite(columns[name]) for name in numbers], axis=0))
+    if len(missing):
+        row = int(missing[0])
+        name = next(name for name in numbers if not np.isfinite(columns[name][row])).replace("jd1", "start")
+        warn(f"{len(missing)} of {len(nights)} visits lack a number or have a time out of range, and are invalid; first row {row}: {name}")
     return files
 
 
@@ -235,7 +244,9 @@ def _numbers(column: Any, unit: str, name: str) -> npt.NDArray[np.float64]:
 
 
 def _float(cell: Any) -> float:
-    """Returns a number; NaN for `None`, pandas' NA and other objects."""
+    """Returns a number; NaN for `None`, pandas' NA and other objects. Text is an error."""
+    if isinstance(cell, str):
+        raise TypeError(f"a column of visits contains '{cell[:40]}'; allowed: numbers, or None where they are missing")
     try:
         return float(cell)
     except (TypeError, ValueError):
