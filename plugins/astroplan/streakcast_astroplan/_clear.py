@@ -150,7 +150,7 @@ def windows_of(
 ) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
     """Returns targets, first and last clear starts, ``(n_windows,)`` each."""
     # MJD has a resolution of a microsecond: without the tolerance, the last start could be after the end.
-    windows = model.clear_windows(
+    windows = model.windows(
         (ra_deg, dec_deg), _mjd(start_s), _mjd(end_s + TICK_S), length_s, blocking=blocking, scale="utc", output="dict"
     )
     return windows.target, _seconds(windows.first_start), _seconds(windows.last_start)

@@ -59,7 +59,7 @@ def clear_windows(
     names = _names(targets, coordinates)
     ra_deg, dec_deg = (np.atleast_1d(angle) for angle in icrs_deg(coordinates))
     start, end = time_range
-    found = model.clear_windows(
+    found = model.windows(
         (ra_deg, dec_deg), start, end, seconds(exposure, "exposure"), min_altitude=min_altitude, blocking=blocking
     )
     table = QTable()

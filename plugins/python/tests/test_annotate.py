@@ -69,14 +69,12 @@ def test_next_starts_are_those_of_the_flags(model):
     from astropy.time import Time
 
     target, start = ([198.9, 190.9], [7.7, -27.9]), "2026-08-14T23:29:05Z"
-    flags = model.flags(target, start, 30.0)
+    flags = model.flag(target, start, 30.0)
     for rule in ("clear", "acceptable"):
         starts = model.next_start(target, start, 30.0, rule=rule)
         assert isinstance(starts, Time) and (starts == flags[f"next_{rule}_start_utc"]).all()
         arrays = model.next_start(target, start, 30.0, rule=rule, output="dict")
         assert arrays.dtype == "datetime64[ns]" and (arrays == starts.datetime64).all()
     assert model.next_start((198.9, 7.7), start, 30.0).shape == ()
-    with pytest.warns(DeprecationWarning, match="use next_start"):
-        assert model.next_clear_start((198.9, 7.7), start, 30.0) == flags["delay_s"][0].value
     with pytest.raises(ValueError, match="rule is 'any'; allowed: clear, acceptable"):
         model.next_start((198.9, 7.7), start, 30.0, rule="any")

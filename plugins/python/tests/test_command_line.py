@@ -61,7 +61,7 @@ def test_verif_flags(model, command_line):
     starts, bands = [row["start_utc"] for row in cells], [row["band"] for row in cells]
     ra, dec, exposure = (np.array([float(row[name]) for row in cells]) for name in ("ra_deg", "dec_deg", "duration_s"))
     day = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", fov="3.5deg", limit_mag=7, epoch=starts[0])
-    result = day.flags((ra, dec), starts, exposure, band=bands)
+    result = day.flag((ra, dec), starts, exposure, band=bands)
     printed = answer["flags"] if "flags" in answer else answer["exposures"]
     assert len(result) == len(printed) == len(cells)
     fast = day.assess((ra, dec), starts, exposure, band=bands)

@@ -122,7 +122,7 @@ def test_a_growing_survey_with_streaks_next_starts_and_warnings(visits, tmp_path
     few = {name: column[: 4 * EACH] for name, column in visits.items()}
     pointing, start, exposure_s = (few["ra_deg"], few["dec_deg"]), few["start"], few["exposure_s"]
     with pytest.warns(streakcast.StreakcastWarning):
-        flags = model.flags(pointing, start, exposure_s, band=few["band"], output="dict")
+        flags = model.flag(pointing, start, exposure_s, band=few["band"], output="dict")
     passes = model.passes(pointing, start, exposure_s, band=few["band"], output="dict")
     assert sorted(model.satellites(night, scale="utc") for night in start[:: 3 * EACH]) == [2204, 4408 + 6372]
     # The columns of Rubin's opsim databases. A visit of two snaps lasts visitTime.

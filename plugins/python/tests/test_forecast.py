@@ -152,13 +152,6 @@ def test_several_nights_and_forms(sky):
     assert "brighter than mag -8" in none.nights["why_empty"][0]
 
 
-def test_the_old_method_gives_the_same_passes(sky):
-    end = "2026-08-14T23:34:05Z"
-    old = sky.visible_passes(START, end, min_altitude=20, lit_only=False)
-    new = sky.forecast(start=START, end=end, min_altitude=20, max_sun_altitude=None, include_dark=True).passes
-    assert list(old["norad_id"]) == list(new["norad_id"]) and len(old) > 10
-
-
 def test_invalid_arguments_are_reported(sky):
     cases = [
         (dict(night="8/14/2026"), "invalid night '8/14/2026'; allowed: the local date of the evening"),

@@ -28,8 +28,8 @@ starts = numpy.datetime64("2026-08-14T23:29:05") + rows % 30_000 * numpy.timedel
 
 CALLS = {
     "assess": "model.assess(target, starts, 300, scale='utc')",
-    "flags": "model.flags(target, starts, 300, scale='utc')",
-    "clear_windows": "model.clear_windows((target[0][:5000], target[1][:5000]), START, '2026-08-15T09:00:00Z', 30)",
+    "flag": "model.flag(target, starts, 300, scale='utc')",
+    "windows": "model.windows((target[0][:5000], target[1][:5000]), START, '2026-08-15T09:00:00Z', 30)",
     "learn": "streakcast.learn(rows // 4, Time(starts), rows % 7 / 7, rows * 0.0, kind='oneweb')",
     "forecast": "model.forecast(start=START, end='2026-09-14T23:00:00Z', include_dark=True)",
 }

@@ -51,7 +51,7 @@ def test_both_forms_of_tables_give_the_same_chart(model):
 def test_a_night_shows_the_number_of_struck_exposures(model):
     seconds = np.arange(20) * 60
     start = np.datetime64("2026-08-14T23:20:00") + seconds.astype("timedelta64[s]")
-    flags = model.flags(TARGET, start, 30.0, scale="utc")
+    flags = model.flag(TARGET, start, 30.0, scale="utc")
     svg = rendered_svg(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
     struck = int(np.sum(np.asarray(flags["n_streaks"]) > 0))
     assert struck > 0 and f"20 exposures, {struck} with streaks" in svg
@@ -79,7 +79,7 @@ def test_invalid_exposures_are_not_drawn():
 
 
 def test_invalid_exposures_of_a_model_are_not_drawn(model):
-    flags = model.flags((198.9, [7.7, 89.0]), START, 30.0)
+    flags = model.flag((198.9, [7.7, 89.0]), START, 30.0)
     with pytest.warns(StreakcastWarning, match="1 of 2 exposures are invalid"):
         assert "1 exposure, 1 with streaks" in plots.night(flags, START, 30.0).svg()
 

@@ -91,19 +91,19 @@ CASES = {
     "assess exposure": (lambda sky, it: sky.assess(TARGET, START, it), "exposure", 30.0, 0.5 * u.min),
     "assess exposures": (lambda sky, it: sky.assess(TARGET, START, it), "exposure", [30.0, 60.0], [30.0 * u.s, 1.0 * u.min]),
     "assess rotation": (lambda sky, it: sky.assess(TARGET, START, 30.0, rotation=it), "rotation", 30.0, 1800.0 * u.arcmin),
-    "flags exposure": (lambda sky, it: sky.flags(TARGET, START, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
+    "flag exposure": (lambda sky, it: sky.flag(TARGET, START, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
     "next_start exposure": (lambda sky, it: sky.next_start(TARGET, START, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
     "passes limit_mag": (lambda sky, it: rows_of(sky.passes(TARGET, START, 30.0, limit_mag=it, output="dict")), "limit_mag", 6.5, 6.5 * u.mag),
     "passes limit_mag AB": (lambda sky, it: sky.passes(TARGET, START, 30.0, limit_mag=it, output="dict"), "limit_mag", 6.5, 6.5 * u.ABmag),
     "check_pointings visit_time": (
         lambda sky, it: sky.check_pointings([198.9], [7.7], [61266.978], it, scale="utc"), "exposure", 30.0, 0.5 * u.min,
     ),
-    "clear_windows exposure": (lambda sky, it: sky.clear_windows(TARGET, START, END, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
-    "clear_windows min_altitude": (
-        lambda sky, it: sky.clear_windows(TARGET, START, END, 30.0, min_altitude=it, output="dict"), "min_altitude", 30.0, 1800 * u.arcmin,
+    "windows exposure": (lambda sky, it: sky.windows(TARGET, START, END, it, output="dict"), "exposure", 30.0, 0.5 * u.min),
+    "windows min_altitude": (
+        lambda sky, it: sky.windows(TARGET, START, END, 30.0, min_altitude=it, output="dict"), "min_altitude", 30.0, 1800 * u.arcmin,
     ),
-    "clear_windows max_sun_altitude": (
-        lambda sky, it: sky.clear_windows(TARGET, START, END, 30.0, max_sun_altitude=it, output="dict"), "max_sun_altitude", -12.0, -720 * u.arcmin,
+    "windows max_sun_altitude": (
+        lambda sky, it: sky.windows(TARGET, START, END, 30.0, max_sun_altitude=it, output="dict"), "max_sun_altitude", -12.0, -720 * u.arcmin,
     ),
     "overhead seconds": (lambda sky, it: sky.overhead(START, it), "seconds", [0.0, 60.0], [0.0, 1.0] * u.min),
     "overhead min_altitude": (lambda sky, it: sky.overhead(START, min_altitude=it), "min_altitude", 60.0, 3600.0 * u.arcmin),

@@ -23,7 +23,7 @@ def test_numbers_for_one_and_arrays_for_many(model):
     np.testing.assert_array_equal(many.n_streaks[:, :2], one.n_streaks)
     empty = model.assess((np.array([]), np.array([])), np.array([]), 30.0, scale="utc")
     assert empty.verdict.shape == (0,)
-    assert len(model.flags((np.array([]), np.array([])), np.array([]), 30.0, scale="utc")) == 0
+    assert len(model.flag((np.array([]), np.array([])), np.array([]), 30.0, scale="utc")) == 0
 
 
 def test_unaligned_arrays(model):
@@ -72,7 +72,7 @@ def test_qtable_out(model):
     assert set(passes["exposure_id"]) == {0, 1}
     assert passes["range_km"].info.description
     assert [set(sample) >= {"ra_deg", "dec_deg", "magnitude"} for sample in passes["samples"][0]] == [True] * 3
-    flags = model.flags(TARGET, START, 30.0)
+    flags = model.flag(TARGET, START, 30.0)
     assert isinstance(flags, QTable) and list(flags["norad_ids"][0])
     # Plain columns can be formatted as text.
     plain = passes[[name for name in passes.colnames if name not in ("samples", "chords", "lit_chords")]]
@@ -80,11 +80,11 @@ def test_qtable_out(model):
 
 
 def test_dictionaries_out_without_astropy(model):
-    flags = model.flags(TARGET, START, 30.0, output="dict")
+    flags = model.flag(TARGET, START, 30.0, output="dict")
     assert flags["next_clear_start_utc"].dtype == np.dtype("datetime64[ns]")
     assert flags["verdict"][0] == "avoid" and flags["n_streaks"].dtype == np.int64
     with pytest.raises(ValueError, match="allowed: auto, qtable, dict"):
-        model.flags(TARGET, START, 30.0, output="pandas")
+        model.flag(TARGET, START, 30.0, output="pandas")
 
 
 def test_missing_times_are_masked(model):
@@ -142,9 +142,9 @@ def test_altaz_targets(model):
 
 def test_clear_windows_as_plain_arrays(model):
     end = "2026-08-14T23:50:00Z"
-    times, plain = (model.clear_windows(TARGET, START, end, 30.0, output=output) for output in ("qtable", "dict"))
+    times, plain = (model.windows(TARGET, START, end, 30.0, output=output) for output in ("qtable", "dict"))
     assert isinstance(times.first_start, Time) and plain.first_start.dtype == "datetime64[ns]" and len(times.target) >= 2
     for one, other in ((times.first_start, plain.first_start), (times.last_start, plain.last_start)):
         assert np.abs(one.datetime64 - other).max() < np.timedelta64(1, "us")
     with pytest.raises(ValueError, match="output is 'table'; allowed: auto, qtable, dict"):
-        model.clear_windows(TARGET, START, end, 30.0, output="table")
+        model.windows(TARGET, START, end, 30.0, output="table")

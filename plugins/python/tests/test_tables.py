@@ -29,7 +29,7 @@ def tables():
     )
     return {
         "passes": model.passes(TARGET, START, 30.0, samples=3),
-        "flags": model.flags((198.9, [7.7, 7.8]), START, 30.0),
+        "flags": model.flag((198.9, [7.7, 7.8]), START, 30.0),
         "forecast": forecast.passes,
         "nights": forecast.nights,
         "ephemeris": model.ephemeris(START, norad=[900003951, 900001561]),
@@ -120,7 +120,7 @@ def test_times_and_numbers_are_rounded_in_print_only(tables):
 def test_a_missing_time_is_printed(tables):
     """An exposure without a clear start within the limit has no time."""
     model = streakcast.StreakModel(**SKY, max_delay="1s")
-    flags = model.flags(TARGET, START, 30.0)
+    flags = model.flag(TARGET, START, 30.0)
     assert printed(flags, "next_clear_start_utc") == [""] and printed(flags, "delay_s") == ["nan"]
 
 
@@ -198,7 +198,7 @@ def test_a_csv_file_has_microseconds_and_whole_lists(tables, tmp_path):
 
 def test_missing_times_are_written(tmp_path):
     model = streakcast.StreakModel(**SKY)
-    flags = model.flags((198.9, [7.7, 89.0]), START, 30.0)
+    flags = model.flag((198.9, [7.7, 89.0]), START, 30.0)
     assert list(flags["next_clear_start_utc"].mask) == [False, True]
     for form in ("ascii.csv", "votable"):
         flags.write(tmp_path / form, format=form)
@@ -244,7 +244,7 @@ def test_a_table_with_further_columns_is_written(tables, tmp_path):
 
 def test_a_table_with_missing_times_can_be_pickled():
     model = streakcast.StreakModel(**SKY)
-    flags = model.flags((198.9, [7.7, 89.0]), START, 30.0)
+    flags = model.flag((198.9, [7.7, 89.0]), START, 30.0)
     again = pickle.loads(pickle.dumps(flags))
     assert type(again) is type(flags) and str(again) == str(flags) and again.meta == flags.meta
     times, expected = again["next_clear_start_utc"], flags["next_clear_start_utc"]
@@ -254,6 +254,6 @@ def test_a_table_with_missing_times_can_be_pickled():
 
 def test_plain_tables_have_arrays():
     model = streakcast.StreakModel(**SKY)
-    for table in (model.passes(TARGET, START, 30.0, samples=3, output="dict"), model.flags(TARGET, START, 30.0, output="dict")):
+    for table in (model.passes(TARGET, START, 30.0, samples=3, output="dict"), model.flag(TARGET, START, 30.0, output="dict")):
         assert all(isinstance(column, np.ndarray) for column in table.values())
         assert len({len(column) for column in table.values()}) == 1

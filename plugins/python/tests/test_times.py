@@ -118,7 +118,7 @@ def test_unknown_scales(model, scale):
 
 def test_nanoseconds_survive_the_round_trip(model):
     start = Time("2026-08-14T23:29:05.123456789", scale="utc")
-    answer = model.flags(TARGET, start, 30.0)
+    answer = model.flag(TARGET, start, 30.0)
     clear = answer["next_clear_start_utc"][0]
     delay_s = answer["delay_s"].value[0]
     assert delay_s > 0.0
@@ -145,7 +145,7 @@ def test_exposures_of_no_time_are_errors():
     with pytest.raises(ValueError, match=r"exposure\[1\] is 0 s; allowed: above 0 s"):
         model.assess(TARGET, START, [30.0, 0.0])
     with pytest.raises(ValueError, match="exposure is 0 s; allowed: above 0 s"):
-        model.clear_windows(TARGET, START, "2026-08-14T23:59:05Z", 0.0)
+        model.windows(TARGET, START, "2026-08-14T23:59:05Z", 0.0)
 
 
 def test_the_top_of_the_configuration_gives_defaults(tmp_path):

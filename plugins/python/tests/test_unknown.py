@@ -29,7 +29,7 @@ def test_verdicts_are_unknown(model):
     assert np.isfinite(both.p_any[0]) and np.isnan(both.p_any[1]) and np.isnan(both.p_crossing[1])
     assert abs(both.elements_age_days[1] - 1096.5) < 0.6
     assert np.isfinite(both.late_s[0]) and np.isnan(both.late_s[1])
-    flags = model.flags(TARGET, [FRESH, OLD], 30.0, output="dict")
+    flags = model.flag(TARGET, [FRESH, OLD], 30.0, output="dict")
     assert list(flags["verdict"])[1] == "unknown" and REASON in str(flags["reasons"][1])
     assert abs(float(flags["elements_age_days"][1]) - 1096.5) < 0.6
     assert np.isfinite(flags["late_s"][0]) and np.isnan(flags["late_s"][1])
@@ -64,7 +64,7 @@ def test_unjudged_exposures_have_no_number_of_streaks(model):
     for target, start in ((TARGET, OLD), (below, FRESH)):
         one = model.assess(target, start, 30.0)
         assert one.n_streaks is None and one.crosses is None
-        flags = model.flags(target, start, 30.0)
+        flags = model.flag(target, start, 30.0)
         assert flags["n_streaks"].mask.all()
     both = model.assess(TARGET, [FRESH, OLD], 30.0)
     assert both.n_streaks.mask.tolist() == both.crosses.mask.tolist() == [False, True]

@@ -41,13 +41,13 @@ def caught(call):
 
 CALLS = {
     "assess": lambda model: model.assess(TARGET, START, 30.0),
-    "flags": lambda model: model.flags(TARGET, START, 30.0),
+    "flag": lambda model: model.flag(TARGET, START, 30.0),
     "passes": lambda model: model.passes(TARGET, START, 30.0),
     "next_start": lambda model: model.next_start(TARGET, START, 30.0),
-    "clear_windows": lambda model: model.clear_windows(TARGET, START, END, 30.0),
+    "windows": lambda model: model.windows(TARGET, START, END, 30.0),
     "check_pointings": lambda model: model.check_pointings([198.9], [7.7], [61266.978], 30.0, scale="utc"),
     "forecast": lambda model: model.forecast(start=START, end=END),
-    "visible_passes": lambda model: model.visible_passes(START, END),
+    "forecast by day": lambda model: model.forecast(start=START, end=END, max_sun_altitude=None),
     "overhead": lambda model: model.overhead(START),
     "ephemeris": lambda model: model.ephemeris(START, norad=900003951),
     "identify": lambda model: model.identify(place=TARGET, position_angle=45.0, start=START, exposure=30.0),
@@ -132,7 +132,7 @@ def test_delays_and_windows_use_the_limit_of_the_band():
     # No satellite is brighter than magnitude -20; one fainter than 20 does not cross.
     assert starts["g"] == Time(START) and starts["r"] > Time(START)
     without = streakcast.StreakModel(mpc="X05", **limits)
-    found = [str(one.message) for one in caught(lambda: without.clear_windows(TARGET, START, END, 30.0, band="gg"))]
+    found = [str(one.message) for one in caught(lambda: without.windows(TARGET, START, END, 30.0, band="gg"))]
     assert any("no value for band gg" in message for message in found), found
 
 

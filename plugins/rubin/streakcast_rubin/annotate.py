@@ -28,12 +28,12 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
     Returns
     -------
     dict of arrays, ``(n_visits,)`` each
-        As `StreakModel.flags`: ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``,
+        As `StreakModel.flag`: ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``,
         ``p_any``, ``streak_length_deg``, ``norad_ids`` and more.
     """
     scale = scale_of(model, mjd_scale)
     target, rotation, bands = pointings(visits)
-    found = model.flags(target, visits["mjd"], visits["exptime"], rotation=rotation, band=bands, scale=scale, output="dict")
+    found = model.flag(target, visits["mjd"], visits["exptime"], rotation=rotation, band=bands, scale=scale, output="dict")
     return dict(found)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -20,7 +19,6 @@ from .typing import (
     FloatArray,
     FloatArrayLike,
     FloatLike,
-    FloatOrArray,
     Output,
     PathLike,
     Table,
@@ -102,7 +100,7 @@ class ExposureQueries(SiteQueries):
         columns["crosses"] = columns["n_streaks"] > 0
         return columns
 
-    def flags(
+    def flag(
         self,
         target: TargetLike,
         start: TimeLike,
@@ -205,12 +203,12 @@ class ExposureQueries(SiteQueries):
         rule : {"clear", "acceptable"}
             ``clear``: no lit satellite crosses the field. ``acceptable``: the verdict is not ``avoid``.
         output : {"auto", "qtable", "dict"}
-            As for `flags`: an astropy `Time`, or ``datetime64[ns]``, UTC.
+            As for `flag`: an astropy `Time`, or ``datetime64[ns]``, UTC.
 
         Returns
         -------
         Time or array
-            Masked (NaT in arrays) where there is no such start within the limit. The delay is a column of `flags`.
+            Masked (NaT in arrays) where there is no such start within the limit. The delay is a column of `flag`.
         """
         if rule not in RULES:
             raise ValueError(f"rule is '{rule}'; allowed: {', '.join(RULES)}")
@@ -219,35 +217,6 @@ class ExposureQueries(SiteQueries):
         if is_qtable(output):
             return time_of(column["jd1"].reshape(shape), column["jd2"].reshape(shape))
         return column["utc_ns"].view("datetime64[ns]").reshape(shape)
-
-    def next_clear_start(
-        self,
-        target: TargetLike,
-        start: TimeLike,
-        exposure: FloatArrayLike,
-        *,
-        rotation: FloatArrayLike | None = None,
-        band: TextLike | None = None,
-        scale: str | None = None,
-    ) -> FloatOrArray:
-        """Deprecated: use `next_start`, which returns times. Returns the delay of each exposure.
-
-        Parameters
-        ----------
-        target, start, exposure, rotation, band, scale
-            As for `next_start`.
-
-        Returns
-        -------
-        float or array
-            Delay, seconds; NaN if there is no start within the limit. The rule is ``clear``, or, for the policy's
-            ``blocking="avoid"``, ``acceptable``.
-        """
-        warnings.warn("next_clear_start is deprecated; use next_start, or the delays in flags", DeprecationWarning, stacklevel=2)
-        name = {"any": "delay_s", "avoid": "acceptable_delay_s"}[self._open()[1].blocking]
-        column, shape = self._starts(name, target, start, exposure, rotation, band, scale)
-        assert column["kind"] == "real"
-        return float(column["values"][0]) if shape == () else column["values"].reshape(shape)
 
     def _starts(
         self,
@@ -259,7 +228,7 @@ class ExposureQueries(SiteQueries):
         band: TextLike | None,
         scale: str | None,
     ) -> tuple[Column, tuple[int, ...]]:
-        """Returns a column of `flags`, also of later starts from an orbit, and the shape of the exposures."""
+        """Returns a column of `flag`, also of later starts from an orbit, and the shape of the exposures."""
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
         columns, messages = engine.flags(exposures, bands, True)
@@ -296,7 +265,7 @@ class ExposureQueries(SiteQueries):
             Magnitude limit, one for all exposures or one for each (NaN for none). It adds the column ``p_brighter``,
             the probability that the satellite is brighter at its peak. Default: the model's ``limit_mag`` for the band.
         output : {"auto", "qtable", "dict"}
-            As for `flags`.
+            As for `flag`.
 
         Returns
         -------
@@ -315,7 +284,7 @@ class ExposureQueries(SiteQueries):
         self._warn_once(sky_cache, messages)
         return table_of(_with_integer_ids(columns), output, main=PASSES)
 
-    def clear_windows(
+    def windows(
         self,
         target: TargetLike,
         start: TimeLike,
@@ -350,7 +319,7 @@ class ExposureQueries(SiteQueries):
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
             Highest altitude of the Sun while the shutter is open, degrees. Default: no limit.
         output : {"auto", "qtable", "dict"}
-            As for `flags`: starts are an astropy `Time`, or ``datetime64[ns]``, UTC (several times faster).
+            As for `flag`: starts are an astropy `Time`, or ``datetime64[ns]``, UTC (several times faster).
 
         Returns
         -------

@@ -98,7 +98,7 @@ class SiteQueries(ModelState):
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers in ``start`` and ``end``.
         output : {"auto", "qtable", "dict"}
-            As for `flags`.
+            As for `flag`.
 
         Returns
         -------
@@ -140,36 +140,6 @@ class SiteQueries(ModelState):
         result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
         self._warn_once(sky_cache, result["warnings"])
         return Forecast(table_of(result["passes"], output, main=FORECAST), table_of(result["nights"], output, main=NIGHTS))
-
-    def visible_passes(
-        self,
-        start: TimeLike,
-        end: TimeLike,
-        *,
-        min_altitude: FloatLike = 10.0,
-        lit_only: bool = True,
-        scale: str | None = None,
-        output: Output = "auto",
-    ) -> Table:
-        """Returns the passes of `forecast` between two times, by day and by night; kept for compatibility.
-
-        Parameters
-        ----------
-        start, end, min_altitude, scale, output
-            As for `forecast`.
-        lit_only : bool
-            Whether passes in the Earth's shadow are omitted.
-
-        Returns
-        -------
-        QTable or dict of arrays, ``(n_passes,)`` each
-            ``forecast(start=start, end=end, max_sun_altitude=None, include_dark=not lit_only).passes``
-        """
-        forecast = self.forecast(
-            start=start, end=end, min_altitude=min_altitude, max_sun_altitude=None, include_dark=not lit_only, scale=scale,
-            output=output,
-        )  # fmt: skip
-        return forecast.passes
 
     def overhead(
         self,
@@ -262,7 +232,7 @@ class SiteQueries(ModelState):
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers in ``times``.
         output : {"auto", "qtable", "dict"}
-            As for `flags`.
+            As for `flag`.
 
         Returns
         -------
@@ -381,7 +351,7 @@ class SiteQueries(ModelState):
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers as times.
         output : {"auto", "qtable", "dict"}
-            As for `flags`.
+            As for `flag`.
 
         Returns
         -------

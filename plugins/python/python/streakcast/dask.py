@@ -90,7 +90,7 @@ def annotate(
         Whether each night also has a file ``streaks-<number>.parquet`` with one row per visit and satellite: the columns
         of `StreakModel.passes`, with ``visit`` instead of ``exposure_id``.
     next_starts : bool
-        Whether the columns of `StreakModel.flags` are written (reasons, next starts, numbers of the satellites) instead
+        Whether the columns of `StreakModel.flag` are written (reasons, next starts, numbers of the satellites) instead
         of those of `StreakModel.assess`. The search for next starts takes several times as long.
     retries : int
         Number of further attempts for a failed night.

@@ -146,7 +146,7 @@ def body_map(
     nside : int, optional
         Resolution of HEALPix cells (RING) instead of a regular grid.
     output : {"auto", "qtable", "dict"}
-        As for `StreakModel.flags`.
+        As for `StreakModel.flag`.
     **light
         ``band, mag_system, earthshine, models``.
 

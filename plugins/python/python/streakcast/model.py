@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 from ._results import Assessment, ClearWindows, CostParameters, Site
 from ._injection import Injected, inject
-from ._mask import MaskQueries
+from ._deprecated import DeprecatedQueries
 from ._setup import absolute, document
 from ._state import State
 from ._times import to_tai
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 
 
-class StreakModel(MaskQueries):
+class StreakModel(DeprecatedQueries):
     """Satellites over a site, with a field of view, brightness models and a policy.
 
     Arguments have the names of the command line flags and of the keys in configuration files. A

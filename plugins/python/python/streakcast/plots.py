@@ -104,7 +104,7 @@ def night(
     Parameters
     ----------
     flags : QTable or dict of arrays, ``(n_exposures,)``
-        Result of `StreakModel.flags`: ``n_streaks`` and ``brightest_mag`` are drawn. Exposures with the ``verdict``
+        Result of `StreakModel.flag`: ``n_streaks`` and ``brightest_mag`` are drawn. Exposures with the ``verdict``
         ``unknown`` or ``invalid`` are not drawn.
     start, exposure, scale
         Arguments of that call.
