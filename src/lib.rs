@@ -30,6 +30,9 @@
 //! declination is ICRS astrometric topocentric unless documented otherwise: the position relative to catalogue stars on
 //! a calibrated image. The library never prints, and never reads the environment, the clock or the network.
 //!
+//! Results and most enums are `#[non_exhaustive]`. Options have public fields and a default: end a literal with
+//! `..Default::default()`, because a minor version may add fields.
+//!
 //! # Features
 //!
 //! The default needs no C compiler. `fits` adds frames and HEALPix maps as FITS (CFITSIO is compiled in, on Unix),

@@ -18,6 +18,73 @@ const MOST_NAMES: usize = 250;
 const COMPLETE_ENUMS: [&str; 7] =
     ["Blocking", "Earthshine", "Illumination", "MagnitudeLimit", "Seeing", "VerdictKind", "Viewpoint"];
 
+/// Documented structs that users write as literals: inputs and options. Users end those with a default in
+/// `..Default::default()`, so that fields can be added. All other structs with public fields are results.
+const COMPLETE_STRUCTS: [&str; 62] = [
+    "Brightness",
+    "Chip",
+    "ClearWindow",
+    "ElementSet",
+    "EphemerisRequest",
+    "EphemerisRow",
+    "Exposure",
+    "FileOptions",
+    "FitPoint",
+    "FitSettings",
+    "FlagReport",
+    "FlagRequest",
+    "Forecast",
+    "ForecastRequest",
+    "Glint",
+    "IdentifyOptions",
+    "LightCurve",
+    "LocalClock",
+    "Magnitude",
+    "MeasureOptions",
+    "MeasuredDelay",
+    "Measurement",
+    "Measurements",
+    "Modulation",
+    "Night",
+    "NightTimeline",
+    "NoradId",
+    "Offset",
+    "Optics",
+    "Orientation",
+    "PassOptions",
+    "PassPoint",
+    "PathNode",
+    "PhotometryOptions",
+    "PixelPosition",
+    "Policy",
+    "PosteriorSettings",
+    "PredictedStreak",
+    "RandomStreaks",
+    "RawWeights",
+    "ReadOptions",
+    "ScheduleOptions",
+    "ScheduledExposure",
+    "Selection",
+    "Shot",
+    "SkyChart",
+    "SkyPoint",
+    "SkyTrack",
+    "SnapshotOptions",
+    "Source",
+    "SourcePart",
+    "StandardMagnitude",
+    "State",
+    "StreakImage",
+    "Telescope",
+    "Tumbling",
+    "TwoPanelForm",
+    "Verdict",
+    "ViewingGeometry",
+    "VisibleRequest",
+    "WindowRequest",
+    "WindowTarget",
+];
+
 /// Crates whose types may be in documented signatures.
 const KNOWN_CRATES: [&str; 5] = ["alloc", "core", "hifitime", "serde_json", "std"];
 
@@ -322,22 +389,39 @@ fn verif_documented_signatures_have_only_documented_types() {
     assert!(found.is_empty(), "{} types are not documented:\n{}", found.len(), found.join("\n"));
 }
 
-#[test]
-fn verif_documented_enums_may_grow() {
+/// Returns the documented definitions without `#[non_exhaustive]` that `is_open` selects.
+fn complete(is_open: impl Fn(&Item) -> bool) -> Vec<String> {
     let (files, [documented, _]) = library();
     let mut complete = BTreeSet::new();
     for name in &documented {
         let Some((last, module)) = name.split_last() else { continue };
         let Some((place, Some(_))) = defined(&files, module, &["self".to_owned(), last.clone()]) else { continue };
-        complete.extend(files[&place].items.iter().filter_map(|item| match item {
-            Item::Enum(item) if item.ident == last.as_str() => {
-                let may_grow = item.attrs.iter().any(|attribute| attribute.path().is_ident("non_exhaustive"));
-                (!may_grow).then(|| last.clone())
-            }
-            _ => None,
-        }));
+        let is_complete = |item: &&Item| {
+            definition(item).is_some_and(|(name, _)| name == *last)
+                && is_open(item)
+                && !attributes(item).iter().any(|attribute| attribute.path().is_ident("non_exhaustive"))
+        };
+        complete.extend(files[&place].items.iter().filter(is_complete).map(|_| last.clone()));
     }
-    assert_eq!(complete.into_iter().collect::<Vec<_>>(), COMPLETE_ENUMS, "enums without #[non_exhaustive]");
+    complete.into_iter().collect()
+}
+
+#[test]
+fn verif_documented_enums_may_grow() {
+    let found = complete(|item| matches!(item, Item::Enum(_)));
+    assert_eq!(found, COMPLETE_ENUMS, "enums without #[non_exhaustive]");
+}
+
+#[test]
+fn verif_documented_structs_may_grow() {
+    let has_only_public_fields = |item: &Item| match item {
+        Item::Struct(item) => {
+            !item.fields.is_empty() && item.fields.iter().all(|field| matches!(field.vis, Visibility::Public(_)))
+        }
+        _ => false,
+    };
+    let found = complete(has_only_public_fields);
+    assert_eq!(found, COMPLETE_STRUCTS, "structs without #[non_exhaustive]");
 }
 
 #[test]

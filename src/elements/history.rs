@@ -117,6 +117,7 @@ pub(crate) fn others_of(sets: &[ElementSet], norad_id: NoradId) -> &[ElementSet]
 
 /// One element set of each object, and element sets of the same objects with other epochs.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Chosen {
     /// One element set of each object, sorted by catalogue number.
     pub sets: Vec<ElementSet>,

@@ -185,6 +185,7 @@ impl fmt::Display for ElementFormat {
 
 /// Rejected record with its position and reason. It is displayed as `file:line: reason`.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Rejected {
     /// Name of the file as given.
     pub file: Arc<str>,

@@ -60,6 +60,7 @@ const MOST_CONSTELLATIONS: usize = 200;
 
 /// Shell: circular orbits of one altitude and inclination in evenly spaced planes.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Shell {
     /// Mean altitude above the equatorial radius, km, 120 to 40,000.
     pub altitude_km: f64,

@@ -45,6 +45,7 @@ impl fmt::Display for CovarianceKind {
 
 /// Uncertainty of the parameters of a fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FitUncertainty {
     /// Covariance of all parameters, with 0 for parameters that are held, at a bound or undetermined. `None` if the
     /// curvature is singular.

@@ -12,6 +12,7 @@ pub(super) const LEAST_M2_SR: f64 = 1e-12;
 
 /// Parameter of a form, with its value and bounds.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Parameter {
     /// Name, as in model files.
     pub name: String,

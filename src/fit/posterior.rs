@@ -45,6 +45,7 @@ impl Default for PosteriorSettings {
 
 /// Marginal distribution of one parameter.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Marginal {
     /// Name of the parameter.
     pub name: String,
@@ -61,6 +62,7 @@ pub struct Marginal {
 
 /// Summary of a chain: distributions of the parameters, and their covariance.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Posterior {
     /// Marginal distributions, one per free parameter.
     pub marginals: Vec<Marginal>,

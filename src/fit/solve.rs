@@ -46,6 +46,7 @@ pub struct Problem {
 
 /// Result of a fit.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Fit {
     /// Name of the form.
     pub form: String,

@@ -81,6 +81,7 @@ pub enum Fault {
 
 /// Gaps in the coverage of one axis of the geometry.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PoorAxis {
     /// Name of the axis, for example `Sun's latitudes`.
     pub name: &'static str,

@@ -38,6 +38,7 @@ impl EphemerisRequest {
 
 /// Topocentric positions of the selected satellites.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Ephemeris {
     /// Positions, grouped by satellite in the order of the catalogue; within a satellite in the order of the times.
     pub points: Vec<EphemerisPoint>,

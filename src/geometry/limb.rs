@@ -12,6 +12,7 @@ use crate::frames::{Direction, Gcrs, Position};
 /// Stretching z by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so visibility is exact for height
 /// 0. The z axis of GCRS is used as the Earth's axis (an error of 60 m in 2026).
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct EarthLimb {
     /// Height of the shell above the ellipsoid, km, at least 0: lines of sight that pass lower count as hidden.
     pub height_km: f64,

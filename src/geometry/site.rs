@@ -18,6 +18,7 @@ const TABLE: &str = include_str!("sites.csv");
 
 /// A position on (or above) the WGS84 ellipsoid.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Site {
     /// Name for display.
     pub name: String,
@@ -249,6 +250,7 @@ pub struct Observer {
 
 /// Position, velocity and horizon of an observer at one moment.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct ObserverState {
     /// Geocentric position, km.
     pub position: Position<Gcrs>,

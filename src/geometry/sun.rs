@@ -10,6 +10,7 @@ use crate::frames::{Gcrs, Position, Sampled, Velocity, seconds_between, tt_jd};
 
 /// Sun and Earth at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SunState {
     /// Geocentric geometric position of the Sun, km, with Sun and Earth at the same instant (no light time, no
     /// aberration).

@@ -8,6 +8,7 @@ use crate::frames::{Direction, Gcrs, OfDate, Position, Velocity, gcrs_to_of_date
 
 /// Direction and range of a satellite as seen by an observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Aspect {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,

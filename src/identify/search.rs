@@ -45,6 +45,7 @@ pub struct IdentifyOptions {
 
 /// Result of the identification.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Identified {
     /// Candidates, in order of decreasing probability.
     pub candidates: Vec<Candidate>,

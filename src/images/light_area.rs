@@ -7,6 +7,7 @@ use super::pixels::PixelPosition;
 
 /// Range of illuminated pixels of a frame, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct LightArea {
     /// Illuminated rows.
     pub rows: Range<usize>,

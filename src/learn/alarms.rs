@@ -57,6 +57,7 @@ impl AlarmKind {
 
 /// Improbable light of a satellite.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Alarm {
     /// Kind of alarm.
     pub alarm: AlarmKind,
@@ -87,6 +88,7 @@ pub struct Alarm {
 
 /// Alarms with the numbers of passes, satellites and frequencies that were tested.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Alarms {
     /// Alarms, by kind of alarm, satellite and time.
     pub alarms: Vec<Alarm>,

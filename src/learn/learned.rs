@@ -16,6 +16,7 @@ use crate::watch::Watch;
 
 /// Learned file, with the fits of its kinds.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Learned {
     /// Content of the file.
     pub file: LearnedFile,

@@ -27,6 +27,7 @@ pub struct PassPoint {
 
 /// Measurements of one pass of a satellite.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Pass {
     norad_id: NoradId,
     kind: Generation,

@@ -24,6 +24,7 @@ pub struct BodyView<'a> {
 
 /// One direction of a [`BodyMap`].
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BodyPoint {
     /// Longitude from the Sun's azimuth, [0, 2π), radians.
     pub observer_longitude_rad: f64,
@@ -35,6 +36,7 @@ pub struct BodyPoint {
 
 /// Standard magnitudes over the hemisphere below a satellite.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BodyMap {
     /// Grid of the directions.
     pub grid: Grid,

@@ -77,6 +77,7 @@ pub struct SkyPoint {
 
 /// Apparent magnitudes over the sky of a site.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SkyMap {
     /// Grid of the directions.
     pub grid: Grid,

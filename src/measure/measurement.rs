@@ -123,6 +123,7 @@ impl Flag {
 
 /// A number and its error (one sigma).
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Estimate {
     /// Value.
     pub value: f64,
@@ -132,6 +133,7 @@ pub struct Estimate {
 
 /// Measured streak, or upper limit of a streak that was not found.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct StreakMeasurement {
     /// True if the streak was found.
     pub is_detected: bool,

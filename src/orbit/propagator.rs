@@ -386,6 +386,7 @@ impl Propagator {
 
 /// A satellite without a position, and the reason. Such satellites never stop a computation.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct LeftOut {
     /// NORAD catalogue number.
     pub norad_id: NoradId,

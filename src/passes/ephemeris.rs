@@ -25,6 +25,7 @@ const MOST_POINTS: usize = 1_000_000;
 
 /// Position, rates and brightness of one satellite at one time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct EphemerisPoint {
     /// NORAD catalogue number.
     pub norad_id: NoradId,

@@ -74,6 +74,7 @@ pub enum LearnedError {
 /// Content of a learned file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[non_exhaustive]
 pub struct LearnedFile {
     /// Version of the schema; 1.
     pub schema: u32,

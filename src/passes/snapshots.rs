@@ -48,6 +48,7 @@ impl SnapshotOptions {
 
 /// Track of one satellite above a site, as a list of snapshots.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SatelliteTrack {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
@@ -59,6 +60,7 @@ pub struct SatelliteTrack {
 
 /// Position and brightness of one satellite at one time.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct SatelliteSnapshot {
     /// Index of the time in the query.
     pub time_index: usize,

@@ -139,6 +139,7 @@ impl SightLine<'_> {
 
 /// Position and brightness of a satellite at one time, as seen by the observer.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TrackPoint {
     /// Time of reception.
     pub epoch: Epoch,
@@ -164,6 +165,7 @@ pub struct TrackPoint {
 
 /// Part of a track inside the field, from entry (or shutter opening) to exit (or shutter closing).
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Chord {
     /// Entry, seconds after the shutter opened.
     pub enter_s: f64,
@@ -173,6 +175,7 @@ pub struct Chord {
 
 /// Satellite that crosses the field during one exposure, or passes near it.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Pass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,

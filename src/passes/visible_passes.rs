@@ -55,6 +55,7 @@ pub struct VisibleRequest {
 
 /// Selection of passes by the probability of being brighter than a limit.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BrightnessLimit {
     /// Magnitude limit by night.
     pub magnitude: f64,
@@ -67,6 +68,7 @@ pub struct BrightnessLimit {
 
 /// Part of a pass in which the satellite is visible.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Visibility {
     /// Start of the visible part: the rise, the exit from the geometric shadow, nightfall, or the start of the search. If
     /// all of the pass by night is in the geometric shadow, the part of it with light from the atmosphere is visible.
@@ -85,6 +87,7 @@ pub struct Visibility {
 
 /// Pass of one satellite above a site's horizon.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct VisiblePass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
@@ -127,6 +130,7 @@ impl VisiblePass {
 
 /// Numbers of excluded passes by reason.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct NotShown {
     /// Passes that are above the lowest altitude while the site is dark, but are in the Earth's shadow during that
     /// time. Passes during which the site is never dark are not counted.
@@ -141,6 +145,7 @@ pub struct NotShown {
 
 /// Visible passes, and numbers of excluded passes.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct VisiblePasses {
     /// Passes in the order in which they become visible; a pass that is not visible is ordered by its culmination.
     pub passes: Vec<VisiblePass>,

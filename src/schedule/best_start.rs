@@ -13,6 +13,7 @@ const LATER_STARTS: u32 = 60;
 
 /// Start of an exposure with its cost.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct BestStart {
     /// Delay after the scheduled start, seconds.
     pub delay_s: f64,

@@ -50,6 +50,7 @@ pub struct ScheduleOptions {
 
 /// Exposures of a schedule file.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Schedule {
     /// Format of the file.
     #[doc(hidden)]

@@ -47,6 +47,7 @@ pub struct ClearWindow {
 
 /// Windows of one target.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct TargetWindows {
     /// Clear windows in time order.
     pub windows: Vec<ClearWindow>,
@@ -61,6 +62,7 @@ pub struct TargetWindows {
 
 /// Windows of all targets.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct WindowReport {
     /// Windows of each target, in the order of the targets.
     pub by_target: Vec<TargetWindows>,

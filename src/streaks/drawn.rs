@@ -37,6 +37,7 @@ pub struct Shot<'a> {
 
 /// One streak on one chip, with its true parameters.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct DrawnStreak<'a> {
     /// Source of the streak.
     pub source: &'a Source,
@@ -80,6 +81,7 @@ pub struct DrawnStreak<'a> {
 
 /// True position and brightness of a light at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct StreakPoint {
     /// Time of the point.
     pub epoch: Epoch,

@@ -25,6 +25,7 @@ const VELOCITY_SLOP_KM: f64 = 3.0;
 
 /// Crossing of a field by one sunlit satellite during one exposure.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct FieldCrossing {
     /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
@@ -34,6 +35,7 @@ pub struct FieldCrossing {
 
 /// Crossings of a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct FieldCrossings {
     /// Crossings of each exposure in order of entry; exposures are in the order given.
     pub by_exposure: Vec<Vec<FieldCrossing>>,

@@ -54,6 +54,7 @@ const LEAST_IN_FLIGHT: f64 = 0.01;
 
 /// Probability that one satellite is in the field during one exposure, and its expected streak.
 #[derive(Copy, Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct CrossingProbability {
     /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,

@@ -15,6 +15,7 @@ use crate::orbit::{Candidate, LeftOut};
 
 /// Passes through a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Passes {
     /// Passes of each exposure in order of entry; exposures are in the order given.
     pub by_exposure: Vec<Vec<Pass>>,
