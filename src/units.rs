@@ -64,11 +64,8 @@ pub static DAYS: Unit =
     Unit { accepted: &[("d", 1.0), ("day", 1.0), ("days", 1.0), ("mjd", 1.0), ("jd", 1.0)], allowed: "d" };
 
 /// Magnitudes.
-#[cfg(all(feature = "fits", unix))]
-pub static MAGNITUDES: Unit = Unit {
-    accepted: &[("mag", 1.0), ("mag(AB)", 1.0), ("mag(ST)", 1.0), ("mmag", 1e-3)],
-    allowed: "mag, mag(AB), mag(ST) or mmag",
-};
+pub static MAGNITUDES: Unit =
+    Unit { accepted: &[("mag", 1.0), ("mag(AB)", 1.0), ("mmag", 1e-3)], allowed: "mag, mag(AB) or mmag" };
 
 /// Positions and lengths in a frame, pixels.
 #[cfg(all(feature = "fits", unix))]
@@ -82,7 +79,7 @@ pub static ARCSECONDS: Unit = Unit {
 };
 
 /// Distances, kilometres.
-#[cfg(all(feature = "fits", unix))]
+#[cfg(any(feature = "fit", all(feature = "fits", unix)))]
 pub static KILOMETRES: Unit = Unit { accepted: &[("km", 1.0), ("m", 1e-3)], allowed: "km or m" };
 
 /// Wavelengths, micrometres.
@@ -134,23 +131,26 @@ pub enum UnitError {
 
 impl Unit {
     /// Returns true if two numbers of one quantity, in the unit of the program, differ by no more than their rounding:
-    /// 0.01, or a ten-thousandth. Right ascensions are equal after a whole turn, and those without a unit may be in hours;
-    /// `column` is the name of one of the columns.
+    /// 0.01, or a ten-thousandth. Right ascensions and rotations are equal after a whole turn, and right ascensions
+    /// without a unit may be in hours; `column` is the name of one of the columns.
     pub fn is_same(&self, column: &str, one: f64, other: f64) -> bool {
         const ROUNDING: f64 = 0.01;
         const SHARE: f64 = 1e-4;
-        let is_right_ascension = column.to_ascii_lowercase().contains("ra");
-        let hours = self.value("hourangle").filter(|_| is_right_ascension).map(|(_, degrees)| degrees);
-        let difference = |other: f64| match hours {
-            Some(_) => (one - other + 180.0).rem_euclid(360.0) - 180.0,
-            None => one - other,
-        };
+        let hours = self.value("hourangle").filter(|_| is_right_ascension(column)).map(|(_, degrees)| degrees);
+        let turns = hours.is_some() || column.to_ascii_lowercase().contains("rot");
+        let difference = |other: f64| if turns { (one - other + 180.0).rem_euclid(360.0) - 180.0 } else { one - other };
         let is_near = |other: f64| difference(other).abs() <= ROUNDING.max(SHARE * one.abs());
         is_near(other) || hours.is_some_and(|degrees| is_near(degrees * other))
     }
 
     fn value(&self, unit: &str) -> Option<(&'static str, f64)> {
         self.accepted.iter().find(|(accepted, _)| *accepted == unit).copied()
+    }
+
+    /// Returns the size of a unit in the unit of the program; `None` if it is not accepted.
+    #[cfg(feature = "fit")]
+    pub fn size(&self, unit: &str) -> Option<f64> {
+        self.value(unit.trim()).map(|(_, size)| size)
     }
 
     /// Returns the value of the unit of a column, in the unit of the program. `units` are those that the file states,
@@ -177,19 +177,29 @@ impl Unit {
     /// # Errors
     /// Several columns have this name, or the quantity in different units.
     pub fn find(&self, accepted: &[&str], names: &[String]) -> Result<Option<usize>, UnitError> {
-        let positions = |is_meant: &dyn Fn(&str) -> bool| -> Vec<usize> {
-            (0..names.len()).filter(|&index| is_meant(&names[index])).collect()
-        };
-        let stem = |name: &str| Some(name.rsplit_once('_').filter(|(_, end)| self.value(end).is_some())?.0.to_owned());
-        let stems: Vec<String> = accepted.iter().filter_map(|name| stem(name)).collect();
-        let own = accepted.iter().map(|name| positions(&|found| found == *name)).find(|found| !found.is_empty());
-        let found = own.unwrap_or_else(|| positions(&|found| stem(found).is_some_and(|found| stems.contains(&found))));
+        let positions =
+            |name: &&str| -> Vec<usize> { (0..names.len()).filter(|&index| names[index] == **name).collect() };
+        let own = accepted.iter().map(|name| positions(name)).find(|found| !found.is_empty());
+        let found = own.unwrap_or_else(|| self.columns(accepted, names));
         match found[..] {
             [] => Ok(None),
             [index] => Ok(Some(index)),
             [one, other, ..] => Err(UnitError::TwoColumns { first: names[one].clone(), second: names[other].clone() }),
         }
     }
+
+    /// Returns the indices of all columns of a quantity: the names in `accepted`, and these with another unit at the end.
+    pub fn columns(&self, accepted: &[&str], names: &[String]) -> Vec<usize> {
+        let stem = |name: &str| Some(name.rsplit_once('_').filter(|(_, end)| self.value(end).is_some())?.0.to_owned());
+        let stems: Vec<String> = accepted.iter().filter_map(|name| stem(name)).collect();
+        let is_meant = |name: &str| accepted.contains(&name) || stem(name).is_some_and(|stem| stems.contains(&stem));
+        (0..names.len()).filter(|&index| is_meant(&names[index])).collect()
+    }
+}
+
+/// Returns true for the name of a column of right ascensions, such as `ra_deg`, `s_ra` or `fieldRA`.
+pub fn is_right_ascension(column: &str) -> bool {
+    column.to_ascii_lowercase().split('_').any(|word| ["ra", "fieldra"].contains(&word))
 }
 
 #[cfg(test)]
@@ -232,6 +242,9 @@ mod tests {
             (&DEGREES, "dec_deg", 30.0, 30.0001, true),
             (&DEGREES, "dec_deg", 30.0, 2.0, false),
             (&DEGREES, "dec_deg", -10.0, 350.0, false),
+            (&DEGREES, "dec_rad", -30.0, -2.0, false),
+            (&DEGREES, "rotSkyPos", -10.0, 350.0, true),
+            (&DEGREES, "rotation_deg", 30.0, 2.0, false),
         ] {
             assert_eq!(unit.is_same(column, one, other), is_same, "{column} {one} {other}");
         }

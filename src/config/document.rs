@@ -10,7 +10,7 @@ use super::coordinates::{parse_height_m, parse_latitude_deg, parse_longitude_deg
 use super::error::ConfigError;
 use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
-    TelescopeChoice, is_file_name, is_response_file, model_assignments, one_or_many,
+    TelescopeChoice, is_file_name, is_response_file, limit, model_assignments, one_or_many,
 };
 use crate::elements::Constellation;
 use crate::input;
@@ -299,10 +299,12 @@ pub struct RulesConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub policy: Option<PolicyChoice>,
     /// Limiting magnitude: brighter crossings give the verdict avoid; 7, or by band g=7,y=5,default=6
+    #[serde(deserialize_with = "limit")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Limiting surface brightness, mag/arcsec2: brighter streaks give the verdict avoid (with --telescope); 22, or by
     /// band W1=20,default=22
+    #[serde(deserialize_with = "limit")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Satellites that block a start: any (all lit ones) or avoid (those that exceed a limit; default)
@@ -408,9 +410,9 @@ questions! {
 
 /// Verbs of the command line that have a table in a configuration file.
 #[rustfmt::skip]
-const VERBS: [&str; 17] = [
+const VERBS: [&str; 18] = [
     "passes", "flag", "annotate", "windows", "forecast", "ephemeris", "gate", "identify", "map", "plot", "inject",
-    "measure", "learn", "serve", "statistics", "model", "doctor",
+    "measure", "mask", "learn", "serve", "statistics", "model", "doctor",
 ];
 
 /// Largest size of a configuration file, bytes.
@@ -529,7 +531,9 @@ impl Config {
 
     /// Checks all values that need no other file, so that the error is that of this configuration alone.
     fn check(&self) -> Result<(), ConfigError> {
-        self.check_viewpoint()?;
+        // A height of the limb without a telescope has no effect if flags give a site.
+        let limb_height_km = self.limb_height_km.filter(|_| self.has_viewpoint());
+        Config { limb_height_km, ..self.clone() }.check_viewpoint()?;
         self.check_field()?;
         self.check_limits()?;
         self.check_exposure()?;
@@ -645,6 +649,12 @@ impl Config {
         let (mut copy, mut files) = (self.clone(), Vec::new());
         copy.visit_paths(|path| files.push(path.clone()));
         files
+    }
+
+    /// Returns the paths of the files with settings: all but those of element sets.
+    pub fn settings_files(&self) -> Vec<PathBuf> {
+        let others = Config { elements: Vec::new(), observer_elements: None, ..self.clone() };
+        self.run.file.iter().cloned().chain(others.files()).collect()
     }
 
     /// Returns the configuration without the values that are read from files, so that it can be checked without them.

@@ -1,6 +1,7 @@
 //! Skies prepared for the times of a request, with their provenance and warnings.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 use std::sync::Arc;
 
 use hifitime::Epoch;
@@ -11,9 +12,10 @@ use super::error::ConfigError;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
-use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile};
+use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile, sha256_hex};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
+use crate::input;
 use crate::math::quantile::median;
 use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
 use crate::output::{Provenance, format_utc};
@@ -81,6 +83,10 @@ impl LoadedInputs {
         let mut provenance = Provenance::new();
         if let Some(home) = &self.config.home.file {
             provenance.state("home_file", home.display().to_string());
+        }
+        let settings: Vec<_> = self.config.settings_files().iter().map(|path| settings_file_json(path)).collect();
+        if !settings.is_empty() {
+            provenance.state("settings_files", settings);
         }
         let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();
         if let Some(catalogue) = &self.catalogue {
@@ -376,6 +382,12 @@ fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Va
         "min_sun_angle_deg": config.min_sun_angle,
         "min_limb_angle_deg": config.min_limb_angle,
     })
+}
+
+/// Returns the path of a file with settings and its SHA-256, which is null for a stream.
+fn settings_file_json(path: &Path) -> serde_json::Value {
+    let bytes = if input::is_stream(path) { None } else { input::read(path).ok() };
+    json!({ "file": path.display().to_string(), "sha256": bytes.map(|bytes| sha256_hex(&bytes)) })
 }
 
 fn source_json(source: &SourceFile) -> serde_json::Value {

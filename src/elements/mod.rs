@@ -60,3 +60,4 @@ pub use self::{
 pub(crate) use epoch::parse_iso;
 pub(crate) use history::others_of;
 pub(crate) use record::excerpt;
+pub(crate) use source::sha256_hex;

@@ -269,6 +269,11 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     }
 }
 
+/// Returns the SHA-256 of bytes in lower-case hexadecimal.
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
 /// Formats bytes as lower-case hexadecimal.
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()

@@ -56,6 +56,18 @@ pub enum FitError {
         /// Name of the column.
         column: String,
     },
+    /// The unit or the time scale of a column in the file is another one than that of the column map.
+    #[error("{file}: column {} is in '{}'; allowed: {allowed}", Quoted::new(.column), Quoted::new(.stated))]
+    StatedUnit {
+        /// Name of the file.
+        file: String,
+        /// Name of the column.
+        column: String,
+        /// Unit or time scale that the file states.
+        stated: String,
+        /// Accepted unit or time scale.
+        allowed: String,
+    },
     /// A column map is invalid or incomplete.
     #[error("column map: {problem}")]
     ColumnMap {

@@ -7,6 +7,8 @@ use hifitime::TimeScale;
 use saphyr::{LoadableYamlNode, ScanError, YamlOwned};
 use saphyr_parser::{Event, Parser};
 
+use crate::message::Quoted;
+
 /// Deepest accepted nesting of an ECSV header. Astropy writes about five levels. The YAML loader is recursive and
 /// overflows the stack after some thousands of levels.
 const DEEPEST_HEADER: usize = 64;
@@ -47,6 +49,8 @@ pub struct TimeColumn<'a> {
     pub format: Option<&'a str>,
     /// Time scale, if it is one of UTC, TAI, TT and TDB.
     pub scale: Option<TimeScale>,
+    /// Time scale as text, such as `tai`.
+    pub scale_name: Option<&'a str>,
 }
 
 impl<'a> TimeColumn<'a> {
@@ -61,7 +65,7 @@ impl<'a> TimeColumn<'a> {
             _ => None,
         };
         let is_time = text("__class__") == Some("astropy.time.core.Time");
-        is_time.then(|| Self { name, format: text("format"), scale })
+        is_time.then(|| Self { name, format: text("format"), scale, scale_name: text("scale") })
     }
 }
 
@@ -154,12 +158,19 @@ impl Ecsv {
         split(line, self.delimiter)
     }
 
-    /// Returns the units in the header, by column name.
+    /// Returns the units in the header, by column name. Columns of astropy's `TimeDelta` are in days, or in seconds with the
+    /// format `sec`.
     pub fn units(&self) -> BTreeMap<String, String> {
         let columns = self.header.as_ref().and_then(|header| get(header, "datatype"));
         let Some(YamlOwned::Sequence(columns)) = columns else { return BTreeMap::new() };
         let text = |column, key| get(column, key).and_then(YamlOwned::as_str).map(str::to_owned);
-        columns.iter().filter_map(|column| Some((text(column, "name")?, text(column, "unit")?))).collect()
+        let stated = columns.iter().filter_map(|column| Some((text(column, "name")?, text(column, "unit")?)));
+        let intervals = self.serialized_columns().filter_map(|(name, column)| {
+            let text = |key| get(column, key).and_then(YamlOwned::as_str);
+            let unit = if text("format") == Some("sec") { "s" } else { "d" };
+            (text("__class__") == Some("astropy.time.core.TimeDelta")).then(|| (name.to_owned(), unit.to_owned()))
+        });
+        stated.chain(intervals).collect()
     }
 
     /// Returns the names of the columns with numbers of single (or half) precision.
@@ -175,10 +186,33 @@ impl Ecsv {
 
     /// Returns the `Time` columns, which astropy describes in the metadata.
     pub fn time_columns(&self) -> Vec<TimeColumn<'_>> {
+        self.serialized_columns().filter_map(|(name, column)| TimeColumn::of(name, column)).collect()
+    }
+
+    /// Returns the columns that astropy describes in the metadata, with their names.
+    fn serialized_columns(&self) -> impl Iterator<Item = (&str, &YamlOwned)> {
         let meta = self.header.as_ref().and_then(|header| get(header, "meta"));
         let columns = meta.and_then(|meta| get(meta, "__serialized_columns__"));
-        let Some(YamlOwned::Mapping(columns)) = columns else { return Vec::new() };
-        columns.iter().filter_map(|(name, column)| TimeColumn::of(name.as_str()?, column)).collect()
+        let columns = columns.and_then(|columns| if let YamlOwned::Mapping(map) = columns { Some(map) } else { None });
+        columns.into_iter().flatten().filter_map(|(name, column)| Some((name.as_str()?, column)))
+    }
+
+    /// Checks that no column of astropy's `Time` with a name that ends with `_utc` is in another time scale.
+    ///
+    /// # Errors
+    /// A sentence that names the column and its time scale.
+    pub fn check_utc(&self) -> Result<(), String> {
+        let is_other = |time: &&TimeColumn<'_>| {
+            time.name.to_ascii_lowercase().ends_with("_utc") && time.scale_name.is_some_and(|scale| scale != "utc")
+        };
+        match self.time_columns().iter().find(is_other) {
+            Some(TimeColumn { name, scale_name, .. }) => Err(format!(
+                "column {} is in the time scale {}; allowed: utc, as its name says",
+                Quoted::new(name),
+                Quoted::new(scale_name.unwrap_or_default())
+            )),
+            None => Ok(()),
+        }
     }
 }
 

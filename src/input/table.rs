@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Cursor};
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::Arc;
 
 use super::ecsv::{Ecsv, LineError, is_ecsv};
 use super::file::{invalid, read_to_string};
@@ -20,7 +21,7 @@ const LONGEST_ROW: usize = 100_000;
 /// ECSV, and of the names of the columns.
 pub struct TableRows {
     rows: Rows,
-    names: Vec<String>,
+    names: Arc<[String]>,
     units: BTreeMap<String, String>,
     /// Lines that begin with `#` at the start of the file.
     pub comments: String,
@@ -31,7 +32,8 @@ pub struct TableRows {
 }
 
 enum Rows {
-    Csv(csv::StringRecordsIntoIter<Cursor<String>>),
+    /// Reader, its text, and the number of lines up to an offset in the text.
+    Csv(csv::StringRecordsIntoIter<Cursor<Arc<[u8]>>>, Arc<[u8]>, u64, usize),
     /// Text, its layout, the number of rows that were read, and the line and the offset of the last one.
     Ecsv(String, Box<Ecsv>, usize, u64, usize),
 }
@@ -51,8 +53,6 @@ pub struct Column {
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct OtherColumn {
     index: usize,
-    /// Names of the column that is read and of this one.
-    names: [&'static str; 2],
     scale: f64,
     unit: &'static Unit,
 }
@@ -63,6 +63,7 @@ pub struct TableRow {
     /// Line in the file, from 1.
     pub line: u64,
     cells: csv::StringRecord,
+    names: Arc<[String]>,
 }
 
 impl TableRow {
@@ -84,14 +85,17 @@ impl TableRow {
     /// Returns the contradiction of the number in a cell and that in another column of the same quantity; `None` if there
     /// is none. Cells that are not numbers are not compared.
     pub fn contradiction(&self, column: Column) -> Option<io::Error> {
-        let OtherColumn { index, names: [first, second], scale, unit } = column.other?;
+        let OtherColumn { index, scale, unit } = column.other?;
         let cell = self.cells.get(index).unwrap_or_default();
         let other = cell.parse::<f64>().ok().map(|number| number * scale).filter(|number| number.is_finite())?;
-        let number = self.number(column).filter(|number| !unit.is_same(first, *number, other))?;
+        let [first, second] = [column.index, index].map(|index| &self.names[index]);
+        self.number(column).filter(|number| !unit.is_same(first, *number, other))?;
         Some(invalid(format!(
-            "line {}: {first} is {number} and {second} is {other}: they contradict each other; allowed: one of these columns, \
-             or equal values",
-            self.line
+            "line {}: {first} is {} and {second} is {}: they contradict each other; allowed: one of these columns, or equal \
+             values",
+            self.line,
+            Quoted::new(self.text(column)),
+            Quoted::new(cell)
         )))
     }
 
@@ -165,21 +169,23 @@ impl TableRows {
         }
         if is_ecsv(&text) {
             let ecsv = Ecsv::parse(&text).map_err(|error| invalid(error.to_string()))?;
+            ecsv.check_utc().map_err(invalid)?;
             let (names, units, comments_like_rows) =
-                (unique(ecsv.names.clone())?, ecsv.units(), ecsv.comments_like_rows);
+                (unique(ecsv.names.clone())?.into(), ecsv.units(), ecsv.comments_like_rows);
             let rows = Rows::Ecsv(text, Box::new(ecsv), 0, 1, 0);
             return Ok(Self { rows, names, units, comments, comments_like_rows, count: 0 });
         }
         let delimiter = delimiter_of(first_line(&text));
         let comments_like_rows =
             comments_like_rows(&text, delimiter).map_err(|line| invalid(format!("line {line}: {UNCLOSED}")))?;
+        let text: Arc<[u8]> = text.into_bytes().into();
         let mut reader = csv::ReaderBuilder::new()
             .comment(Some(b'#'))
             .delimiter(delimiter)
             .trim(csv::Trim::All)
-            .from_reader(Cursor::new(text));
-        let names = unique(reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect())?;
-        let (rows, units) = (Rows::Csv(reader.into_records()), BTreeMap::new());
+            .from_reader(Cursor::new(text.clone()));
+        let names = unique(reader.headers().map_err(csv_error)?.iter().map(str::to_owned).collect())?.into();
+        let (rows, units) = (Rows::Csv(reader.into_records(), text, 1, 0), BTreeMap::new());
         Ok(Self { rows, names, units, comments, comments_like_rows, count: 0 })
     }
 
@@ -212,10 +218,10 @@ impl TableRows {
         let failed = |error: UnitError| invalid(error.to_string());
         let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
         let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
-        let named = |index: usize| accepted.iter().copied().find(|name| *name == self.names[index]);
-        let other = (0..self.names.len()).filter(|other| *other != index).find_map(|other| {
-            let (names, scale) = ([named(index)?, named(other)?], unit.scale(&self.names[other], &self.units).ok()?);
-            Some(OtherColumn { index: other, names, scale, unit })
+        let others = unit.columns(accepted, &self.names).into_iter().filter(|other| *other != index);
+        let other = others.into_iter().find_map(|other| {
+            let scale = unit.scale(&self.names[other], &self.units).ok()?;
+            Some(OtherColumn { index: other, scale, unit })
         });
         Ok(Some(Column { index, name: accepted[0], scale, other }))
     }
@@ -233,10 +239,15 @@ impl Iterator for TableRows {
     type Item = io::Result<TableRow>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        let names = self.names.clone();
         let row = match &mut self.rows {
-            Rows::Csv(rows) => rows.next()?.map_err(csv_error).map(|cells| {
-                let line = cells.position().map_or(0, csv::Position::line);
-                TableRow { line, cells }
+            Rows::Csv(rows, text, line, at) => rows.next()?.map_err(csv_error).map(|cells| {
+                // The position of a row is before the end of the previous line, and before comments.
+                let end = cells.position().map_or(*at, |position| position.byte() as usize).clamp(*at, text.len());
+                let start = end + blank_or_comment(&text[end..]);
+                *line += text[*at..start].iter().filter(|byte| **byte == b'\n').count() as u64;
+                *at = start;
+                TableRow { line: *line, cells, names }
             }),
             Rows::Ecsv(text, ecsv, read, line, at) => {
                 let (start, end) = *ecsv.rows.get(*read)?;
@@ -246,7 +257,7 @@ impl Iterator for TableRows {
                 let (found, expected) = (cells.len(), self.names.len());
                 let error = || LineError::new(*line, format!("{found} cells, but {expected} columns"));
                 if found == expected {
-                    Ok(TableRow { line: *line, cells: cells.into() })
+                    Ok(TableRow { line: *line, cells: cells.into(), names })
                 } else {
                     Err(invalid(error().to_string()))
                 }
@@ -267,6 +278,19 @@ impl Iterator for TableRows {
             Ok(row)
         }))
     }
+}
+
+/// Returns the number of bytes of line ends and comments at the beginning of a text.
+fn blank_or_comment(text: &[u8]) -> usize {
+    let mut length = 0;
+    while let Some(byte) = text.get(length) {
+        length += match byte {
+            b'\r' | b'\n' => 1,
+            b'#' => text[length..].iter().position(|byte| *byte == b'\n').unwrap_or(text.len() - length),
+            _ => break,
+        };
+    }
+    length
 }
 
 /// Returns the first line that is neither blank nor a comment; empty if there is none.
@@ -355,7 +379,7 @@ fn csv_error(error: csv::Error) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::units::DEGREES;
+    use crate::units::{DEGREES, SECONDS};
 
     /// Blanks separate the cells of ECSV, and quoted cells contain blanks; in CSV the separator is that of the names.
     #[test]
@@ -379,6 +403,15 @@ mod tests {
     }
 
     #[test]
+    fn rows_have_their_lines() {
+        let text = "# c\r\na,b\r\n1,2\r\n# d\r\n\r\n3,4\r\n\"5\r\n\",6\r\n7,8\r\n";
+        for text in [text.to_owned(), text.replace("\r\n", "\n")] {
+            let lines: Vec<u64> = TableRows::new(text.clone()).unwrap().map(|row| row.unwrap().line).collect();
+            assert_eq!(lines, [3, 6, 7, 9], "{text:?}");
+        }
+    }
+
+    #[test]
     fn two_columns_of_a_quantity_are_compared() {
         let text = "ra,ra_deg,dec_deg\n12h40m,190,0\n12.6666667,190.0,0\n-170,190.001,0\n,190,0\n10,190,0\n";
         let rows = TableRows::new(text.to_owned()).unwrap();
@@ -390,6 +423,11 @@ mod tests {
             error.starts_with("line 6: ra_deg is 190 and ra is 10: they contradict each other; allowed"),
             "{error}"
         );
+        let text = "exposure_s,exposure_min\n60,1\n60,5\n".to_owned();
+        let rows = TableRows::new(text).unwrap();
+        let exposure = rows.numbers(&["exposure_s"], &SECONDS, "").unwrap();
+        let read: Vec<_> = rows.map(|row| row.unwrap().number_in(exposure, [0.0, 1e6]).ok()).collect();
+        assert_eq!(read, [Some(60.0), None]);
         // The unit of a column that is only compared may be any.
         let header = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: ra, unit: 'h:m:s', datatype: string}\n\
             # - {name: ra_deg, unit: deg, datatype: float64}\n";

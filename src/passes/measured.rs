@@ -11,12 +11,13 @@ use crate::frames::seconds_between;
 use crate::geometry::ViewingGeometry;
 use crate::input::TableRows;
 use crate::photometry::{Brightness, Magnitude, PassUpdate};
+use crate::units::MAGNITUDES;
 
 /// Longest interval between two measurements of one pass, seconds. A pass of a low satellite takes some ten minutes,
 /// and the next one is an orbit later.
 pub const LONGEST_PASS_GAP_S: f64 = 1200.0;
 /// Range of measured magnitudes.
-const MAGNITUDES: [f64; 2] = [-30.0, 40.0];
+const MAGNITUDE_RANGE: [f64; 2] = [-30.0, 40.0];
 
 /// Flags of measurements that are not used: limits, fluxes of less than half of a streak, and streaks that may be of
 /// another satellite.
@@ -58,8 +59,9 @@ pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, MeasuredErro
     let rows = TableRows::open(path).map_err(failed)?;
     let form = "a table with the columns norad_id, mid_utc, magnitude and magnitude_sigma";
     let column = |name| rows.column(name, form).map_err(failed);
+    let magnitudes = |name| rows.numbers(&[name], &MAGNITUDES, form).map_err(failed);
     let [id, time, magnitude, sigma] =
-        [column("norad_id")?, column("mid_utc")?, column("magnitude")?, column("magnitude_sigma")?];
+        [column("norad_id")?, column("mid_utc")?, magnitudes("magnitude")?, magnitudes("magnitude_sigma")?];
     let [flags, calibrated] = [rows.find("flags"), rows.find("calibrated")];
     let has_given_tracks = rows.find("streak").is_some();
     let mut measured = Vec::new();
@@ -77,7 +79,7 @@ pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, MeasuredErro
         measured.push(MeasuredMagnitude {
             norad_id: NoradId(row.parsed(id, "a catalogue number").map_err(failed)?),
             epoch: parse_iso(row.text(time)).ok_or_else(wrong_time)?,
-            magnitude: Magnitude(row.number_in(magnitude, MAGNITUDES).map_err(failed)?),
+            magnitude: Magnitude(row.number_in(magnitude, MAGNITUDE_RANGE).map_err(failed)?),
             // An empty cell is an unknown error, not an error of 0.
             sigma_mag: row.number_in(sigma, [0.0, 10.0]).map_err(failed)?,
         });
@@ -156,6 +158,15 @@ mod tests {
             let error = row("5.5", sigma, calibrated, "").unwrap_err().to_string();
             assert!(error.contains(part), "{error}");
         }
+        let in_unit = |unit: &str| {
+            let header = format!(
+                "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n# - {{name: magnitude, unit: {unit}, datatype: float64}}\n"
+            );
+            let names = "norad_id,mid_utc,magnitude,magnitude_sigma";
+            read(&format!("{header}{names}\n44714,2026-08-14T23:36:25Z,5500,0.1\n"))
+        };
+        assert!((in_unit("mmag").unwrap()[0].magnitude.0 - 5.5).abs() < 1e-9);
+        assert!(in_unit("s").unwrap_err().to_string().contains("column magnitude is in 's'; allowed: mag"));
         let twice = format!("{names},magnitude\n44714,2026-08-14T23:36:25Z,5,0.1,true,,6\n");
         let error = read(&twice).unwrap_err().to_string();
         assert!(error.contains("two columns have the name magnitude"), "{error}");

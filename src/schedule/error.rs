@@ -58,6 +58,16 @@ pub enum ScheduleError {
         /// Description of the file.
         what: String,
     },
+    /// The table of streaks would replace the schedule.
+    #[error(
+        "the streaks of {output} are written to {streaks}, which is the schedule; allowed: an output of another name"
+    )]
+    StreaksAreInput {
+        /// Path of the annotated schedule.
+        output: String,
+        /// Path of its table of streaks.
+        streaks: String,
+    },
     /// A column that is read occurs several times.
     #[error("schedule {path}: column {column} occurs twice; allowed: once")]
     RepeatedColumn {

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::error::ScheduleError;
 use super::formats::{
-    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, RawTable, Row, ScheduleFormat, StartColumn,
-    StartForm, display, read_raw, start_columns,
+    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, ROTATIONS, RawTable, Row, ScheduleFormat,
+    StartColumn, StartForm, display, read_raw, start_columns,
 };
 use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
@@ -152,11 +152,15 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         return Err(ScheduleError::SinglePrecision { path: display(path), column: map.start.name });
     }
     let scales = Scales::read(path, &table, &map)?;
+    if let Some(what) = table.rejected.get(&map.start.name) {
+        return Err(ScheduleError::Format { path: display(path), what: format!("column {} {what}", map.start.name) });
+    }
     let scale = start_scale(path, &table, &map.start, options)?;
     let read = [
         (Some(map.duration), &DURATIONS),
         (Some(map.right_ascension), &RIGHT_ASCENSIONS),
         (Some(map.declination), &DECLINATIONS),
+        (map.rotation, &ROTATIONS),
     ];
     let checks = Checks::find(path, &table, &read, map.snaps.map(|(snaps, _)| snaps))?;
     let other_starts = other_starts(&table, &map.start);

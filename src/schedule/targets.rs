@@ -5,7 +5,7 @@ use std::path::Path;
 use hifitime::Epoch;
 
 use super::error::ScheduleError;
-use super::formats::{Cell, Checks, DECLINATIONS, RIGHT_ASCENSIONS, TARGET_DURATIONS, display, read_raw};
+use super::formats::{Cell, Checks, DECLINATIONS, RIGHT_ASCENSIONS, ROTATIONS, TARGET_DURATIONS, display, read_raw};
 use super::windows::WindowTarget;
 use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
@@ -16,7 +16,6 @@ const NAME: &[&str] = &["name", "target_name", "starname", "target"];
 const UNIQUE_ID: &[&str] = &["unique_id", "id"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "ra", "s_ra"];
 const DECLINATION: &[&str] = &["dec_deg", "dec", "s_dec"];
-const ROTATION: &[&str] = &["rotation_deg"];
 const BAND: &[&str] = &["band", "filter"];
 
 /// One row of a target list.
@@ -76,7 +75,7 @@ pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> 
     if table.rows.is_empty() {
         return Err(ScheduleError::NoRows { path: display(path) });
     }
-    let (unique_id, rotation, band) = (find(UNIQUE_ID), with_unit(&DEGREES, ROTATION)?, find(BAND));
+    let (unique_id, rotation, band) = (find(UNIQUE_ID), with_unit(ROTATIONS.unit, ROTATIONS.names)?, find(BAND));
     let [name, right_ascension, declination, exposure] = columns;
     let scale = |column: Option<usize>, unit: &Unit| column.map_or(Ok(1.0), |index| table.scale(path, index, unit));
     let scales = [
@@ -85,7 +84,12 @@ pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> 
         scale(exposure, &SECONDS)?,
         scale(rotation, &DEGREES)?,
     ];
-    let read = [(exposure, &TARGET_DURATIONS), (right_ascension, &RIGHT_ASCENSIONS), (declination, &DECLINATIONS)];
+    let read = [
+        (exposure, &TARGET_DURATIONS),
+        (right_ascension, &RIGHT_ASCENSIONS),
+        (declination, &DECLINATIONS),
+        (rotation, &ROTATIONS),
+    ];
     let checks = Checks::find(path, &table, &read, None)?;
     let listed = table.rows.iter().enumerate().map(|(row, cells)| {
         let numbered = (row + 1).to_string();
@@ -180,6 +184,19 @@ mod tests {
         assert_eq!((list.comments_like_rows, reasons[0].as_str()), (1, ""));
         assert!(reasons[1].starts_with("exposure_s is 30 and exposure is 300"), "{reasons:?}");
         assert!(reasons[2].starts_with("equinox is 1950"), "{reasons:?}");
+        let csv = "name,ra,dec,exposure,dec_deg,rotation,exposure_min\na,10,20,60,20,90,1\nb,10,-50d00m,60,-30,0,1\n\
+            c,10,20,60,20,90,2\nd,10,-50,60,-30,0,1\n";
+        let targets = read("t.csv", csv, None).unwrap();
+        let exposure = &targets[0].target.as_ref().unwrap().exposure;
+        assert_eq!(exposure.rotation_rad, 90_f64.to_radians());
+        for (target, expected) in targets[1..].iter().zip([
+            "dec_deg is -30 and dec is -50d00m",
+            "exposure is 60 and exposure_min is 2",
+            "dec_deg is -30 and dec is -50",
+        ]) {
+            let reason = target.target.as_ref().unwrap_err();
+            assert!(reason.starts_with(expected), "{reason}");
+        }
     }
 
     #[test]

@@ -170,16 +170,27 @@ pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> 
     Ok(files)
 }
 
+/// Returns the keys that an earlier setup no longer needs if these are changed: those that answer the same questions.
+#[pyfunction]
+pub fn replaced_keys(changed: Vec<String>) -> Vec<&'static str> {
+    let changed: Vec<&str> = changed.iter().map(String::as_str).collect();
+    let answered = Config::QUESTIONS.iter().filter(|question| question.is_answered_by(&changed));
+    answered.flat_map(|question| question.keys).copied().collect()
+}
+
 /// Parses a configuration document (JSON), with defaults from a configuration file if one is given.
 pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
-    let given: Config = serde_json::from_str(json).map_err(|error| {
+    let mut given: Config = serde_json::from_str(json).map_err(|error| {
         let text = error.to_string();
         // The position in the generated JSON text is omitted.
         let end = text.find(" at line ").unwrap_or(text.len());
         failure::SetupError::new_err(text[..end].to_owned())
     })?;
     match config {
-        Some(path) => Ok(given.over(Config::read(path.as_ref()).map_err(failure::setup)?)),
+        Some(path) => {
+            given.run.file = Some(path.into());
+            Ok(given.over(Config::read(path.as_ref()).map_err(failure::setup)?))
+        }
         None => Ok(given),
     }
 }

@@ -9,6 +9,8 @@ use anyhow::bail;
 use clap::{ArgMatches, Command};
 use streakcast::config::Config;
 
+use crate::verbs::plot::data_path;
+
 /// Arguments that are output files in all verbs.
 const OUTPUTS: [&str; 11] = [
     "output",
@@ -52,6 +54,12 @@ pub fn check(command: &Command, matches: &ArgMatches) -> anyhow::Result<()> {
             let of_kind = |text: &OsStr| Some(PathBuf::from(text.to_str()?.split_once('=')?.1));
             inputs.extend(texts.flat_map(|text| [Some(PathBuf::from(text)), of_kind(text)]).flatten());
         }
+    }
+    // The data of a plot are written beside its picture.
+    let has_flag = |id| matches.try_get_one::<bool>(id).ok().flatten().is_some_and(|flag| *flag);
+    let has_value = |id| matches.try_get_raw(id).ok().flatten().is_some();
+    if verb == "plot" && !has_flag("no_data") && !has_value("data") && !has_value("from") {
+        outputs.extend(outputs.first().map(|picture| data_path(picture)));
     }
     let of_keys = ["file", "home"].into_iter().filter_map(|id| matches.try_get_one::<PathBuf>(id).ok().flatten());
     for file in of_keys.filter(|_| !outputs.is_empty()) {

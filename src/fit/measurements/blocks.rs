@@ -1,5 +1,6 @@
 //! Reader of files of any length, plain or gzipped, that returns the head and then blocks of whole rows.
 
+use std::collections::BTreeMap;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
@@ -7,7 +8,7 @@ use flate2::read::MultiGzDecoder;
 
 use super::super::error::FitError;
 use crate::elements::NoradId;
-use crate::input;
+use crate::input::{self, Ecsv, TimeColumn};
 
 /// Number of bytes per block.
 const BLOCK: usize = 1 << 20;
@@ -21,7 +22,7 @@ const MMT_MARK: &str = "StdMag";
 pub(super) enum Delimiter {
     /// Any number of blanks.
     Blanks,
-    /// A comma, semicolon or tabulator; cells may be quoted.
+    /// A comma, semicolon or tabulator, or the blank of ECSV; cells may be quoted.
     Byte(u8),
 }
 
@@ -30,6 +31,9 @@ pub(super) enum Delimiter {
 pub(super) struct Head {
     pub header: Vec<String>,
     pub delimiter: Delimiter,
+    /// Units and time scales by column, if the file is ECSV.
+    pub units: BTreeMap<String, String>,
+    pub time_scales: BTreeMap<String, String>,
     /// NORAD number in a comment such as `# satellite: 64559 NAME`, unless another comment names a different catalogue.
     pub norad_id: Option<NoradId>,
 }
@@ -60,7 +64,7 @@ impl Blocks {
         } else {
             Box::new(raw)
         };
-        let mut comments: Vec<String> = Vec::new();
+        let (mut comments, mut head) = (Vec::<String>::new(), String::new());
         let (line, rest) = loop {
             let mut line = Vec::new();
             let length = source.by_ref().take(LONGEST_ROW as u64).read_until(b'\n', &mut line).map_err(unreadable)?;
@@ -68,6 +72,7 @@ impl Blocks {
                 return Err(FitError::EmptyFile { file: name.to_owned() });
             }
             let text = String::from_utf8_lossy(&line);
+            head.push_str(text.trim_start_matches('\u{feff}'));
             let text = text.trim_start_matches('\u{feff}').trim();
             if let Some(comment) = text.strip_prefix('#') {
                 comments.push(comment.trim().to_owned());
@@ -76,10 +81,21 @@ impl Blocks {
             }
         };
         let norad_id = norad_of(&comments);
+        if input::is_ecsv(&head) {
+            let invalid = |problem: String| FitError::Unreadable { file: name.to_owned(), problem };
+            let ecsv = Ecsv::parse(&head).map_err(|error| invalid(error.to_string()))?;
+            ecsv.check_utc().map_err(invalid)?;
+            let scale = |time: TimeColumn<'_>| Some((time.name.to_owned(), time.scale_name?.to_owned()));
+            let time_scales = ecsv.time_columns().into_iter().filter_map(scale).collect();
+            let (units, delimiter) = (ecsv.units(), Delimiter::Byte(ecsv.delimiter));
+            let head = Head { header: ecsv.names, delimiter, units, time_scales, norad_id };
+            return Ok((head, Self { source, rest: Vec::new(), is_at_end: false }));
+        }
+        let (units, time_scales) = Default::default();
         let (head, rest) = match comments.last().filter(|comment| comment.contains(MMT_MARK)) {
             Some(header) => {
                 let header = header.split_whitespace().map(str::to_owned).collect();
-                (Head { header, delimiter: Delimiter::Blanks, norad_id }, rest)
+                (Head { header, delimiter: Delimiter::Blanks, units, time_scales, norad_id }, rest)
             }
             None => {
                 let count = |byte: u8| line.bytes().filter(|one| *one == byte).count();
@@ -88,7 +104,7 @@ impl Blocks {
                     csv::ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(line.as_bytes());
                 let header = reader.records().next().and_then(Result::ok).unwrap_or_default();
                 let header = header.iter().map(|cell| cell.trim().to_owned()).collect();
-                (Head { header, delimiter: Delimiter::Byte(delimiter), norad_id }, Vec::new())
+                (Head { header, delimiter: Delimiter::Byte(delimiter), units, time_scales, norad_id }, Vec::new())
             }
         };
         Ok((head, Self { source, rest, is_at_end: false }))

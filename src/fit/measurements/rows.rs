@@ -16,6 +16,7 @@ use crate::elements::{NoradId, parse_iso};
 use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
+use crate::units::{DEGREES, KILOMETRES, MAGNITUDES, Unit};
 
 /// Layout of the columns of one file.
 pub(super) struct Layout {
@@ -67,6 +68,9 @@ impl Layout {
             if index.is_none() && number.is_none() && !map.optional.contains(&field) {
                 return Err(FitError::Column { file: file.to_owned(), column: column.to_owned() });
             }
+            if index.is_some() {
+                check_unit(&map, field, column, head, file)?;
+            }
             columns[field as usize] = index;
             constants[field as usize] = number.filter(|_| index.is_none());
         }
@@ -113,6 +117,39 @@ impl Layout {
         }
         rows.parsed
     }
+}
+
+/// Checks that a column has the unit and the time scale of the column map, if the file states them.
+fn check_unit(map: &ColumnMap, field: Field, column: &str, head: &Head, file: &str) -> Result<(), FitError> {
+    let error = |stated: &str, allowed: &str| FitError::StatedUnit {
+        file: file.to_owned(),
+        column: column.to_owned(),
+        stated: stated.to_owned(),
+        allowed: allowed.to_owned(),
+    };
+    if let (Field::Time, Some(stated), Some(scale)) = (field, head.time_scales.get(column), map.time_scale) {
+        let allowed = scale.to_string().to_ascii_lowercase();
+        return if *stated == allowed { Ok(()) } else { Err(error(stated, &format!("{allowed} (time_scale)"))) };
+    }
+    let angle_deg = map.angle_rad.to_degrees();
+    let (unit, size, key): (&Unit, f64, &str) = match field {
+        Field::Magnitude | Field::Sigma => (&MAGNITUDES, 1.0, "mag"),
+        Field::Altitude
+        | Field::Azimuth
+        | Field::Phase
+        | Field::RightAscension
+        | Field::Declination
+        | Field::SunAltitude
+        | Field::AzimuthFromSun => (&DEGREES, angle_deg, "that of the column map (angle_unit: deg or rad)"),
+        Field::Height => (&KILOMETRES, map.height_km, "that of the column map (height_unit: km or m)"),
+        Field::Distance => (&KILOMETRES, map.distance_km, "that of the column map (distance_unit: km or m)"),
+        Field::Latitude | Field::Longitude => (&DEGREES, 1.0, "deg"),
+        Field::SiteHeight => (&KILOMETRES, 1e-3, "m"),
+        Field::Time | Field::TimeOfDay | Field::Filter | Field::Penumbra | Field::Norad | Field::Track => return Ok(()),
+    };
+    let Some(stated) = head.units.get(column) else { return Ok(()) };
+    let is_same = unit.size(stated).is_some_and(|found| (found / size - 1.0).abs() < 1e-9);
+    if is_same { Ok(()) } else { Err(error(stated, key)) }
 }
 
 /// Group of rows whose pass is not yet known.

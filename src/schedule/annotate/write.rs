@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::error::ScheduleError;
 use super::super::formats::{ScheduleFormat, display};
-use super::annotation::Annotation;
+use super::annotation::{Annotation, streaks_path};
 use super::{delimited, json, votable};
 
 /// Writes a copy of the schedule at `input`, with verdicts and streaks, to `output`. Returns the files written.
@@ -46,10 +46,11 @@ pub fn annotate(
     }
 }
 
-/// Checks the name of an annotated file, which has the format of the schedule.
+/// Checks the name of an annotated file, which has the format of the schedule, and of the file of its streaks.
 ///
 /// # Errors
-/// The extension of `output` is that of another format; that of `input` is always allowed.
+/// The extension of `output` is that of another format (that of `input` is always allowed), or the file of the streaks is
+/// the schedule.
 pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> Result<(), ScheduleError> {
     let is_parquet = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
     let is_other = is_parquet || ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
@@ -59,6 +60,17 @@ pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> R
             format: format.to_string(),
             allowed: format.extensions().join(", ."),
         });
+    }
+    let extension = match format {
+        ScheduleFormat::Csv => "csv",
+        ScheduleFormat::Ecsv => "ecsv",
+        ScheduleFormat::Json => "json",
+        ScheduleFormat::VoTable | ScheduleFormat::Opsim => return Ok(()),
+    };
+    let streaks = streaks_path(output, extension);
+    let real = |path: &Path| std::fs::canonicalize(path).ok();
+    if real(&streaks).is_some_and(|streaks| real(input) == Some(streaks)) {
+        return Err(ScheduleError::StreaksAreInput { output: display(output), streaks: display(&streaks) });
     }
     Ok(())
 }

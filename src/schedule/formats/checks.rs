@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, Quantity};
+use super::columns::{Cell, Quantity, display};
 use super::raw_table::RawTable;
+use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
 use crate::message::Quoted;
-use crate::units::Unit;
+use crate::units::{DEGREES, Unit, is_right_ascension};
 
 /// Columns that change the meaning of a row.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -71,6 +72,20 @@ struct Other {
     unit: &'static Unit,
 }
 
+impl Other {
+    /// Returns the value of a cell of the first or second column in the unit of the program, also of an angle as text
+    /// such as `12h40m`; `None` if it has none.
+    fn value(&self, which: usize, cell: &Cell) -> Option<f64> {
+        let number = cell.number().ok().map(|number| number * self.scales[which]);
+        number.or_else(|| {
+            let text = cell.text().filter(|_| *self.unit == DEGREES)?;
+            let parse =
+                if is_right_ascension(&self.names[0]) { parse_right_ascension_deg } else { parse_declination_deg };
+            parse(&text).ok()
+        })
+    }
+}
+
 /// Checks of the cells of a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct Checks {
@@ -83,7 +98,8 @@ impl Checks {
     /// quantities that are read and their columns; `counted` is the column of a number of exposures that is used.
     ///
     /// # Errors
-    /// The unit of a column that is read is unknown or contradicts its name. Others with such a unit are not compared.
+    /// The unit of a column that is read is unknown or contradicts its name, or the file states another frame. Others with
+    /// such a unit are not compared.
     pub fn find(
         path: &Path,
         table: &RawTable,
@@ -93,11 +109,13 @@ impl Checks {
         let mut others = Vec::new();
         for (index, Quantity { names, unit }) in read {
             let Some(index) = *index else { continue };
+            if let Some(what) = table.rejected.get(&table.names[index]) {
+                let what = format!("column {} {what}", table.names[index]);
+                return Err(ScheduleError::Format { path: display(path), what });
+            }
             let scale = table.scale(path, index, unit)?;
-            for other in (0..table.names.len()).filter(|at| *at != index) {
-                if names.contains(&&*table.names[other])
-                    && let Ok(other_scale) = unit.scale(&table.names[other], &table.units)
-                {
+            for other in unit.columns(names, &table.names).into_iter().filter(|at| *at != index) {
+                if let Ok(other_scale) = unit.scale(&table.names[other], &table.units) {
                     others.push(Other {
                         indices: [index, other],
                         names: [index, other].map(|at| table.names[at].clone()),
@@ -120,14 +138,18 @@ impl Checks {
     /// # Errors
     /// The columns of a quantity contradict each other, positions are not ICRS, or a row is of several exposures.
     pub fn reject<'a>(&self, cell: impl Fn(usize) -> &'a Cell) -> Result<(), String> {
-        for Other { indices, names, scales, unit } in &self.others {
-            let numbers = indices.map(|index| cell(index).number().ok());
-            let [Some(one), Some(other)] = numbers else { continue };
-            if !unit.is_same(&names[0], one * scales[0], other * scales[1]) {
-                let [first, second] = names;
+        for other in &self.others {
+            let [index, second_index] = other.indices;
+            let [Some(one), Some(second)] = [0, 1].map(|which| other.value(which, cell(other.indices[which]))) else {
+                continue;
+            };
+            if !other.unit.is_same(&other.names[0], one, second) {
+                let [first_name, second_name] = &other.names;
+                let [first_text, second_text] =
+                    [index, second_index].map(|index| Quoted::new(cell(index).text().unwrap_or_default()).to_string());
                 return Err(format!(
-                    "{first} is {one} and {second} is {other}: they contradict each other; allowed: one of these columns, \
-                     or equal values"
+                    "{first_name} is {first_text} and {second_name} is {second_text}: they contradict each other; allowed: one \
+                     of these columns, or equal values"
                 ));
             }
         }
@@ -144,10 +166,7 @@ impl Checks {
                     });
                     (!is_other, "2000: positions are read as ICRS")
                 }
-                Meaning::Frame => {
-                    let letters: String = lower.chars().filter(char::is_ascii_alphanumeric).collect();
-                    (!OTHER_FRAMES.contains(&&*letters) && !letters.ends_with("ecliptic"), "ICRS")
-                }
+                Meaning::Frame => (!is_other_frame(&lower), "ICRS"),
                 Meaning::Count => (
                     lower.parse::<f64>().is_ok_and(|count| count <= 1.0),
                     "1, with the time from the first opening to the last closing of the shutter as duration",
@@ -159,6 +178,12 @@ impl Checks {
         }
         Ok(())
     }
+}
+
+/// Returns true for the name of a frame with other axes than ICRS.
+pub(super) fn is_other_frame(name: &str) -> bool {
+    let letters: String = name.to_ascii_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
+    OTHER_FRAMES.contains(&&*letters) || letters.ends_with("ecliptic")
 }
 
 #[cfg(test)]
@@ -189,7 +214,8 @@ mod tests {
             |name: &'static str, text: &'static str| reason(&[("duration_s", "30"), ("ra_deg", "190"), (name, text)]);
         for (name, text) in [
             ("exposure_s", "30.001"),
-            ("exptime_min", "300"),
+            ("exposure_min", "0.5"),
+            ("ra_rad", "3.316126"),
             ("exposure_s", ""),
             ("ra", "190.0001"),
             ("ra", "12.666667"),
@@ -228,6 +254,11 @@ mod tests {
             ("epoch", "JNOW", "epoch is JNOW; allowed: 2000"),
             ("frame", "galactic", "frame is galactic; allowed: ICRS"),
             ("coadds", "30", "coadds is 30; allowed: 1, with the time"),
+            ("duration_min", "5", "duration_s is 30 and duration_min is 5"),
+            ("exposure_ms", "30", "duration_s is 30 and exposure_ms is 30"),
+            ("ra_rad", "1", "ra_deg is 190 and ra_rad is 1"),
+            ("ra_hourangle", "14", "ra_deg is 190 and ra_hourangle is 14"),
+            ("ra", "18h50m", "ra_deg is 190 and ra is 18h50m"),
             ("numExposures", "2", "numExposures is 2; allowed: 1"),
         ] {
             let reason = with(name, text).unwrap_or_default();

@@ -31,13 +31,14 @@ pub(in crate::schedule) static RIGHT_ASCENSIONS: Quantity =
     Quantity { names: &["ra_deg", "ra", "fieldRA", "s_ra"], unit: &DEGREES };
 pub(in crate::schedule) static DECLINATIONS: Quantity =
     Quantity { names: &["dec_deg", "dec", "fieldDec", "s_dec"], unit: &DEGREES };
+pub(in crate::schedule) static ROTATIONS: Quantity =
+    Quantity { names: &["rotation_deg", "rotation", "rotSkyPos", "sky_rotation"], unit: &DEGREES };
 
 /// Number of snaps of a visit, and time from its start to its end with shutter and readout.
 const SNAPS: &[&str] = &["numExposures", "nexp"];
 const VISIT: &[&str] = &["visitTime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
 const DECLINATION: &[&str] = &["dec_deg", "fieldDec", "s_dec"];
-const ROTATION: &[&str] = &["rotation_deg", "rotSkyPos", "sky_rotation"];
 const BAND: &[&str] = &["band", "filter"];
 
 /// Form of the start times.
@@ -118,7 +119,7 @@ impl ColumnMap {
     /// One error with all missing columns and all columns of the file; or a column that is read occurs twice.
     pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
         let starts = STARTS.iter().map(|(name, ..)| name);
-        let read = [ID, DURATIONS.names, SNAPS, VISIT, RIGHT_ASCENSION, DECLINATION, ROTATION, BAND].concat();
+        let read = [ID, DURATIONS.names, SNAPS, VISIT, RIGHT_ASCENSION, DECLINATION, ROTATIONS.names, BAND].concat();
         for name in read.iter().chain(starts) {
             if names.iter().filter(|found| found == name).count() > 1 {
                 return Err(ScheduleError::RepeatedColumn { path: display(path), column: (*name).to_owned() });
@@ -140,7 +141,7 @@ impl ColumnMap {
             (start.clone(), duration, right_ascension, declination)
             && (id.is_some() || !needs_id)
         {
-            let (rotation, band) = (with_unit(&DEGREES, ROTATION)?, find(BAND));
+            let (rotation, band) = (with_unit(ROTATIONS.unit, ROTATIONS.names)?, find(BAND));
             let is_sum = names[duration] == VISIT_EXPOSURE;
             let snaps = find(SNAPS).filter(|_| is_sum).map(|snaps| (snaps, find(VISIT)));
             return Ok(Self { id, start, duration, right_ascension, declination, rotation, band, snaps });

@@ -57,6 +57,8 @@ pub(in crate::schedule) struct RawTable {
     pub units: BTreeMap<String, String>,
     /// Time scales by column name, if the file states them.
     pub time_scales: BTreeMap<String, TimeScale>,
+    /// What the file states of a column that cannot be used, and what is allowed, by column name.
+    pub rejected: BTreeMap<String, String>,
     /// Names of the columns whose numbers were rounded to single precision, if the file states their types.
     pub single_precision: BTreeSet<String>,
     /// Number of comments in CSV and ECSV that have as many cells as a row.
@@ -72,6 +74,7 @@ impl RawTable {
             rows: Rows::Cells(Vec::new()),
             units: BTreeMap::new(),
             time_scales: BTreeMap::new(),
+            rejected: BTreeMap::new(),
             single_precision: BTreeSet::new(),
             comments_like_rows: 0,
         }

@@ -9,11 +9,13 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
 use super::super::error::ScheduleError;
+use super::checks::is_other_frame;
 use super::columns::{Cell, Row, ScheduleFormat, display};
 use super::csv_text::cells;
 use super::raw_table::{RawTable, Rows};
 use crate::elements::excerpt;
 use crate::input::MOST_ROWS;
+use crate::message::Quoted;
 
 /// Number of bytes at the start of the file that are searched for the root element. XML declaration, comments and
 /// processing instructions may precede it.
@@ -36,7 +38,8 @@ struct FieldAttributes {
     name: String,
     unit: Option<String>,
     null: Option<String>,
-    time_system: Option<String>,
+    /// Identifier of the time system or the coordinate system of the column.
+    system: Option<String>,
     is_single_precision: bool,
 }
 
@@ -65,6 +68,8 @@ pub(in crate::schedule) struct VoTableLayout {
     pub others: Vec<(String, Span)>,
     attributes: Vec<FieldAttributes>,
     time_systems: HashMap<String, TimeScale>,
+    /// What systems of times or coordinates are, and what is allowed, if they cannot be used.
+    rejected_systems: HashMap<String, String>,
 }
 
 /// Returns true for a VOTable.
@@ -88,6 +93,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
         others: Vec::new(),
         attributes: Vec::new(),
         time_systems: HashMap::new(),
+        rejected_systems: HashMap::new(),
     };
     // Number and name of the open table, and start positions of the open elements.
     let (mut tables, mut table_name) = (0, None::<String>);
@@ -123,6 +129,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                         (in_cell, value) = (true, String::new());
                     }
                     "TIMESYS" => layout.note_time_system(&element),
+                    "COOSYS" => layout.note_coordinate_system(&element),
                     "BINARY" | "BINARY2" | "FITS" if tables == 1 => {
                         return Err(fail("VOTable with rows in another serialization than TABLEDATA"));
                     }
@@ -147,6 +154,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                         }
                     }
                     "TIMESYS" => layout.note_time_system(&element),
+                    "COOSYS" => layout.note_coordinate_system(&element),
                     _ => {}
                 }
                 last_end = now;
@@ -206,7 +214,39 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
 }
 
 impl VoTableLayout {
+    /// Notes a coordinate system, unless its axes are those of ICRS.
+    fn note_coordinate_system(&mut self, element: &BytesStart<'_>) {
+        let (id, system) = (attribute(element, "ID"), attribute(element, "system").unwrap_or_default());
+        let equinox = attribute(element, "equinox").unwrap_or_default();
+        let is_of_date =
+            equinox.trim_start_matches(['J', 'j']).parse::<f64>().map_or(!equinox.is_empty(), |year| year != 2000.0);
+        // The old names of VOTable begin with eq_ or ecl_.
+        let is_other = is_other_frame(system.trim_start_matches("eq_"))
+            || system.to_ascii_lowercase().starts_with("ecl")
+            || is_of_date && !system.eq_ignore_ascii_case("ICRS");
+        if let Some(id) = id.filter(|_| is_other) {
+            let system = Quoted::new(format!("{system} {equinox}").trim()).to_string();
+            self.rejected_systems.insert(id, format!("is in the coordinate system {system}; allowed: ICRS"));
+        }
+    }
+
+    /// Notes a time system.
     fn note_time_system(&mut self, element: &BytesStart<'_>) {
+        let value = |name| attribute(element, name).unwrap_or_default();
+        let (place, origin) = (value("refposition"), value("timeorigin"));
+        let is_elsewhere = ["BARYCENTER", "HELIOCENTER", "EMBARYCENTER"].contains(&&*place.to_ascii_uppercase());
+        let is_offset = !["", "MJD-origin", "JD-origin"].contains(&&*origin)
+            && origin.parse::<f64>().map_or(true, |day| ![0.0, 2_400_000.5].contains(&day));
+        let problem = if is_elsewhere {
+            Some(format!("has times at the {}; allowed: TOPOCENTER or GEOCENTER", Quoted::new(&place)))
+        } else if is_offset {
+            Some(format!("has the time origin {}; allowed: MJD-origin or JD-origin", Quoted::new(&origin)))
+        } else {
+            None
+        };
+        if let (Some(id), Some(problem)) = (attribute(element, "ID"), problem) {
+            self.rejected_systems.insert(id, problem);
+        }
         let scale = match attribute(element, "timescale").as_deref() {
             Some("UTC") => TimeScale::UTC,
             Some("TAI") => TimeScale::TAI,
@@ -234,8 +274,11 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
         if let Some(unit) = fact.unit.clone().filter(|unit| !unit.is_empty()) {
             table.units.insert(fact.name.clone(), unit);
         }
-        if let Some(scale) = fact.time_system.as_ref().and_then(|id| layout.time_systems.get(id)) {
+        if let Some(scale) = fact.system.as_ref().and_then(|id| layout.time_systems.get(id)) {
             table.time_scales.insert(fact.name.clone(), *scale);
+        }
+        if let Some(problem) = fact.system.as_ref().and_then(|id| layout.rejected_systems.get(id)) {
+            table.rejected.insert(fact.name.clone(), problem.clone());
         }
         if fact.is_single_precision {
             table.single_precision.insert(fact.name.clone());
@@ -257,7 +300,7 @@ fn field_attributes(element: &BytesStart<'_>) -> FieldAttributes {
         name: value("name").or_else(|| value("ID")).unwrap_or_default(),
         unit: value("unit"),
         null: None,
-        time_system: value("ref"),
+        system: value("ref"),
         is_single_precision: value("datatype").as_deref() == Some("float"),
     }
 }
@@ -296,6 +339,27 @@ mod tests {
         assert_eq!(layout.others.len(), 1);
         assert!(shown(&layout.others[0].1).starts_with("<TABLE name=\"streaks\">"));
         assert!(shown(&layout.table).ends_with("</TABLE>") && !shown(&layout.table).contains("streaks"));
+        for (system, expected) in [
+            ("<COOSYS ID=\"t\" system=\"ICRS\" equinox=\"J2015.5\"/>", None),
+            ("<COOSYS ID=\"t\" system=\"eq_FK5\" equinox=\"J2000\"/>", None),
+            ("<COOSYS ID=\"t\" system=\"eq_FK5\" equinox=\"J1975\"/>", Some("eq_FK5 J1975; allowed: ICRS")),
+            ("<COOSYS ID=\"t\" system=\"FK4\"></COOSYS>", Some("FK4; allowed: ICRS")),
+            ("<COOSYS ID=\"t\" system=\"galactic\"/>", Some("galactic; allowed: ICRS")),
+            (
+                "<TIMESYS ID=\"t\" timescale=\"UTC\" refposition=\"BARYCENTER\"/>",
+                Some("BARYCENTER; allowed: TOPOCENTER"),
+            ),
+            (
+                "<TIMESYS ID=\"t\" timescale=\"UTC\" timeorigin=\"2451545\"/>",
+                Some("origin 2451545; allowed: MJD-origin"),
+            ),
+            ("<TIMESYS ID=\"t\" timescale=\"UTC\" timeorigin=\"2400000.5\"/>", None),
+        ] {
+            let old = TEXT.lines().nth(3).unwrap();
+            let problem = read(path, &TEXT.replace(old, system)).unwrap().rejected.remove("start_mjd");
+            assert_eq!(problem.is_some(), expected.is_some(), "{system}: {problem:?}");
+            assert!(problem.unwrap_or_default().contains(expected.unwrap_or_default()), "{system}");
+        }
         let binary = TEXT.replace("TABLEDATA", "BINARY2");
         assert!(read(path, &binary).unwrap_err().to_string().contains("than TABLEDATA"));
     }

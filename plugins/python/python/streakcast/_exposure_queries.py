@@ -418,8 +418,18 @@ class ExposureQueries(SiteQueries):
         exposures = {
             name: aligned(np.broadcast_to(part, shape).reshape(-1)) for name, part in zip(names, parts)
         }
-        bands = [] if band is None else [band] if isinstance(band, str) else [str(one) for one in np.ravel(band)]
+        bands = [] if band is None else _band_names(band)
         return exposures, bands, shape
+
+
+def _band_names(band: TextLike) -> list[str]:
+    """Returns the names of bands: one for all exposures, or one for each."""
+    names = np.ravel(np.asarray(band))
+    if names.dtype.kind == "S":
+        return [name.decode("ascii", "replace") for name in names]
+    if names.dtype.kind not in "UTO":
+        raise TypeError(f"band is of the type {names.dtype}; allowed: a string, or one for each exposure")
+    return [name.decode("ascii", "replace") if isinstance(name, bytes) else str(name) for name in names]
 
 
 def _masked(values: WholeArray, is_unknown: "npt.NDArray[np.bool_]") -> WholeArray:

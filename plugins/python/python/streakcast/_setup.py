@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 from ._core import SetupError
-from ._quantities import is_of, is_quantity, number
+from ._quantities import check_unmasked, is_of, is_quantity, number
 from .typing import FieldOptions, FloatArray, Json, PathLike
 
 #: Keys that affect positions and brightness of satellites. The other keys affect field and policy.
@@ -107,6 +107,7 @@ def _plain(key: str, value: object) -> Json:
     if is_quantity(value):
         numbers: Json = _in_unit(key, value, _unit_of(key)).tolist()
         return numbers
+    check_unmasked(value, key, "allowed: a value")
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.shape == ()):
         item: Json = value.item()
         return item

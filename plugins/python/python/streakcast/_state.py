@@ -134,10 +134,10 @@ class ModelState:
         for key in changes:
             if key != "mjd_scale" and key not in ENGINE_KEYS:
                 raise TypeError(f"with_options has no argument '{key}'; create a new StreakModel for other satellites or sites")
-        setup = {**self._state["setup"], **document(changes)}
-        for key, value in changes.items():
-            if value is None:
-                setup.pop("time_scale" if key == "mjd_scale" else key, None)
+        given = document(changes)
+        # Options that answer the same question are replaced together: a telescope also has a field, a policy has limits.
+        removed = {"time_scale" if key == "mjd_scale" else key for key in changes} | set(_core.replaced_keys(list(given)))
+        setup = {key: value for key, value in self._state["setup"].items() if key not in removed} | given
         model = self._of_state({**self._state, "setup": setup, "files": None})
         config = self._state["config"]
         model._opened = (sky_cache, _core.Engine(sky_cache, json.dumps(setup), config))

@@ -50,7 +50,8 @@ def _write(streaks: object, path: str) -> None:
     rows = _rows(streaks)
     names = list(dict.fromkeys(name for row in rows for name in row))
     with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, names, restval="")
+        # Quotation marks keep names that begin with #, which would be comments.
+        writer = csv.DictWriter(file, names, restval="", quoting=csv.QUOTE_NONNUMERIC)
         writer.writeheader()
         writer.writerows({name: _cell(value, name) for name, value in row.items()} for row in rows)
 

@@ -22,4 +22,4 @@ mod target;
 
 pub use arguments::PlotArguments;
 pub use run::run;
-pub use target::json_of;
+pub use target::{data_path, json_of};
