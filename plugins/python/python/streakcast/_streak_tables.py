@@ -45,7 +45,10 @@ def _write(streaks: object, path: str) -> None:
 
         streaks = QTable(dict(streaks))
     if is_of("astropy.table", "Table", streaks):
-        getattr(streaks, "write")(path, format="ascii.ecsv")
+        # A row that begins with # would be a comment: columns of text are not the first ones.
+        columns: Mapping[str, Any] = getattr(streaks, "columns")
+        names = sorted(columns, key=lambda name: getattr(getattr(columns[name], "dtype", None), "kind", "O") in "SUO")
+        cast("Any", streaks)[names].write(path, format="ascii.ecsv")
         return
     rows = _rows(streaks)
     names = list(dict.fromkeys(name for row in rows for name in row))
