@@ -191,7 +191,7 @@ impl MeasureConfig {
                     }
                     let sigma_arcsec = place_sigma.map(|deg| deg * 3600.0);
                     let (found, done) = measure_listed(frame, &streaks, sigma_arcsec, &options, watch)?;
-                    let of_frame = found.iter().filter_map(|one| one.measured.as_ref().ok());
+                    let of_frame = found.iter().filter_map(|streak| streak.measured.as_ref().ok());
                     let of_frame = of_frame.map(|pass| MeasuredPass::clone(pass)).collect();
                     rows.extend(found);
                     FrameMeasurements { passes: of_frame, left_out: unknown, ..done }

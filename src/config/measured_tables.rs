@@ -137,7 +137,7 @@ pub(super) fn identify_listed(
         let found = identify_streak(sky, &measured, &options)?;
         left_out = found.left_out;
         let best = match streak.satellite.norad_id {
-            Some(named) => found.candidates.iter().find(|one| one.norad_id == named),
+            Some(named) => found.candidates.iter().find(|candidate| candidate.norad_id == named),
             None => found.candidates.first().filter(|best| best.probability >= LIKELY),
         };
         let Some(best) = best else { continue };

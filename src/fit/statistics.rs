@@ -200,8 +200,8 @@ pub struct PairedTest {
 /// Tests the hypothesis that two lists of residuals of the same points have the same mean (paired t-test).
 ///
 /// `None` for fewer than two pairs, or if all differences are equal.
-pub(super) fn paired_t_test(one: &[f64], other: &[f64]) -> Option<PairedTest> {
-    let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
+pub(super) fn paired_t_test(sample: &[f64], other: &[f64]) -> Option<PairedTest> {
+    let differences: Vec<f64> = sample.iter().zip(other).map(|(a, b)| a - b).collect();
     // If the differences do not scatter, t is infinite, and statrs does not terminate in the tail of the distribution.
     let first = *differences.first()?;
     if differences.iter().all(|difference| *difference == first) {

@@ -253,7 +253,7 @@ impl TrailStatistics {
         };
         let samples: Vec<f64> = (0..SAMPLES).map(|_| sample(&mut random)).collect();
         let middle = samples.iter().sum::<f64>() / SAMPLES as f64;
-        let variance = samples.iter().map(|one| (one - middle).powi(2)).sum::<f64>() / (SAMPLES - 1) as f64;
+        let variance = samples.iter().map(|sample| (sample - middle).powi(2)).sum::<f64>() / (SAMPLES - 1) as f64;
         Mean { mean: mean(&mut values.iter().copied()), sigma: variance.sqrt() }
     }
 

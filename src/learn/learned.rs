@@ -151,11 +151,11 @@ const KINDS: [Column; 12] = [
 
 /// Returns a table with one row for each kind of a learned file.
 pub fn kind_table(file: &LearnedFile) -> Table {
-    let cells = |one: &LearnedKind| {
-        let of = one.magnitude.as_ref();
+    let cells = |learned: &LearnedKind| {
+        let of = learned.magnitude.as_ref();
         let real = |value: fn(&LearnedMagnitude) -> f64| of.map(value).into();
         vec![
-            one.kind.name().into(),
+            learned.kind.name().into(),
             of.map(|of| of.model.clone()).into(),
             of.map(|of| of.satellites as i64).into(),
             of.map(|of| of.passes as i64).into(),
@@ -166,7 +166,7 @@ pub fn kind_table(file: &LearnedFile) -> Table {
             real(|of| of.pass_scale_mag),
             real(|of| of.point_sigma_mag),
             real(|of| of.sigma_mag),
-            one.lateness.as_ref().map(|lateness| lateness.factor).into(),
+            learned.lateness.as_ref().map(|lateness| lateness.factor).into(),
         ]
     };
     Table { columns: KINDS.to_vec(), rows: file.kinds.iter().map(cells).collect() }

@@ -200,7 +200,7 @@ pub fn measure_predictions(
                 Ok(streak_cut(&image, &measured, &profile_of(&image, &prediction.streak, &drawn)?))
             });
             let cut = cut.transpose()?;
-            Ok(on_sky(frame, prediction, measured, &scale).map(|one| (*number, MeasuredPass { cut, ..one })))
+            Ok(on_sky(frame, prediction, measured, &scale).map(|pass| (*number, MeasuredPass { cut, ..pass })))
         });
         passes.extend(measured.collect::<Result<Vec<_>, MeasureError>>()?.into_iter().flatten());
     }

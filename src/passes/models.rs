@@ -79,7 +79,7 @@ impl ModelChoice {
             assumed: assumed.collect(),
             by_generation,
             standard_magnitudes: StandardMagnitudes::default(),
-            bright: BrightObjects::embedded().iter().map(|one| (one.name, Arc::new(one.model()))).collect(),
+            bright: BrightObjects::embedded().iter().map(|object| (object.name, Arc::new(object.model()))).collect(),
             rocket_body: library.find("rocket-body")?,
             priors: Priors { low_orbit: library.find("unknown")?, high_orbit: library.find("high-orbit")? },
             learned: Learned::default(),
@@ -92,7 +92,9 @@ impl ModelChoice {
     /// # Errors
     /// [`LearnedError::OtherModel`] if the model of a kind is not the one in the file.
     pub fn with_learned(mut self, file: LearnedFile, origin: &str) -> Result<Self, LearnedError> {
-        for (kind, magnitude) in file.kinds.iter().filter_map(|one| Some((one.kind, one.magnitude.as_ref()?))) {
+        for (kind, magnitude) in
+            file.kinds.iter().filter_map(|learned| Some((learned.kind, learned.magnitude.as_ref()?)))
+        {
             let used = self.by_generation.get(&kind).cloned();
             let source = used.as_ref().map_or("none".to_owned(), |model| model.source().to_string());
             let Some(model) = used.filter(|_| source == magnitude.model) else {
@@ -102,9 +104,9 @@ impl ModelChoice {
             let corrected = |model: &BrightnessModel, offset_mag, sigma_mag| {
                 Arc::new(model.with_learned(offset_mag, sigma_mag, LEARNED_ERRORS))
             };
-            for one in file.satellites.iter().filter(|one| one.kind == kind) {
-                let own = corrected(&model, one.offset_mag, one.sigma_mag);
-                self.learned.satellites.insert(one.norad_id, (kind, own));
+            for satellite in file.satellites.iter().filter(|satellite| satellite.kind == kind) {
+                let own = corrected(&model, satellite.offset_mag, satellite.sigma_mag);
+                self.learned.satellites.insert(satellite.norad_id, (kind, own));
             }
             for models in [&mut self.by_generation, &mut self.assumed] {
                 if let Some(model) = models.get_mut(&kind) {

@@ -80,7 +80,8 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     thresholds(&mut picture, input, &main, [true, true]);
     thresholds(&mut picture, input, &upper_frame, [true, false]);
     thresholds(&mut picture, input, &right_frame, [false, true]);
-    let up_to = |sorted: &[f64], value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
+    let up_to =
+        |sorted: &[f64], value: f64| sorted.partition_point(|other| *other <= value) as f64 / sorted.len() as f64;
     let steps = |axis: Axis| (0..=400).map(move |part| axis.value(f64::from(part) / 400.0));
     let curve: Vec<_> = steps(x).map(|value| upper_frame.at(value, up_to(&counts, value))).collect();
     picture.line(&curve, LINE.to_rgba(), 2.2);

@@ -40,13 +40,19 @@ impl Density {
     /// Returns the bins as coloured rectangles that fill the box. `colour` returns the colour of a count above 0.
     pub fn pixels(&self, frame: &Frame, colour: impl Fn(f64) -> [u8; 3]) -> Pixels {
         let bins = self.bins;
-        let one = |cell: usize| {
+        let colour_of = |cell: usize| {
             let count = self.counts[(bins - 1 - cell / bins) * bins + cell % bins];
             (count > 0.0).then(|| colour(count))
         };
         let [left, top, ..] = frame.sides;
         let each = (frame.width() / bins as f64, frame.height() / bins as f64);
-        Pixels { corner: (left, top), each, columns: bins, colours: (0..bins * bins).map(one).collect(), within: None }
+        Pixels {
+            corner: (left, top),
+            each,
+            columns: bins,
+            colours: (0..bins * bins).map(colour_of).collect(),
+            within: None,
+        }
     }
 
     /// Returns, for each of the fractions `shares`, the lines that enclose the densest bins with this fraction of all

@@ -159,10 +159,10 @@ fn averaged(rgb: &[u8], width: usize) -> Vec<u8> {
     for row in 0..height / FINE {
         for column in 0..width / FINE {
             for channel in 0..3 {
-                let one = |right: usize, down: usize| {
+                let sample = |right: usize, down: usize| {
                     u32::from(rgb[3 * ((row * FINE + down) * width + column * FINE + right) + channel])
                 };
-                let sum: u32 = (0..FINE * FINE).map(|index| one(index % FINE, index / FINE)).sum();
+                let sum: u32 = (0..FINE * FINE).map(|index| sample(index % FINE, index / FINE)).sum();
                 small.push((sum as f64 / (FINE * FINE) as f64).round() as u8);
             }
         }

@@ -134,7 +134,7 @@ impl StarField {
 
     /// Draws the lines of constellations and, over them, the stars.
     pub fn draw(&self, picture: &mut Picture, disk: &SkyDisk, style: &StarStyle) {
-        for chain in constellations().flat_map(|one| one.chains) {
+        for chain in constellations().flat_map(|constellation| constellation.chains) {
             let mut line = Vec::new();
             for pair in chain.windows(2) {
                 for step in 0..=STEPS {

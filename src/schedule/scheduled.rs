@@ -220,9 +220,9 @@ fn reject_starts<'a>(
         if let Ok(start) = start_of(cell(column.index), column, *scale)
             && seconds_between(exposure.start, start).abs() > most_s
         {
-            let [one, other] = [exposure.start, start].map(|start| format_utc(start, 0));
+            let [first, other] = [exposure.start, start].map(|start| format_utc(start, 0));
             return Err(format!(
-                "{} is {one} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
+                "{} is {first} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
                 read.name, column.name
             ));
         }

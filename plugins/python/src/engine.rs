@@ -98,8 +98,11 @@ impl Engine {
             rows.iter().map(|row| Some(Verdict::invalid(&row.id, row.exposure.as_ref().err()?.clone()))).collect();
         let mut warnings = Vec::new();
         let mut totals = FlagTotals::default();
-        let (valid, starts): (Vec<usize>, Vec<Epoch>) =
-            rows.iter().enumerate().filter_map(|(row, one)| Some((row, one.exposure.as_ref().ok()?.start))).unzip();
+        let (valid, starts): (Vec<usize>, Vec<Epoch>) = rows
+            .iter()
+            .enumerate()
+            .filter_map(|(row, scheduled)| Some((row, scheduled.exposure.as_ref().ok()?.start)))
+            .unzip();
         for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[valid[*index]]).collect();
             let mut report = judge(&night_rows, &FlagRequest { policy, ..self.request(field, &prepared) })

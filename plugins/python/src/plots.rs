@@ -55,7 +55,7 @@ impl Picture {
 /// Converts two-part Julian dates, TAI, to MJD (UTC).
 #[pyfunction]
 pub fn utc_mjd<'py>(jd1: Column<'py>, jd2: Column<'py>) -> Vec<f64> {
-    jd1.as_array().iter().zip(jd2.as_array()).map(|(one, two)| mjd_utc(epoch_of(*one, *two))).collect()
+    jd1.as_array().iter().zip(jd2.as_array()).map(|(jd1, jd2)| mjd_utc(epoch_of(*jd1, *jd2))).collect()
 }
 
 /// Labels and lines common to all plots.

@@ -77,7 +77,7 @@ impl Notices {
         let warnings = warnings.into_iter().map(|warning| format!("{warning}{end}"));
         self.warn_first(warnings, "periods of the shells with satellites without a position");
         if self.verbose {
-            left_out.iter().for_each(|one| self.info(&format!("  {}", one.reason)));
+            left_out.iter().for_each(|satellite| self.info(&format!("  {}", satellite.reason)));
         }
     }
 

@@ -72,14 +72,16 @@ pub struct EphemerisState {
 impl EphemerisState {
     fn of(catalogue: &Satellites, now: Epoch) -> Self {
         let all = || catalogue.ephemerides.iter();
-        let age_days = |one: &Arc<Ephemeris>| seconds_between(one.created.unwrap_or(one.interval().0), now) / DAY_S;
-        let is_current = |one: &&Arc<Ephemeris>| {
-            let (first, last) = one.interval();
+        let age_days = |ephemeris: &Arc<Ephemeris>| {
+            seconds_between(ephemeris.created.unwrap_or(ephemeris.interval().0), now) / DAY_S
+        };
+        let is_current = |ephemeris: &&Arc<Ephemeris>| {
+            let (first, last) = ephemeris.interval();
             seconds_between(first, now) >= 0.0 && seconds_between(now, last) >= 0.0
         };
         Self {
             count: catalogue.ephemerides.len(),
-            with_covariance: all().filter(|one| !one.covariances.is_empty()).count(),
+            with_covariance: all().filter(|ephemeris| !ephemeris.covariances.is_empty()).count(),
             current: all().filter(is_current).count(),
             median_age_days: median_or_0(all().map(age_days).collect()),
             without_elements: without_elements(&catalogue.ephemerides, &catalogue.element_sets),
@@ -305,7 +307,7 @@ impl ElementState {
     pub fn model_finding(&self) -> Finding {
         const SUBJECT: &str = "models";
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
-        let without: usize = self.unmatched.iter().map(|one| one.count).sum();
+        let without: usize = self.unmatched.iter().map(|group| group.count).sum();
         let satellites = counted(self.satellites, "satellite", "satellites");
         let have = if known == 1 { "has a model of its generation" } else { "have a model of their generation" };
         let mut finding = format!("{known} of {satellites} {have}");
@@ -328,9 +330,9 @@ impl ElementState {
         let constellations: Vec<String> = self
             .unmatched
             .iter()
-            .filter(|one| one.count >= CONSTELLATION && !one.prefix.is_empty())
+            .filter(|group| group.count >= CONSTELLATION && !group.prefix.is_empty())
             .take(LISTED)
-            .map(|one| format!("{} ({})", one.prefix, one.count))
+            .map(|group| format!("{} ({})", group.prefix, group.count))
             .collect();
         if !constellations.is_empty() {
             finding += &format!(", including {}", constellations.join(", "));

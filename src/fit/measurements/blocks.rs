@@ -82,7 +82,7 @@ impl Blocks {
                 (Head { header, delimiter: Delimiter::Blanks, norad_id }, rest)
             }
             None => {
-                let count = |byte: u8| line.bytes().filter(|one| *one == byte).count();
+                let count = |byte: u8| line.bytes().filter(|other| *other == byte).count();
                 let delimiter = [b',', b';', b'\t'].into_iter().rev().max_by_key(|byte| count(*byte)).unwrap_or(b',');
                 let mut reader =
                     csv::ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(line.as_bytes());

@@ -52,11 +52,11 @@ pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     loop {
         match *sample {
             [] => return f64::NAN,
-            [one] => return one,
-            [one, other] => return 0.5 * (one + other),
-            [one, middle, other] => {
-                return match (middle - one).total_cmp(&(other - middle)) {
-                    std::cmp::Ordering::Less => 0.5 * (one + middle),
+            [first] => return first,
+            [first, other] => return 0.5 * (first + other),
+            [first, middle, other] => {
+                return match (middle - first).total_cmp(&(other - middle)) {
+                    std::cmp::Ordering::Less => 0.5 * (first + middle),
                     std::cmp::Ordering::Greater => 0.5 * (middle + other),
                     std::cmp::Ordering::Equal => middle,
                 };

@@ -58,7 +58,7 @@ impl Format {
             (Self::Slingshot, ["measured_ab", "az diff"]),
         ];
         let has = |name: &str| header.iter().any(|column| column == name);
-        marks.into_iter().find(|(_, [one, other])| has(one) && has(other)).map(|(format, _)| format)
+        marks.into_iter().find(|(_, [first, other])| has(first) && has(other)).map(|(format, _)| format)
     }
 
     /// Returns the columns of the format; none for [`Csv`](Self::Csv).

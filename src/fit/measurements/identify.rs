@@ -56,7 +56,7 @@ pub fn identify_tracks(
     limits: &AcceptanceLimits,
 ) -> Vec<TrackIdentification> {
     let tracks: Vec<(&String, Vec<_>)> = records.groups.iter().zip(records.by_group()).collect();
-    let one = |(track, rows): &(&String, Vec<_>)| {
+    let identify_track = |(track, rows): &(&String, Vec<_>)| {
         let mut candidates = associate(rows, &records.sites, history, eop, options).into_iter();
         let (best, next) = (candidates.next(), candidates.next());
         let is_near = |best: &Candidate| {
@@ -66,7 +66,7 @@ pub fn identify_tracks(
         };
         TrackIdentification { track: (*track).clone(), best, next, is_sure: best.as_ref().is_some_and(is_near) }
     };
-    tracks.par_iter().map(one).collect()
+    tracks.par_iter().map(identify_track).collect()
 }
 
 const COLUMNS: [Column; 9] = [
@@ -86,11 +86,11 @@ pub fn identification_table(tracks: &[TrackIdentification]) -> Table {
     let number = |candidate: Option<&Candidate>| {
         candidate.map_or(Value::Null, |candidate| Value::Integer(i64::from(candidate.norad_id.0)))
     };
-    let row = |one: &TrackIdentification| {
-        let (best, next) = (one.best.as_ref(), one.next.as_ref());
+    let row = |track: &TrackIdentification| {
+        let (best, next) = (track.best.as_ref(), track.next.as_ref());
         vec![
-            one.track.as_str().into(),
-            number(best.filter(|_| one.is_sure)),
+            track.track.as_str().into(),
+            number(best.filter(|_| track.is_sure)),
             number(best),
             best.map(|best| best.range_rms_km).into(),
             best.and_then(|best| best.phase_rms_rad).map(f64::to_degrees).into(),
@@ -206,7 +206,9 @@ fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &Ass
             Some(geometry.phase_angle_rad() - point.phase_rad?)
         })
         .collect();
-    let phase_rms_rad = phases.map(|all| (all.iter().map(|one| one * one).sum::<f64>() / all.len() as f64).sqrt());
+    let phase_rms_rad = phases.map(|all| {
+        (all.iter().map(|difference_rad| difference_rad * difference_rad).sum::<f64>() / all.len() as f64).sqrt()
+    });
     let element_age_days = age_days(set, middle.epoch);
     let offset_sigma_s = options.offset_sigma_s[0] + options.offset_sigma_s[1] * element_age_days.abs();
     // χ² + 2 ln(σ_delay / σ_delay at epoch), minus twice the log likelihood
@@ -216,7 +218,7 @@ fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &Ass
         offset.offset_s / offset_sigma_s,
     ];
     let score =
-        squares.iter().map(|one| one * one).sum::<f64>() + 2.0 * (offset_sigma_s / options.offset_sigma_s[0]).ln();
+        squares.iter().map(|term| term * term).sum::<f64>() + 2.0 * (offset_sigma_s / options.offset_sigma_s[0]).ln();
     Some(Candidate {
         norad_id: set.norad_id,
         range_rms_km: offset.range_rms_km,

@@ -191,16 +191,16 @@ impl Reducer {
         let placed: Vec<Option<(i32, u64, Sums, f32)>> =
             points.par_iter().map(|point| placed(point, &options)).collect();
         for (placed, point) in placed.into_iter().zip(points) {
-            let Some((layer, cell, one, magnitude)) = placed else { continue };
+            let Some((layer, cell, added, magnitude)) = placed else { continue };
             let next = self.cells.len() as u32;
             let slot = *self.slot_of.entry((layer, cell)).or_insert(next);
             if slot == next {
                 self.cells.push((layer, cell, Sums::default()));
             }
             let sums = &mut self.cells[slot as usize].2;
-            sums.sun_latitude_rad += one.sun_latitude_rad;
-            sums.to_observer += one.to_observer;
-            sums.height_km += one.height_km;
+            sums.sun_latitude_rad += added.sun_latitude_rad;
+            sums.to_observer += added.to_observer;
+            sums.height_km += added.height_km;
             self.points.push((slot, magnitude, point.group));
         }
     }

@@ -23,10 +23,10 @@ struct Row {
 /// Returns the indices of the records of each pass, in the order of their first records. Records whose
 /// group is known are omitted.
 pub(super) fn passes_without_times(records: &[Record]) -> Vec<Vec<usize>> {
-    let row = |(record, one): (usize, &Record)| match one.sighting {
+    let row = |(record, measured): (usize, &Record)| match measured.sighting {
         Sighting::SunRelative { sun_altitude_rad, altitude_rad, azimuth_from_sun_rad, height_km } => {
             let direction = Direction::from_lon_lat_rad(azimuth_from_sun_rad, altitude_rad);
-            (one.group == UNKNOWN_PASS).then_some(Row { record, sun_altitude_rad, height_km, direction })
+            (measured.group == UNKNOWN_PASS).then_some(Row { record, sun_altitude_rad, height_km, direction })
         }
         _ => None,
     };
@@ -41,11 +41,11 @@ pub(super) fn passes_without_times(records: &[Record]) -> Vec<Vec<usize>> {
         }
         row
     }
-    for (i, one) in rows.iter().enumerate() {
+    for (i, first) in rows.iter().enumerate() {
         let near = rows[..i].iter().enumerate().rev();
-        for (j, other) in near.take_while(|(_, other)| one.sun_altitude_rad - other.sun_altitude_rad < SUN_RAD) {
-            let is_near = (one.height_km - other.height_km).abs() < HEIGHT_KM
-                && one.direction.separation_rad(&other.direction) < SKY_RAD;
+        for (j, other) in near.take_while(|(_, other)| first.sun_altitude_rad - other.sun_altitude_rad < SUN_RAD) {
+            let is_near = (first.height_km - other.height_km).abs() < HEIGHT_KM
+                && first.direction.separation_rad(&other.direction) < SKY_RAD;
             if is_near {
                 let (a, b) = (root(&mut linked, i), root(&mut linked, j));
                 linked[a.max(b)] = a.min(b);

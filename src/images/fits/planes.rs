@@ -183,7 +183,7 @@ impl FrameImages {
         let numbers = |hdus: &[usize]| hdus.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         let mut parts = vec![match &self.frames[..] {
             [] => "no frame".to_owned(),
-            [one] => format!("the frame is HDU {one}"),
+            [hdu] => format!("the frame is HDU {hdu}"),
             several => format!("the frames are HDU {}", numbers(several)),
         }];
         let planes: Vec<String> =
@@ -321,8 +321,8 @@ impl Image {
     /// Returns the HDU of the frame to which a plane belongs.
     fn owner(&self, frames: &[Self]) -> Option<usize> {
         let same: Vec<&Self> = frames.iter().filter(|frame| frame.size == self.size).collect();
-        if let [one] = same[..] {
-            return Some(one.hdu);
+        if let [frame] = same[..] {
+            return Some(frame.hdu);
         }
         let by_version = same.iter().find(|frame| frame.version.is_some() && frame.version == self.version);
         let by_sky = || same.iter().find(|frame| self.has_sky() && self.has_pixels_of(frame));

@@ -72,7 +72,7 @@ impl<'a> ExposedField<'a> {
         {
             self.sky.watch().check()?;
             match of(&interval) {
-                Ok(one) => found.extend(one),
+                Ok(evaluated) => found.extend(evaluated),
                 Err(reason) => left_out.push(self.sky.failed(interval.element_index, reason)),
             }
         }

@@ -168,7 +168,7 @@ impl Sky {
             let shutter_s = [0.0, exposure.duration_s];
             let middle = seconds_after(exposure.start, 0.5 * exposure.duration_s);
             self.propagator_over(exposure.start, pass.element_index, shutter_s)
-                .is_some_and(|one| self.uncertainty_of(pass.element_index, one, middle).lateness.is_cut())
+                .is_some_and(|propagator| self.uncertainty_of(pass.element_index, propagator, middle).lateness.is_cut())
         };
         let of = |(passes, exposure): (Vec<Pass>, &Exposure)| {
             let mut found: Vec<CrossingProbability> = passes
@@ -185,7 +185,7 @@ impl Sky {
                     is_lower_limit: is_cut(pass, exposure),
                 })
                 .collect();
-            found.sort_by_key(|one| one.element_index);
+            found.sort_by_key(|satellite| satellite.element_index);
             found
         };
         Ok(passes.into_iter().zip(exposures).map(of).collect())
@@ -231,21 +231,23 @@ impl ExposedField<'_> {
                 candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
             };
             if sigma.lateness.reach_s() < ON_TIME_S {
-                let all_s =
-                    candidates.iter().map(near_s).reduce(|one, next| [one[0].min(next[0]), one[1].max(next[1])]);
+                let all_s = candidates
+                    .iter()
+                    .map(near_s)
+                    .reduce(|times_s, next| [times_s[0].min(next[0]), times_s[1].max(next[1])]);
                 let whole = std::slice::from_ref(&whole);
                 return self.visible_probability(whole, observer, element_index, all_s?, sigma, with_shadow);
             }
-            let of_parts = candidates.iter().filter_map(|one| {
-                let part = one.cone as usize;
+            let of_parts = candidates.iter().filter_map(|candidate| {
+                let part = candidate.cone as usize;
                 let pieces =
                     pieces[part].get_or_init(|| self.cut(observer, parts[part].start_s, parts[part].end_s, PIECE_S));
-                self.visible_probability(pieces, observer, element_index, near_s(one), sigma, with_shadow)
+                self.visible_probability(pieces, observer, element_index, near_s(candidate), sigma, with_shadow)
             });
             of_parts.reduce(CrossingProbability::plus)
         };
         let mut found = Vec::new();
-        for of_satellite in seen.chunk_by(|one, other| one.element_index == other.element_index) {
+        for of_satellite in seen.chunk_by(|first, other| first.element_index == other.element_index) {
             self.sky.watch().check()?;
             found.extend(of_one(of_satellite));
         }
@@ -278,7 +280,11 @@ impl ExposedField<'_> {
             }
             self.probability_in(piece, element_index, arc, [from_s, to_s], sigma, |_, _| 1.0)
         };
-        pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus).map_or(0.0, |one| one.probability)
+        pieces
+            .iter()
+            .filter_map(of_piece)
+            .reduce(CrossingProbability::plus)
+            .map_or(0.0, |crossing| crossing.probability)
     }
 
     /// Divides a part of the exposure into pieces that are counted from its start, so that a longer exposure begins

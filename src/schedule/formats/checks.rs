@@ -122,11 +122,11 @@ impl Checks {
     pub fn reject<'a>(&self, cell: impl Fn(usize) -> &'a Cell) -> Result<(), String> {
         for Other { indices, names, scales, unit } in &self.others {
             let numbers = indices.map(|index| cell(index).number().ok());
-            let [Some(one), Some(other)] = numbers else { continue };
-            if !unit.is_same(&names[0], one * scales[0], other * scales[1]) {
+            let [Some(number), Some(other)] = numbers else { continue };
+            if !unit.is_same(&names[0], number * scales[0], other * scales[1]) {
                 let [first, second] = names;
                 return Err(format!(
-                    "{first} is {one} and {second} is {other}: they contradict each other; allowed: one of these columns, \
+                    "{first} is {number} and {second} is {other}: they contradict each other; allowed: one of these columns, \
                      or equal values"
                 ));
             }

@@ -263,7 +263,7 @@ fn field_attributes(element: &BytesStart<'_>) -> FieldAttributes {
 }
 
 fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
-    let found = element.attributes().with_checks(false).flatten().find(|one| one.key.as_ref() == name)?;
+    let found = element.attributes().with_checks(false).flatten().find(|attribute| attribute.key.as_ref() == name)?;
     let text = found.value.to_string();
     Some(quick_xml::escape::unescape(&text).map_or(text.clone(), |plain| plain.into_owned()))
 }

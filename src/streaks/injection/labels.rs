@@ -129,10 +129,10 @@ impl LabelledImage {
 }
 
 /// Returns true if two streaks are of parts of one source at the same time.
-fn is_part(one: &DrawnStreak<'_>, other: &DrawnStreak<'_>) -> bool {
-    let [Some([from, to]), Some([first, last])] = [one, other].map(DrawnStreak::ends) else { return false };
-    std::ptr::eq(one.source, other.source)
-        && one.part != other.part
+fn is_part(streak: &DrawnStreak<'_>, other: &DrawnStreak<'_>) -> bool {
+    let [Some([from, to]), Some([first, last])] = [streak, other].map(DrawnStreak::ends) else { return false };
+    std::ptr::eq(streak.source, other.source)
+        && streak.part != other.part
         && from.epoch <= last.epoch
         && first.epoch <= to.epoch
 }

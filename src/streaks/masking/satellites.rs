@@ -210,11 +210,11 @@ pub fn mask_frame(
     });
     let parts = parts.collect::<Result<BTreeMap<usize, FrameMask>, StreaksError>>()?;
     let is_listed = |part: &FrameMask| !part.streaks.is_empty() || !part.left_out.is_empty();
-    let unknown = found.left_out.iter().filter(|one| !parts.get(&one.element_index).is_some_and(is_listed));
-    mask.left_out.extend(unknown.map(|one| LeftOutSatellite {
-        norad_id: one.norad_id,
-        name: elements[one.element_index].name.clone(),
-        reason: LeftOutReason::UnknownPosition(one.reason.to_string()),
+    let unknown = found.left_out.iter().filter(|satellite| !parts.get(&satellite.element_index).is_some_and(is_listed));
+    mask.left_out.extend(unknown.map(|satellite| LeftOutSatellite {
+        norad_id: satellite.norad_id,
+        name: elements[satellite.element_index].name.clone(),
+        reason: LeftOutReason::UnknownPosition(satellite.reason.to_string()),
     }));
     for part in parts.into_values() {
         mask.streaks.extend(part.streaks);
@@ -352,8 +352,8 @@ impl Masking<'_> {
         let (sky, middle_s) = (self.interval.sky(), 0.5 * self.frame.exposure_s);
         let left_out = |reason: LeftOutReason| {
             let elements = &sky.elements()[element_index];
-            let one = LeftOutSatellite { norad_id: elements.norad_id, name: elements.name.clone(), reason };
-            FrameMask { left_out: vec![one], ..FrameMask::default() }
+            let satellite = LeftOutSatellite { norad_id: elements.norad_id, name: elements.name.clone(), reason };
+            FrameMask { left_out: vec![satellite], ..FrameMask::default() }
         };
         let Some(propagator) = self.interval.propagator(element_index) else { return Ok(FrameMask::default()) };
         let uncertainty = self.interval.uncertainty(element_index, propagator, middle_s);
@@ -436,17 +436,17 @@ impl Masking<'_> {
         let mut mask = FrameMask::default();
         for &streak in measured {
             let found = match chips.clone().find(|chip| self.frame.chips[*chip].chip.hdu == streak.hdu) {
-                Some(chip) if mask.streaks.iter().all(|one| one.chip != chip) => {
+                Some(chip) if mask.streaks.iter().all(|other| other.chip != chip) => {
                     self.measured_on(satellite, chip, streak)?.ok_or(UnusedReason::OffChip)
                 }
                 _ => Err(UnusedReason::Repeated),
             };
             match found {
-                Ok(one) => mask.streaks.push(one),
+                Ok(added) => mask.streaks.push(added),
                 Err(reason) => mask.unused.push((streak.clone(), reason)),
             }
         }
-        let masked: Vec<usize> = mask.streaks.iter().map(|one| one.chip).collect();
+        let masked: Vec<usize> = mask.streaks.iter().map(|streak| streak.chip).collect();
         if satellite.probability == 0.0 && masked.is_empty() || !light.points.iter().any(|point| point.is_lit) {
             return Ok((mask, None));
         }
@@ -465,10 +465,10 @@ impl Masking<'_> {
             let request = CorridorRequest { chip, track, optics, is_found: false, rate: &rate };
             let corridor = self.corridor(satellite, &request)?;
             brightest = brightest.into_iter().chain(corridor.peak_to_noise).max_by(f64::total_cmp);
-            let one = self.masked(satellite, &request, corridor);
+            let streak = self.masked(satellite, &request, corridor);
             // A satellite that was measured on another chip is in the frame.
             let probability = if masked.is_empty() { satellite.probability } else { 1.0 };
-            mask.streaks.extend(one.map(|one| MaskedStreak { probability, ..one }));
+            mask.streaks.extend(streak.map(|streak| MaskedStreak { probability, ..streak }));
         }
         let magnitude = light.points.iter().filter_map(|point| Some(point.brightness.as_ref()?.1));
         let magnitude = magnitude.fold(f64::INFINITY, f64::min);

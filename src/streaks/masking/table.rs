@@ -130,8 +130,13 @@ pub fn left_out_table(image: &str, left_out: &[LeftOutSatellite]) -> Table {
         text("name", "Name of the satellite."),
         text("reason", "Reason why it is left out."),
     ];
-    let row = |one: &LeftOutSatellite| {
-        vec![image.into(), i64::from(one.norad_id.0).into(), Value::nonempty(&one.name), one.reason.to_string().into()]
+    let row = |satellite: &LeftOutSatellite| {
+        vec![
+            image.into(),
+            i64::from(satellite.norad_id.0).into(),
+            Value::nonempty(&satellite.name),
+            satellite.reason.to_string().into(),
+        ]
     };
     Table { columns, rows: left_out.iter().map(row).collect() }
 }

@@ -212,7 +212,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
         ],
         rows: left_out
             .iter()
-            .map(|one| vec![i64::from(one.norad_id.0).into(), one.reason.to_string().into()])
+            .map(|satellite| vec![i64::from(satellite.norad_id.0).into(), satellite.reason.to_string().into()])
             .collect(),
     }
 }

@@ -190,8 +190,8 @@ impl PreparedSchedule {
             for rows in rows {
                 left_out.append(&mut judge.judge(prepared, rows.clone(), see, take)?);
             }
-            left_out.sort_by_key(|one| one.element_index);
-            left_out.dedup_by_key(|one| one.element_index);
+            left_out.sort_by_key(|satellite| satellite.element_index);
+            left_out.dedup_by_key(|satellite| satellite.element_index);
             without_position.extend(prepared.left_out_warning(&left_out, *first)?);
         }
         let totals = judge.finish();

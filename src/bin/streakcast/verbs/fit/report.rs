@@ -71,11 +71,12 @@ fn picture_name(report: &Path, end: &str) -> String {
 /// Writes the report: Markdown with separate pictures, or HTML with embedded ones.
 pub fn write(path: &Path, results: &FitResults, file: &ModelFile) -> anyhow::Result<()> {
     let drawn = pictures(results, file)?;
-    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
+    let names: BTreeMap<String, &Drawn> =
+        drawn.iter().map(|picture| (picture_name(path, picture.0), picture)).collect();
     let report = text(results, file, &names);
     let notices = &results.input.notices;
     if is_html(path) {
-        let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
+        let page = report.to_html(|name| names.get(name).map(|picture| data_url(&picture.2)));
         return write_bytes(path, page.as_bytes(), notices);
     }
     for (name, (_, _, bytes)) in &names {

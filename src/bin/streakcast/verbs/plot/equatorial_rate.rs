@@ -174,7 +174,7 @@ pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture
     let nights = rates.option("nights").and_then(Value::as_array).into_iter().flatten();
     let nights: Vec<&str> = nights.filter_map(Value::as_str).collect();
     let nights = match nights.as_slice() {
-        [one] => format!("the night of {one}"),
+        [night] => format!("the night of {night}"),
         [first, .., last] => format!("{} nights from {first} to {last}", nights.len()),
         [] => "nights".to_owned(),
     };

@@ -143,7 +143,7 @@ impl Nights {
         let all = self.all();
         let allowed = || match all.as_slice() {
             [] => "none: no row has a time".to_owned(),
-            [one] => (*one).to_owned(),
+            [only] => (*only).to_owned(),
             [first, .., last] => format!("{first} to {last}, {} nights", all.len()),
         };
         match night {
