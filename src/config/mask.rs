@@ -191,7 +191,7 @@ impl MaskConfig {
         let count = frames.len();
         // Planes of all frames are checked before a mask is computed and written.
         let planes_of = |(frame, _): &(TargetFrame, bool)| {
-            (!planes.is_empty()).then(|| ChosenPlanes::of(frame, &planes, &bit)).transpose()
+            (!planes.is_empty()).then(|| ChosenPlanes::new(frame, &planes, &bit)).transpose()
         };
         let planes: Vec<Option<ChosenPlanes>> = frames.iter().map(planes_of).collect::<Result<_, _>>()?;
         let (Some(first), Some(last)) = (

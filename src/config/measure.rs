@@ -184,7 +184,7 @@ impl MeasureConfig {
             let measured: FrameMeasurements = match &sky {
                 Some(sky) if self.streaks.is_empty() => measure_frame(sky, frame, &options)?,
                 sky => {
-                    let mut streaks = listed.of(frame.file.path());
+                    let mut streaks = listed.streaks_of(frame.file.path());
                     let mut unknown = Vec::new();
                     if let Some(sky) = sky {
                         unknown = identify_listed(sky, frame, &mut streaks, place_sigma, &photometry)?;

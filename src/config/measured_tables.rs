@@ -78,7 +78,7 @@ impl MeasuredTables {
     }
 
     /// Returns the streaks of a frame, in the order of the tables.
-    pub fn of(&self, frame: &Path) -> Vec<ListedStreak> {
+    pub fn streaks_of(&self, frame: &Path) -> Vec<ListedStreak> {
         let rows = self.tables.iter().flat_map(|(list, of_table)| {
             list.streaks.iter().filter(move |streak| match (&streak.image, of_table) {
                 (None, Some(of_table)) => of_table == frame,

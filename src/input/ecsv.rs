@@ -51,7 +51,7 @@ pub struct TimeColumn<'a> {
 
 impl<'a> TimeColumn<'a> {
     /// Returns the column that an entry of the metadata describes; `None` if it is of another type.
-    fn of(name: &'a str, column: &'a YamlOwned) -> Option<Self> {
+    fn from_metadata(name: &'a str, column: &'a YamlOwned) -> Option<Self> {
         let text = |key| get(column, key).and_then(YamlOwned::as_str);
         let scale = match text("scale") {
             Some("utc") => Some(TimeScale::UTC),
@@ -178,7 +178,7 @@ impl Ecsv {
         let meta = self.header.as_ref().and_then(|header| get(header, "meta"));
         let columns = meta.and_then(|meta| get(meta, "__serialized_columns__"));
         let Some(YamlOwned::Mapping(columns)) = columns else { return Vec::new() };
-        columns.iter().filter_map(|(name, column)| TimeColumn::of(name.as_str()?, column)).collect()
+        columns.iter().filter_map(|(name, column)| TimeColumn::from_metadata(name.as_str()?, column)).collect()
     }
 }
 

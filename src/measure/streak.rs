@@ -80,7 +80,7 @@ pub fn measure_streak(
     let (rows, columns) = (image.plane.rows(), image.plane.columns());
     // A given streak of this length has at least 1 / √2 as many pixels along the nearer axis.
     let least = if predicted.ends_s.is_some() { LEAST_GIVEN_PIX } else { LEAST_LENGTH_PIX };
-    let Some(corridor) = Corridor::of(&predicted.path, rows, columns, least) else { return Ok(None) };
+    let Some(corridor) = Corridor::new(&predicted.path, rows, columns, least) else { return Ok(None) };
     let mut measuring =
         Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
     let extent = measuring.extent(options);

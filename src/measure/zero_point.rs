@@ -81,7 +81,7 @@ impl StarZeroPoint {
 }
 
 /// Star that can be measured: its pixels, and its magnitude.
-struct Candidate {
+struct StarCandidate {
     star: CatalogueStar,
     stamp: Stamp,
 }
@@ -217,7 +217,7 @@ fn candidates(
     profile: &RadialProfile,
     found: &mut StarZeroPoint,
     watch: &Watch,
-) -> Result<Vec<Candidate>, MeasureError> {
+) -> Result<Vec<StarCandidate>, MeasureError> {
     let radius_pix = (APERTURE_WIDTHS * profile.fwhm_pix()).max(LEAST_APERTURE_PIX);
     let near_pix = SKY_RADII[0] * radius_pix;
     let mut kept = Vec::new();
@@ -241,7 +241,7 @@ fn candidates(
             found.saturated += 1;
             continue;
         }
-        kept.push(Candidate { star: *star, stamp });
+        kept.push(StarCandidate { star: *star, stamp });
     }
     Ok(kept)
 }
@@ -259,11 +259,11 @@ enum Width {
 /// than three such stars.
 fn width_ratio(
     image: &StreakImage<'_>,
-    candidates: &[Candidate],
+    candidates: &[StarCandidate],
     assumed: &RadialProfile,
     profile_of: impl Fn(f64) -> Option<RadialProfile>,
 ) -> Option<Width> {
-    let mut bright: Vec<(&Candidate, f64)> = candidates
+    let mut bright: Vec<(&StarCandidate, f64)> = candidates
         .iter()
         .filter_map(|candidate| Some((candidate, candidate.stamp.light(image, assumed)?)))
         .filter(|(_, light)| light.flux >= WIDTH_SIGNAL_TO_NOISE * light.sigma)
@@ -278,7 +278,7 @@ fn width_ratio(
     let step = (high - low) / (WIDTHS - 1) as f64;
     let profiles: Vec<(f64, Option<RadialProfile>)> =
         (0..WIDTHS).map(|index| low + step * index as f64).map(|ln| (ln, profile_of(ln.exp()))).collect();
-    let ratio_of = |candidate: &Candidate| -> Option<f64> {
+    let ratio_of = |candidate: &StarCandidate| -> Option<f64> {
         let squares: Vec<f64> = profiles
             .iter()
             .map(|(_, profile)| profile.as_ref().map_or(f64::INFINITY, |profile| candidate.stamp.squares(profile)))

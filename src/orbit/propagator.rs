@@ -160,7 +160,7 @@ impl Propagator {
         let period_s = DAY_S / elements.mean_motion_rev_day;
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for perturbations by Moon and Sun.
         let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
-        let resonance = Resonance::of(&constants).map(Box::new);
+        let resonance = Resonance::new(&constants).map(Box::new);
         Ok(Self {
             constants,
             epoch: elements.epoch,
@@ -471,7 +471,10 @@ impl SatelliteIndex {
                 let table = Arc::new(EphemerisTable::new(ephemeris, eop));
                 let of = |&position: &usize| {
                     let propagator = self.propagators[position].as_ref()?;
-                    Some((position, propagator.with_ephemeris(&table, OrbitClass::of(&elements[position], self.drag))))
+                    Some((
+                        position,
+                        propagator.with_ephemeris(&table, OrbitClass::from_elements(&elements[position], self.drag)),
+                    ))
                 };
                 positions.iter().filter_map(of).collect::<Vec<_>>()
             })

@@ -35,7 +35,7 @@ impl Sky {
             })
         };
         let all = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
-        let found = Arc::new(Predictability::of(all));
+        let found = Arc::new(Predictability::new(all));
         self.predictabilities().keep(number, &found);
         found
     }

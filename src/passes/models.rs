@@ -125,7 +125,7 @@ impl ModelChoice {
 
     /// Returns the learned factor of the error along the track of a satellite; 1 without one.
     pub fn lateness_factor(&self, elements: &ElementSet) -> f64 {
-        self.learned().map_or(1.0, |file| file.lateness_factor(GenerationTable::embedded().of(elements)))
+        self.learned().map_or(1.0, |file| file.lateness_factor(GenerationTable::embedded().generation(elements)))
     }
 
     /// Sets another model for one generation. A model for [`Generation::Other`] takes precedence over standard
@@ -165,7 +165,7 @@ impl ModelChoice {
     /// not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
         let model = self.model_of(elements);
-        Arc::ptr_eq(&model, self.priors.of(elements))
+        Arc::ptr_eq(&model, self.priors.model(elements))
     }
 
     /// Returns the brightness model of one satellite.
@@ -174,12 +174,12 @@ impl ModelChoice {
         // The catalogue number of a simulated satellite may be that of a real one.
         if let Some((kind, model)) = self.learned.satellites.get(&elements.norad_id.0)
             && elements.origin != Origin::Synthetic
-            && *kind == table.of(elements)
+            && *kind == table.generation(elements)
         {
             return model.clone();
         }
         let models = if table.is_assumed(elements) { &self.assumed } else { &self.by_generation };
-        if let Some(model) = models.get(&table.of(elements)) {
+        if let Some(model) = models.get(&table.generation(elements)) {
             return model.clone();
         }
         let built_in = BrightObjects::embedded().get(elements.norad_id.0, &elements.name);
@@ -192,7 +192,7 @@ impl ModelChoice {
         if let Some(model) = built_in.and_then(|object| self.bright.get(object.name)) {
             return model.clone();
         }
-        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.priors.of(elements).clone() }
+        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.priors.model(elements).clone() }
     }
 }
 
@@ -205,7 +205,7 @@ pub(super) struct Priors {
 
 impl Priors {
     /// Returns the model for an orbit.
-    pub(super) fn of(&self, elements: &ElementSet) -> &Arc<BrightnessModel> {
+    pub(super) fn model(&self, elements: &ElementSet) -> &Arc<BrightnessModel> {
         if elements.mean_motion_rev_day < HIGH_ORBIT_REV_DAY { &self.high_orbit } else { &self.low_orbit }
     }
 }

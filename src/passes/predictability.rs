@@ -41,7 +41,7 @@ pub(super) struct SatelliteLateness {
 }
 
 impl Predictability {
-    pub(super) fn of(all: Vec<SatelliteLateness>) -> Self {
+    pub(super) fn new(all: Vec<SatelliteLateness>) -> Self {
         let satellites = all.len();
         let shares =
             all.iter().map(|satellite| satellite.lateness.map_or(0.0, |(_, lateness)| lateness.searched_share()));
@@ -142,23 +142,23 @@ mod tests {
     fn exposures_are_unknown_if_half_of_the_crossings_are_missed() {
         let fresh = |count: usize| (0..count).map(|_| satellite(1.0, Some(2.0)));
         let old = |count: usize| (0..count).map(|_| satellite(216.0, None));
-        let few = Predictability::of(fresh(90).chain(old(10)).collect());
+        let few = Predictability::new(fresh(90).chain(old(10)).collect());
         assert_eq!((few.reason(), few.unknown, few.element_age_days, few.late_s), (None, 10, 1.0, Some(2.0)));
-        assert!(!few.misses_many() && Predictability::of(fresh(89).chain(old(11)).collect()).misses_many());
-        let many = Predictability::of(fresh(400).chain(old(1600)).collect());
+        assert!(!few.misses_many() && Predictability::new(fresh(89).chain(old(11)).collect()).misses_many());
+        let many = Predictability::new(fresh(400).chain(old(1600)).collect());
         let reason = "elements 216 days old: positions of 1600 of 2000 satellites unknown";
         assert_eq!((many.reason().as_deref(), many.element_age_days), (Some(reason), 216.0));
-        let all = Predictability::of(old(3).collect());
+        let all = Predictability::new(old(3).collect());
         assert_eq!(all.reason().as_deref(), Some("elements 216 days old: positions unknown"));
         assert_eq!((all.late_s, all.searched_share), (None, 0.0));
-        let newer = Predictability::of(vec![satellite(-40.0, None)]);
+        let newer = Predictability::new(vec![satellite(-40.0, None)]);
         assert_eq!(newer.reason().as_deref(), Some("elements 40 days newer than the exposure: positions unknown"));
-        assert_eq!(Predictability::of(Vec::new()).reason(), None);
+        assert_eq!(Predictability::new(Vec::new()).reason(), None);
     }
 
     #[test]
     fn starts_need_nominal_tracks_that_predict_half_of_the_crossings() {
-        let late = Predictability::of((0..9).map(|_| satellite(13.0, Some(37.0))).collect());
+        let late = Predictability::new((0..9).map(|_| satellite(13.0, Some(37.0))).collect());
         assert_eq!(late.reason(), None);
         assert_eq!(
             late.reason_for_starts(10.0, 0.0, 2.0).as_deref(),

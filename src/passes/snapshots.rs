@@ -187,7 +187,7 @@ impl Sky {
         geometry: &ViewingGeometry,
         photometry: &PhotometryOptions,
     ) -> Option<Brightness> {
-        let prior = self.priors.of(&self.elements()[element_index]);
+        let prior = self.priors.model(&self.elements()[element_index]);
         prior.brightness(geometry, 1.0, &self.photometry_here(photometry))
     }
 

@@ -74,8 +74,8 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
 
     let mut picture = Picture::new(930, 900);
     picture.set_title(input.title, (465.0, 28.0), 22.0, HPos::Center);
-    let density = Density::of(input.counts, input.iqr_mag, &main, BINS);
-    let scale = ColourScale::of(Quantity::Count, density.counts.iter().copied().filter(|count| *count > 0.0));
+    let density = Density::new(input.counts, input.iqr_mag, &main, BINS);
+    let scale = ColourScale::from_values(Quantity::Count, density.counts.iter().copied().filter(|count| *count > 0.0));
     picture.paint(density.pixels(&main, |count| scale.colour(count)));
     thresholds(&mut picture, input, &main, [true, true]);
     thresholds(&mut picture, input, &upper_frame, [true, false]);

@@ -38,7 +38,7 @@ pub struct SatelliteAge {
 
 impl SatelliteAge {
     /// Returns age and error of the satellite of a pass.
-    pub(super) fn of(pass: &Pass) -> Self {
+    pub(super) fn from_pass(pass: &Pass) -> Self {
         Self { element_age_days: pass.element_age_days, along_track_sigma_s: pass.along_track_sigma_s }
     }
 }
@@ -173,7 +173,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
 /// Adds age and lateness of the satellites that decide a verdict, which is `unknown` if positions are not known.
 fn with_age(flag: Verdict, counted: &[Pass], may_cross: &[SatelliteAge], known: &Predictability) -> Verdict {
-    let crossing: Vec<SatelliteAge> = counted.iter().map(SatelliteAge::of).collect();
+    let crossing: Vec<SatelliteAge> = counted.iter().map(SatelliteAge::from_pass).collect();
     let deciding = if crossing.is_empty() { may_cross } else { &crossing };
     let of =
         |value: fn(&SatelliteAge) -> f64| (!deciding.is_empty()).then(|| median(deciding.iter().map(value).collect()));

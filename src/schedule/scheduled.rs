@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::error::ScheduleError;
 use super::formats::{
-    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, RawTable, Row, ScheduleFormat, StartColumn,
-    StartForm, display, read_raw, start_columns,
+    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, RawTable, ScheduleFormat, ScheduleRow,
+    StartColumn, StartForm, display, read_raw, start_columns,
 };
 use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
@@ -301,7 +301,7 @@ impl Scales {
 
 fn scheduled_exposure(
     row: usize,
-    cells: &Row,
+    cells: &ScheduleRow,
     map: &ColumnMap,
     scales: &Scales,
     scale: TimeScale,

@@ -20,7 +20,7 @@ pub(super) fn expected_of(
 ) -> ExpectedLoss {
     let limits = request.limits(band, exposure.duration_s);
     if limits.is_none() && request.telescope.is_none() {
-        return ExpectedLoss::of(satellites, &[]);
+        return ExpectedLoss::new(satellites, &[]);
     }
     let lights: Vec<Option<Brightness>> =
         satellites.iter().map(|satellite| brightness_of(satellite, exposure.start, passes, request)).collect();
@@ -38,13 +38,13 @@ pub(super) fn expected_of(
             satellite,
             p_above(
                 light,
-                limits.of(satellite.element_index, satellite.geometry.range_km, satellite.angular_rate_rad_s),
+                limits.limit_of(satellite.element_index, satellite.geometry.range_km, satellite.angular_rate_rad_s),
             ),
         )
     };
     let above_limit = lights.iter().zip(satellites).map(|(light, satellite)| p_above_limit(light.as_ref(), satellite));
     let brighter: Vec<f64> = if limits.is_none() { Vec::new() } else { above_limit.collect() };
-    let expected = ExpectedLoss::of(satellites, &brighter);
+    let expected = ExpectedLoss::new(satellites, &brighter);
     let Some(telescope) = request.telescope else { return expected };
     let area_deg2 = request.field.area_deg2();
     let cost = StreakCost::new(telescope, area_deg2);

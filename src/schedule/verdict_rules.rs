@@ -30,7 +30,7 @@ pub(super) struct ExpectedLoss {
 impl ExpectedLoss {
     /// Combines satellites whose errors are independent, without the losses that require a telescope. `brighter` is the
     /// probability of each satellite to be brighter than the limit of the policy; without a limit it is empty.
-    pub fn of(satellites: &[CrossingProbability], brighter: &[f64]) -> Self {
+    pub fn new(satellites: &[CrossingProbability], brighter: &[f64]) -> Self {
         let crossing = || satellites.iter().map(|satellite| satellite.probability.clamp(0.0, 1.0));
         let all = std::iter::repeat(&1.0);
         // 1 - Π(1 - p)
@@ -302,7 +302,7 @@ mod tests {
         let expected = ExpectedLoss {
             lost_pixel_fraction: Some(0.01 * sum),
             streak_cost_s: Some(0.3 * sum),
-            ..ExpectedLoss::of(&satellites, &brighter)
+            ..ExpectedLoss::new(&satellites, &brighter)
         };
         judge_exposure(&exposure(), &Limits::of_mag(policy.limit_mag_in(Some("r"))), passes, &expected, &policy)
     }

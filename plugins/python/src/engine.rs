@@ -79,7 +79,7 @@ impl Engine {
             watch.check().map_err(failure::request)?;
             nights.entry(sky_cache.night_of(start)).or_insert((start, Vec::new())).1.push(index);
         }
-        let night = |(start, indices)| Ok(Night { prepared: sky_cache.of(start, watch)?, indices });
+        let night = |(start, indices)| Ok(Night { prepared: sky_cache.sky_at(start, watch)?, indices });
         nights.into_values().map(night).collect()
     }
 
@@ -424,7 +424,7 @@ impl Engine {
         light: &LightRequest<'_>,
         watch: &Watch,
     ) -> PyResult<WithWarnings<SkyRows>> {
-        let prepared = self.sky_cache.get().of(start, watch)?;
+        let prepared = self.sky_cache.get().sky_at(start, watch)?;
         check_known(&prepared, [start])?;
         let sky = &prepared.sky;
         let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::request)?;

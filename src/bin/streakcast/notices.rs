@@ -35,7 +35,7 @@ impl Notices {
     }
 
     /// Returns a writer with the options of a configuration.
-    pub fn of(config: &Config) -> Self {
+    pub fn from_config(config: &Config) -> Self {
         Self::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false))
     }
 

@@ -91,7 +91,7 @@ impl Config {
             let remedy = "specify --drag station-keeping or --drag published";
             health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
         }
-        let state = ElementState::of(&catalogue, &choice, drag.unwrap_or_default(), now);
+        let state = ElementState::new(&catalogue, &choice, drag.unwrap_or_default(), now);
         health.findings.extend(state.findings(&catalogue, now, source));
         if is_readable {
             health.findings.push(state.model_finding());

@@ -70,7 +70,7 @@ pub struct EphemerisState {
 }
 
 impl EphemerisState {
-    fn of(catalogue: &Satellites, now: Epoch) -> Self {
+    fn new(catalogue: &Satellites, now: Epoch) -> Self {
         let all = || catalogue.ephemerides.iter();
         let age_days = |ephemeris: &Arc<Ephemeris>| {
             seconds_between(ephemeris.created.unwrap_or(ephemeris.interval().0), now) / DAY_S
@@ -144,13 +144,13 @@ pub struct ElementState {
 
 impl ElementState {
     /// Computes the state of a catalogue at `now` with the models of `choice`.
-    pub fn of(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
+    pub fn new(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let of_one_set = |set: &ElementSet| OrbitClass::of(set, drag);
+        let of_one_set = |set: &ElementSet| OrbitClass::from_elements(set, drag);
         let others = &catalogue.other_epochs;
-        let of_all = |set: &ElementSet| OrbitModel::of(set, others_of(others, set.norad_id), now, drag).class;
+        let of_all = |set: &ElementSet| OrbitModel::from_sets(set, others_of(others, set.norad_id), now, drag).class;
         // Errors along the track of the satellites whose position is known.
         let sigmas = |class: &dyn Fn(&ElementSet) -> OrbitClass| -> Vec<f64> {
             let classes = sets.iter().zip(&ages).map(|(set, age)| (class(set), *age));
@@ -163,7 +163,7 @@ impl ElementState {
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();
         for set in sets {
-            let kind = table.of(set);
+            let kind = table.generation(set);
             if kind == Generation::Other {
                 if choice.is_unknown(set) {
                     *unmatched.entry(prefix(&set.name)).or_default() += 1;
@@ -182,7 +182,7 @@ impl ElementState {
             unknown: sets.len() - sigmas.len(),
             median_along_track_sigma_s: median_or_0(sigmas),
             median_of_one_set_s,
-            ephemerides: EphemerisState::of(catalogue, now),
+            ephemerides: EphemerisState::new(catalogue, now),
             kinds: kinds.into_iter().collect(),
             assumed: sets.iter().filter(|set| table.is_assumed(set)).count(),
             unmatched,

@@ -75,7 +75,7 @@ pub enum Sample {
 }
 
 impl Sample {
-    fn of(is_in_sample: bool) -> Self {
+    fn new(is_in_sample: bool) -> Self {
         if is_in_sample { Self::InSample } else { Self::HeldOut }
     }
 
@@ -173,7 +173,7 @@ pub struct Comparison {
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
     let name = model.file().map(|file| file.name.clone()).unwrap_or_default();
     let sigma_mag = model.file().map_or(f64::NAN, |file| file.sigma_mag);
-    let subject = model.file().and_then(Subject::of);
+    let subject = model.file().and_then(Subject::from_model_file);
     let blank = Comparison {
         model: name,
         satellites: subject.map(|subject| subject.name),
@@ -209,7 +209,7 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
         let row = |kind, reference: &'static str| Comparison {
             kind,
             reference,
-            sample: Some(Sample::of(published_names(reference).any(names))),
+            sample: Some(Sample::new(published_names(reference).any(names))),
             ..blank.clone()
         };
         let mean =
@@ -225,7 +225,7 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
         let row = |kind| Comparison {
             kind,
             reference: set.source(),
-            sample: Some(Sample::of(names(set.survey()))),
+            sample: Some(Sample::new(names(set.survey()))),
             ..blank.clone()
         };
         let sunlit = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();

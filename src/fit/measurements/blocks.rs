@@ -47,11 +47,11 @@ impl Blocks {
     pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), FitError> {
         let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let file = input::open(path).map_err(unreadable)?;
-        Self::of(Box::new(file), name)
+        Self::from_source(Box::new(file), name)
     }
 
     /// Decompresses the source if needed and reads its head.
-    pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
+    pub(super) fn from_source(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
         let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let mut raw = BufReader::with_capacity(BLOCK, source);
         let is_gzipped = raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
@@ -151,7 +151,8 @@ mod tests {
     use super::*;
 
     fn blocks(text: &[u8]) -> (Head, Vec<Vec<u8>>) {
-        let (head, mut blocks) = Blocks::of(Box::new(io::Cursor::new(text.to_vec())), "a test").expect("a head");
+        let (head, mut blocks) =
+            Blocks::from_source(Box::new(io::Cursor::new(text.to_vec())), "a test").expect("a head");
         let mut all = Vec::new();
         while let Some(block) = blocks.next().expect("a block") {
             all.push(block);

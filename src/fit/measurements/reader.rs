@@ -108,7 +108,7 @@ impl RecordReader {
         options: &PhotometryOptions,
     ) -> Result<Self, FitError> {
         let mut reader = Self::empty(VecDeque::new(), options);
-        let (head, blocks) = Blocks::of(source, name)?;
+        let (head, blocks) = Blocks::from_source(source, name)?;
         reader.begin(name.to_owned(), &head, blocks)?;
         Ok(reader)
     }

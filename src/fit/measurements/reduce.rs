@@ -221,7 +221,7 @@ impl Reducer {
                 observer_longitude_rad: sums.to_observer.y.atan2(sums.to_observer.x).rem_euclid(std::f64::consts::TAU),
                 observer_latitude_rad: sums.to_observer.z.atan2(sums.to_observer.x.hypot(sums.to_observer.y)),
                 height_km: sums.height_km / n,
-                mode_mag: self.options.mode.of(&sorted),
+                mode_mag: self.options.mode.mode_of(&sorted),
                 median_mag: quantile(&sorted, 0.5),
                 iqr_mag: interquartile_range(&sorted),
                 count: u32::try_from(sorted.len()).unwrap_or(u32::MAX),

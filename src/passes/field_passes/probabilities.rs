@@ -36,7 +36,7 @@ use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
 use crate::geometry::{Aspect, Observer, ViewingGeometry};
-use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
+use crate::orbit::{Cones, CrossingCandidate, OrbitArc, OrbitUncertainty};
 use crate::photometry::{Band, PhotometryOptions};
 
 /// Length of a piece of an exposure, seconds. During a piece the site moves by at most 5 km. At the distance of
@@ -199,7 +199,7 @@ impl ExposedField<'_> {
         &self,
         observer: &Observer,
         with_shadow: bool,
-        seen: &mut Vec<Candidate>,
+        seen: &mut Vec<CrossingCandidate>,
     ) -> Result<Vec<CrossingProbability>, SkyError> {
         let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
         // The pieces are computed only if a satellite may be late.
@@ -222,11 +222,11 @@ impl ExposedField<'_> {
         seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
         let whole = self.whole(observer);
         let mid = seconds_after(self.scene.start, whole.mid_s());
-        let of_one = |candidates: &[Candidate]| {
+        let of_one = |candidates: &[CrossingCandidate]| {
             let element_index = candidates[0].element_index as usize;
             let propagator = self.propagator(element_index)?;
             let sigma = self.sky.uncertainty_of(element_index, propagator, mid);
-            let near_s = |candidate: &Candidate| {
+            let near_s = |candidate: &CrossingCandidate| {
                 let mid_s = parts[candidate.cone as usize].mid_s();
                 candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
             };

@@ -11,7 +11,7 @@ use super::super::sky::Sky;
 use super::super::track::Pass;
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
-use crate::orbit::{Candidate, LeftOut};
+use crate::orbit::{CrossingCandidate, LeftOut};
 
 /// Passes through a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,7 +93,7 @@ impl Sky {
         &self,
         exposures: &[Exposure],
         scope: SearchScope,
-        of: impl Fn(&Scene, &Exposure, &mut Vec<Candidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> + Sync,
+        of: impl Fn(&Scene, &Exposure, &mut Vec<CrossingCandidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> + Sync,
     ) -> Result<(Vec<Vec<T>>, Vec<LeftOut>), SkyError> {
         exposures.iter().try_for_each(Exposure::check)?;
         let mut by_exposure: Vec<Vec<T>> = exposures.iter().map(|_| Vec::new()).collect();

@@ -14,8 +14,8 @@ mod votable;
 pub(super) use checks::Checks;
 pub use columns::ScheduleFormat;
 pub(super) use columns::{
-    Cell, ColumnMap, DECLINATIONS, DURATIONS, ID, RIGHT_ASCENSIONS, Row, StartColumn, StartForm, TARGET_DURATIONS,
-    display, start_columns,
+    Cell, ColumnMap, DECLINATIONS, DURATIONS, ID, RIGHT_ASCENSIONS, ScheduleRow, StartColumn, StartForm,
+    TARGET_DURATIONS, display, start_columns,
 };
 pub(super) use csv_text::csv_layout;
 pub(super) use delimited::ecsv_layout;

@@ -110,7 +110,7 @@ impl LabelFormat {
 
 impl LabelledImage {
     /// Returns the outlines of the streaks on a chip.
-    pub fn of(chip: &Chip, is_only: bool, streaks: &[DrawnStreak<'_>]) -> Self {
+    pub fn new(chip: &Chip, is_only: bool, streaks: &[DrawnStreak<'_>]) -> Self {
         // The parts of a satellite that are drawn separately are one streak.
         let mut groups: Vec<Vec<&DrawnStreak<'_>>> = Vec::new();
         for streak in streaks.iter().filter(|streak| streak.hdu == chip.hdu && !streak.points.is_empty()) {
@@ -123,7 +123,7 @@ impl LabelledImage {
             hdu: chip.hdu,
             is_only,
             size: [chip.rows, chip.columns],
-            labels: groups.iter().filter_map(|group| Label::of(chip, group)).collect(),
+            labels: groups.iter().filter_map(|group| Label::from_parts(chip, group)).collect(),
         }
     }
 }
@@ -139,7 +139,7 @@ fn is_part(streak: &DrawnStreak<'_>, other: &DrawnStreak<'_>) -> bool {
 
 impl Label {
     /// Returns the label of one streak, whose parts may be drawn separately.
-    fn of(chip: &Chip, parts: &[&DrawnStreak<'_>]) -> Option<Self> {
+    fn from_parts(chip: &Chip, parts: &[&DrawnStreak<'_>]) -> Option<Self> {
         let brightest = parts.iter().min_by(|a, b| {
             let magnitude = |streak: &DrawnStreak<'_>| streak.peak_magnitude.unwrap_or(f64::INFINITY);
             magnitude(a).total_cmp(&magnitude(b))

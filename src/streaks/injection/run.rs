@@ -298,7 +298,7 @@ fn inject_frame(
         labelled: frame
             .chips
             .iter()
-            .map(|target| LabelledImage::of(&target.chip, frame.chips.len() == 1, &streaks))
+            .map(|target| LabelledImage::new(&target.chip, frame.chips.len() == 1, &streaks))
             .collect(),
         planes,
         summary: summary(&streaks, &lit, &injected),

@@ -256,7 +256,7 @@ struct LightPoint {
 }
 
 impl TrackLight {
-    fn of(track: &DelayedTrack<'_>, margin_s: f64, times_s: [f64; 2], options: &MaskOptions) -> Self {
+    fn new(track: &DelayedTrack<'_>, margin_s: f64, times_s: [f64; 2], options: &MaskOptions) -> Self {
         let point = |index: usize| {
             let time_s = times_s[0] + (times_s[1] - times_s[0]) * index as f64 / (LIGHT_POINTS - 1) as f64;
             let Some(point) = track.point(time_s + margin_s, &options.photometry) else { return LightPoint::default() };
@@ -386,7 +386,7 @@ impl Masking<'_> {
             element_age_days: self.interval.element_age_days(propagator, middle_s),
             sight: &sight,
             range_km: on_time(0.5 * (near_s[0] + near_s[1])).1,
-            light: &TrackLight::of(&track, margin_s, near_s, self.options),
+            light: &TrackLight::new(&track, margin_s, near_s, self.options),
             predicted,
             probability,
             coverage,
@@ -563,7 +563,7 @@ impl Masking<'_> {
         let half_width = |light: &LocalLight| {
             let [x, y] = light.motion_pix_s;
             // The width depends little on the direction, so that that of the first cell suffices.
-            let width: &LightWidth = width.get_or_insert_with(|| LightWidth::of(&profile, y.atan2(x)));
+            let width: &LightWidth = width.get_or_insert_with(|| LightWidth::new(&profile, y.atan2(x)));
             // Light per pixel of length; a slow satellite is a point.
             let per_pixel = (light.rate / x.hypot(y)).min(light.rate * self.frame.exposure_s);
             let inside = |at: f64, count: usize| (at.round().max(0.0) as usize).min(count - 1);

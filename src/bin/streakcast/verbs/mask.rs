@@ -36,7 +36,7 @@ pub struct MaskArguments {
 pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     let has_output = typed.output.is_some() || typed.polygons.is_some() || typed.regions.is_some();
-    Required::of(&config)
+    Required::new(&config)
         .input(!typed.mask.image.is_empty(), "frames", "FRAME..., FITS files")
         .input(has_output, "output", "-o FILE, --polygons FILE or --regions FILE")
         .satellites()

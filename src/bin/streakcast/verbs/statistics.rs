@@ -120,7 +120,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         );
     }
     let has_night = !typed.night.is_empty();
-    Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
+    Required::new(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     let has_shape = config.field.is_some() || config.telescope.is_some();
     let fov = config.fov.as_ref().map(Quantity::as_str).or((!has_shape).then_some(FIELD));

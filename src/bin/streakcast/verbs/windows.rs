@@ -99,7 +99,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("--night is for a site; allowed for a telescope in orbit: --start TIME and --end TIME"));
     }
     let mut range = if in_orbit { typed.range } else { typed.range.or_night(TONIGHT) };
-    Required::of(&config)
+    Required::new(&config)
         .input(
             typed.targets.is_some() || pointing.is_some(),
             "targets",

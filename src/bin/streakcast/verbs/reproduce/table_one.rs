@@ -56,7 +56,7 @@ fn of_elements(paths: &[PathBuf]) -> anyhow::Result<BTreeSet<(NoradId, Generatio
     Ok(sets
         .iter()
         .filter(|set| is_launched(&set.international_designator) && !(first..=last).contains(&set.norad_id.0))
-        .map(|set| (set.norad_id, table.of(set)))
+        .map(|set| (set.norad_id, table.generation(set)))
         .collect())
 }
 

@@ -130,7 +130,7 @@ pub struct Token(Vec<u8>);
 
 impl Token {
     /// Reads the token from the file or environment variable in the flags. It is optional for loopback addresses.
-    pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
+    pub fn from_arguments(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
         let text = match (&typed.token_file, &typed.token_env) {
             (Some(path), _) => {
                 let text = streakcast::input::read_to_string(path)
