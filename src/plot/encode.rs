@@ -38,7 +38,7 @@ impl PictureFormat {
     ///
     /// # Errors
     /// The name does not end in `.png` or `.svg`.
-    pub fn from_path(path: &Path) -> Result<Self, PlotError> {
+    pub fn from_extension(path: &Path) -> Result<Self, PlotError> {
         let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match end.as_deref() {
             Some("png") => Ok(Self::Png),

@@ -39,7 +39,7 @@ impl Picture {
     /// Writes a file atomically, as PNG or SVG by the file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
-        let format = PictureFormat::from_path(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let format = PictureFormat::from_extension(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let bytes = failure::without_lock(py, |_| self.0.to_bytes(format).map_err(failure::request))?;
         write_atomically(path, |out| out.write_all(&bytes))
             .map_err(|error| PyOSError::new_err(format!("cannot write {}: {error}", path.display())))

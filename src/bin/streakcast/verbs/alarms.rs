@@ -49,7 +49,7 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("probability is {}; allowed: above 0, at most 1", typed.probability));
     }
     if let Some(path) = &typed.picture {
-        streakcast::plot::PictureFormat::from_path(path)?;
+        streakcast::plot::PictureFormat::from_extension(path)?;
         crate::output::check(path)?;
     }
     let output = Output::new(typed.output.format.as_deref(), typed.output.output.clone())?;
@@ -127,5 +127,5 @@ fn picture(
         sigmas_mag: &column(|(_, _, sigma)| *sigma),
         alarms: &marks,
     })?;
-    crate::output::write_bytes(path, &chart.to_bytes(streakcast::plot::PictureFormat::from_path(path)?)?, notices)
+    crate::output::write_bytes(path, &chart.to_bytes(streakcast::plot::PictureFormat::from_extension(path)?)?, notices)
 }

@@ -348,7 +348,7 @@ mod drawn {
             None => of_counts(reduction)?,
             Some(sun_deg) => slice(reduction, sun_deg)?,
         };
-        write_bytes(path, &picture.to_bytes(PictureFormat::from_path(path)?)?, notices)
+        write_bytes(path, &picture.to_bytes(PictureFormat::from_extension(path)?)?, notices)
     }
 
     /// Draws figure 2 of Lu (2024): magnitudes, counts and spreads of the pixels of the layer that contains a latitude

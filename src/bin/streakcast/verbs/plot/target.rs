@@ -45,7 +45,7 @@ impl Target {
         }
         let mut pictures: Vec<(PathBuf, PictureFormat)> = Vec::new();
         for path in &typed.output {
-            let format = PictureFormat::from_path(path)?;
+            let format = PictureFormat::from_extension(path)?;
             check(path)?;
             pictures.push((path.clone(), format));
         }
