@@ -133,13 +133,14 @@ impl Unit {
     /// Returns true if two numbers of one quantity, in the unit of the program, differ by no more than their rounding:
     /// 0.01, or a ten-thousandth. Right ascensions and rotations are equal after a whole turn, and right ascensions
     /// without a unit may be in hours; `column` is the name of one of the columns.
-    pub fn is_same(&self, column: &str, one: f64, other: f64) -> bool {
+    pub fn is_same(&self, column: &str, first: f64, other: f64) -> bool {
         const ROUNDING: f64 = 0.01;
         const SHARE: f64 = 1e-4;
         let hours = self.value("hourangle").filter(|_| is_right_ascension(column)).map(|(_, degrees)| degrees);
         let turns = hours.is_some() || column.to_ascii_lowercase().contains("rot");
-        let difference = |other: f64| if turns { (one - other + 180.0).rem_euclid(360.0) - 180.0 } else { one - other };
-        let is_near = |other: f64| difference(other).abs() <= ROUNDING.max(SHARE * one.abs());
+        let difference =
+            |other: f64| if turns { (first - other + 180.0).rem_euclid(360.0) - 180.0 } else { first - other };
+        let is_near = |other: f64| difference(other).abs() <= ROUNDING.max(SHARE * first.abs());
         is_near(other) || hours.is_some_and(|degrees| is_near(degrees * other))
     }
 
@@ -184,7 +185,9 @@ impl Unit {
         match found[..] {
             [] => Ok(None),
             [index] => Ok(Some(index)),
-            [one, other, ..] => Err(UnitError::TwoColumns { first: names[one].clone(), second: names[other].clone() }),
+            [first, other, ..] => {
+                Err(UnitError::TwoColumns { first: names[first].clone(), second: names[other].clone() })
+            }
         }
     }
 
@@ -230,7 +233,7 @@ mod tests {
 
     #[test]
     fn equal_values_differ_by_rounding() {
-        for (unit, column, one, other, is_same) in [
+        for (unit, column, first, other, is_same) in [
             (&SECONDS, "duration_s", 30.0, 30.001, true),
             (&SECONDS, "duration_s", 30.0, 390.0, false),
             (&SECONDS, "duration_s", 30.0, 2.0, false),
@@ -246,7 +249,7 @@ mod tests {
             (&DEGREES, "rotSkyPos", -10.0, 350.0, true),
             (&DEGREES, "rotation_deg", 30.0, 2.0, false),
         ] {
-            assert_eq!(unit.is_same(column, one, other), is_same, "{column} {one} {other}");
+            assert_eq!(unit.is_same(column, first, other), is_same, "{column} {first} {other}");
         }
     }
 

@@ -512,7 +512,7 @@ impl Config {
         if let Some(unknown) = keys.keys().find(|key| Self::keys().all(|known| known != *key)) {
             let known = Self::keys().chain(VERBS);
             let similarity = |known: &&str| strsim::jaro_winkler(known, unknown);
-            let nearest = known.max_by(|one, other| similarity(one).total_cmp(&similarity(other)));
+            let nearest = known.max_by(|first, other| similarity(first).total_cmp(&similarity(other)));
             let hint = match nearest.filter(|known| similarity(known) > SIMILAR) {
                 Some(known) => format!("did you mean {known}?"),
                 None => format!("allowed: {}", Self::keys().collect::<Vec<_>>().join(", ")),

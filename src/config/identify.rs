@@ -218,7 +218,7 @@ impl IdentifyConfig {
     }
 
     fn ends(&self) -> Result<Line, ConfigError> {
-        let [one, other] = self.end.as_slice() else {
+        let [first, other] = self.end.as_slice() else {
             let times = match self.end.len() {
                 1 => "once".to_owned(),
                 count => format!("{count} times"),
@@ -233,7 +233,7 @@ impl IdentifyConfig {
             })?;
             direction(ra.trim(), dec.trim())
         };
-        Ok(Line::Ends([end(one)?, end(other)?]))
+        Ok(Line::Ends([end(first)?, end(other)?]))
     }
 
     fn middle(&self) -> Result<Line, ConfigError> {

@@ -30,7 +30,7 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
     let shown = path.display();
     let hdu = match (hdu, images.frames.as_slice()) {
         (Some(hdu), _) => hdu,
-        (None, [one]) => *one,
+        (None, [only]) => *only,
         (None, []) => {
             let (given, allowed) = images.no_frame();
             return Err(ConfigError::invalid(format!(
@@ -68,8 +68,8 @@ pub(super) fn clipped(
             }
             continue;
         }
-        let [one, other] = [low, high].map(|edge| (edge - start) / (end - start));
-        shares = [shares[0].max(one.min(other)), shares[1].min(one.max(other))];
+        let [first, other] = [low, high].map(|edge| (edge - start) / (end - start));
+        shares = [shares[0].max(first.min(other)), shares[1].min(first.max(other))];
     }
     if shares[0] >= shares[1] {
         return Ok(pixels);

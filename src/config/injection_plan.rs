@@ -92,9 +92,9 @@ fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Confi
 impl InjectionConfig {
     /// Returns the paths of all input files; outputs must not replace them.
     pub fn files(&self) -> Vec<PathBuf> {
-        let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector, &self.streaks];
+        let single = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector, &self.streaks];
         let psf = self.has_psf_file().then(|| PathBuf::from(&self.psf));
-        self.image.iter().chain(one.into_iter().flatten()).cloned().chain(psf).collect()
+        self.image.iter().chain(single.into_iter().flatten()).cloned().chain(psf).collect()
     }
 
     fn label_formats(&self) -> Result<Vec<LabelFormat>, ConfigError> {
@@ -330,7 +330,7 @@ impl InjectionConfig {
             }
         };
         let range = |given: &Option<Numbers>, usual: [f64; 2]| match *numbers(given) {
-            [one] => [one, one],
+            [value] => [value, value],
             [from, to] => [from, to],
             _ => usual,
         };

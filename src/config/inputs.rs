@@ -127,9 +127,9 @@ impl Config {
                 files.push(parse_file("shells", Path::new(name), |text| DeploymentFile::from_toml(text, name))?);
             } else {
                 // A constellation and a set that contains it, or two such sets, have it once.
-                for one in Constellation::by_name_or_set(name)? {
-                    if !bundled.iter().any(|other| other.name == one.name) {
-                        bundled.push(one);
+                for constellation in Constellation::by_name_or_set(name)? {
+                    if !bundled.iter().any(|other| other.name == constellation.name) {
+                        bundled.push(constellation);
                     }
                 }
             }

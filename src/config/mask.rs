@@ -143,18 +143,18 @@ pub struct Masks {
 impl Masks {
     /// Returns the corridors of all frames, one row for each polygon.
     pub fn corridors(&self) -> Table {
-        let of = |one: &MaskedFrame| corridor_table(&one.frame, &one.image, &one.mask);
+        let of = |masked: &MaskedFrame| corridor_table(&masked.frame, &masked.image, &masked.mask);
         joined(self.frames.iter().map(of))
     }
 
     /// Returns the satellites that are left out, with the reasons.
     pub fn left_out(&self) -> Table {
-        joined(self.frames.iter().map(|one| left_out_table(&one.image, &one.mask.left_out)))
+        joined(self.frames.iter().map(|masked| left_out_table(&masked.image, &masked.mask.left_out)))
     }
 
     /// Returns a region file of SAOImage DS9 with all corridors.
     pub fn regions(&self) -> String {
-        region_file(self.frames.iter().map(|one| (&one.frame, one.image.as_str(), &one.mask)))
+        region_file(self.frames.iter().map(|masked| (&masked.frame, masked.image.as_str(), &masked.mask)))
     }
 }
 
@@ -191,7 +191,7 @@ impl MaskConfig {
         let count = frames.len();
         // Planes of all frames are checked before a mask is computed and written.
         let planes_of = |(frame, _): &(TargetFrame, bool)| {
-            (!planes.is_empty()).then(|| ChosenPlanes::of(frame, &planes, &bit)).transpose()
+            (!planes.is_empty()).then(|| ChosenPlanes::new(frame, &planes, &bit)).transpose()
         };
         let planes: Vec<Option<ChosenPlanes>> = frames.iter().map(planes_of).collect::<Result<_, _>>()?;
         let (Some(first), Some(last)) = (
@@ -247,7 +247,7 @@ impl MaskConfig {
             done.push(MaskedFrame { summary, image: shown, frame, mask });
         }
         let not_used =
-            measured.iter().filter(|streak| !done.iter().any(|one| streak.is_of(one.frame.file.path()))).count();
+            measured.iter().filter(|streak| !done.iter().any(|masked| streak.is_of(masked.frame.file.path()))).count();
         if not_used > 0 {
             let streaks = counted(not_used, "measured streak is", "measured streaks are");
             warnings.push(format!("{streaks} of other frames"));
@@ -258,7 +258,7 @@ impl MaskConfig {
         provenance.state(
             "options",
             json!({
-                "frames": done.iter().map(|one| one.image.clone()).collect::<Vec<_>>(),
+                "frames": done.iter().map(|masked| masked.image.clone()).collect::<Vec<_>>(),
                 "coverage": self.coverage,
                 "threshold": self.threshold(),
                 "width": self.width,
@@ -410,7 +410,8 @@ fn mask_warnings(shown: &str, frame: &TargetFrame, mask: &FrameMask, options: &M
     if let Some(first) = hdus.first() {
         let others = if hdus.len() > 1 { format!(" and of {} other HDUs", hdus.len() - 1) } else { String::new() };
         let of = |value: fn(&MaskedStreak) -> f64| mask.streaks.iter().map(value).fold(0.0, f64::max);
-        let (late_s, across_arcsec) = (of(|one| one.late_s[1]), of(|one| one.across_rad.to_degrees() * 3600.0));
+        let (late_s, across_arcsec) =
+            (of(|streak| streak.late_s[1]), of(|streak| streak.across_rad.to_degrees() * 3600.0));
         warnings.push(format!(
             "{shown}: more than half of the pixels of HDU {first}{others} are masked, with delays up to {late_s:.1} s and \
              distances from the track up to {across_arcsec:.0} arcsec; specify --measured, newer element sets, a larger \
@@ -442,8 +443,8 @@ fn summary(frame: &TargetFrame, mask: &FrameMask) -> String {
         ("measured without an element set", |reason| *reason == LeftOutReason::NoElements),
     ];
     for (what, is_kind) in kinds {
-        let of_kind = mask.left_out.iter().filter(|one| is_kind(&one.reason));
-        let names: Vec<String> = of_kind.map(|one| name_or_number(&one.name, one.norad_id)).collect();
+        let of_kind = mask.left_out.iter().filter(|satellite| is_kind(&satellite.reason));
+        let names: Vec<String> = of_kind.map(|satellite| name_or_number(&satellite.name, satellite.norad_id)).collect();
         if !names.is_empty() {
             parts.push(format!("{} {what} left out: {}", names.len(), first_of(&names)));
         }

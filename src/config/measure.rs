@@ -184,14 +184,14 @@ impl MeasureConfig {
             let measured: FrameMeasurements = match &sky {
                 Some(sky) if self.streaks.is_empty() => measure_frame(sky, frame, &options)?,
                 sky => {
-                    let mut streaks = listed.of(frame.file.path());
+                    let mut streaks = listed.streaks_of(frame.file.path());
                     let mut unknown = Vec::new();
                     if let Some(sky) = sky {
                         unknown = identify_listed(sky, frame, &mut streaks, place_sigma, &photometry)?;
                     }
                     let sigma_arcsec = place_sigma.map(|deg| deg * 3600.0);
                     let (found, done) = measure_listed(frame, &streaks, sigma_arcsec, &options, watch)?;
-                    let of_frame = found.iter().filter_map(|one| one.measured.as_ref().ok());
+                    let of_frame = found.iter().filter_map(|streak| streak.measured.as_ref().ok());
                     let of_frame = of_frame.map(|pass| MeasuredPass::clone(pass)).collect();
                     rows.extend(found);
                     FrameMeasurements { passes: of_frame, left_out: unknown, ..done }

@@ -78,7 +78,7 @@ impl MeasuredTables {
     }
 
     /// Returns the streaks of a frame, in the order of the tables.
-    pub fn of(&self, frame: &Path) -> Vec<ListedStreak> {
+    pub fn streaks_of(&self, frame: &Path) -> Vec<ListedStreak> {
         let rows = self.tables.iter().flat_map(|(list, of_table)| {
             list.streaks.iter().filter(move |streak| match (&streak.image, of_table) {
                 (None, Some(of_table)) => of_table == frame,
@@ -137,7 +137,7 @@ pub(super) fn identify_listed(
         let found = identify_streak(sky, &measured, &options)?;
         left_out = found.left_out;
         let best = match streak.satellite.norad_id {
-            Some(named) => found.candidates.iter().find(|one| one.norad_id == named),
+            Some(named) => found.candidates.iter().find(|candidate| candidate.norad_id == named),
             None => found.candidates.first().filter(|best| best.probability >= LIKELY),
         };
         let Some(best) = best else { continue };

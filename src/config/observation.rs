@@ -192,7 +192,7 @@ impl Config {
     /// Same as [`Config::policy`] and [`Config::photometry`].
     pub fn limit_mag(&self) -> Result<Option<f64>, ConfigError> {
         let band = self.photometry()?.band;
-        Ok(self.policy()?.limit_mag.and_then(|limit| limit.of(Some(band.name()))))
+        Ok(self.policy()?.limit_mag.and_then(|limit| limit.limit_in(Some(band.name()))))
     }
 
     /// Checks the limits that are given beside a policy.
@@ -437,7 +437,7 @@ mod tests {
         let policy =
             config("limit_mag = 6\nmax_delay = '2min'\n[policy]\nlimit_mag = 7\nmargin_s = 3").policy().unwrap();
         assert_eq!(
-            (policy.limit_mag.unwrap().of(None), policy.margin_s, policy.max_delay_s),
+            (policy.limit_mag.unwrap().limit_in(None), policy.margin_s, policy.max_delay_s),
             (Some(6.0), Some(3.0), Some(120.0))
         );
         assert!(message(config("min_probability = 2").policy()).contains("min-probability is 2; allowed: "));
@@ -446,7 +446,7 @@ mod tests {
         let surface = "limit_surface_brightness = 22";
         assert!(message(config(surface).policy()).contains("missing telescope for limit-surface-brightness"));
         let policy = config("limit_surface_brightness = { W1 = 20 }\ntelescope = 'small'").policy().unwrap();
-        assert_eq!(policy.limit_surface_brightness.unwrap().of(Some("W1")), Some(20.0));
+        assert_eq!(policy.limit_surface_brightness.unwrap().limit_in(Some("W1")), Some(20.0));
         assert!(config(&format!("telescope = 'rubin'\n{cost}")).policy().is_ok());
     }
 

@@ -106,9 +106,11 @@ impl LoadedInputs {
         let ephemerides = self.catalogue.as_ref().map_or(&[][..], |catalogue| &catalogue.ephemerides);
         // The ephemerides of the telescope itself are used, although it may have no element set.
         let own = viewpoint.orbit().map_or(&[][..], |observer| observer.ephemerides());
-        let is_own =
-            |one: &&Arc<Ephemeris>| own.iter().any(|other| (&one.file, &one.object) == (&other.file, &other.object));
-        let of_satellites: Vec<Arc<Ephemeris>> = ephemerides.iter().filter(|one| !is_own(one)).cloned().collect();
+        let is_own = |ephemeris: &&Arc<Ephemeris>| {
+            own.iter().any(|other| (&ephemeris.file, &ephemeris.object) == (&other.file, &other.object))
+        };
+        let of_satellites: Vec<Arc<Ephemeris>> =
+            ephemerides.iter().filter(|ephemeris| !is_own(ephemeris)).cloned().collect();
         let without_elements = without_elements(&of_satellites, &elements);
         if !without_elements.is_empty() && elements.is_empty() {
             return Err(ConfigError::Missing {
@@ -265,7 +267,7 @@ impl PreparedSky {
         if left_out.is_empty() {
             return Ok(None);
         }
-        let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
+        let is_unknown = |satellite: &&LeftOut| matches!(satellite.reason, OrbitError::Unknown { .. });
         let unknown = left_out.iter().filter(is_unknown).count();
         let satellites = self.sky.elements().len();
         if left_out.len() == satellites && unknown == 0 {
@@ -324,7 +326,7 @@ fn merge_parts_of_stations(elements: &mut Vec<ElementSet>) -> Vec<String> {
 }
 
 /// Returns true if two element sets give the same positions.
-fn is_same_orbit(one: &ElementSet, other: &ElementSet) -> bool {
+fn is_same_orbit(first: &ElementSet, other: &ElementSet) -> bool {
     let numbers = |set: &ElementSet| {
         [
             set.mean_motion_rev_day,
@@ -336,7 +338,7 @@ fn is_same_orbit(one: &ElementSet, other: &ElementSet) -> bool {
             set.bstar_per_earth_radius,
         ]
     };
-    one.epoch == other.epoch && numbers(one) == numbers(other)
+    first.epoch == other.epoch && numbers(first) == numbers(other)
 }
 
 /// Adds the time scale and the photometry of a request to its provenance.
@@ -353,7 +355,7 @@ fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> ConfigE
     ConfigError::NothingPropagates {
         satellites: sky.elements().len(),
         moment: format_utc(moment, 0),
-        first: left_out.first().map(|one| one.reason.to_string()).unwrap_or_default(),
+        first: left_out.first().map(|satellite| satellite.reason.to_string()).unwrap_or_default(),
     }
 }
 
@@ -362,10 +364,10 @@ fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Va
         EphemerisObject::Norad(norad_id) => (Some(norad_id.0), None),
         EphemerisObject::Designator(designator) => (None, Some(designator.as_ref())),
     };
-    let span = |one: &Arc<Ephemeris>| {
-        let (first, last) = one.interval();
+    let span = |ephemeris: &Arc<Ephemeris>| {
+        let (first, last) = ephemeris.interval();
         json!({
-            "file": one.file.as_ref(),
+            "file": ephemeris.file.as_ref(),
             "first_utc": format_utc(first, 3),
             "last_utc": format_utc(last, 3),
         })

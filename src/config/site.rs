@@ -187,8 +187,8 @@ impl Config {
         // An ephemeris without element set is an object of its own.
         let mut alone: Vec<&EphemerisObject> = ephemerides
             .iter()
-            .filter(|one| !element_sets.iter().any(|set| one.is_of(set)))
-            .map(|one| &one.object)
+            .filter(|ephemeris| !element_sets.iter().any(|set| ephemeris.is_of(set)))
+            .map(|ephemeris| &ephemeris.object)
             .collect();
         alone.sort_by_key(|object| object.to_string());
         alone.dedup();
@@ -200,8 +200,8 @@ impl Config {
             return Err(ConfigError::SeveralObservers { count, first });
         }
         let set = element_sets.into_iter().find(|set| is_wanted(set.norad_id));
-        ephemerides.retain(|one| match &one.object {
-            _ if set.as_ref().is_some_and(|set| one.is_of(set)) => true,
+        ephemerides.retain(|ephemeris| match &ephemeris.object {
+            _ if set.as_ref().is_some_and(|set| ephemeris.is_of(set)) => true,
             EphemerisObject::Norad(norad_id) => is_wanted(*norad_id),
             // If the file has only this object, the given number is taken as that of the designator.
             EphemerisObject::Designator(_) => count == 1,

@@ -26,15 +26,15 @@ pub(super) fn of_left_out(left_out: &[LeftOut], unknown: usize, satellites: usiz
     if unknown == 0 {
         return cannot;
     }
-    let ages = left_out.iter().filter_map(|one| match one.reason {
+    let ages = left_out.iter().filter_map(|satellite| match satellite.reason {
         OrbitError::Unknown { age_days, .. } => Some(age_days),
         _ => None,
     });
     let named: Vec<String> = left_out
         .iter()
-        .filter(|one| matches!(one.reason, OrbitError::Unknown { .. }))
+        .filter(|satellite| matches!(satellite.reason, OrbitError::Unknown { .. }))
         .take(NAMED)
-        .map(|one| one.norad_id.to_string())
+        .map(|satellite| satellite.norad_id.to_string())
         .collect();
     let (are, more) = (if unknown == 1 { "is" } else { "are" }, if unknown > NAMED { ", ..." } else { "" });
     let old = format!(
@@ -93,7 +93,7 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
         if 2 * rejected > records {
             warning += ", more than half: the result is incomplete without the satellites of these records";
         }
-        let is_checksum = |one: &&Rejected| matches!(one.reason, RejectReason::BadChecksum { .. });
+        let is_checksum = |record: &&Rejected| matches!(record.reason, RejectReason::BadChecksum { .. });
         let checksums = catalogue.rejected.iter().filter(is_checksum).count();
         if checksums > 0 {
             warning += &format!(" ({checksums} with a wrong checksum; --accept-bad-checksums accepts these)");
@@ -228,7 +228,7 @@ pub(super) fn of_growth(used: i64, [first, last]: [i64; 2], begins: &[i64]) -> O
 pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let Some(epoch) = observer.elements_epoch() else {
-        let intervals = || observer.ephemerides().iter().map(|one| one.interval());
+        let intervals = || observer.ephemerides().iter().map(|ephemeris| ephemeris.interval());
         let begin = intervals().map(|(begin, _)| begin).min()?;
         let end = intervals().map(|(_, end)| end).max()?;
         return (first < begin || last > end).then(|| {

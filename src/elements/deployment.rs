@@ -66,24 +66,25 @@ impl Deployment {
                 deployment.always.append(&mut file.constellations);
                 continue;
             }
-            for one in file.periods.iter_mut().flat_map(|period| &mut period.constellations) {
-                if let Some(own) = file.constellations.iter().find(|own| own.name == one.name) {
-                    one.first_id = own.first_id;
+            for constellation in file.periods.iter_mut().flat_map(|period| &mut period.constellations) {
+                if let Some(own) = file.constellations.iter().find(|own| own.name == constellation.name) {
+                    constellation.first_id = own.first_id;
                 }
             }
             deployment.growing.push(file);
         }
         // Where each constellation is specified.
-        let by_name = deployment.always.iter().map(|one| (one.first_id, "by name".to_owned()));
+        let by_name = deployment.always.iter().map(|constellation| (constellation.first_id, "by name".to_owned()));
         let mut places: BTreeMap<NoradId, String> = by_name.collect();
         for file in &deployment.growing {
             let here = format!("in periods of {}", file.name);
-            for one in file.periods.iter().flat_map(|period| &period.constellations) {
-                if let Some(other) = places.get(&one.first_id).filter(|other| **other != here) {
-                    let message = format!("constellation {} is specified {other} and {here}; allowed: once", one.name);
+            for constellation in file.periods.iter().flat_map(|period| &period.constellations) {
+                if let Some(other) = places.get(&constellation.first_id).filter(|other| **other != here) {
+                    let message =
+                        format!("constellation {} is specified {other} and {here}; allowed: once", constellation.name);
                     return Err(ElementsError::ShellSyntax(message));
                 }
-                places.insert(one.first_id, here.clone());
+                places.insert(constellation.first_id, here.clone());
             }
         }
         Ok(deployment)
@@ -173,16 +174,16 @@ fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod,
             let (name, given) = (Quoted::new(&name), fraction.to_string());
             return Err(wrong(format!("the fraction of {name} is {}; allowed: 0 to 1", Quoted::new(&given))));
         }
-        let found = match own.iter().find(|one| one.name == name) {
-            Some(one) => vec![one.clone()],
+        let found = match own.iter().find(|constellation| constellation.name == name) {
+            Some(constellation) => vec![constellation.clone()],
             None => Constellation::by_name_or_set(&name).map_err(|error| wrong(error.to_string()))?,
         };
-        for mut one in found {
-            if constellations.iter().any(|other| other.name == one.name) {
-                return Err(wrong(format!("constellation {} is in it twice; allowed: once", one.name)));
+        for mut constellation in found {
+            if constellations.iter().any(|other| other.name == constellation.name) {
+                return Err(wrong(format!("constellation {} is in it twice; allowed: once", constellation.name)));
             }
-            one.deployed_fraction = number;
-            constellations.push(one);
+            constellation.deployed_fraction = number;
+            constellations.push(constellation);
         }
     }
     Ok(DeploymentPeriod { from, from_mjd: evening.to_mjd_utc_days().floor() as i64, constellations })
@@ -213,7 +214,8 @@ mod tests {
         )
         .unwrap();
         assert!(growing.at(JANUARY_2027_MJD - 93).is_err() && growing.at(JANUARY_2027_MJD - 92).is_ok());
-        let names = |mjd| growing.at(mjd).unwrap().iter().map(|one| one.name.clone()).collect::<Vec<_>>();
+        let names =
+            |mjd| growing.at(mjd).unwrap().iter().map(|constellation| constellation.name.clone()).collect::<Vec<_>>();
         assert_eq!(names(JANUARY_2027_MJD - 1), ["mine"]);
         assert_eq!(names(JANUARY_2027_MJD), ["mine", "oneweb"]);
         let [before, after] = [JANUARY_2027_MJD - 1, JANUARY_2027_MJD].map(|mjd| growing.at(mjd).unwrap());

@@ -158,7 +158,7 @@ struct Launch(u16, u16);
 
 impl Launch {
     /// Parses `2020-055` or `2020-055AB`.
-    fn of(designator: &str) -> Option<Self> {
+    fn parse(designator: &str) -> Option<Self> {
         let (year, rest) = designator.split_once('-')?;
         let number = rest.get(..3)?;
         Some(Self(year.parse().ok()?, number.parse().ok()?))
@@ -176,7 +176,7 @@ impl Launch {
 /// 2 49131  70.0000 143.1715 0001798  75.7035 284.4154 14.99000000    1
 /// ";
 /// let catalogue = Satellites::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
-/// assert_eq!(GenerationTable::embedded().of(&catalogue.element_sets[0]), Generation::StarlinkV15);
+/// assert_eq!(GenerationTable::embedded().generation(&catalogue.element_sets[0]), Generation::StarlinkV15);
 /// # Ok::<(), streakcast::elements::ElementsError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -195,7 +195,7 @@ impl GenerationTable {
     }
 
     /// Returns the generation of a satellite.
-    pub fn of(&self, set: &ElementSet) -> Generation {
+    pub fn generation(&self, set: &ElementSet) -> Generation {
         self.classify(set).0
     }
 
@@ -204,7 +204,8 @@ impl GenerationTable {
     /// date or catalogue number.
     pub fn is_assumed(&self, set: &ElementSet) -> bool {
         let (generation, certainty) = self.classify(set);
-        let is_later = || Launch::of(&set.international_designator).is_some_and(|launch| launch > self.last_starlink);
+        let is_later =
+            || Launch::parse(&set.international_designator).is_some_and(|launch| launch > self.last_starlink);
         set.origin != Origin::Synthetic
             && generation != Generation::Other
             && (certainty == Certainty::Guess || (generation.is_starlink() && is_later()))
@@ -222,7 +223,7 @@ impl GenerationTable {
     /// the evidence for it.
     pub fn classify_object(&self, name: &str, designator: &str, norad_id: NoradId) -> (Generation, Certainty) {
         let name = name.trim();
-        let launch = Launch::of(designator);
+        let launch = Launch::parse(designator);
         // The names of debris and rocket bodies contain the name of their parent object.
         if name.ends_with(" DEB") || name.contains(" DEB ") || name.contains("R/B") {
             return (Generation::Other, Certainty::Name);
@@ -300,7 +301,7 @@ impl GenerationTable {
         for line in text.lines().filter(|line| !line.starts_with('#')) {
             let Some((generation, list)) = line.split_once(':') else { continue };
             let Some(generation) = Generation::by_name(generation) else { continue };
-            launches.extend(list.split_whitespace().filter_map(Launch::of).map(|launch| (launch, generation)));
+            launches.extend(list.split_whitespace().filter_map(Launch::parse).map(|launch| (launch, generation)));
         }
         let starlinks = launches.iter().filter(|(_, generation)| generation.is_starlink());
         let last_starlink = starlinks.map(|(launch, _)| *launch).max().unwrap_or(Launch(0, 0));

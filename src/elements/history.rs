@@ -45,7 +45,7 @@ impl History {
     }
 
     /// Returns the records of one object in time order; empty if the object is unknown.
-    pub fn of(&self, norad_id: NoradId) -> &[ElementSet] {
+    pub fn sets_of(&self, norad_id: NoradId) -> &[ElementSet] {
         others_of(&self.sets, norad_id)
     }
 
@@ -57,7 +57,7 @@ impl History {
     /// Returns the element set of an object with the epoch nearest to a time, before or after it; of two equally near
     /// ones the later one.
     pub fn nearest(&self, norad_id: NoradId, epoch: Epoch) -> Option<&ElementSet> {
-        let sets = self.of(norad_id);
+        let sets = self.sets_of(norad_id);
         sets.get(nearest_index(sets, epoch)?)
     }
 

@@ -50,7 +50,7 @@ const KEYWORDS: usize = Keyword::TleLine2 as usize + 1;
 
 impl Keyword {
     /// Returns the keyword for a CCSDS keyword, column title or JSON key; case is ignored, common spellings are read.
-    pub fn of(text: &str) -> Option<Self> {
+    pub fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         if text.len() > 20 {
             return None;

@@ -15,7 +15,7 @@ use super::tle::Checksums;
 pub(super) fn looks_like(text: &str) -> bool {
     let line = text.split(['\n', '\r']).find(|line| is_content(line));
     let Some(line) = line.filter(|line| line.len() < 10_000) else { return false };
-    let has = |keyword| split(line, separator_of(line)).iter().any(|title| Keyword::of(title) == Some(keyword));
+    let has = |keyword| split(line, separator_of(line)).iter().any(|title| Keyword::parse(title) == Some(keyword));
     has(Keyword::NoradCatId) && has(Keyword::MeanMotion) || has(Keyword::TleLine1) && has(Keyword::TleLine2)
 }
 
@@ -23,7 +23,7 @@ pub(super) fn looks_like(text: &str) -> bool {
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     let titles = text.split(['\n', '\r']).find(|line| is_content(line)).unwrap_or_default();
     let separator = separator_of(titles);
-    let columns: Vec<_> = split(titles, separator).iter().map(|title| Keyword::of(title)).collect();
+    let columns: Vec<_> = split(titles, separator).iter().map(|title| Keyword::parse(title)).collect();
     parse_in_chunks(text, next_line, |piece| parse_piece(piece, separator, &columns, checksums))
 }
 
@@ -44,7 +44,7 @@ fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksu
             .iter()
             .zip(columns)
             .filter(|(_, column)| column.is_some())
-            .all(|(cell, column)| Keyword::of(cell) == *column)
+            .all(|(cell, column)| Keyword::parse(cell) == *column)
         {
             continue;
         }

@@ -32,7 +32,7 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
                 }
             }
             Token::Member(key, value) => {
-                if let (Some((_, fields)), Some(keyword)) = (open.last_mut(), Keyword::of(&key)) {
+                if let (Some((_, fields)), Some(keyword)) = (open.last_mut(), Keyword::parse(&key)) {
                     fields.set(keyword, value);
                 }
             }

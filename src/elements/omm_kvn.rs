@@ -68,7 +68,7 @@ fn parse_piece(text: &str) -> Parsed {
         if key == OPENING {
             close(&mut fields, opened_at, &mut broken);
             opened_at = offset;
-        } else if let Some(keyword) = Keyword::of(key) {
+        } else if let Some(keyword) = Keyword::parse(key) {
             fields.set(keyword, Cow::Borrowed(without_unit(value)));
         }
     }

@@ -79,7 +79,7 @@ fn parse_message(text: &str) -> Result<Fields<'_>, String> {
         let event = reader.read_event().map_err(|error| excerpt(error.to_string().as_bytes()))?;
         match event {
             Event::Start(element) => {
-                keyword = Keyword::of(element.local_name().as_ref());
+                keyword = Keyword::parse(element.local_name().as_ref());
                 value.clear();
             }
             Event::Text(text) if keyword.is_some() => {

@@ -142,7 +142,7 @@ impl OrbitPhase {
 const LEAST_INTERVAL_DAY: f64 = 0.05;
 
 /// Returns the phase of **one** satellite at each of its element sets, in their order. The sets must be in time order,
-/// as returned by [`History::of`](super::History::of).
+/// as returned by [`History::sets_of`](super::History::sets_of).
 ///
 /// All runs of `consecutive_sets` sets that contain a set are examined. If all rates of one run are below the limit,
 /// the height is constant. Otherwise the orbit is raising if all rates of at least one run are positive and no run has

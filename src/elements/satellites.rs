@@ -117,7 +117,7 @@ impl Satellites {
     /// The name is unknown. The error lists the known names.
     pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ElementsError> {
         let constellations = Constellation::by_name_or_set(constellation)?;
-        let element_sets = constellations.iter().flat_map(|one| one.element_sets(epoch)).collect();
+        let element_sets = constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect();
         Ok(Self::from_element_sets(element_sets, Keep::All))
     }
 

@@ -125,7 +125,7 @@ struct Shells {
 
 impl Shells {
     /// Returns one shell with its nodes shifted by an angle, degrees.
-    fn one(shell: &Shell, shift_deg: f64) -> Self {
+    fn with_shifted_nodes(shell: &Shell, shift_deg: f64) -> Self {
         Self {
             altitude_km: vec![shell.altitude_km],
             inclination_deg: vec![shell.inclination_deg],
@@ -144,8 +144,10 @@ impl Shells {
     }
 
     fn each(&self) -> impl Iterator<Item = Shell> + '_ {
-        let pairs =
-            self.altitude_km.iter().flat_map(|&altitude| self.inclination_deg.iter().map(move |&one| (altitude, one)));
+        let pairs = self
+            .altitude_km
+            .iter()
+            .flat_map(|&altitude| self.inclination_deg.iter().map(move |&inclination| (altitude, inclination)));
         pairs.map(|(altitude_km, inclination_deg)| Shell {
             altitude_km,
             inclination_deg,
@@ -286,7 +288,7 @@ impl Constellation {
     /// The name is unknown. The error lists the known names.
     pub fn by_name_or_set(name: &str) -> Result<Vec<Self>, ElementsError> {
         match BUNDLED.sets.iter().find(|set| set.name.eq_ignore_ascii_case(name.trim())) {
-            Some(set) => set.constellations.iter().map(|one| Self::by_name(one)).collect(),
+            Some(set) => set.constellations.iter().map(|name| Self::by_name(name)).collect(),
             None => Ok(vec![Self::by_name(name)?]),
         }
     }
@@ -297,11 +299,17 @@ impl Constellation {
     /// The name is unknown. The error lists the known names.
     pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let ShellFile { constellations, sets, .. } = &*BUNDLED;
-        constellations.iter().find(|one| one.name.eq_ignore_ascii_case(name.trim())).cloned().ok_or_else(|| {
-            let names =
-                constellations.iter().map(|one| one.name.as_str()).chain(sets.iter().map(|set| set.name.as_str()));
-            ElementsError::UnknownShells { name: name.into(), known: names.collect::<Vec<_>>().join(", ") }
-        })
+        constellations
+            .iter()
+            .find(|constellation| constellation.name.eq_ignore_ascii_case(name.trim()))
+            .cloned()
+            .ok_or_else(|| {
+                let names = constellations
+                    .iter()
+                    .map(|constellation| constellation.name.as_str())
+                    .chain(sets.iter().map(|set| set.name.as_str()));
+                ElementsError::UnknownShells { name: name.into(), known: names.collect::<Vec<_>>().join(", ") }
+            })
     }
 
     /// Parses constellations from TOML.
@@ -497,12 +505,12 @@ fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells
     }
     let found = all
         .iter()
-        .find(|one| one.name == name)
+        .find(|constellation| constellation.name == name)
         .ok_or_else(|| wrong(format!("shells_of {name:?} is not the name of a constellation before it in the file")))?;
     Ok(found
         .shells
         .iter()
-        .map(|shell| Shells::one(shell, 0.5 * shell.node_spread_deg / f64::from(shell.planes)))
+        .map(|shell| Shells::with_shifted_nodes(shell, 0.5 * shell.node_spread_deg / f64::from(shell.planes)))
         .collect())
 }
 
@@ -561,7 +569,10 @@ mod tests {
         assert_eq!(all.len(), 30);
         assert!(EMBEDDED.matches("\nsatellites = ").count() == all.len());
         for set in Constellation::embedded_sets() {
-            assert!(set.constellations.iter().all(|name| all.iter().any(|one| one.name == *name)), "{set:?}");
+            assert!(
+                set.constellations.iter().all(|name| all.iter().any(|constellation| constellation.name == *name)),
+                "{set:?}"
+            );
         }
         assert!(all.iter().all(|constellation| !constellation.source.is_empty()));
     }
@@ -589,8 +600,8 @@ mod tests {
         assert!(shell(&format!("altitude_km = [], {good}")).contains("a list of numbers, at least one"));
         let both = format!("altitude_km = 550, node_local_time_h = 18, node_offset_deg = 77, {good}");
         assert!(shell(&both).contains("node_local_time_h and node_offset_deg exclude each other"));
-        let one = format!("[[constellation]]\nname = \"x\"\nshell = [{{ altitude_km = 550, {good} }}]\n");
-        let twice = Constellation::from_toml(&one.repeat(2)).unwrap_err().to_string();
+        let text = format!("[[constellation]]\nname = \"x\"\nshell = [{{ altitude_km = 550, {good} }}]\n");
+        let twice = Constellation::from_toml(&text.repeat(2)).unwrap_err().to_string();
         assert!(twice.contains("\"x\" is twice in the file"), "{twice}");
         assert_starts(
             &Constellation::by_name("starling").unwrap_err().to_string(),

@@ -67,9 +67,9 @@ impl FitUncertainty {
     }
 
     /// Returns the correlation of two parameters; `None` if one of them has no sigma.
-    pub fn correlation(&self, one: usize, other: usize) -> Option<f64> {
-        let product = self.sigma(one)? * self.sigma(other)?;
-        Some(self.covariance.as_ref()?[one][other] / product)
+    pub fn correlation(&self, first: usize, other: usize) -> Option<f64> {
+        let product = self.sigma(first)? * self.sigma(other)?;
+        Some(self.covariance.as_ref()?[first][other] / product)
     }
 }
 
@@ -188,7 +188,7 @@ mod tests {
     /// For each coefficient: its scatter, and the root mean square of its sigmas with and without groups.
     fn sigmas(offset_mag: f64, far_share: f64, loss: Loss) -> [[f64; 3]; 2] {
         let settings = FitSettings { loss, ..FitSettings::free(&["a0", "a1"]) };
-        let one = |seed: u64| {
+        let sigmas_of = |seed: u64| {
             let mut points = seen(seed, offset_mag, far_share);
             let solved = |points: &[FitPoint]| {
                 Problem::new(&PhaseForm { degree: 1 }, points, &settings).and_then(|problem| problem.solve())
@@ -203,12 +203,12 @@ mod tests {
                 [fit.parameters[i].value, sigma(&fit), sigma(&ungrouped)]
             })
         };
-        let all: Vec<_> = (1..=SIMULATIONS).map(one).collect();
+        let all: Vec<_> = (1..=SIMULATIONS).map(sigmas_of).collect();
         let n = SIMULATIONS as f64;
         [0, 1].map(|i| {
-            let mean = all.iter().map(|one| one[i][0]).sum::<f64>() / n;
-            let scatter = (all.iter().map(|one| (one[i][0] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
-            let root_mean = |k: usize| (all.iter().map(|one| one[i][k].powi(2)).sum::<f64>() / n).sqrt();
+            let mean = all.iter().map(|values| values[i][0]).sum::<f64>() / n;
+            let scatter = (all.iter().map(|values| (values[i][0] - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+            let root_mean = |k: usize| (all.iter().map(|values| values[i][k].powi(2)).sum::<f64>() / n).sqrt();
             [scatter, root_mean(1), root_mean(2)]
         })
     }

@@ -95,31 +95,32 @@ pub fn compare_forms(
     settings: &FitSettings,
     folds: usize,
 ) -> Result<Vec<FormScore>, FitError> {
-    let points = common(forms.iter().map(|one| &*one.form), points.to_vec());
-    let with_settings = |one: &CompetingForm| {
+    let points = common(forms.iter().map(|competing| &*competing.form), points.to_vec());
+    let with_settings = |competing: &CompetingForm| {
         // A parameter that is held in one form may not exist in another.
-        let names: Vec<String> = one.form.parameters().into_iter().map(|parameter| parameter.name).collect();
-        let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !one.free.contains(name));
-        FitSettings { free: one.free.clone(), held: held.cloned().collect(), ..settings.clone() }
+        let names: Vec<String> = competing.form.parameters().into_iter().map(|parameter| parameter.name).collect();
+        let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !competing.free.contains(name));
+        FitSettings { free: competing.free.clone(), held: held.cloned().collect(), ..settings.clone() }
     };
     type Fitted<'a> = (&'a dyn Form, FitSettings);
-    let fitted: Vec<Fitted<'_>> = forms.iter().map(|one| (&*one.form, with_settings(one))).collect();
+    let fitted: Vec<Fitted<'_>> = forms.iter().map(|competing| (&*competing.form, with_settings(competing))).collect();
     let split = match tracks {
         Some((measurements, options)) => Folds::of_tracks(measurements, options, folds)?,
         None => Folds::of_points(&points, folds)?,
     };
     let held_out = cross_validate(&fitted, &split)?;
-    let score = |((one, (form, settings)), held_out): ((&CompetingForm, &Fitted<'_>), Vec<HeldOutPoint>)| {
+    let score = |((competing, (form, settings)), held_out): ((&CompetingForm, &Fitted<'_>), Vec<HeldOutPoint>)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
         let residuals: Vec<(f64, f64)> = held_out.iter().map(HeldOutPoint::weighted_residual).collect();
         let finite = residuals.iter().copied().filter(|(residual, _)| residual.is_finite());
-        let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
+        let empty =
+            || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: competing.name.clone() };
         Ok(FormScore {
-            name: one.name.clone(),
-            parameters: one.free.len(),
+            name: competing.name.clone(),
+            parameters: competing.free.len(),
             in_sample: fit.statistics(&points).ok_or_else(empty)?,
             held_out: ResidualStatistics::weighted(finite).ok_or(FitError::NoneUnseen { folds })?,
-            aic: aic_under(settings.loss, &fit.residuals_mag, &points, one.free.len()),
+            aic: aic_under(settings.loss, &fit.residuals_mag, &points, competing.free.len()),
             sigma_68_mag: weighted_sigma_68_mag(&residuals),
             within_one_sigma: within_sigma_of_other_folds(&held_out),
             held_out_points: held_out,

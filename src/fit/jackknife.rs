@@ -199,10 +199,10 @@ mod tests {
         const SIMULATIONS: u64 = 48;
         let all: Vec<(f64, f64, f64)> = (1..=SIMULATIONS).map(|seed| fitted(seed, offset_mag, options)).collect();
         let n = SIMULATIONS as f64;
-        let mean = all.iter().map(|one| one.0).sum::<f64>() / n;
-        let scatter = all.iter().map(|one| (one.0 - mean).powi(2)).sum::<f64>() / (n - 1.0);
-        let own = all.iter().map(|one| one.1).sum::<f64>() / n;
-        let by_sets = all.iter().map(|one| one.2).sum::<f64>() / n;
+        let mean = all.iter().map(|fitted| fitted.0).sum::<f64>() / n;
+        let scatter = all.iter().map(|fitted| (fitted.0 - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let own = all.iter().map(|fitted| fitted.1).sum::<f64>() / n;
+        let by_sets = all.iter().map(|fitted| fitted.2).sum::<f64>() / n;
         [scatter.sqrt(), own.sqrt(), by_sets.sqrt()]
     }
 

@@ -86,9 +86,9 @@ impl Lu2024Truth {
             }
             BrightnessModel::from_file(file, "simulated satellite")
         };
-        let layers = PUBLISHED_LAYERS.iter().map(|one| Ok((one.from_deg, model(one.panel_offset_deg)?)));
+        let layers = PUBLISHED_LAYERS.iter().map(|layer| Ok((layer.from_deg, model(layer.panel_offset_deg)?)));
         let layers = layers.collect::<Result<_, PhotometryError>>()?;
-        let mean_deg = PUBLISHED_LAYERS.iter().map(|one| one.panel_offset_deg).sum::<f64>() / 10.0;
+        let mean_deg = PUBLISHED_LAYERS.iter().map(|layer| layer.panel_offset_deg).sum::<f64>() / 10.0;
         let coefficients = file.coefficients.ok_or_else(|| PhotometryError::UnknownModel {
             given: base.name.clone(),
             known: "models of two panels".to_owned(),
@@ -157,7 +157,7 @@ pub fn lu2024(
     let mut layers = Vec::new();
     for published in &PUBLISHED_LAYERS {
         let span = [f64::from(published.from_deg), f64::from(published.from_deg + 1)];
-        let fitted = tests.offsets.iter().find(|one| one.sun_latitude_deg == span);
+        let fitted = tests.offsets.iter().find(|offset| offset.sun_latitude_deg == span);
         if let Some(fitted) = fitted {
             let inside = within(measurements, published.from_deg);
             let fit = fitted_with_errors(form, &inside, options, &FitSettings::free(&with_offset))?;
@@ -252,15 +252,15 @@ const COLUMNS: [Column; 7] = [
 
 /// Returns a table with one row per number.
 pub fn lu2024_table(rows: &[Lu2024Row]) -> Table {
-    let row = |one: &Lu2024Row| {
+    let row = |number: &Lu2024Row| {
         vec![
-            one.section.into(),
-            one.quantity.as_str().into(),
-            one.unit.into(),
-            one.paper.into(),
-            one.ours.into(),
-            one.ours_sigma.into(),
-            one.reason.as_str().into(),
+            number.section.into(),
+            number.quantity.as_str().into(),
+            number.unit.into(),
+            number.paper.into(),
+            number.ours.into(),
+            number.ours_sigma.into(),
+            number.reason.as_str().into(),
         ]
     };
     Table { columns: COLUMNS.to_vec(), rows: rows.iter().map(row).collect() }
@@ -296,10 +296,10 @@ pub fn lu2024_rows(found: &Lu2024, posterior: Option<&Posterior>, data: Lu2024Da
             }
             (_, false) => OTHER_SATELLITES,
         };
-        let (ours, sigma) = (layer.map(|one| one.panel_offset_deg), layer.and_then(|one| one.sigma_deg));
+        let (ours, sigma) = (layer.map(|layer| layer.panel_offset_deg), layer.and_then(|layer| layer.sigma_deg));
         add("table 2", name("panel offset"), "deg", Some(published.panel_offset_deg), ours, sigma, reason);
         let reason = if layer.is_some() { noise } else { reason };
-        let ours = layer.map(|one| one.rms_mag);
+        let ours = layer.map(|layer| layer.rms_mag);
         add("table 2", name("RMS"), "mag", Some(published.rms_mag), ours, None, reason);
     }
     let mut pair = |section, pair: &PairedModels, paper: [[Option<f64>; 2]; 2], p: f64, reasons: [&str; 3]| {
@@ -361,7 +361,7 @@ const RECOVERED: [Column; 6] = [
 
 /// Returns a table of the parameters of the simulated satellite and of both fits.
 pub fn recovered_table(found: &Lu2024, truth: Option<&Lu2024Truth>) -> Table {
-    let mean_deg = PUBLISHED_LAYERS.iter().map(|one| one.panel_offset_deg).sum::<f64>() / 10.0;
+    let mean_deg = PUBLISHED_LAYERS.iter().map(|layer| layer.panel_offset_deg).sum::<f64>() / 10.0;
     let rows = found.fit.parameters.iter().enumerate().map(|(index, parameter)| {
         let simulated = truth.map(|truth| truth.values().get(index).copied().unwrap_or(mean_deg));
         vec![

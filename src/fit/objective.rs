@@ -36,7 +36,7 @@ impl fmt::Display for Loss {
 
 impl Loss {
     /// Returns ρ for a given r².
-    pub fn of(self, r2: f64) -> f64 {
+    pub fn rho(self, r2: f64) -> f64 {
         match self {
             Self::Squares => r2,
             Self::SoftL1 => 2.0 * ((1.0 + r2).sqrt() - 1.0),
@@ -183,7 +183,7 @@ impl<'a> Objective<'a> {
                 *out = r * r;
             }
             if self.loss != Loss::Squares {
-                out.iter_mut().for_each(|r2| *r2 = self.loss.of(*r2));
+                out.iter_mut().for_each(|r2| *r2 = self.loss.rho(*r2));
             }
             cost += 0.5 * product(&out, &observed.weight);
         }
@@ -207,7 +207,7 @@ impl<'a> Objective<'a> {
                 let r = (observed.magnitude[lane] - out[lane]) * per_sigma;
                 let (loss, share) = match self.loss {
                     Loss::Squares => (r * r, 1.0),
-                    other => (other.of(r * r), other.weight(r * r)),
+                    other => (other.rho(r * r), other.weight(r * r)),
                 };
                 let share = observed.weight[lane] * share;
                 losses[lane] = loss;
@@ -293,10 +293,10 @@ mod tests {
     #[test]
     fn verif_weights_are_derivatives_of_losses() {
         for loss in [Loss::Squares, Loss::SoftL1, Loss::Student(4.0)] {
-            assert_eq!(loss.of(0.0), 0.0);
+            assert_eq!(loss.rho(0.0), 0.0);
             for r2 in [0.01, 1.0, 30.0] {
                 let h = 1e-5 * r2;
-                let slope = (loss.of(r2 + h) - loss.of(r2 - h)) / (2.0 * h);
+                let slope = (loss.rho(r2 + h) - loss.rho(r2 - h)) / (2.0 * h);
                 assert!((slope - loss.weight(r2)).abs() < 1e-8, "{loss:?} {r2}");
                 let (r, h) = (r2.sqrt(), 1e-5 * r2.sqrt());
                 let pull = |r: f64| loss.weight(r * r) * r;

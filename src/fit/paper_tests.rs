@@ -126,15 +126,15 @@ pub fn paper_tests(
 }
 
 /// Compares two fits on the points for which both give a magnitude.
-fn paired(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint], loss: Loss) -> PairedModels {
+fn paired(names: [&'static str; 2], first: &Fit, other: &Fit, points: &[FitPoint], loss: Loss) -> PairedModels {
     let of = |fit: &Fit| {
         fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>()
     };
-    let (a, b) = (of(one), of(other));
+    let (a, b) = (of(first), of(other));
     let both: Vec<(usize, f64, f64)> = a.iter().filter_map(|(i, a)| Some((*i, *a, *b.get(i)?))).collect();
     let shared: Vec<FitPoint> = both.iter().map(|(i, ..)| points[*i]).collect();
     let (a, b): (Vec<f64>, Vec<f64>) = both.iter().map(|(_, a, b)| (*a, *b)).unzip();
-    let parameters = [one.free.len(), other.free.len()];
+    let parameters = [first.free.len(), other.free.len()];
     let aic = |residuals: &[f64], k| aic_under(loss, residuals, &shared, k);
     PairedModels {
         names,

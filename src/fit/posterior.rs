@@ -80,7 +80,7 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
     let mut random = ChaCha8Rng::seed_from_u64(settings.seed ^ START_SALT);
     let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut start = |_| {
-        let one = |&i: &usize| {
+        let position = |&i: &usize| {
             let p = &fit.parameters[i];
             let width = p.greatest - p.least;
             let spread = fit.uncertainty.sigma(i).map_or(UNKNOWN_SPREAD * width, |sigma| 0.1 * sigma.min(width));
@@ -89,7 +89,7 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
             let greatest = (least + 2.0 * spread).min(p.greatest);
             least + uniform() * (greatest - least)
         };
-        fit.free.iter().map(one).collect()
+        fit.free.iter().map(position).collect()
     };
     (0..settings.walkers).map(&mut start).collect()
 }

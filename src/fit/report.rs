@@ -147,18 +147,18 @@ const SCORES: [Column; 10] = [
 
 /// Returns a table with one row per form.
 pub fn form_score_table(scores: &[FormScore]) -> Table {
-    let row = |one: &FormScore| {
+    let row = |score: &FormScore| {
         vec![
-            one.name.as_str().into(),
-            Value::Integer(one.parameters as i64),
-            Value::Integer(one.held_out.n as i64),
-            one.in_sample.rms_mag.into(),
-            one.in_sample.core_mag.into(),
-            one.aic.into(),
-            one.held_out.rms_mag.into(),
-            one.held_out.core_mag.into(),
-            one.sigma_68_mag.into(),
-            one.within_one_sigma.into(),
+            score.name.as_str().into(),
+            Value::Integer(score.parameters as i64),
+            Value::Integer(score.held_out.n as i64),
+            score.in_sample.rms_mag.into(),
+            score.in_sample.core_mag.into(),
+            score.aic.into(),
+            score.held_out.rms_mag.into(),
+            score.held_out.core_mag.into(),
+            score.sigma_68_mag.into(),
+            score.within_one_sigma.into(),
         ]
     };
     Table { columns: SCORES.to_vec(), rows: scores.iter().map(row).collect() }

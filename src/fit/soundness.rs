@@ -48,7 +48,7 @@ pub enum Fault {
     /// Two parameters are strongly correlated.
     Degenerate {
         /// First parameter.
-        one: String,
+        first: String,
         /// Second parameter.
         other: String,
         /// Correlation of both parameters.
@@ -96,8 +96,8 @@ impl fmt::Display for Fault {
         match self {
             Self::NotConverged => write!(f, "the descent did not converge"),
             Self::AtBound { name, value } => write!(f, "{name} is at its bound {value}"),
-            Self::Degenerate { one, other, correlation } => {
-                write!(f, "{one} and {other} are degenerate (correlation {correlation:.2})")
+            Self::Degenerate { first, other, correlation } => {
+                write!(f, "{first} and {other} are degenerate (correlation {correlation:.2})")
             }
             Self::Unconstrained { name, value, sigma } => {
                 write!(f, "{name} is not constrained by the data ({value:.3e} +- {sigma:.3e})")
@@ -137,7 +137,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
         }
         for &j in &fit.free[..k] {
             if let Some(correlation) = fit.uncertainty.correlation(i, j).filter(|c| c.abs() > DEGENERATE) {
-                faults.push(Fault::Degenerate { one: name(j), other: name(i), correlation });
+                faults.push(Fault::Degenerate { first: name(j), other: name(i), correlation });
             }
         }
     }

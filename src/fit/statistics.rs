@@ -32,7 +32,7 @@ pub struct ResidualStatistics {
 
 impl ResidualStatistics {
     /// Returns the statistics of the finite residuals with equal weights; `None` if there are none.
-    pub fn of(residuals_mag: &[f64]) -> Option<Self> {
+    pub fn unweighted(residuals_mag: &[f64]) -> Option<Self> {
         Self::weighted(residuals_mag.iter().filter(|r| r.is_finite()).map(|r| (*r, 1.0)))
     }
 
@@ -182,7 +182,7 @@ pub(super) fn aic_under(loss: Loss, residuals_mag: &[f64], points: &[FitPoint], 
             aic((pairs().map(|(r, point)| point.weight * r * r).sum::<f64>() / n).sqrt(), n, k)
         }
         robust => {
-            let losses = pairs().map(|(r, point)| point.weight * robust.of((r / point.sigma_mag).powi(2)));
+            let losses = pairs().map(|(r, point)| point.weight * robust.rho((r / point.sigma_mag).powi(2)));
             losses.sum::<f64>() + 2.0 * k as f64
         }
     }
@@ -200,8 +200,8 @@ pub struct PairedTest {
 /// Tests the hypothesis that two lists of residuals of the same points have the same mean (paired t-test).
 ///
 /// `None` for fewer than two pairs, or if all differences are equal.
-pub(super) fn paired_t_test(one: &[f64], other: &[f64]) -> Option<PairedTest> {
-    let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
+pub(super) fn paired_t_test(sample: &[f64], other: &[f64]) -> Option<PairedTest> {
+    let differences: Vec<f64> = sample.iter().zip(other).map(|(a, b)| a - b).collect();
     // If the differences do not scatter, t is infinite, and statrs does not terminate in the tail of the distribution.
     let first = *differences.first()?;
     if differences.iter().all(|difference| *difference == first) {
@@ -217,13 +217,13 @@ mod tests {
 
     #[test]
     fn verif_statistics_of_a_few_numbers() {
-        let r = ResidualStatistics::of(&[1.0, -1.0, 2.0, f64::NAN, 10.0]).expect("four numbers");
+        let r = ResidualStatistics::unweighted(&[1.0, -1.0, 2.0, f64::NAN, 10.0]).expect("four numbers");
         assert_eq!(r.n, 4);
         assert!((r.mean_mag - 3.0).abs() < 1e-12 && (r.rms_mag - 26.5_f64.sqrt()).abs() < 1e-12);
         assert!((r.sd_mag - 17.5_f64.sqrt()).abs() < 1e-12);
         // Sorted -1 1 2 10: median 1.5, deviations 2.5 0.5 0.5 8.5, their median 1.5.
         assert!((r.core_mag - 1.5 * 1.4826).abs() < 1e-12);
-        assert_eq!(ResidualStatistics::of(&[f64::NAN]), None);
+        assert_eq!(ResidualStatistics::unweighted(&[f64::NAN]), None);
         let even: Vec<f64> = (-500..=500).map(|i| f64::from(i) / 500.0).collect();
         let sigma = sigma_68_mag(&even);
         let share = share_within(even.iter().map(|r| (*r, 1.0)), sigma).expect("a share");
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn verif_a_weight_equals_repeated_numbers() {
         let weighted = ResidualStatistics::weighted([(0.5, 3.0), (-1.0, 1.0), (2.0, 2.0)]).expect("weights");
-        let repeated = ResidualStatistics::of(&[0.5, 0.5, 0.5, -1.0, 2.0, 2.0]).expect("numbers");
+        let repeated = ResidualStatistics::unweighted(&[0.5, 0.5, 0.5, -1.0, 2.0, 2.0]).expect("numbers");
         assert!((weighted.mean_mag - repeated.mean_mag).abs() < 1e-12);
         assert!((weighted.rms_mag - repeated.rms_mag).abs() < 1e-12);
         assert!((weighted.sd_mag - repeated.sd_mag).abs() < 1e-12);

@@ -146,9 +146,9 @@ impl PreparedPoints {
 fn directions(points: &[FitPoint]) -> Directions<BLOCK> {
     let mut block = Directions { sun: [[0.0; BLOCK]; 2], observer: [[0.0; BLOCK]; 3] };
     for (lane, point) in points.iter().enumerate() {
-        let one = Directions::new(point.geometry.to_sun().vector(), point.geometry.to_observer().vector());
-        block.sun.iter_mut().zip(one.sun).for_each(|(column, [value])| column[lane] = value);
-        block.observer.iter_mut().zip(one.observer).for_each(|(column, [value])| column[lane] = value);
+        let directions = Directions::new(point.geometry.to_sun().vector(), point.geometry.to_observer().vector());
+        block.sun.iter_mut().zip(directions.sun).for_each(|(column, [value])| column[lane] = value);
+        block.observer.iter_mut().zip(directions.observer).for_each(|(column, [value])| column[lane] = value);
     }
     block
 }

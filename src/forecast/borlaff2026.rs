@@ -247,7 +247,7 @@ mod tests {
             include_dark: true,
             photometry: PhotometryOptions::default(),
         };
-        let mission = MISSIONS.iter().find(|one| one.streaked_percent.is_some()).expect("SPHEREx");
+        let mission = MISSIONS.iter().find(|mission| mission.streaked_percent.is_some()).expect("SPHEREx");
         let rows_of = |angles_deg: &[f64]| {
             let trail = |angle_deg: &f64| crate::forecast::Trail {
                 orbit: crate::forecast::OrbitHeight::Low,

@@ -65,7 +65,7 @@ pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, For
         if let Some(epoch) = request.times.first() {
             sky.sun_altaz(*epoch)?;
         }
-        points.retain(|one| one.point.altitude_rad.is_some_and(|altitude_rad| altitude_rad >= lowest_rad));
+        points.retain(|position| position.point.altitude_rad.is_some_and(|altitude_rad| altitude_rad >= lowest_rad));
     }
     Ok(Ephemeris { points, left_out })
 }

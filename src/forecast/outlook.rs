@@ -190,7 +190,7 @@ impl Forecast {
 
     /// Returns the number of satellites whose passes are unknown, because their elements are too old.
     pub fn unknown(&self) -> usize {
-        let is_unknown = |one: &&LeftOut| matches!(one.reason, OrbitError::Unknown { .. });
+        let is_unknown = |satellite: &&LeftOut| matches!(satellite.reason, OrbitError::Unknown { .. });
         self.found.left_out.iter().filter(is_unknown).count()
     }
 
@@ -218,7 +218,7 @@ impl Forecast {
         let count = &self.found.not_shown;
         let satellites = self.found.satellites;
         let passes = |count: usize| counted(count, "pass", "passes");
-        let verb = |count: usize, one: &'static str, many: &'static str| if count == 1 { one } else { many };
+        let verb = |count: usize, singular: &'static str, many: &'static str| if count == 1 { singular } else { many };
         let mut reasons = Vec::new();
         if count.in_shadow > 0 {
             let (passes, is) = (passes(count.in_shadow), verb(count.in_shadow, "is", "are"));

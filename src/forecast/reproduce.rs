@@ -148,9 +148,9 @@ pub fn lu2024b(
     for moment in moments {
         let (seen, _) = sky.snapshots(*moment, &[0.0], &SnapshotOptions::all_above(min_altitude_rad))?;
         for track in &seen {
-            for one in track.snapshots.iter().filter(|one| one.is_lit()) {
+            for snapshot in track.snapshots.iter().filter(|snapshot| snapshot.is_lit()) {
                 lit += 1.0;
-                let light = sky.brightness(track.element_index, &one.point, &PhotometryOptions::default());
+                let light = sky.brightness(track.element_index, &snapshot.point, &PhotometryOptions::default());
                 bright += if light.is_some_and(|light| light.magnitude.0 < 7.0) { 1.0 } else { 0.0 };
             }
         }
@@ -258,19 +258,19 @@ const COLUMNS: [Column; 11] = [
 
 /// Returns published and computed numbers as a table.
 pub fn reproduced_table(rows: &[Reproduced]) -> Table {
-    let row = |one: &Reproduced| {
+    let row = |number: &Reproduced| {
         vec![
-            one.quantity.as_str().into(),
-            one.unit.into(),
-            one.published.into(),
-            one.ours.into(),
-            one.ours_sigma.into(),
-            one.difference_percent().into(),
-            one.difference_percent().map(|percent| percent.abs() <= AGREES_PERCENT).into(),
-            one.source.into(),
-            one.assumed.as_str().into(),
-            one.by_method.into(),
-            Some(one.reason).filter(|reason| !reason.is_empty()).into(),
+            number.quantity.as_str().into(),
+            number.unit.into(),
+            number.published.into(),
+            number.ours.into(),
+            number.ours_sigma.into(),
+            number.difference_percent().into(),
+            number.difference_percent().map(|percent| percent.abs() <= AGREES_PERCENT).into(),
+            number.source.into(),
+            number.assumed.as_str().into(),
+            number.by_method.into(),
+            Some(number.reason).filter(|reason| !reason.is_empty()).into(),
         ]
     };
     Table { columns: COLUMNS.to_vec(), rows: rows.iter().map(row).collect() }

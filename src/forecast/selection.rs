@@ -91,7 +91,8 @@ impl Selection {
         let is_selected = |set: &&ElementSet| {
             (self.norad_ids.is_empty() || self.norad_ids.contains(&set.norad_id.0))
                 && (self.names.is_empty() || named.contains(&set.norad_id))
-                && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(set)))
+                && (self.generations.is_empty()
+                    || self.generations.contains(&GenerationTable::embedded().generation(set)))
         };
         Selected(elements.iter().filter(is_selected).map(|set| set.norad_id).collect())
     }

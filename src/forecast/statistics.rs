@@ -214,22 +214,23 @@ fn count(
     // Ω = 2π (1 - sin h)
     let sky_sr = TAU * (1.0 - min_altitude_rad.sin());
     let snapshots =
-        seen.iter().flatten().flat_map(|track| track.snapshots.iter().map(|one| (track.element_index, one)));
-    let is_above =
-        |one: &SatelliteSnapshot| one.point.altitude_rad.is_some_and(|altitude_rad| altitude_rad >= min_altitude_rad);
-    for (element_index, one) in snapshots.filter(|(_, one)| is_above(one)) {
+        seen.iter().flatten().flat_map(|track| track.snapshots.iter().map(|snapshot| (track.element_index, snapshot)));
+    let is_above = |snapshot: &SatelliteSnapshot| {
+        snapshot.point.altitude_rad.is_some_and(|altitude_rad| altitude_rad >= min_altitude_rad)
+    };
+    for (element_index, snapshot) in snapshots.filter(|(_, snapshot)| is_above(snapshot)) {
         count.above += share;
-        if one.is_lit() {
+        if snapshot.is_lit() {
             count.lit += share;
         } else if !request.photometry.band.is_thermal() {
             continue;
         }
         // (π D²/4 + ω t D) / Ω                                             Bassa et al. (2022), section 2
         let field_sr = request.field_sr.unwrap_or(0.25 * PI * request.field_rad * request.field_rad);
-        let swept_sr = one.angular_rate_rad_s * request.exposure_s * request.field_rad;
+        let swept_sr = snapshot.angular_rate_rad_s * request.exposure_s * request.field_rad;
         let trails = (field_sr + swept_sr) / sky_sr;
         count.trails += share * trails;
-        let light = sky.brightness(element_index, &one.point, &request.photometry);
+        let light = sky.brightness(element_index, &snapshot.point, &request.photometry);
         let p_brighter =
             |limit_mag: f64| light.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit_mag));
         for (limit, number) in MAGNITUDES.iter().zip(&mut count.brighter_than) {

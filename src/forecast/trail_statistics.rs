@@ -51,7 +51,7 @@ impl OrbitHeight {
     pub const ALL: [Self; 4] = [Self::Low, Self::Medium, Self::HighlyElliptical, Self::Geosynchronous];
 
     /// Returns the class of the orbit of an element set.
-    pub fn of(elements: &ElementSet) -> Self {
+    pub fn from_elements(elements: &ElementSet) -> Self {
         match (elements.eccentricity, elements.mean_motion_rev_day) {
             (0.25.., _) => Self::HighlyElliptical,
             (_, 11.25..) => Self::Low,
@@ -151,7 +151,7 @@ pub fn trail_statistics(sky: &Sky, request: &TrailRequest<'_>) -> Result<TrailSt
     };
     let passes = sky.field_passes(&exposures, request.field, &options)?;
     let trail = |pass: &Pass| Trail {
-        orbit: OrbitHeight::of(&sky.elements()[pass.element_index]),
+        orbit: OrbitHeight::from_elements(&sky.elements()[pass.element_index]),
         lit: pass.lit,
         position_angle_rad: (pass.position_angle_rad + FRAC_PI_2).rem_euclid(PI) - FRAC_PI_2,
         p_brighter: request.limit_mag.map_or(0.0, |limit_mag| pass.probability_brighter_than(limit_mag)),
@@ -159,7 +159,7 @@ pub fn trail_statistics(sky: &Sky, request: &TrailRequest<'_>) -> Result<TrailSt
     let of_exposure = |passes: &Vec<Pass>| passes.iter().filter(|pass| pass.is_crossing()).map(trail).collect();
     let mut satellites = [0; 4];
     for set in sky.elements() {
-        satellites[OrbitHeight::of(set) as usize] += 1;
+        satellites[OrbitHeight::from_elements(set) as usize] += 1;
     }
     Ok(TrailStatistics {
         trails: passes.by_exposure.iter().map(of_exposure).collect(),
@@ -253,7 +253,7 @@ impl TrailStatistics {
         };
         let samples: Vec<f64> = (0..SAMPLES).map(|_| sample(&mut random)).collect();
         let middle = samples.iter().sum::<f64>() / SAMPLES as f64;
-        let variance = samples.iter().map(|one| (one - middle).powi(2)).sum::<f64>() / (SAMPLES - 1) as f64;
+        let variance = samples.iter().map(|sample| (sample - middle).powi(2)).sum::<f64>() / (SAMPLES - 1) as f64;
         Mean { mean: mean(&mut values.iter().copied()), sigma: variance.sqrt() }
     }
 
@@ -445,7 +445,7 @@ mod tests {
     fn classes_of_orbits() {
         let of = |mean_motion_rev_day: f64, eccentricity: f64| {
             let set = ElementSet { mean_motion_rev_day, eccentricity, ..element_set() };
-            OrbitHeight::of(&set).name()
+            OrbitHeight::from_elements(&set).name()
         };
         let found = [of(15.2, 0.001), of(2.0, 0.01), of(2.0, 0.7), of(1.0027, 0.001), of(0.5, 0.1), of(11.2, 0.0)];
         assert_eq!(found, ["LEO", "MEO", "HEO", "GEO", "HEO", "MEO"]);

@@ -76,7 +76,7 @@ impl fmt::Display for EopStatus {
 }
 
 #[derive(Copy, Clone, Debug, PartialEq)]
-struct Row {
+struct EopRow {
     /// TAI seconds after the first row; TAI and UT1 - TAI have no jumps at leap seconds.
     tai_s: f64,
     ut1_minus_tai_s: f64,
@@ -91,7 +91,7 @@ pub struct EopTable {
     first: Option<Epoch>,
     /// Time after which the rows are predictions, TAI seconds after the first row.
     predicted_from_s: f64,
-    rows: Vec<Row>,
+    rows: Vec<EopRow>,
     /// True where the table's polar motion is used; false where the pole is held at its origin.
     polar_motion: bool,
 }
@@ -143,7 +143,7 @@ impl EopTable {
             if field(58, 58) == "P" {
                 predicted_from_s = predicted_from_s.min(tai_s);
             }
-            rows.push(Row {
+            rows.push(EopRow {
                 tai_s,
                 ut1_minus_tai_s: number("UT1_UTC_A", 59, 68)? - tai_minus_utc_s(epoch),
                 xp_rad: number("PM_x_A", 19, 27)? * ARCSEC_RAD,
@@ -264,7 +264,7 @@ fn parse_embedded(text: &str) -> EopTable {
                 // before it.
                 let mjd = last_mjd.min(first_mjd + step_days * rows.len() as i64);
                 let first = epoch_from_utc_day(first_mjd);
-                rows.push(Row {
+                rows.push(EopRow {
                     tai_s: seconds_between(first, epoch_from_utc_day(mjd)),
                     ut1_minus_tai_s: ut1 * 1e-4,
                     xp_rad: x * 1e-4 * ARCSEC_RAD,

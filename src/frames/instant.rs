@@ -64,10 +64,10 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, FramesError> {
     if second_59.time_scale != TimeScale::UTC {
         return Err(missing());
     }
-    let one = Unit::Second * 1_i64;
+    let second = Unit::Second * 1_i64;
     let here = second_59.to_time_scale(TimeScale::TAI);
-    let next = (second_59 + one).to_time_scale(TimeScale::TAI);
-    if next - here > one { Ok(here + one) } else { Err(missing()) }
+    let next = (second_59 + second).to_time_scale(TimeScale::TAI);
+    if next - here > second { Ok(here + second) } else { Err(missing()) }
 }
 
 /// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.

@@ -57,7 +57,7 @@ impl PointingLimits {
     /// `None` if none is broken.
     pub fn broken(&self, angles: &PointingAngles) -> Option<String> {
         let (margin_rad, angle_rad, limit_rad, [of, bound]) =
-            self.margins(angles).into_iter().min_by(|one, other| one.0.total_cmp(&other.0))?;
+            self.margins(angles).into_iter().min_by(|first, other| first.0.total_cmp(&other.0))?;
         let [angle_deg, limit_deg] = [angle_rad, limit_rad].map(f64::to_degrees);
         // An angle that rounds to the limit is shown with the digits by which it differs.
         let decimals = (1..9).find(|&digits| format!("{angle_deg:.digits$}") != format!("{limit_deg:.digits$}"));

@@ -241,14 +241,14 @@ mod tests {
             ([30.0, 4.0], [50.0, 4.0]),
         ] {
             let square = |u: f64| {
-                (0..2).map(|one| (0.5 * (before[one] * (1.0 - u) + after[one] * (1.0 + u))).powi(2)).sum::<f64>()
+                (0..2).map(|axis| (0.5 * (before[axis] * (1.0 - u) + after[axis] * (1.0 + u))).powi(2)).sum::<f64>()
             };
             let integral = integrate_exposure(before, after, 1.0);
             let steps = 200_000;
             let step = 2.0 / f64::from(steps);
             let least = square(integral.at);
             let sum: f64 =
-                (0..steps).map(|one| (-0.5 * (square(-1.0 + step * (f64::from(one) + 0.5)) - least)).exp()).sum();
+                (0..steps).map(|index| (-0.5 * (square(-1.0 + step * (f64::from(index) + 0.5)) - least)).exp()).sum();
             let expected = (sum * step).ln() - 0.5 * least;
             assert!(
                 (integral.log_integral - expected).abs() < 1e-6,

@@ -279,7 +279,7 @@ pub(super) fn to_ascii(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn one(keyword: &str, value: impl Into<CardValue>, comment: &str) -> Card {
+    fn card_of(keyword: &str, value: impl Into<CardValue>, comment: &str) -> Card {
         let mut cards = Card::with_value(keyword, &value.into(), comment);
         assert_eq!(cards.len(), 1);
         cards.remove(0)
@@ -290,17 +290,17 @@ mod tests {
         for number in
             [0.1 + 0.2, -1.0, 58_914.002_956_14, 6.626e-34, 1e300, -4.9e-324, 1e15, 123_456_789_012_345_680.0, 1e-4]
         {
-            let card = one("CRVAL1", number, "a number");
+            let card = card_of("CRVAL1", number, "a number");
             assert_eq!(card.value(), Some(CardValue::Real(number)), "{card:?}");
             assert_eq!(card.comment(), "a number");
         }
-        assert_eq!(one("NAXIS", 2_i64, "").text().trim_end(), "NAXIS   =                    2");
-        assert_eq!(one("SIMPLE", true, "is FITS").text().trim_end(), "SIMPLE  =                    T / is FITS");
-        assert_eq!(one("OBJECT", "d'Arrest", "").value(), Some(CardValue::Text("d'Arrest".to_owned())));
-        let long_name = one("MAGZERO_RMS", 1.5, "");
+        assert_eq!(card_of("NAXIS", 2_i64, "").text().trim_end(), "NAXIS   =                    2");
+        assert_eq!(card_of("SIMPLE", true, "is FITS").text().trim_end(), "SIMPLE  =                    T / is FITS");
+        assert_eq!(card_of("OBJECT", "d'Arrest", "").value(), Some(CardValue::Text("d'Arrest".to_owned())));
+        let long_name = card_of("MAGZERO_RMS", 1.5, "");
         assert_eq!(long_name.keyword(), "MAGZERO_RMS");
         assert_eq!(long_name.value(), Some(CardValue::Real(1.5)));
-        assert_eq!(one("X", f64::NAN, "").value(), Some(CardValue::Undefined));
+        assert_eq!(card_of("X", f64::NAN, "").value(), Some(CardValue::Undefined));
     }
 
     #[test]

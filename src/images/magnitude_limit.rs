@@ -16,7 +16,7 @@ pub enum MagnitudeLimit {
 
 impl MagnitudeLimit {
     /// Returns the limit for an exposure in this band. Returns `None` if the table has neither the band nor `default`.
-    pub fn of(&self, band: Option<&str>) -> Option<f64> {
+    pub fn limit_in(&self, band: Option<&str>) -> Option<f64> {
         match self {
             MagnitudeLimit::All(limit) => Some(*limit),
             MagnitudeLimit::PerBand(limits) => {

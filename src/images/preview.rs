@@ -46,7 +46,7 @@ pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, Image
             "at least one pixel",
         ));
     }
-    let scale = Scale::of(rows, columns);
+    let scale = Scale::for_size(rows, columns);
     let [black, white] = limits(plane);
     let (width, height) = scale.size(rows, columns);
     let mut picture = RgbImage::new(width, height);
@@ -70,7 +70,7 @@ enum Scale {
 }
 
 impl Scale {
-    fn of(rows: usize, columns: usize) -> Self {
+    fn for_size(rows: usize, columns: usize) -> Self {
         let longest = rows.max(columns);
         if longest > LONGEST_SIDE {
             Self::Down(longest.div_ceil(LONGEST_SIDE))

@@ -244,7 +244,7 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, ImagesError> {
             let zero = [number("POLZERO1", far)?, number("POLZERO2", far)?];
             (degree > 0).then_some(Polynomial { zero, scale, degree })
         }
-        one => return Err(ImagesError::invalid(what("POLNAXIS"), one, "0 or 2, a polynomial in x and y")),
+        axes => return Err(ImagesError::invalid(what("POLNAXIS"), axes, "0 or 2, a polynomial in x and y")),
     };
     let expected = polynomial.map_or(1, |polynomial| (polynomial.degree + 1) * (polynomial.degree + 2) / 2);
     if planes != expected {

@@ -94,7 +94,7 @@ mod tests {
     fn cost_s(bright_share: f64, streaks: &[PossibleStreak]) -> f64 {
         let telescope = rubin(bright_share);
         let cost = StreakCost::new(&telescope, telescope.field.area_deg2());
-        cost.seconds(30.0, streaks.iter().map(|one| cost.expected_share(one)).sum())
+        cost.seconds(30.0, streaks.iter().map(|streak| cost.expected_share(streak)).sum())
     }
 
     #[test]

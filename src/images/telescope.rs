@@ -145,7 +145,7 @@ impl Telescope {
 
     /// Returns the magnitude of bright streaks in a band, for a satellite 550 km overhead without motion.
     pub fn bright_mag_in(&self, band: Option<&str>) -> f64 {
-        self.bright_mag.of(band).unwrap_or(DEFAULT_BRIGHT_MAG)
+        self.bright_mag.limit_in(band).unwrap_or(DEFAULT_BRIGHT_MAG)
     }
 }
 

@@ -55,7 +55,7 @@ pub struct TimeColumn<'a> {
 
 impl<'a> TimeColumn<'a> {
     /// Returns the column that an entry of the metadata describes; `None` if it is of another type.
-    fn of(name: &'a str, column: &'a YamlOwned) -> Option<Self> {
+    fn from_metadata(name: &'a str, column: &'a YamlOwned) -> Option<Self> {
         let text = |key| get(column, key).and_then(YamlOwned::as_str);
         let scale = match text("scale") {
             Some("utc") => Some(TimeScale::UTC),
@@ -186,7 +186,7 @@ impl Ecsv {
 
     /// Returns the `Time` columns, which astropy describes in the metadata.
     pub fn time_columns(&self) -> Vec<TimeColumn<'_>> {
-        self.serialized_columns().filter_map(|(name, column)| TimeColumn::of(name, column)).collect()
+        self.serialized_columns().filter_map(|(name, column)| TimeColumn::from_metadata(name, column)).collect()
     }
 
     /// Returns the columns that astropy describes in the metadata, with their names.

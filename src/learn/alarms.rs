@@ -117,7 +117,7 @@ struct Difference<'p> {
 
 fn differences<'p>(passes: &'p [Pass], learned: &LearnedFile) -> Vec<Difference<'p>> {
     let satellites: HashMap<u32, &LearnedSatellite> =
-        learned.satellites.iter().map(|one| (one.norad_id, one)).collect();
+        learned.satellites.iter().map(|satellite| (satellite.norad_id, satellite)).collect();
     let own = |pass: &Pass| satellites.get(&pass.norad_id().0).copied().filter(|own| own.kind == pass.kind());
     passes.iter().filter_map(|pass| Some(difference(pass, learned.magnitude_of(pass.kind())?, own(pass)))).collect()
 }
@@ -140,25 +140,26 @@ pub fn find_alarms(passes: &[Pass], learned: &LearnedFile, p_below: f64) -> Alar
     let differences = differences(passes, learned);
     let mut alarms: Vec<Alarm> = differences.iter().map(brightness).collect();
     let mut satellites: BTreeMap<NoradId, Vec<&Difference>> = BTreeMap::new();
-    for one in &differences {
-        satellites.entry(one.pass.norad_id()).or_default().push(one);
+    for difference in &differences {
+        satellites.entry(difference.pass.norad_id()).or_default().push(difference);
     }
     let trends: Vec<Alarm> = satellites.values().filter_map(|differences| trend(differences)).collect();
     let periods: Vec<Alarm> = passes.par_iter().filter_map(period).collect();
     let (tested, trends_tested, searched) = (alarms.len(), trends.len(), periods.len());
     alarms.extend(trends);
     alarms.extend(periods);
-    let frequencies: usize = alarms.iter().filter(|one| one.alarm == AlarmKind::Period).map(|one| one.looks).sum();
-    for one in &mut alarms {
-        one.looks = match one.alarm {
+    let frequencies: usize =
+        alarms.iter().filter(|alarm| alarm.alarm == AlarmKind::Period).map(|alarm| alarm.looks).sum();
+    for alarm in &mut alarms {
+        alarm.looks = match alarm.alarm {
             AlarmKind::Brightness => tested,
             AlarmKind::Trend => trends_tested,
             AlarmKind::Period => frequencies,
         };
-        one.p_after_looks = (one.p_value * one.looks as f64).min(1.0);
+        alarm.p_after_looks = (alarm.p_value * alarm.looks as f64).min(1.0);
     }
-    alarms.retain(|one| one.p_after_looks < p_below);
-    alarms.sort_by_key(|one| (one.alarm, one.norad_id, one.first));
+    alarms.retain(|alarm| alarm.p_after_looks < p_below);
+    alarms.sort_by_key(|alarm| (alarm.alarm, alarm.norad_id, alarm.first));
     let not_learned = passes.len() - tested;
     Alarms { alarms, passes: tested, trends: trends_tested, searched, not_learned }
 }
@@ -166,7 +167,9 @@ pub fn find_alarms(passes: &[Pass], learned: &LearnedFile, p_below: f64) -> Alar
 /// Returns the time of each pass and its median difference from the learned magnitude, mag, with the sigma that is
 /// expected, mag. Passes of kinds that are not in the file are omitted.
 pub fn pass_differences(passes: &[Pass], learned: &LearnedFile) -> Vec<(Epoch, f64, f64)> {
-    let of = |one: &Difference| (one.pass.first(), one.mag, (one.offset_mag2 + one.pass_mag2).sqrt());
+    let of = |difference: &Difference| {
+        (difference.pass.first(), difference.mag, (difference.offset_mag2 + difference.pass_mag2).sqrt())
+    };
     differences(passes, learned).iter().map(of).collect()
 }
 
@@ -188,26 +191,33 @@ fn alarm(alarm: AlarmKind, pass: &Pass, value: f64, sigma: f64) -> Alarm {
 }
 
 /// Returns the alarm for the brightness of one pass.
-fn brightness(one: &Difference) -> Alarm {
-    alarm(AlarmKind::Brightness, one.pass, one.mag, (one.offset_mag2 + one.pass_mag2).sqrt())
+fn brightness(difference: &Difference) -> Alarm {
+    alarm(
+        AlarmKind::Brightness,
+        difference.pass,
+        difference.mag,
+        (difference.offset_mag2 + difference.pass_mag2).sqrt(),
+    )
 }
 
 /// Weighted linear regression of the differences of a satellite on time. `None` with few passes or a short interval.
 fn trend(differences: &[&Difference]) -> Option<Alarm> {
-    let first = differences.iter().min_by_key(|one| one.pass.first())?.pass;
-    let last = differences.iter().max_by_key(|one| one.pass.last())?.pass;
-    let days = |one: &Difference| seconds_between(first.first(), one.pass.first()) / crate::constants::DAY_S;
-    let longest = differences.iter().map(|one| days(one)).fold(0.0, f64::max);
+    let first = differences.iter().min_by_key(|difference| difference.pass.first())?.pass;
+    let last = differences.iter().max_by_key(|difference| difference.pass.last())?.pass;
+    let days =
+        |difference: &Difference| seconds_between(first.first(), difference.pass.first()) / crate::constants::DAY_S;
+    let longest = differences.iter().map(|difference| days(difference)).fold(0.0, f64::max);
     if differences.len() < LEAST_FOR_TREND || longest < SHORTEST_TREND_DAYS {
         return None;
     }
-    let weight: f64 = differences.iter().map(|one| 1.0 / one.pass_mag2).sum();
-    let mean =
-        |of: &dyn Fn(&Difference) -> f64| differences.iter().map(|one| of(one) / one.pass_mag2).sum::<f64>() / weight;
+    let weight: f64 = differences.iter().map(|difference| 1.0 / difference.pass_mag2).sum();
+    let mean = |of: &dyn Fn(&Difference) -> f64| {
+        differences.iter().map(|difference| of(difference) / difference.pass_mag2).sum::<f64>() / weight
+    };
     // slope = Σ w (t - t̄) (y - ȳ) / S, S = Σ w (t - t̄)², σ = 1/√S
-    let (t_mean, y_mean) = (mean(&|one| days(one)), mean(&|one| one.mag));
-    let squares = weight * mean(&|one| (days(one) - t_mean).powi(2));
-    let slope = weight * mean(&|one| (days(one) - t_mean) * (one.mag - y_mean)) / squares;
+    let (t_mean, y_mean) = (mean(&|difference| days(difference)), mean(&|difference| difference.mag));
+    let squares = weight * mean(&|difference| (days(difference) - t_mean).powi(2));
+    let slope = weight * mean(&|difference| (days(difference) - t_mean) * (difference.mag - y_mean)) / squares;
     let found = alarm(AlarmKind::Trend, first, slope, squares.powf(-0.5));
     Some(Alarm { last: last.last(), passes: differences.len(), ..found })
 }
@@ -268,7 +278,7 @@ fn remove(from: &mut [f64], column: &[f64]) {
     let square = dot(column, column);
     if square > 0.0 {
         let share = dot(from, column) / square;
-        from.iter_mut().zip(column).for_each(|(value, one)| *value -= share * one);
+        from.iter_mut().zip(column).for_each(|(value, element)| *value -= share * element);
     }
 }
 
@@ -314,22 +324,22 @@ const COLUMNS: [Column; 13] = [
 
 /// Returns a table with one row for each alarm.
 pub fn alarm_table(alarms: &[Alarm]) -> Table {
-    let cells = |one: &Alarm| {
-        let value_of = |alarm: AlarmKind| -> Value { (one.alarm == alarm).then_some(one.value).into() };
+    let cells = |found: &Alarm| {
+        let value_of = |alarm: AlarmKind| -> Value { (found.alarm == alarm).then_some(found.value).into() };
         vec![
-            one.alarm.name().into(),
-            i64::from(one.norad_id.0).into(),
-            one.kind.name().into(),
-            one.first.into(),
-            one.last.into(),
-            one.passes.into(),
+            found.alarm.name().into(),
+            i64::from(found.norad_id.0).into(),
+            found.kind.name().into(),
+            found.first.into(),
+            found.last.into(),
+            found.passes.into(),
             value_of(AlarmKind::Brightness),
             value_of(AlarmKind::Trend),
             value_of(AlarmKind::Period),
-            one.period_s.into(),
-            one.sigma.into(),
-            one.looks.into(),
-            format!("{:.1e}", one.p_after_looks).into(),
+            found.period_s.into(),
+            found.sigma.into(),
+            found.looks.into(),
+            format!("{:.1e}", found.p_after_looks).into(),
         ]
     };
     Table { columns: COLUMNS.to_vec(), rows: alarms.iter().map(cells).collect() }

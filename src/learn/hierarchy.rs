@@ -70,7 +70,7 @@ impl KindFit {
 }
 
 /// One pass in the fit.
-struct Row {
+struct WeightedPass {
     y_mag: f64,
     /// Variance of the median that is due to the scatter of the measurements, mag².
     point_mag2: f64,
@@ -82,10 +82,10 @@ struct Row {
 /// Without passes the result is that of the prior: an offset of 0.
 pub fn fit_kind(passes: &[&Pass], model_sigma_mag: f64) -> KindFit {
     let point_sigma_mag = point_sigma_mag(passes);
-    let mut satellites: BTreeMap<NoradId, Vec<Row>> = BTreeMap::new();
+    let mut satellites: BTreeMap<NoradId, Vec<WeightedPass>> = BTreeMap::new();
     for pass in passes {
         let point_mag2 = point_sigma_mag.powi(2) / pass.points().len() as f64;
-        let row = Row { y_mag: pass.median_mag(), point_mag2, weight: 1.0 };
+        let row = WeightedPass { y_mag: pass.median_mag(), point_mag2, weight: 1.0 };
         satellites.entry(pass.norad_id()).or_default().push(row);
     }
     // The model's sigma, shared equally by satellites, passes and measurements.

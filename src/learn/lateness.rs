@@ -90,13 +90,13 @@ pub fn learn_lateness(delays: &[MeasuredDelay]) -> Option<LearnedLateness> {
         // δ ~ t₄ √v, v = q (f² s² + σ²); u = 5 / (4 + δ²/v); k = f² s² / (f² s² + σ²);
         // f² = (10 + Σ (u k² δ² + q k σ²) / (q s²)) / (10 + n)
         let mut sum = PRIOR_COUNT;
-        for one in &delays {
-            let (expected2, own2) = (one.expected_sigma_s.powi(2), one.sigma_s.powi(2));
+        for delay in &delays {
+            let (expected2, own2) = (delay.expected_sigma_s.powi(2), delay.sigma_s.powi(2));
             let v = SCALE2 * (factor2 * expected2 + own2);
-            let weight = (FREEDOM + 1.0) / (FREEDOM + one.late_s.powi(2) / v);
+            let weight = (FREEDOM + 1.0) / (FREEDOM + delay.late_s.powi(2) / v);
             // Posterior of the part of the delay that is not the error of the measurement.
             let kept = factor2 * expected2 / (factor2 * expected2 + own2);
-            sum += (weight * kept.powi(2) * one.late_s.powi(2) + SCALE2 * kept * own2) / (SCALE2 * expected2);
+            sum += (weight * kept.powi(2) * delay.late_s.powi(2) + SCALE2 * kept * own2) / (SCALE2 * expected2);
         }
         factor2 = sum / (PRIOR_COUNT + n);
     }
@@ -124,13 +124,13 @@ mod tests {
             }
             low
         };
-        let one = |i: usize| MeasuredDelay {
+        let delay = |i: usize| MeasuredDelay {
             norad_id: NoradId(1),
             late_s: factor * quantile((i as f64 + 0.5) / n as f64) / 1.1416,
             sigma_s: 0.01,
             expected_sigma_s: 1.0,
         };
-        (0..n).map(one).collect()
+        (0..n).map(delay).collect()
     }
 
     #[test]

@@ -37,7 +37,7 @@ struct Extent {
 }
 
 impl Extent {
-    fn of<'p>(passes: impl Iterator<Item = &'p Pass> + Clone) -> Option<Self> {
+    fn of_passes<'p>(passes: impl Iterator<Item = &'p Pass> + Clone) -> Option<Self> {
         Some(Self {
             first: passes.clone().map(Pass::first).min()?,
             last: passes.clone().map(Pass::last).max()?,
@@ -65,7 +65,7 @@ pub fn learn(
     provenance: serde_json::Map<String, serde_json::Value>,
     watch: &Watch,
 ) -> Result<Learned, LearnError> {
-    let Some(all) = Extent::of(passes.iter()) else {
+    let Some(all) = Extent::of_passes(passes.iter()) else {
         return Err(LearnError::Nothing {
             reason: "no pass has a satellite with a brightness model".to_owned(),
             allowed: "measurements with times and satellite numbers",
@@ -80,7 +80,9 @@ pub fn learn(
     let (mut satellites, mut fits, mut without_satellites) = (Vec::new(), BTreeMap::new(), Vec::new());
     for kind in Generation::ALL {
         let of_kind: Vec<&Pass> = passes.iter().filter(|pass| pass.kind() == kind).collect();
-        let (Some(extent), Some(model)) = (Extent::of(of_kind.iter().copied()), models.of_kind(kind)) else { continue };
+        let (Some(extent), Some(model)) = (Extent::of_passes(of_kind.iter().copied()), models.of_kind(kind)) else {
+            continue;
+        };
         watch.check()?;
         let fit = fit_kind(&of_kind, model.sigma_mag());
         let mut by_satellite: BTreeMap<NoradId, Vec<&Pass>> = BTreeMap::new();
@@ -110,7 +112,7 @@ pub fn learn(
             by_satellite.clear();
         }
         for (id, of_satellite) in by_satellite {
-            let Some(extent) = Extent::of(of_satellite.iter().copied()) else { continue };
+            let Some(extent) = Extent::of_passes(of_satellite.iter().copied()) else { continue };
             let ([first_utc, last_utc], prediction) = (extent.utc(), fit.predict(id));
             satellites.push(LearnedSatellite {
                 norad_id: id.0,
@@ -152,11 +154,11 @@ const KINDS: [Column; 12] = [
 
 /// Returns a table with one row for each kind of a learned file.
 pub fn kind_table(file: &LearnedFile) -> Table {
-    let cells = |one: &LearnedKind| {
-        let of = one.magnitude.as_ref();
+    let cells = |learned: &LearnedKind| {
+        let of = learned.magnitude.as_ref();
         let real = |value: fn(&LearnedMagnitude) -> f64| of.map(value).into();
         vec![
-            one.kind.name().into(),
+            learned.kind.name().into(),
             of.map(|of| of.model.clone()).into(),
             of.map(|of| of.satellites as i64).into(),
             of.map(|of| of.passes as i64).into(),
@@ -167,7 +169,7 @@ pub fn kind_table(file: &LearnedFile) -> Table {
             real(|of| of.pass_scale_mag),
             real(|of| of.point_sigma_mag),
             real(|of| of.sigma_mag),
-            one.lateness.as_ref().map(|lateness| lateness.factor).into(),
+            learned.lateness.as_ref().map(|lateness| lateness.factor).into(),
         ]
     };
     Table { columns: KINDS.to_vec(), rows: file.kinds.iter().map(cells).collect() }

@@ -49,7 +49,8 @@ const ONE_SIGMA_SHARE: f64 = 0.6827;
 /// Root mean square, half width that contains 68.27 %, and fraction within one sigma; `which` is 0 for the model, 1 for
 /// the learned magnitudes.
 fn statistics(held_out: &[HeldOut], which: usize) -> [f64; 3] {
-    let mut sizes: Vec<(f64, f64)> = held_out.iter().map(|one| (one.residuals_mag[which].abs(), one.weight)).collect();
+    let mut sizes: Vec<(f64, f64)> =
+        held_out.iter().map(|held| (held.residuals_mag[which].abs(), held.weight)).collect();
     sizes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let all: f64 = sizes.iter().map(|(_, weight)| weight).sum();
     let rms = (sizes.iter().map(|(size, weight)| weight * size * size).sum::<f64>() / all).sqrt();
@@ -58,8 +59,8 @@ fn statistics(held_out: &[HeldOut], which: usize) -> [f64; 3] {
         below += weight;
         below >= ONE_SIGMA_SHARE * all
     });
-    let is_within = |one: &&HeldOut| one.residuals_mag[which].abs() <= one.sigmas_mag[which];
-    let within = held_out.iter().filter(is_within).map(|one| one.weight).sum::<f64>() / all;
+    let is_within = |held: &&HeldOut| held.residuals_mag[which].abs() <= held.sigmas_mag[which];
+    let within = held_out.iter().filter(is_within).map(|held| held.weight).sum::<f64>() / all;
     [rms, half_width.map_or(f64::NAN, |(size, _)| *size), within]
 }
 
@@ -153,7 +154,7 @@ pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64, watch: &Watch
         .map(differences)
         .collect::<Result<Vec<_>, _>>()?
         .into_iter()
-        .fold([0.0, 0.0], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
+        .fold([0.0, 0.0], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
     Ok(own < kind)
 }
 

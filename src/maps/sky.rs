@@ -237,7 +237,7 @@ impl<'a> SkyView<'a> {
     }
 
     /// Computes the quantities that are the same at all azimuths of one altitude.
-    fn row(&self, altitude_rad: f64) -> Row {
+    fn row(&self, altitude_rad: f64) -> AltitudeRow {
         let (sin, cos) = altitude_rad.sin_cos();
         // On a sphere the range depends only on the altitude.
         let range_and_dimming = (self.earth == Earth::Sphere).then(|| {
@@ -245,12 +245,12 @@ impl<'a> SkyView<'a> {
             (range_km, self.light.dimming(range_km, altitude_rad))
         });
         let axis = |index: usize| self.axes.column(index).into_owned();
-        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, range_and_dimming }
+        AltitudeRow { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, range_and_dimming }
     }
 
     /// Computes all directions of one altitude together; the values agree within 1e-9 mag with those of
     /// [`at`](Self::at).
-    fn fill_by_columns(&self, row: &Row, grid_row: &GridRow, points: &mut [SkyPoint]) {
+    fn fill_by_columns(&self, row: &AltitudeRow, grid_row: &GridRow, points: &mut [SkyPoint]) {
         let mut columns = [const { Vec::new() }; 3];
         columns.iter_mut().for_each(|column: &mut Vec<f64>| column.reserve(points.len()));
         let azimuths = grid_row.longitudes_rad().zip(grid_row.sines_and_cosines());
@@ -282,7 +282,7 @@ impl<'a> SkyView<'a> {
 
     /// Returns the unit vector of a direction (given by sine and cosine of its azimuth), the range of the satellite,
     /// and the change of its magnitude by distance and extinction.
-    fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
+    fn sight(&self, row: &AltitudeRow, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
         let (range_km, dimming) = row.range_and_dimming.unwrap_or_else(|| {
             let range_km = self.range_km(self.observer.vector().dot(&direction));
@@ -291,7 +291,7 @@ impl<'a> SkyView<'a> {
         (direction, range_km, dimming)
     }
 
-    fn point(&self, row: &Row, azimuth_rad: f64) -> SkyPoint {
+    fn point(&self, row: &AltitudeRow, azimuth_rad: f64) -> SkyPoint {
         let (direction, range_km, dimming) = self.sight(row, azimuth_rad.sin_cos());
         let satellite = self.observer.vector() + direction * range_km;
         let lit_fraction = self.lit_fraction(&satellite);
@@ -347,7 +347,7 @@ impl<'a> SkyView<'a> {
 
 /// Quantities that all directions of one altitude have in common.
 #[derive(Copy, Clone, Debug)]
-struct Row {
+struct AltitudeRow {
     altitude_rad: f64,
     /// The direction at an azimuth is up + north cos(azimuth) + east sin(azimuth).
     up: Vector3<f64>,

@@ -26,7 +26,7 @@ pub struct Background {
 impl Background {
     /// Computes the median and the noise in cells of 64 by 64 pixels, subtracts the former and divides by the latter.
     /// Pixels outside the illuminated area or without a value become NaN.
-    pub fn of(plane: &Plane, light_area: &LightArea) -> Self {
+    pub fn new(plane: &Plane, light_area: &LightArea) -> Self {
         let (rows, columns) = (plane.rows(), plane.columns());
         let across = columns.div_ceil(CELL);
         let mut normalised = Plane::zeros(rows, columns);

@@ -25,7 +25,7 @@ pub(super) fn remove_bad_pixels(
 ) -> Result<Vec<String>, ImagesError> {
     let mut used = Vec::new();
     for companion in companions.iter().filter(|companion| companion.of == Some(hdu)) {
-        let Some(rule) = Rule::of(companion.kind, file.header(companion.hdu)?) else { continue };
+        let Some(rule) = Rule::from_header(companion.kind, file.header(companion.hdu)?) else { continue };
         let values = file.read_plane(companion.hdu)?;
         let bad: Vec<bool> = values.values().iter().map(|value| rule.is_bad(*value)).collect();
         let count = bad.iter().filter(|is_bad| **is_bad).count();
@@ -57,7 +57,7 @@ enum Rule {
 }
 
 impl Rule {
-    fn of(kind: PlaneKind, header: &Header) -> Option<Self> {
+    fn from_header(kind: PlaneKind, header: &Header) -> Option<Self> {
         let bit =
             |keyword: &&str| header.integer(keyword).and_then(|bit| u32::try_from(bit).ok()).filter(|bit| *bit < 24);
         match kind {
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     fn is_bad(kind: PlaneKind, value: f32) -> bool {
-        Rule::of(kind, &Header::default()).unwrap().is_bad(value)
+        Rule::from_header(kind, &Header::default()).unwrap().is_bad(value)
     }
 
     #[test]

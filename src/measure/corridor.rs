@@ -33,7 +33,7 @@ pub struct Corridor {
 
 impl Corridor {
     /// Creates the corridor of a path; `None` if fewer than `least` pixels of the major axis are in the frame.
-    pub fn of(path: &StreakPath, rows: usize, columns: usize, least: usize) -> Option<Self> {
+    pub fn new(path: &StreakPath, rows: usize, columns: usize, least: usize) -> Option<Self> {
         let points = sampled(path);
         let (start, end) = (points.first()?, points.last()?);
         let is_along_rows = (end.1.x - start.1.x).abs() >= (end.1.y - start.1.y).abs();

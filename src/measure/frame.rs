@@ -158,7 +158,7 @@ pub fn measure_predictions(
         done.planes_used.extend(remove_bad_pixels(&frame.file, chip.hdu, &frame.images.companions, &mut plane)?);
         // Infinite pixels, such as those of a division by a flat field of 0, have no value.
         plane.values_mut().iter_mut().filter(|value| value.is_infinite()).for_each(|value| *value = f32::NAN);
-        let background = Background::of(&plane, &chip.light_area);
+        let background = Background::new(&plane, &chip.light_area);
         let image = StreakImage {
             plane: &plane,
             background: &background,
@@ -200,7 +200,7 @@ pub fn measure_predictions(
                 Ok(streak_cut(&image, &measured, &profile_of(&image, &prediction.streak, &drawn)?))
             });
             let cut = cut.transpose()?;
-            Ok(on_sky(frame, prediction, measured, &scale).map(|one| (*number, MeasuredPass { cut, ..one })))
+            Ok(on_sky(frame, prediction, measured, &scale).map(|pass| (*number, MeasuredPass { cut, ..pass })))
         });
         passes.extend(measured.collect::<Result<Vec<_>, MeasureError>>()?.into_iter().flatten());
     }

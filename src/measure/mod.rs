@@ -20,7 +20,7 @@
 //!
 //! // A plane without a streak, and a predicted track across it: the result is an upper limit.
 //! let (plane, light_area) = (Plane::zeros(200, 300), LightArea::whole(200, 300));
-//! let background = Background::of(&plane, &light_area);
+//! let background = Background::new(&plane, &light_area);
 //! let image = StreakImage {
 //!     plane: &plane,
 //!     background: &background,

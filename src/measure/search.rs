@@ -83,7 +83,7 @@ pub fn search(
     let half_length = 0.5 * corridor.len() as f64;
     let tilt = (extent.tilt_rad / (cos * cos)).max(STEP_WIDTHS * width_minor / half_length);
     let half = limit + reach + (NOISE_PIX / cos) as usize;
-    let sums = Sums::of(background, corridor, half, width_minor);
+    let sums = Sums::new(background, corridor, half, width_minor);
     let filter = filter(profile, corridor, reach);
 
     let steps = |extent: f64, step: f64, most: usize| -> Vec<f64> {
@@ -160,7 +160,7 @@ fn filter(profile: &RadialProfile, corridor: &Corridor, reach: usize) -> Vec<f32
 }
 
 impl Sums {
-    fn of(background: &Background, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
+    fn new(background: &Background, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
         let length = corridor.len();
         let blocks =
             ((length as f64 / (WIDTHS_PER_BLOCK * width_minor).max(LEAST_BLOCK)) as usize).clamp(1, MOST_BLOCKS);

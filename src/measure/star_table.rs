@@ -161,8 +161,8 @@ mod tests {
         assert_eq!((g[0].sigma_mag, g[1].sigma_mag), (0.02, 0.0));
         assert_eq!(stars.in_band(Some("r'")).unwrap().len(), 2);
         assert!(stars.in_band(None).unwrap_err().to_string().contains("g, r"));
-        let one = table("ra_deg,dec_deg,magnitude\n1,2,10\n").unwrap();
-        assert_eq!((one.in_band(None).unwrap().len(), one.in_band(Some("g")).unwrap().len()), (1, 1));
+        let single = table("ra_deg,dec_deg,magnitude\n1,2,10\n").unwrap();
+        assert_eq!((single.in_band(None).unwrap().len(), single.in_band(Some("g")).unwrap().len()), (1, 1));
         let only_v = table("ra_deg,dec_deg,mag,band\n1,2,10,V\n").unwrap();
         assert_eq!(only_v.in_band(None).unwrap().len(), 1);
         assert!(only_v.in_band(Some("g")).unwrap_err().to_string().contains("'g'; allowed: V"));

@@ -80,7 +80,7 @@ pub fn measure_streak(
     let (rows, columns) = (image.plane.rows(), image.plane.columns());
     // A given streak of this length has at least 1 / √2 as many pixels along the nearer axis.
     let least = if predicted.ends_s.is_some() { LEAST_GIVEN_PIX } else { LEAST_LENGTH_PIX };
-    let Some(corridor) = Corridor::of(&predicted.path, rows, columns, least) else { return Ok(None) };
+    let Some(corridor) = Corridor::new(&predicted.path, rows, columns, least) else { return Ok(None) };
     let mut measuring =
         Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
     let extent = measuring.extent(options);
@@ -431,9 +431,11 @@ impl Measuring<'_> {
         if peaks.len() < 3 || 2 * peaks.len() <= parts {
             return *found;
         }
-        let pairs =
-            peaks.iter().enumerate().flat_map(|(number, one)| peaks[..number].iter().map(move |two| (one, two)));
-        let slope = median(pairs.map(|(one, two)| (one.1 - two.1) / (one.0 - two.0)).collect());
+        let pairs = peaks
+            .iter()
+            .enumerate()
+            .flat_map(|(number, first)| peaks[..number].iter().map(move |second| (first, second)));
+        let slope = median(pairs.map(|(first, second)| (first.1 - second.1) / (first.0 - second.0)).collect());
         let shift = median(peaks.iter().map(|(index, distance)| distance - slope * index).collect());
         Found { minor_pix: found.minor_pix + shift, slope: found.slope + slope, ..*found }
     }

@@ -11,34 +11,34 @@ const fn text(name: &'static str, description: &'static str) -> Column {
 }
 
 const FIELDS: &[TableField<MeasuredPass>] = &[
-    TableField::new(text("image", "File of the frame."), |one| one.image.as_str().into()),
-    TableField::new(Column::new("hdu", Kind::Integer, "HDU of the chip, from 0."), |one| one.hdu.into()),
-    TableField::new(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |one| {
-        one.prediction.satellite.norad_id.map(|id| i64::from(id.0)).into()
+    TableField::new(text("image", "File of the frame."), |pass| pass.image.as_str().into()),
+    TableField::new(Column::new("hdu", Kind::Integer, "HDU of the chip, from 0."), |pass| pass.hdu.into()),
+    TableField::new(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |pass| {
+        pass.prediction.satellite.norad_id.map(|id| i64::from(id.0)).into()
     }),
-    TableField::new(text("name", "Name of the satellite."), |one| Value::nonempty(&one.prediction.satellite.name)),
-    TableField::new(Column::new("detected", Kind::Boolean, "True if the streak was found."), |one| {
-        one.measured.is_detected.into()
+    TableField::new(text("name", "Name of the satellite."), |pass| Value::nonempty(&pass.prediction.satellite.name)),
+    TableField::new(Column::new("detected", Kind::Boolean, "True if the streak was found."), |pass| {
+        pass.measured.is_detected.into()
     }),
-    TableField::new(Column::time("mid_utc", "Middle of the time in which the satellite is on the chip."), |one| {
-        one.epoch.into()
+    TableField::new(Column::time("mid_utc", "Middle of the time in which the satellite is on the chip."), |pass| {
+        pass.epoch.into()
     }),
-    TableField::new(Column::real("duration_s", "s", 4, "Time in which the satellite is on the chip."), |one| {
-        one.duration_s.into()
+    TableField::new(Column::real("duration_s", "s", 4, "Time in which the satellite is on the chip."), |pass| {
+        pass.duration_s.into()
     }),
-    TableField::new(Column::real("ra_deg", "deg", 6, "Right ascension at mid_utc (ICRS)."), |one| {
-        one.direction.longitude_rad().to_degrees().into()
+    TableField::new(Column::real("ra_deg", "deg", 6, "Right ascension at mid_utc (ICRS)."), |pass| {
+        pass.direction.longitude_rad().to_degrees().into()
     }),
-    TableField::new(Column::real("dec_deg", "deg", 6, "Declination at mid_utc (ICRS)."), |one| {
-        one.direction.latitude_rad().to_degrees().into()
+    TableField::new(Column::real("dec_deg", "deg", 6, "Declination at mid_utc (ICRS)."), |pass| {
+        pass.direction.latitude_rad().to_degrees().into()
     }),
     TableField::new(
         Column::real("magnitude", "mag", 4, "Measured magnitude; a bright limit if flags contain saturated."),
-        |one| one.magnitude.map(|magnitude| magnitude.value).into(),
+        |pass| pass.magnitude.map(|magnitude| magnitude.value).into(),
     ),
     TableField::new(
         Column::small("magnitude_sigma", "mag", 4, "Error (one sigma), with zero_point_sigma_mag if it is known."),
-        |one| one.magnitude.map(|magnitude| magnitude.sigma).into(),
+        |pass| pass.magnitude.map(|magnitude| magnitude.sigma).into(),
     ),
     TableField::new(
         Column::small(
@@ -47,45 +47,45 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             4,
             "Part of magnitude_sigma by the unknown size of the satellite.",
         ),
-        |one| {
-            let rate = one.measured.rate.value;
-            let sigma = 2.5 / std::f64::consts::LN_10 * one.measured.size_sigma / rate;
-            one.magnitude.and(one.prediction.size_m).map(|_| sigma).into()
+        |pass| {
+            let rate = pass.measured.rate.value;
+            let sigma = 2.5 / std::f64::consts::LN_10 * pass.measured.size_sigma / rate;
+            pass.magnitude.and(pass.prediction.size_m).map(|_| sigma).into()
         },
     ),
     TableField::new(
         Column::real("size_m", "m", 3, "Diameter of the satellite, given or assumed by its brightness model."),
-        |one| one.prediction.size_m.into(),
+        |pass| pass.prediction.size_m.into(),
     ),
     TableField::new(
         Column::real("limit_magnitude", "mag", 4, "For a streak not found: faintest magnitude that is excluded."),
-        |one| if one.measured.is_detected { Value::Null } else { one.limit_mag.into() },
+        |pass| if pass.measured.is_detected { Value::Null } else { pass.limit_mag.into() },
     ),
-    TableField::new(Column::new("calibrated", Kind::Boolean, "False if magnitudes are instrumental."), |one| {
-        one.is_calibrated.into()
+    TableField::new(Column::new("calibrated", Kind::Boolean, "False if magnitudes are instrumental."), |pass| {
+        pass.is_calibrated.into()
     }),
     TableField::new(
         Column::real("zero_point_mag", "mag", 4, "Magnitude of a star whose pixels sum to 1; 0 if not calibrated."),
-        |one| one.zero_point_mag.into(),
+        |pass| pass.zero_point_mag.into(),
     ),
     TableField::new(
         Column::small("zero_point_sigma_mag", "mag", 4, "Error (one sigma) of a zero point from stars."),
-        |one| one.zero_point_sigma_mag.into(),
+        |pass| pass.zero_point_sigma_mag.into(),
     ),
-    TableField::new(text("filter", "Filter in the header."), |one| one.filter.clone().into()),
+    TableField::new(text("filter", "Filter in the header."), |pass| pass.filter.clone().into()),
     TableField::new(
         Column::small("rate", "", 4, "Light per second in the unit of the frame, mean over the track."),
-        |one| one.measured.rate.value.into(),
+        |pass| pass.measured.rate.value.into(),
     ),
-    TableField::new(Column::small("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
-        one.measured.rate.sigma.into()
+    TableField::new(Column::small("rate_sigma", "", 4, "Error (one sigma) of rate."), |pass| {
+        pass.measured.rate.sigma.into()
     }),
     TableField::new(
         Column::small("flux", "", 4, "Light in the frame, in its unit: rate multiplied by duration_s."),
-        |one| (one.measured.rate.value * one.duration_s).into(),
+        |pass| (pass.measured.rate.value * pass.duration_s).into(),
     ),
-    TableField::new(Column::small("flux_sigma", "", 4, "Error (one sigma) of flux."), |one| {
-        (one.measured.rate.sigma * one.duration_s).into()
+    TableField::new(Column::small("flux_sigma", "", 4, "Error (one sigma) of flux."), |pass| {
+        (pass.measured.rate.sigma * pass.duration_s).into()
     }),
     TableField::new(
         Column::real(
@@ -94,61 +94,63 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             2,
             "Fitted light divided by rate_sigma; rate is less by the correction for the fitted position.",
         ),
-        |one| one.measured.signal_to_noise.into(),
+        |pass| pass.measured.signal_to_noise.into(),
     ),
-    TableField::new(Column::real("significance", "", 2, "Significance of the streak in the search."), |one| {
-        one.measured.significance.into()
+    TableField::new(Column::real("significance", "", 2, "Significance of the streak in the search."), |pass| {
+        pass.measured.significance.into()
     }),
-    TableField::new(Column::real("threshold", "", 2, "Significance required for a detection."), |one| {
-        one.measured.threshold.into()
+    TableField::new(Column::real("threshold", "", 2, "Significance required for a detection."), |pass| {
+        pass.measured.threshold.into()
     }),
     TableField::new(
         Column::real("offset_pix", "pix", 3, "Distance from the predicted track, positive towards increasing y or x."),
-        |one| found(one, one.measured.offset_pix.value),
+        |pass| found(pass, pass.measured.offset_pix.value),
     ),
-    TableField::new(Column::small("offset_sigma_pix", "pix", 3, "Error (one sigma) of offset_pix."), |one| {
-        found(one, one.measured.offset_pix.sigma)
+    TableField::new(Column::small("offset_sigma_pix", "pix", 3, "Error (one sigma) of offset_pix."), |pass| {
+        found(pass, pass.measured.offset_pix.sigma)
     }),
-    TableField::new(Column::real("offset_arcsec", "arcsec", 3, "Distance from the predicted track."), |one| {
-        found(one, one.measured.offset_pix.value * one.pixel_scale_arcsec)
+    TableField::new(Column::real("offset_arcsec", "arcsec", 3, "Distance from the predicted track."), |pass| {
+        found(pass, pass.measured.offset_pix.value * pass.pixel_scale_arcsec)
     }),
-    TableField::new(Column::real("tilt_deg", "deg", 4, "Difference in angle from the predicted track."), |one| {
-        found(one, one.measured.tilt_rad.to_degrees())
+    TableField::new(Column::real("tilt_deg", "deg", 4, "Difference in angle from the predicted track."), |pass| {
+        found(pass, pass.measured.tilt_rad.to_degrees())
     }),
-    TableField::new(Column::real("late_s", "s", 4, "Delay, if an end of the streak is in the frame."), |one| {
-        one.measured.late_s.map(|late| late.value).into()
+    TableField::new(Column::real("late_s", "s", 4, "Delay, if an end of the streak is in the frame."), |pass| {
+        pass.measured.late_s.map(|late| late.value).into()
     }),
-    TableField::new(Column::small("late_sigma_s", "s", 4, "Error (one sigma) of late_s."), |one| {
-        one.measured.late_s.map(|late| late.sigma).into()
+    TableField::new(Column::small("late_sigma_s", "s", 4, "Error (one sigma) of late_s."), |pass| {
+        pass.measured.late_s.map(|late| late.sigma).into()
     }),
     TableField::new(
         Column::small("late_expected_sigma_s", "s", 4, "Error (one sigma) of the prediction along the track."),
-        |one| Some(one.prediction.streak.lateness_sigma_s).filter(|_| one.prediction.id.is_empty()).into(),
+        |pass| Some(pass.prediction.streak.lateness_sigma_s).filter(|_| pass.prediction.id.is_empty()).into(),
     ),
-    TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |one| {
-        one.measured.ends.into()
+    TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |pass| {
+        pass.measured.ends.into()
     }),
-    TableField::new(Column::real("length_pix", "pix", 2, "Length in the frame."), |one| one.measured.length_pix.into()),
+    TableField::new(Column::real("length_pix", "pix", 2, "Length in the frame."), |pass| {
+        pass.measured.length_pix.into()
+    }),
     TableField::new(
         Column::real("seeing_arcsec", "arcsec", 3, "Seeing that the width of the streak implies."),
-        |one| one.measured.seeing_arcsec.into(),
+        |pass| pass.measured.seeing_arcsec.into(),
     ),
     TableField::new(
         Column::real("corridor_pix", "pix", 1, "Largest distance from the predicted track searched."),
-        |one| one.measured.corridor_pix.into(),
+        |pass| pass.measured.corridor_pix.into(),
     ),
-    TableField::new(Column::real("predicted_magnitude", "mag", 3, "Magnitude of the model."), |one| {
-        one.prediction.satellite.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
+    TableField::new(Column::real("predicted_magnitude", "mag", 3, "Magnitude of the model."), |pass| {
+        pass.prediction.satellite.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
     }),
-    TableField::new(Column::real("range_km", "km", 3, "Predicted distance."), |one| {
-        one.prediction.satellite.range_km.into()
+    TableField::new(Column::real("range_km", "km", 3, "Predicted distance."), |pass| {
+        pass.prediction.satellite.range_km.into()
     }),
-    TableField::new(Column::real("phase_angle_deg", "deg", 3, "Predicted angle Sun-satellite-observer."), |one| {
-        one.prediction.satellite.geometry.map(|geometry| geometry.phase_angle_rad().to_degrees()).into()
+    TableField::new(Column::real("phase_angle_deg", "deg", 3, "Predicted angle Sun-satellite-observer."), |pass| {
+        pass.prediction.satellite.geometry.map(|geometry| geometry.phase_angle_rad().to_degrees()).into()
     }),
     TableField::new(
         Column::real("sun_angle_deg", "deg", 3, "Predicted angle of satellite and Sun at the observer."),
-        |one| known(one, |geometry| geometry.sun_angle_rad().to_degrees()),
+        |pass| known(pass, |geometry| geometry.sun_angle_rad().to_degrees()),
     ),
     TableField::new(
         Column::real(
@@ -157,7 +159,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             3,
             "Predicted angle of the Sun from the nadir at the satellite.",
         ),
-        |one| known(one, |geometry| 90.0 + geometry.sun_latitude_rad.to_degrees()),
+        |pass| known(pass, |geometry| 90.0 + geometry.sun_latitude_rad.to_degrees()),
     ),
     TableField::new(
         Column::real(
@@ -166,7 +168,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             3,
             "Predicted angle of the observer from the nadir at the satellite.",
         ),
-        |one| known(one, |geometry| 90.0 + geometry.observer_latitude_rad.to_degrees()),
+        |pass| known(pass, |geometry| 90.0 + geometry.observer_latitude_rad.to_degrees()),
     ),
     TableField::new(
         Column::real(
@@ -175,7 +177,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             4,
             "Measured magnitude scaled to a distance of 550 km, at the same angles.",
         ),
-        |one| scaled(one, 550.0),
+        |pass| scaled(pass, 550.0),
     ),
     TableField::new(
         Column::real(
@@ -184,10 +186,10 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             4,
             "Measured magnitude scaled to a distance of 1000 km, at the same angles.",
         ),
-        |one| scaled(one, 1000.0),
+        |pass| scaled(pass, 1000.0),
     ),
-    TableField::new(Column::real("element_age_days", "d", 3, "Age of the elements."), |one| {
-        one.prediction.satellite.element_age_days.into()
+    TableField::new(Column::real("element_age_days", "d", 3, "Age of the elements."), |pass| {
+        pass.prediction.satellite.element_age_days.into()
     }),
     TableField::new(
         Column::new(
@@ -196,26 +198,26 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             "Remarks: saturated, edge, masked, width, no_gain, pixel_noise, position; for streaks of a table also open, \
              and masked, outside, short and no_ends for those that are not measured.",
         ),
-        |one| Value::List(one.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
+        |pass| Value::List(pass.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
     ),
 ];
 
 /// Returns `value` if the streak was found, otherwise a missing value.
-fn found(one: &MeasuredPass, value: f64) -> Value {
-    if one.measured.is_detected { value.into() } else { Value::Null }
+fn found(pass: &MeasuredPass, value: f64) -> Value {
+    if pass.measured.is_detected { value.into() } else { Value::Null }
 }
 
 /// Returns `value` if the position of the satellite is known, otherwise a missing value.
-fn known(one: &MeasuredPass, value: impl Fn(&ViewingGeometry) -> f64) -> Value {
-    let geometry = one.prediction.satellite.geometry.as_ref().filter(|_| one.prediction.is_position_known);
+fn known(pass: &MeasuredPass, value: impl Fn(&ViewingGeometry) -> f64) -> Value {
+    let geometry = pass.prediction.satellite.geometry.as_ref().filter(|_| pass.prediction.is_position_known);
     geometry.map(value).into()
 }
 
 /// Returns the measured magnitude at another distance; missing without a magnitude or a known position.
-fn scaled(one: &MeasuredPass, distance_km: f64) -> Value {
+fn scaled(pass: &MeasuredPass, distance_km: f64) -> Value {
     // m - 5 log10(r / r0)
     let change_mag = |geometry: &ViewingGeometry| 5.0 * (geometry.range_km / distance_km).log10();
-    one.magnitude.map_or(Value::Null, |magnitude| known(one, |geometry| magnitude.value - change_mag(geometry)))
+    pass.magnitude.map_or(Value::Null, |magnitude| known(pass, |geometry| magnitude.value - change_mag(geometry)))
 }
 
 /// Returns the table of all measurements.
@@ -302,55 +304,55 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         text("data_archive_link", ""),
         text("mpc_code", ""),
     ];
-    let is_usable = |one: &&MeasuredPass| {
-        one.is_calibrated
-            && one.prediction.is_position_known
-            && one.prediction.satellite.norad_id.is_some()
-            && if one.measured.is_detected {
-                one.magnitude.is_some() && !one.measured.flags.contains(&Flag::Saturated)
+    let is_usable = |pass: &&MeasuredPass| {
+        pass.is_calibrated
+            && pass.prediction.is_position_known
+            && pass.prediction.satellite.norad_id.is_some()
+            && if pass.measured.is_detected {
+                pass.magnitude.is_some() && !pass.measured.flags.contains(&Flag::Saturated)
             } else {
-                one.prediction.id.is_empty()
+                pass.prediction.id.is_empty()
             }
     };
-    let rows = passes.iter().filter(is_usable).map(|one| {
+    let rows = passes.iter().filter(is_usable).map(|pass| {
         let longitude_deg = site.longitude_rad.to_degrees();
-        let time_sigma_s = match one.measured.late_s {
+        let time_sigma_s = match pass.measured.late_s {
             Some(late) => late.sigma,
             // The satellite crossed during the exposure T: σ <= T / √12, that of an even distribution.
-            None => one.prediction.satellite.time_sigma_s.unwrap_or(f64::INFINITY).min(one.exposure_s / 12f64.sqrt()),
+            None => pass.prediction.satellite.time_sigma_s.unwrap_or(f64::INFINITY).min(pass.exposure_s / 12f64.sqrt()),
         };
-        let is_detected = one.measured.is_detected;
+        let is_detected = pass.measured.is_detected;
         let comment = if is_detected {
             format!(
                 "streak of {:.0} pixels, signal to noise {:.1}",
-                one.measured.length_pix, one.measured.signal_to_noise
+                pass.measured.length_pix, pass.measured.signal_to_noise
             )
         } else {
             "non-detection".to_owned()
         };
-        let limit = if is_detected { one.faintest_mag } else { one.limit_mag };
+        let limit = if is_detected { pass.faintest_mag } else { pass.limit_mag };
         vec![
-            Value::nonempty(&one.prediction.satellite.name),
-            one.prediction.satellite.norad_id.map(|id| id.0.to_string()).into(),
-            one.epoch.into(),
+            Value::nonempty(&pass.prediction.satellite.name),
+            pass.prediction.satellite.norad_id.map(|id| id.0.to_string()).into(),
+            pass.epoch.into(),
             time_sigma_s.into(),
-            one.magnitude.map(|magnitude| magnitude.value).into(),
-            one.magnitude.map(|magnitude| magnitude.sigma).into(),
+            pass.magnitude.map(|magnitude| magnitude.value).into(),
+            pass.magnitude.map(|magnitude| magnitude.sigma).into(),
             site.latitude_rad.to_degrees().into(),
             (if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg }).into(),
             site.height_m.into(),
             limit.into(),
             Value::nonempty(&observer.instrument),
             "CCD".into(),
-            one.filter.as_deref().unwrap_or("CLEAR").into(),
+            pass.filter.as_deref().unwrap_or("CLEAR").into(),
             Value::nonempty(&observer.email),
             Value::nonempty(&observer.orcid),
-            found(one, one.direction.longitude_rad().to_degrees().rem_euclid(360.0)),
-            found(one, one.direction.latitude_rad().to_degrees()),
+            found(pass, pass.direction.longitude_rad().to_degrees().rem_euclid(360.0)),
+            found(pass, pass.direction.latitude_rad().to_degrees()),
             Value::Null,
             Value::Null,
             Value::Null,
-            one.prediction.satellite.range_km.into(),
+            pass.prediction.satellite.range_km.into(),
             Value::Null,
             Value::Null,
             Value::Null,

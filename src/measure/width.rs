@@ -157,13 +157,13 @@ impl Measuring<'_> {
             of(at(ln_ratio)).unwrap_or(start)
         };
         let is_better = |other: &Amplitude| other.squares + noise < assumed.squares;
-        let by_squares = |one: &Amplitude, other: &Amplitude| one.squares.total_cmp(&other.squares);
+        let by_squares = |first: &Amplitude, other: &Amplitude| first.squares.total_cmp(&other.squares);
         // Forms are compared with a fitted width only if the assumed one has it, too.
         let best = if given.seeing_arcsec == measured_arcsec {
             let fitted = forms.into_iter().filter(|(optics, _)| optics.form != given.form).map(with_best_width);
             fitted.min_by(by_squares).filter(is_better)
         } else {
-            forms.sort_by(|one, other| by_squares(&one.1, &other.1));
+            forms.sort_by(|first, other| by_squares(&first.1, &other.1));
             forms.first().copied().filter(|(_, amplitude)| is_better(amplitude)).map(&mut with_best_width)
         };
         self.profile = profile;

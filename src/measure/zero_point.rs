@@ -81,7 +81,7 @@ impl StarZeroPoint {
 }
 
 /// Star that can be measured: its pixels, and its magnitude.
-struct Candidate {
+struct StarCandidate {
     star: CatalogueStar,
     stamp: Stamp,
 }
@@ -137,8 +137,10 @@ pub fn star_zero_point(
         _ => assumed,
     };
     let candidates = candidates(image, &placed, &profile, &mut found, watch)?;
-    let measured: Vec<(CatalogueStar, Aperture)> =
-        candidates.iter().filter_map(|one| Some((one.star, one.stamp.light(image, &profile)?))).collect();
+    let measured: Vec<(CatalogueStar, Aperture)> = candidates
+        .iter()
+        .filter_map(|candidate| Some((candidate.star, candidate.stamp.light(image, &profile)?)))
+        .collect();
     found.faint += candidates.len() - measured.len();
 
     let zero_point = |(star, light): &(CatalogueStar, Aperture)| star.magnitude + 2.5 * light.flux.log10();
@@ -159,10 +161,10 @@ pub fn star_zero_point(
     // Zero point from each star, with its error.
     let mut values: Vec<(f64, f64)> = usable
         .iter()
-        .map(|one| {
-            let (star, light) = one;
+        .map(|measurement| {
+            let (star, light) = measurement;
             let sigma = 2.5 / std::f64::consts::LN_10 * light.sigma / light.flux;
-            (if light.flux > 0.0 { zero_point(one) } else { f64::NEG_INFINITY }, sigma.hypot(star.sigma_mag))
+            (if light.flux > 0.0 { zero_point(measurement) } else { f64::NEG_INFINITY }, sigma.hypot(star.sigma_mag))
         })
         .collect();
     let all = values.len();
@@ -215,7 +217,7 @@ fn candidates(
     profile: &RadialProfile,
     found: &mut StarZeroPoint,
     watch: &Watch,
-) -> Result<Vec<Candidate>, MeasureError> {
+) -> Result<Vec<StarCandidate>, MeasureError> {
     let radius_pix = (APERTURE_WIDTHS * profile.fwhm_pix()).max(LEAST_APERTURE_PIX);
     let near_pix = SKY_RADII[0] * radius_pix;
     let mut kept = Vec::new();
@@ -239,7 +241,7 @@ fn candidates(
             found.saturated += 1;
             continue;
         }
-        kept.push(Candidate { star: *star, stamp });
+        kept.push(StarCandidate { star: *star, stamp });
     }
     Ok(kept)
 }
@@ -257,15 +259,15 @@ enum Width {
 /// than three such stars.
 fn width_ratio(
     image: &StreakImage<'_>,
-    candidates: &[Candidate],
+    candidates: &[StarCandidate],
     assumed: &RadialProfile,
     profile_of: impl Fn(f64) -> Option<RadialProfile>,
 ) -> Option<Width> {
-    let mut bright: Vec<(&Candidate, f64)> = candidates
+    let mut bright: Vec<(&StarCandidate, f64)> = candidates
         .iter()
-        .filter_map(|one| Some((one, one.stamp.light(image, assumed)?)))
+        .filter_map(|candidate| Some((candidate, candidate.stamp.light(image, assumed)?)))
         .filter(|(_, light)| light.flux >= WIDTH_SIGNAL_TO_NOISE * light.sigma)
-        .map(|(one, light)| (one, light.flux))
+        .map(|(candidate, light)| (candidate, light.flux))
         .collect();
     bright.sort_by(|a, b| b.1.total_cmp(&a.1));
     bright.truncate(MOST_WIDTH_STARS);
@@ -276,7 +278,7 @@ fn width_ratio(
     let step = (high - low) / (WIDTHS - 1) as f64;
     let profiles: Vec<(f64, Option<RadialProfile>)> =
         (0..WIDTHS).map(|index| low + step * index as f64).map(|ln| (ln, profile_of(ln.exp()))).collect();
-    let ratio_of = |candidate: &Candidate| -> Option<f64> {
+    let ratio_of = |candidate: &StarCandidate| -> Option<f64> {
         let squares: Vec<f64> = profiles
             .iter()
             .map(|(_, profile)| profile.as_ref().map_or(f64::INFINITY, |profile| candidate.stamp.squares(profile)))
@@ -291,7 +293,7 @@ fn width_ratio(
         // Vertex of the parabola through the three points.
         is_minimum.then(|| ln + 0.5 * step * (before - after) / (before - 2.0 * here + after))
     };
-    let ratios: Vec<f64> = bright.iter().filter_map(|(one, _)| ratio_of(one)).collect();
+    let ratios: Vec<f64> = bright.iter().filter_map(|(candidate, _)| ratio_of(candidate)).collect();
     let ln = (ratios.len() >= LEAST_STARS).then(|| median(ratios))?;
     let is_inside = (low + 0.5 * step..=high - 0.5 * step).contains(&ln);
     Some(if is_inside { Width::Inside(ln.exp()) } else { Width::AtEnd(ln.exp()) })

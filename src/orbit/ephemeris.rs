@@ -104,7 +104,8 @@ impl EphemerisTable {
         let reach_s = [times_s[0].min(usable_s[0]), times_s[times_s.len() - 1].max(usable_s[1])];
         let mut table =
             Self { file, created, start, usable_s, reach_s, times_s, positions, nodes, next_gap, variances };
-        table.variances = ephemeris.covariances.iter().map(|one| table.variances_of(one, &axes)).collect();
+        table.variances =
+            ephemeris.covariances.iter().map(|covariance| table.variances_of(covariance, &axes)).collect();
         table
     }
 
@@ -257,8 +258,8 @@ impl EphemerisTable {
         let times = beyond.chain(self.variances.iter().map(|(time_s, _)| *time_s)).chain(self.times_s.iter().copied());
         let covered = times.filter(|time_s| self.covers(*time_s, *time_s));
         let errors = covered.map(|time_s| self.uncertainty_at(time_s, class));
-        errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), one| {
-            (along_s.max(one.along_track_s), cross_km.max(one.cross_track_km))
+        errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), error| {
+            (along_s.max(error.along_track_s), cross_km.max(error.cross_track_km))
         })
     }
 
@@ -556,11 +557,11 @@ impl Segment {
 impl Attached {
     /// Joins ephemerides of one satellite, the preferred one first.
     pub fn joined(of_one: &[&Self]) -> Option<Self> {
-        let largest = of_one.iter().map(|one| one.largest_errors);
+        let largest = of_one.iter().map(|attached| attached.largest_errors);
         let mut joined = Self {
-            segments: of_one.iter().flat_map(|one| one.segments.iter().cloned()).collect(),
+            segments: of_one.iter().flat_map(|attached| attached.segments.iter().cloned()).collect(),
             class: of_one.first()?.class,
-            largest_errors: largest.fold((0.0, 0.0), |sum: (f64, f64), one| (sum.0.max(one.0), sum.1.max(one.1))),
+            largest_errors: largest.fold((0.0, 0.0), |sum: (f64, f64), error| (sum.0.max(error.0), sum.1.max(error.1))),
             jumps_minutes: Vec::new(),
         };
         joined.jumps_minutes = joined.jumps();
@@ -570,8 +571,10 @@ impl Attached {
     fn jumps(&self) -> Vec<f64> {
         /// A hundredth of a millisecond, in which a satellite moves by a decimetre.
         const BESIDE_MINUTES: f64 = 1e-5 / 60.0;
-        let ends =
-            self.segments.iter().flat_map(|one| one.table.ends_s().map(|end_s| one.start_minutes + end_s / 60.0));
+        let ends = self
+            .segments
+            .iter()
+            .flat_map(|segment| segment.table.ends_s().map(|end_s| segment.start_minutes + end_s / 60.0));
         let is_jump = |minutes: &f64| {
             let beside = [minutes - BESIDE_MINUTES, minutes + BESIDE_MINUTES].map(|minutes| {
                 let (table, time_s) = self.at(minutes);
@@ -585,7 +588,7 @@ impl Attached {
     /// Returns the name of the file; the first one, with the number of the others, of several.
     pub fn file(&self) -> Arc<str> {
         let first = self.segments[0].table.file();
-        let mut others: Vec<&Arc<str>> = self.segments.iter().map(|one| one.table.file()).collect();
+        let mut others: Vec<&Arc<str>> = self.segments.iter().map(|segment| segment.table.file()).collect();
         others.sort_unstable();
         others.dedup();
         match others.len() {
@@ -602,7 +605,7 @@ impl Attached {
             return (&preferred.table, preferred.seconds(minutes));
         }
         let first = |is_for: &dyn Fn(&EphemerisTable, f64) -> bool| {
-            let mut all = self.segments.iter().map(|one| (&*one.table, one.seconds(minutes)));
+            let mut all = self.segments.iter().map(|segment| (&*segment.table, segment.seconds(minutes)));
             all.find(|(table, time_s)| is_for(table, *time_s))
         };
         let found = first(&|table, time_s| table.covers(time_s, time_s));
@@ -614,7 +617,7 @@ impl Attached {
     pub fn state_at(&self, minutes: f64) -> Option<State<Teme>> {
         let (table, time_s) = self.at(minutes);
         // Between adjoining ephemerides, rounding leaves times that neither has exactly.
-        let of_any = || self.segments.iter().find_map(|one| one.table.state_at(one.seconds(minutes)));
+        let of_any = || self.segments.iter().find_map(|segment| segment.table.state_at(segment.seconds(minutes)));
         table.state_at(time_s).or_else(of_any)
     }
 
@@ -627,20 +630,22 @@ impl Attached {
     /// Returns true if one ephemeris is for the middle of an interval, minutes after the epoch of the element set, and
     /// positions can be computed in it and for the delays that are searched.
     pub fn is_for_middle(&self, [from, to]: [f64; 2]) -> bool {
-        let [one] = &self.segments[..] else { return false };
-        let middle_s = one.seconds(0.5 * (from + to));
-        one.table.covers(middle_s, middle_s)
-            && one.table.reaches(one.seconds(from) - EPHEMERIS_MARGIN_S, one.seconds(to) + EPHEMERIS_MARGIN_S)
+        let [segment] = &self.segments[..] else { return false };
+        let middle_s = segment.seconds(0.5 * (from + to));
+        segment.table.covers(middle_s, middle_s)
+            && segment
+                .table
+                .reaches(segment.seconds(from) - EPHEMERIS_MARGIN_S, segment.seconds(to) + EPHEMERIS_MARGIN_S)
     }
 
     /// Returns true if the ephemerides are for an interval, minutes after the epoch of the element set, and for
     /// `beyond_s` before and after it, and positions can be computed for the delays that are searched. Several
     /// ephemerides must agree where positions change from one to another.
     pub fn covers(&self, [from, to]: [f64; 2], beyond_s: f64) -> bool {
-        if let [one] = &self.segments[..] {
-            let (from_s, to_s) = (one.seconds(from) - beyond_s, one.seconds(to) + beyond_s);
-            return one.table.covers(from_s, to_s)
-                && one.table.reaches(from_s - EPHEMERIS_MARGIN_S, to_s + EPHEMERIS_MARGIN_S);
+        if let [segment] = &self.segments[..] {
+            let (from_s, to_s) = (segment.seconds(from) - beyond_s, segment.seconds(to) + beyond_s);
+            return segment.table.covers(from_s, to_s)
+                && segment.table.reaches(from_s - EPHEMERIS_MARGIN_S, to_s + EPHEMERIS_MARGIN_S);
         }
         let reach_minutes = (beyond_s + EPHEMERIS_MARGIN_S) / 60.0;
         if self.jumps_minutes.iter().any(|jump| (from - reach_minutes..=to + reach_minutes).contains(jump)) {
@@ -649,10 +654,10 @@ impl Attached {
         let has_no_hole = |beyond_s: f64, limits: &dyn Fn(&EphemerisTable) -> [f64; 2]| {
             let (mut known, to) = (from - beyond_s / 60.0, to + beyond_s / 60.0);
             loop {
-                let ends = self.segments.iter().filter_map(|one| {
-                    let at_s = one.seconds(known);
-                    let [_, end_s] = one.table.covered_within(limits(&one.table), [at_s, at_s])?;
-                    Some(one.start_minutes + end_s / 60.0)
+                let ends = self.segments.iter().filter_map(|segment| {
+                    let at_s = segment.seconds(known);
+                    let [_, end_s] = segment.table.covered_within(limits(&segment.table), [at_s, at_s])?;
+                    Some(segment.start_minutes + end_s / 60.0)
                 });
                 let Some(end) = ends.max_by(f64::total_cmp) else { return false };
                 if end >= to {
@@ -672,11 +677,11 @@ impl Attached {
 
     /// Returns true if a part of an interval, minutes after the epoch of the element set, is covered.
     pub fn overlaps(&self, [from, to]: [f64; 2]) -> bool {
-        self.segments.iter().any(|one| one.table.overlaps(one.seconds(from), one.seconds(to)))
+        self.segments.iter().any(|segment| segment.table.overlaps(segment.seconds(from), segment.seconds(to)))
     }
 
     /// Returns true if two ephemerides of one message are for the same time and differ.
     pub fn contradicts(&self, other: &Self) -> bool {
-        self.segments.iter().any(|own| other.segments.iter().any(|one| own.table.contradicts(&one.table)))
+        self.segments.iter().any(|own| other.segments.iter().any(|segment| own.table.contradicts(&segment.table)))
     }
 }

@@ -36,7 +36,7 @@ pub(crate) use lateness::Lateness;
 pub(crate) use observer_orbit::ObserverOrbit;
 pub(crate) use propagator::{EphemerisCoverage, elements_of_age};
 pub use propagator::{LeftOut, OrbitError, Propagator};
-pub(crate) use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
+pub(crate) use search::{Beam, Cone, Cones, CrossingCandidate, MAX_WINDOW_S, Reach, ShadowCone, Window};
 pub use state::State;
 pub(crate) use uncertainty::LEAST_KNOWN_SHARE;
 

@@ -34,7 +34,8 @@ impl ObserverOrbit {
 
     /// Creates the orbit of one or more ephemerides of one object.
     pub fn of_ephemerides(ephemerides: &[Arc<Ephemeris>], eop: &EopTable) -> Self {
-        let mut tables: Vec<EphemerisTable> = ephemerides.iter().map(|one| EphemerisTable::new(one, eop)).collect();
+        let mut tables: Vec<EphemerisTable> =
+            ephemerides.iter().map(|ephemeris| EphemerisTable::new(ephemeris, eop)).collect();
         tables.sort_by_cached_key(|table| Reverse(table.rank()));
         Self(Source::Ephemerides(tables.into()))
     }
@@ -50,7 +51,7 @@ impl ObserverOrbit {
     /// Returns true if two ephemerides of one message are for the same time and differ by more than a kilometre.
     pub fn is_contradictory(&self) -> bool {
         let Source::Ephemerides(tables) = &self.0 else { return false };
-        tables.iter().enumerate().any(|(at, one)| tables[at + 1..].iter().any(|other| one.contradicts(other)))
+        tables.iter().enumerate().any(|(at, table)| tables[at + 1..].iter().any(|other| table.contradicts(other)))
     }
 
     /// Returns the longest part of an interval around another one, `inner`, for which one ephemeris gives positions; the

@@ -81,19 +81,19 @@ impl OrbitModel {
     ///
     /// Sets closer than 2.5 days or farther than 16 days, and those of another orbit, are not used. Satellites other than
     /// Starlinks are propagated with `set` alone.
-    pub fn of(set: &ElementSet, others: &[ElementSet], moment: Epoch, drag: DragModel) -> Self {
-        let alone = |elements: ElementSet| Self { elements, class: OrbitClass::of(set, drag) };
+    pub fn from_sets(set: &ElementSet, others: &[ElementSet], moment: Epoch, drag: DragModel) -> Self {
+        let alone = |elements: ElementSet| Self { elements, class: OrbitClass::from_elements(set, drag) };
         let Some(class) = drag.class_of(set) else { return alone(set.clone()) };
         let kept = class.kept_mean_motion(set);
         let of_one = || drag.propagated(set);
         if others.is_empty() || matches!(class, StarlinkClass::Raising | StarlinkClass::Descending) {
             return alone(of_one());
         }
-        let links = Links::of(set, others, moment);
+        let links = Links::new(set, others, moment);
         let Some(nearest) = links.best() else { return alone(of_one()) };
         let with = |elements: ElementSet, motion: MeanMotion, days: f64| Self {
             elements,
-            class: OrbitClass::of(set, drag).with_mean_motion(motion, days),
+            class: OrbitClass::from_elements(set, drag).with_mean_motion(motion, days),
         };
         let period_s = DAY_S / set.mean_motion_rev_day;
         if let Some(kept) = kept {
@@ -145,7 +145,7 @@ struct Links {
 }
 
 impl Links {
-    fn of(set: &ElementSet, others: &[ElementSet], moment: Epoch) -> Self {
+    fn new(set: &ElementSet, others: &[ElementSet], moment: Epoch) -> Self {
         let days_to = |epoch: Epoch| (epoch.to_utc_duration() - set.epoch.to_utc_duration()).to_unit(Unit::Day);
         let at_days = days_to(moment);
         let usable: Vec<(f64, &ElementSet)> = others

@@ -160,7 +160,7 @@ impl Propagator {
         let period_s = DAY_S / elements.mean_motion_rev_day;
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for perturbations by Moon and Sun.
         let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
-        let resonance = Resonance::of(&constants).map(Box::new);
+        let resonance = Resonance::new(&constants).map(Box::new);
         Ok(Self {
             constants,
             epoch: elements.epoch,
@@ -188,7 +188,7 @@ impl Propagator {
     /// Returns the propagator of a satellite with several ephemerides, the preferred one first, for times that only
     /// several of them cover; `None` unless there are several.
     fn joined(of_one: &[Self]) -> Option<Self> {
-        let attached: Vec<&Attached> = of_one.iter().filter_map(|one| one.ephemeris.as_deref()).collect();
+        let attached: Vec<&Attached> = of_one.iter().filter_map(|propagator| propagator.ephemeris.as_deref()).collect();
         let joined = Attached::joined(&attached).filter(|joined| joined.segments.len() > 1)?;
         Some(Self { ephemeris: Some(Box::new(joined)), ..of_one.first()?.clone() })
     }
@@ -472,7 +472,10 @@ impl SatelliteIndex {
                 let table = Arc::new(EphemerisTable::new(ephemeris, eop));
                 let of = |&position: &usize| {
                     let propagator = self.propagators[position].as_ref()?;
-                    Some((position, propagator.with_ephemeris(&table, OrbitClass::of(&elements[position], self.drag))))
+                    Some((
+                        position,
+                        propagator.with_ephemeris(&table, OrbitClass::from_elements(&elements[position], self.drag)),
+                    ))
                 };
                 positions.iter().filter_map(of).collect::<Vec<_>>()
             })
@@ -481,12 +484,13 @@ impl SatelliteIndex {
             self.ephemerides.entry(position).or_default().push(propagator);
         }
         for (position, of_one) in &mut self.ephemerides {
-            of_one.sort_by_cached_key(|one| {
-                Reverse(one.ephemeris.as_ref().map(|attached| attached.segments[0].table.rank()))
+            of_one.sort_by_cached_key(|propagator| {
+                Reverse(propagator.ephemeris.as_ref().map(|attached| attached.segments[0].table.rank()))
             });
-            let attached: Vec<_> = of_one.iter().filter_map(|one| one.ephemeris.as_deref()).collect();
-            let contradicts =
-                |(at, one): (usize, &&Attached)| attached[at + 1..].iter().any(|other| one.contradicts(other));
+            let attached: Vec<_> = of_one.iter().filter_map(|propagator| propagator.ephemeris.as_deref()).collect();
+            let contradicts = |(at, ephemeris): (usize, &&Attached)| {
+                attached[at + 1..].iter().any(|other| ephemeris.contradicts(other))
+            };
             if attached.iter().enumerate().any(contradicts) {
                 self.contradictory.push(*position);
             }
@@ -505,9 +509,9 @@ impl SatelliteIndex {
     /// covers it and the delays searched, or with several that together cover it without a hole, otherwise SGP4.
     pub fn propagator_over(&self, element_index: usize, ends: [Epoch; 2]) -> Option<&Propagator> {
         let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
-        let covering = of_one.iter().find(|one| one.covers(ends, 0.0));
+        let covering = of_one.iter().find(|propagator| propagator.covers(ends, 0.0));
         // Where ephemerides do not join, that of the middle is used beyond its interval, if it has states there.
-        let of_middle = || of_one.iter().find(|one| one.is_for_middle(ends));
+        let of_middle = || of_one.iter().find(|propagator| propagator.is_for_middle(ends));
         covering.or_else(of_middle).or_else(|| self.propagator(element_index))
     }
 
@@ -520,9 +524,9 @@ impl SatelliteIndex {
     /// which these are used.
     pub fn ephemeris_coverage(&self, ends: [Epoch; 2]) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
         self.ephemerides.iter().map(move |(&position, of_one)| {
-            let coverage = if of_one.iter().any(|one| one.covers(ends, 0.0)) {
+            let coverage = if of_one.iter().any(|propagator| propagator.covers(ends, 0.0)) {
                 EphemerisCoverage::Whole
-            } else if of_one.iter().any(|one| one.overlaps(ends)) {
+            } else if of_one.iter().any(|propagator| propagator.overlaps(ends)) {
                 EphemerisCoverage::Part
             } else {
                 EphemerisCoverage::None
@@ -535,9 +539,9 @@ impl SatelliteIndex {
     /// across it; 0 without any.
     pub fn largest_stated_errors(&self, element_index: usize) -> (f64, f64) {
         let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
-        let attached = of_one.iter().filter_map(|one| one.ephemeris.as_ref());
+        let attached = of_one.iter().filter_map(|propagator| propagator.ephemeris.as_ref());
         let errors = attached.map(|attached| attached.largest_errors);
-        errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), one| (along_s.max(one.0), cross_km.max(one.1)))
+        errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), error| (along_s.max(error.0), cross_km.max(error.1)))
     }
 
     /// Returns the source of positions for exposures with a part in an interval, none of them longer than `longest_s`.
@@ -545,7 +549,7 @@ impl SatelliteIndex {
         let Some(sgp4) = self.propagator(element_index) else { return SearchedPropagator::Absent };
         match self.ephemerides.get(&element_index).map(Vec::as_slice) {
             Some([latest, ..]) if latest.covers(ends, longest_s) => SearchedPropagator::One(latest),
-            Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => SearchedPropagator::Several,
+            Some(of_one) if of_one.iter().any(|propagator| propagator.overlaps(ends)) => SearchedPropagator::Several,
             _ => SearchedPropagator::One(sgp4),
         }
     }

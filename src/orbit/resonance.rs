@@ -30,7 +30,7 @@ impl Clone for Resonance {
 
 impl Resonance {
     /// Returns the integration start of an orbit with resonances, `None` for others.
-    pub fn of(constants: &Constants) -> Option<Self> {
+    pub fn new(constants: &Constants) -> Option<Self> {
         constants.initial_state().map(|initial| Self { initial, kept: Mutex::new(initial) })
     }
 

@@ -64,7 +64,7 @@ impl DragModel {
     pub fn class_of(self, elements: &ElementSet) -> Option<StarlinkClass> {
         match self {
             Self::Published => None,
-            Self::StationKeeping => StarlinkClass::of(elements),
+            Self::StationKeeping => StarlinkClass::from_elements(elements),
         }
     }
 
@@ -157,7 +157,7 @@ impl StarlinkClass {
     }
 
     /// The class of an element set; `None` for other satellites, debris, rocket bodies and satellites without a name.
-    pub fn of(elements: &ElementSet) -> Option<Self> {
+    pub fn from_elements(elements: &ElementSet) -> Option<Self> {
         let (generation, certainty) = GenerationTable::embedded().classify(elements);
         let is_named = certainty != Certainty::Guess || elements.name.starts_with("STARLINK");
         if !is_named || elements.origin == Origin::Synthetic {

@@ -141,7 +141,7 @@ impl OrbitClass {
     /// station, and 58 % of the manoeuvring ones. The semi-major axis of the missed ones changes by 190 m a day in the
     /// median, and their ṅ increases their sigma. Satellites without a name in an orbit like a constellation's
     /// (inclination, altitude, nearly circular) count as its members.
-    pub fn of(elements: &ElementSet, drag: DragModel) -> Self {
+    pub fn from_elements(elements: &ElementSet, drag: DragModel) -> Self {
         let kind = match (elements.origin, drag.class_of(elements)) {
             (Origin::Synthetic, _) => OrbitKind::Synthetic,
             (Origin::Published, Some(class)) => OrbitKind::Starlink(class, MeanMotion::OneSet),
@@ -174,7 +174,7 @@ impl OrbitClass {
                 starlink_lateness::lateness(class, motion, age_days, self.drag_s_day2, self.baseline_days, cap_s)
             }
             OrbitKind::SpaceStation => self.of_station(age_days.abs(), cap_s),
-            kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age_days.abs())),
+            kind => Lateness::gaussian(Growth::for_kind(kind).along_track_s(self, age_days.abs())),
         };
         usual.scaled(self.lateness_factor)
     }
@@ -188,7 +188,7 @@ impl OrbitClass {
     fn of_station(&self, age: f64, cap_s: f64) -> Lateness {
         let drag_s_day2 = self.drag_s_day2.max(STATION_DRAG_S_DAY2);
         let drifting = Self { kind: OrbitKind::LowEarth, drag_s_day2, ..*self };
-        let core_s = Growth::of(OrbitKind::LowEarth).along_track_s(&drifting, age);
+        let core_s = Growth::for_kind(OrbitKind::LowEarth).along_track_s(&drifting, age);
         // The probability of a raise in a time t is 1 - exp(-t/τ).
         let raised = 1.0 - (-age / STATION_RAISE_DAYS).exp();
         let raised_s = (STATION_RAISE_S_DAY * age).max(core_s).min(cap_s);
@@ -231,7 +231,7 @@ impl OrbitClass {
     /// One-sigma error across the track at an age in days, km.
     pub fn cross_track_km(&self, age_days: f64) -> f64 {
         let age = age_days.abs();
-        let growth_km = Growth::of(self.kind).cross_track_km(self, age);
+        let growth_km = Growth::for_kind(self.kind).cross_track_km(self, age);
         growth_km.hypot(CROSS_FLOOR_KM).min(CROSS_CAP_KM)
     }
 
@@ -310,7 +310,7 @@ impl Growth {
 
     /// The fits of `tests/reference/calibrate_orbit_uncertainty.py`, rounded to two or three digits.
     #[rustfmt::skip]
-    const fn of(kind: OrbitKind) -> Self {
+    const fn for_kind(kind: OrbitKind) -> Self {
         match kind {
             OrbitKind::OnStation      => Self { k1: 0.22,  k2: 0.027,  c: 1.34, f: 1.49, p: 0.95, q: 0.30,  kx: 0.097, px: 1.06, cx: 1.29 },
             OrbitKind::Manoeuvring    => Self { k1: 0.017, k2: 0.014,  c: 0.0,  f: 1.43, p: 2.27, q: 0.675, kx: 0.136, px: 1.66, cx: 0.33 },
@@ -324,7 +324,7 @@ impl Growth {
                 StarlinkClass::Station      => Self::of_starlink(0.111, 1.12),
                 StarlinkClass::StrongDrag   => Self::of_starlink(0.142, 0.99),
                 StarlinkClass::DirectToCell => Self::of_starlink(0.252, 0.87),
-                StarlinkClass::Parked | StarlinkClass::Raising | StarlinkClass::MovingV15 | StarlinkClass::Descending => Self::of(OrbitKind::Manoeuvring),
+                StarlinkClass::Parked | StarlinkClass::Raising | StarlinkClass::MovingV15 | StarlinkClass::Descending => Self::for_kind(OrbitKind::Manoeuvring),
             },
         }
     }
@@ -530,7 +530,7 @@ mod tests {
     /// January 2022: the station was raised in between.
     #[test]
     fn valid_a_raised_station_is_late_by_as_much_as_stated() {
-        let iss = OrbitClass::of(
+        let iss = OrbitClass::from_elements(
             &elements("ISS (ZARYA)", 15.4988, 6e-4, 51.64, 3.2e-5, Origin::Published),
             DragModel::Published,
         );
@@ -558,7 +558,8 @@ mod tests {
 
     #[test]
     fn a_synthetic_shell_never_ages() {
-        let class = OrbitClass::of(&elements("", 15.06, 0.0, 53.0, 0.0, Origin::Synthetic), DragModel::default());
+        let class =
+            OrbitClass::from_elements(&elements("", 15.06, 0.0, 53.0, 0.0, Origin::Synthetic), DragModel::default());
         assert_eq!(class.kind, OrbitKind::Synthetic);
         assert_eq!(uncertainty(class, 0.0), uncertainty(class, 500.0));
     }
@@ -585,7 +586,7 @@ mod tests {
         ];
         for (name, n, e, inclination, dot, kind) in cases {
             let set = elements(name, n, e, inclination, dot, Origin::Published);
-            assert_eq!(OrbitClass::of(&set, DragModel::Published).kind, kind, "{name} {n} {dot}");
+            assert_eq!(OrbitClass::from_elements(&set, DragModel::Published).kind, kind, "{name} {n} {dot}");
         }
     }
 }

@@ -61,8 +61,8 @@ fn civil_from_days(days: i128) -> (i128, i128, i128) {
 }
 
 /// Formats a count with the singular or the plural of its noun: `1 pass`, `2 passes`.
-pub fn counted(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
+pub fn counted(count: usize, singular: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { singular } else { many })
 }
 
 #[cfg(test)]

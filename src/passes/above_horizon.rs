@@ -82,7 +82,7 @@ struct Near {
 }
 
 impl Near {
-    fn of(propagator: &Propagator, min_altitude_rad: f64) -> Self {
+    fn new(propagator: &Propagator, min_altitude_rad: f64) -> Self {
         let (perigee_km, apogee_km) = propagator.perigee_apogee_km();
         let (perigee_km, apogee_km) = (perigee_km - RADIUS_SLOP_KM, apogee_km + RADIUS_SLOP_KM);
         // The geocentric angle between a site at radius R and a satellite at radius r and altitude h is
@@ -126,7 +126,7 @@ impl HorizonSearch<'_> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
         let step_s = span_s / steps;
-        let near = Near::of(self.propagator, min_altitude_rad);
+        let near = Near::new(self.propagator, min_altitude_rad);
         let mut samples = Vec::new();
         let mut step = 0.0;
         while step <= steps {

@@ -13,7 +13,7 @@ use super::track::ObserverMotion;
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_between};
 use crate::geometry::ShadowModel;
-use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
+use crate::orbit::{Cone, Cones, CrossingCandidate, OrbitArc, ShadowCone, Window};
 
 /// Longest slice of an exposure that is searched with one position of an observer on the ground, seconds. From the
 /// middle of the slice to its ends the observer moves by 14 km.
@@ -99,7 +99,7 @@ impl Sky {
         field: &FieldOnSky,
         flight: Option<&Arc<OrbitArc>>,
         include_dark: bool,
-        seen: &mut Vec<Candidate>,
+        seen: &mut Vec<CrossingCandidate>,
     ) -> Result<Vec<CandidateInterval>, SkyError> {
         let start_s = seconds_between(scene.start, exposure.start);
         let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };

@@ -32,7 +32,7 @@ impl Sky {
     ) -> Result<(Self, usize), SkyError> {
         self.measured = Arc::default();
         let mut by_satellite = BTreeMap::<NoradId, Vec<&MeasuredMagnitude>>::new();
-        measured.iter().for_each(|one| by_satellite.entry(one.norad_id).or_default().push(one));
+        measured.iter().for_each(|measurement| by_satellite.entry(measurement.norad_id).or_default().push(measurement));
         let (mut passes, mut not_used) = (BTreeMap::new(), 0);
         for (norad_id, mut of_satellite) in by_satellite {
             // The catalogue number of a simulated satellite may be that of a real one.
@@ -42,21 +42,21 @@ impl Sky {
                 not_used += of_satellite.len();
                 continue;
             };
-            of_satellite.sort_by_key(|one| one.epoch);
+            of_satellite.sort_by_key(|measurement| measurement.epoch);
             let mut of_index = Vec::new();
             for pass in of_satellite.chunk_by(|a, b| seconds_between(a.epoch, b.epoch) <= LONGEST_PASS_GAP_S) {
                 let step = pass.len().div_ceil(MOST_OF_A_PASS);
                 let used: Vec<&MeasuredMagnitude> = pass.iter().step_by(step).copied().collect();
-                let times: Vec<Epoch> = used.iter().map(|one| one.epoch).collect();
+                let times: Vec<Epoch> = used.iter().map(|measurement| measurement.epoch).collect();
                 let (points, _) = self.ephemeris(&[index], &times, Some(photometry))?;
                 let residual = |point: &super::ephemeris::EphemerisPoint| {
-                    let (light, one) = (point.point.brightness.as_ref()?, used[point.time_index]);
+                    let (light, measurement) = (point.point.brightness.as_ref()?, used[point.time_index]);
                     let more_mag2 = (light.sigma_mag.powi(2) - light.scatter_mag.powi(2)).max(0.0);
                     Some(PassResidual {
                         geometry: point.point.geometry,
-                        residual_mag: one.magnitude.0 - light.magnitude.0,
+                        residual_mag: measurement.magnitude.0 - light.magnitude.0,
                         scatter_mag: light.scatter_mag,
-                        error_mag: more_mag2.sqrt().hypot(one.sigma_mag),
+                        error_mag: more_mag2.sqrt().hypot(measurement.sigma_mag),
                     })
                 };
                 match PassUpdate::new(points.iter().filter_map(residual).collect()) {

@@ -235,8 +235,8 @@ pub(super) fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
 
 /// Returns a root between two times at which the function has opposite signs, to [`ROOT_S`]. The method is inverse
 /// quadratic interpolation where that is safe, otherwise bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
-pub(super) fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
-    let ((mut a, mut fa), (mut b, mut fb)) = (one, other);
+pub(super) fn root(function: impl Fn(f64) -> f64, first: (f64, f64), other: (f64, f64)) -> f64 {
+    let ((mut a, mut fa), (mut b, mut fb)) = (first, other);
     let mut share = 0.5;
     // Bisection halves the bracket at each step, so 100 steps suffice for any bracket.
     for _ in 0..100 {

@@ -107,20 +107,20 @@ impl Sky {
         };
         let by_time: Vec<Vec<Result<Option<EphemerisPoint>, LeftOut>>> =
             times.par_iter().enumerate().map(at_time).collect::<Result<_, SkyError>>()?;
-        let is_requested = |one: &&LeftOut| element_indices.contains(&one.element_index);
+        let is_requested = |satellite: &&LeftOut| element_indices.contains(&satellite.element_index);
         let mut left_out: Vec<LeftOut> = self.left_out().iter().filter(is_requested).cloned().collect();
         let mut points = Vec::with_capacity(count);
         let mut columns: Vec<_> = by_time.into_iter().map(Vec::into_iter).collect();
         for _ in element_indices {
-            for one in columns.iter_mut().filter_map(Iterator::next) {
-                match one {
+            for result in columns.iter_mut().filter_map(Iterator::next) {
+                match result {
                     Ok(point) => points.extend(point),
                     Err(failed) => left_out.push(failed),
                 }
             }
         }
-        left_out.sort_by_key(|one| one.element_index);
-        left_out.dedup_by_key(|one| one.element_index);
+        left_out.sort_by_key(|satellite| satellite.element_index);
+        left_out.dedup_by_key(|satellite| satellite.element_index);
         Ok((points, left_out))
     }
 

@@ -73,12 +73,12 @@ impl Exposure {
 /// is longer than a window forms a group of its own.
 pub(super) fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
-    order.sort_by_key(|&one| exposures[one].start);
+    order.sort_by_key(|&index| exposures[index].start);
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    for one in order {
+    for index in order {
         match groups.last_mut() {
-            Some(group) if exposures[one].end_s(exposures[group[0]].start) <= MAX_WINDOW_S => group.push(one),
-            _ => groups.push(vec![one]),
+            Some(group) if exposures[index].end_s(exposures[group[0]].start) <= MAX_WINDOW_S => group.push(index),
+            _ => groups.push(vec![index]),
         }
     }
     groups

@@ -165,10 +165,10 @@ impl Field {
             let (sin, cos) = (std::f64::consts::PI * direction as f64 / DIRECTIONS as f64).sin_cos();
             let extent = |outline: &Vec<[f64; 2]>| {
                 let along = outline.iter().map(|[x, y]| x * cos + y * sin);
-                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| (low.min(one), high.max(one)))
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
             };
             let mut extents: Vec<(f64, f64)> = outlines.iter().map(extent).collect();
-            extents.sort_by(|one, other| one.0.total_cmp(&other.0));
+            extents.sort_by(|first, other| first.0.total_cmp(&other.0));
             let covered = (0.0, f64::NEG_INFINITY);
             let union =
                 |(sum, end): (f64, f64), (low, high): (f64, f64)| (sum + (high - low.max(end)).max(0.0), high.max(end));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
-use super::predictability::{One, Predictability};
+use super::predictability::{Predictability, SatelliteLateness};
 use super::scene::{middle_of_window, window_number};
 use super::sky::Sky;
 use crate::orbit::{OrbitError, Propagator};
@@ -29,10 +29,13 @@ impl Sky {
                 (uncertainty.along_track_s, uncertainty.lateness)
             };
             let is_known = self.unknown_position(element_index, propagator, middle).is_none();
-            Some(One { age_days: self.element_age_days(element_index, middle), lateness: is_known.then(lateness) })
+            Some(SatelliteLateness {
+                age_days: self.element_age_days(element_index, middle),
+                lateness: is_known.then(lateness),
+            })
         };
         let all = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
-        let found = Arc::new(Predictability::of(all));
+        let found = Arc::new(Predictability::new(all));
         self.predictabilities().keep(number, &found);
         found
     }

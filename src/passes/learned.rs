@@ -247,30 +247,34 @@ impl LearnedFile {
         };
         time("first_utc".to_owned(), &self.first_utc)?;
         time("last_utc".to_owned(), &self.last_utc)?;
-        for (at, one) in self.kinds.iter().enumerate() {
-            if self.kinds[..at].iter().any(|other| other.kind == one.kind) {
-                return Err(wrong(format!("kinds[{at}].kind"), one.kind.to_string(), "each kind once".to_owned()));
+        for (at, learned) in self.kinds.iter().enumerate() {
+            if self.kinds[..at].iter().any(|other| other.kind == learned.kind) {
+                return Err(wrong(format!("kinds[{at}].kind"), learned.kind.to_string(), "each kind once".to_owned()));
             }
-            if let Some(magnitude) = &one.magnitude {
+            if let Some(magnitude) = &learned.magnitude {
                 let key = |name: &str| format!("kinds[{at}].magnitude.{name}");
                 range(key("offset_mag"), magnitude.offset_mag, offsets)?;
                 range(key("sigma_mag"), magnitude.sigma_mag, SIGMAS_MAG)?;
             }
-            if let Some(lateness) = &one.lateness {
+            if let Some(lateness) = &learned.lateness {
                 range(format!("kinds[{at}].lateness.factor"), lateness.factor, LATENESS_FACTORS)?;
             }
         }
         let mut seen = std::collections::BTreeSet::new();
-        for (at, one) in self.satellites.iter().enumerate() {
+        for (at, satellite) in self.satellites.iter().enumerate() {
             let key = |name: &str| format!("satellites[{at}].{name}");
-            if !seen.insert(one.norad_id) {
-                return Err(wrong(key("norad_id"), one.norad_id.to_string(), "each satellite once".to_owned()));
+            if !seen.insert(satellite.norad_id) {
+                return Err(wrong(key("norad_id"), satellite.norad_id.to_string(), "each satellite once".to_owned()));
             }
-            if self.magnitude_of(one.kind).is_none() {
-                return Err(wrong(key("kind"), one.kind.to_string(), "a kind in kinds with a magnitude".to_owned()));
+            if self.magnitude_of(satellite.kind).is_none() {
+                return Err(wrong(
+                    key("kind"),
+                    satellite.kind.to_string(),
+                    "a kind in kinds with a magnitude".to_owned(),
+                ));
             }
-            range(key("offset_mag"), one.offset_mag, offsets)?;
-            range(key("sigma_mag"), one.sigma_mag, SIGMAS_MAG)?;
+            range(key("offset_mag"), satellite.offset_mag, offsets)?;
+            range(key("sigma_mag"), satellite.sigma_mag, SIGMAS_MAG)?;
         }
         Ok(())
     }
@@ -278,7 +282,7 @@ impl LearnedFile {
     /// Returns the entry of a kind; `None` if it is not in the file.
     #[doc(hidden)]
     pub fn of_kind(&self, kind: Generation) -> Option<&LearnedKind> {
-        self.kinds.iter().find(|one| one.kind == kind)
+        self.kinds.iter().find(|learned| learned.kind == kind)
     }
 
     /// Returns the correction of the magnitudes of a kind.
@@ -288,15 +292,15 @@ impl LearnedFile {
 
     /// Returns the factor of the error along the track of a kind; 1 without measurements.
     pub fn lateness_factor(&self, kind: Generation) -> f64 {
-        self.of_kind(kind).and_then(|one| one.lateness.as_ref()).map_or(1.0, |lateness| lateness.factor)
+        self.of_kind(kind).and_then(|learned| learned.lateness.as_ref()).map_or(1.0, |lateness| lateness.factor)
     }
 
     /// Returns a summary for the provenance of results.
     pub fn summary(&self, path: &str) -> serde_json::Value {
-        let models = self.kinds.iter().filter_map(|one| {
-            let magnitude = one.magnitude.as_ref()?;
+        let models = self.kinds.iter().filter_map(|learned| {
+            let magnitude = learned.magnitude.as_ref()?;
             Some(serde_json::json!({
-                "kind": one.kind.name(), "model": magnitude.model, "offset_mag": magnitude.offset_mag,
+                "kind": learned.kind.name(), "model": magnitude.model, "offset_mag": magnitude.offset_mag,
                 "sigma_mag": magnitude.sigma_mag, "passes": magnitude.passes,
             }))
         });

@@ -79,7 +79,7 @@ impl ModelChoice {
             assumed: assumed.collect(),
             by_generation,
             standard_magnitudes: StandardMagnitudes::default(),
-            bright: BrightObjects::embedded().iter().map(|one| (one.name, Arc::new(one.model()))).collect(),
+            bright: BrightObjects::embedded().iter().map(|object| (object.name, Arc::new(object.model()))).collect(),
             rocket_body: library.find("rocket-body")?,
             priors: Priors { low_orbit: library.find("unknown")?, high_orbit: library.find("high-orbit")? },
             learned: Learned::default(),
@@ -92,7 +92,9 @@ impl ModelChoice {
     /// # Errors
     /// [`LearnedError::OtherModel`] if the model of a kind is not the one in the file.
     pub fn with_learned(mut self, file: LearnedFile, origin: &str) -> Result<Self, LearnedError> {
-        for (kind, magnitude) in file.kinds.iter().filter_map(|one| Some((one.kind, one.magnitude.as_ref()?))) {
+        for (kind, magnitude) in
+            file.kinds.iter().filter_map(|learned| Some((learned.kind, learned.magnitude.as_ref()?)))
+        {
             let used = self.by_generation.get(&kind).cloned();
             let source = used.as_ref().map_or("none".to_owned(), |model| model.source().to_string());
             let Some(model) = used.filter(|_| source == magnitude.model) else {
@@ -102,9 +104,9 @@ impl ModelChoice {
             let corrected = |model: &BrightnessModel, offset_mag, sigma_mag| {
                 Arc::new(model.with_learned(offset_mag, sigma_mag, LEARNED_ERRORS))
             };
-            for one in file.satellites.iter().filter(|one| one.kind == kind) {
-                let own = corrected(&model, one.offset_mag, one.sigma_mag);
-                self.learned.satellites.insert(one.norad_id, (kind, own));
+            for satellite in file.satellites.iter().filter(|satellite| satellite.kind == kind) {
+                let own = corrected(&model, satellite.offset_mag, satellite.sigma_mag);
+                self.learned.satellites.insert(satellite.norad_id, (kind, own));
             }
             for models in [&mut self.by_generation, &mut self.assumed] {
                 if let Some(model) = models.get_mut(&kind) {
@@ -123,7 +125,7 @@ impl ModelChoice {
 
     /// Returns the learned factor of the error along the track of a satellite; 1 without one.
     pub fn lateness_factor(&self, elements: &ElementSet) -> f64 {
-        self.learned().map_or(1.0, |file| file.lateness_factor(GenerationTable::embedded().of(elements)))
+        self.learned().map_or(1.0, |file| file.lateness_factor(GenerationTable::embedded().generation(elements)))
     }
 
     /// Sets another model for one generation. A model for [`Generation::Other`] takes precedence over standard
@@ -163,7 +165,7 @@ impl ModelChoice {
     /// not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
         let model = self.model_of(elements);
-        Arc::ptr_eq(&model, self.priors.of(elements))
+        Arc::ptr_eq(&model, self.priors.model(elements))
     }
 
     /// Returns the brightness model of one satellite.
@@ -172,12 +174,12 @@ impl ModelChoice {
         // The catalogue number of a simulated satellite may be that of a real one.
         if let Some((kind, model)) = self.learned.satellites.get(&elements.norad_id.0)
             && elements.origin != Origin::Synthetic
-            && *kind == table.of(elements)
+            && *kind == table.generation(elements)
         {
             return model.clone();
         }
         let models = if table.is_assumed(elements) { &self.assumed } else { &self.by_generation };
-        if let Some(model) = models.get(&table.of(elements)) {
+        if let Some(model) = models.get(&table.generation(elements)) {
             return model.clone();
         }
         let built_in = BrightObjects::embedded().get(elements.norad_id.0, &elements.name);
@@ -190,7 +192,7 @@ impl ModelChoice {
         if let Some(model) = built_in.and_then(|object| self.bright.get(object.name)) {
             return model.clone();
         }
-        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.priors.of(elements).clone() }
+        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.priors.model(elements).clone() }
     }
 }
 
@@ -203,7 +205,7 @@ pub(super) struct Priors {
 
 impl Priors {
     /// Returns the model for an orbit.
-    pub(super) fn of(&self, elements: &ElementSet) -> &Arc<BrightnessModel> {
+    pub(super) fn model(&self, elements: &ElementSet) -> &Arc<BrightnessModel> {
         if elements.mean_motion_rev_day < HIGH_ORBIT_REV_DAY { &self.high_orbit } else { &self.low_orbit }
     }
 }

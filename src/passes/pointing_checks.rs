@@ -43,7 +43,7 @@ impl Sky {
         };
         let limits = observer.limits();
         let angles = self.pointing_angles(exposure)?;
-        let worst = angles.iter().min_by(|one, other| limits.margin_rad(one).total_cmp(&limits.margin_rad(other)));
+        let worst = angles.iter().min_by(|first, other| limits.margin_rad(first).total_cmp(&limits.margin_rad(other)));
         Ok(worst.and_then(|angles| limits.broken(angles)))
     }
 }

@@ -34,24 +34,26 @@ pub struct Predictability {
 }
 
 /// Age and lateness of one satellite.
-pub(super) struct One {
+pub(super) struct SatelliteLateness {
     pub age_days: f64,
     /// Half width of 68 %, and distribution; `None` if the position is unknown.
     pub lateness: Option<(f64, Lateness)>,
 }
 
 impl Predictability {
-    pub(super) fn of(all: Vec<One>) -> Self {
+    pub(super) fn new(all: Vec<SatelliteLateness>) -> Self {
         let satellites = all.len();
-        let shares = all.iter().map(|one| one.lateness.map_or(0.0, |(_, lateness)| lateness.searched_share()));
+        let shares =
+            all.iter().map(|satellite| satellite.lateness.map_or(0.0, |(_, lateness)| lateness.searched_share()));
         let searched_share = if satellites == 0 { 1.0 } else { shares.sum::<f64>() / satellites as f64 };
-        let (known, unknown): (Vec<One>, Vec<One>) = all.into_iter().partition(|one| one.lateness.is_some());
+        let (known, unknown): (Vec<SatelliteLateness>, Vec<SatelliteLateness>) =
+            all.into_iter().partition(|satellite| satellite.lateness.is_some());
         let of_ages = if searched_share < LEAST_KNOWN_SHARE { &unknown } else { &known };
         let element_age_days = match of_ages.first() {
-            Some(_) => median(of_ages.iter().map(|one| one.age_days).collect()),
+            Some(_) => median(of_ages.iter().map(|satellite| satellite.age_days).collect()),
             None => f64::NAN,
         };
-        let mut late: Vec<(f64, Lateness)> = known.iter().filter_map(|one| one.lateness).collect();
+        let mut late: Vec<(f64, Lateness)> = known.iter().filter_map(|satellite| satellite.lateness).collect();
         late.sort_by(|a, b| a.0.total_cmp(&b.0));
         let middle = late.get(late.len() / 2).copied();
         Self {
@@ -132,31 +134,31 @@ impl PredictabilityCache {
 mod tests {
     use super::*;
 
-    fn one(age_days: f64, sigma_s: Option<f64>) -> One {
-        One { age_days, lateness: sigma_s.map(|sigma_s| (sigma_s, Lateness::gaussian(sigma_s))) }
+    fn satellite(age_days: f64, sigma_s: Option<f64>) -> SatelliteLateness {
+        SatelliteLateness { age_days, lateness: sigma_s.map(|sigma_s| (sigma_s, Lateness::gaussian(sigma_s))) }
     }
 
     #[test]
     fn exposures_are_unknown_if_half_of_the_crossings_are_missed() {
-        let fresh = |count: usize| (0..count).map(|_| one(1.0, Some(2.0)));
-        let old = |count: usize| (0..count).map(|_| one(216.0, None));
-        let few = Predictability::of(fresh(90).chain(old(10)).collect());
+        let fresh = |count: usize| (0..count).map(|_| satellite(1.0, Some(2.0)));
+        let old = |count: usize| (0..count).map(|_| satellite(216.0, None));
+        let few = Predictability::new(fresh(90).chain(old(10)).collect());
         assert_eq!((few.reason(), few.unknown, few.element_age_days, few.late_s), (None, 10, 1.0, Some(2.0)));
-        assert!(!few.misses_many() && Predictability::of(fresh(89).chain(old(11)).collect()).misses_many());
-        let many = Predictability::of(fresh(400).chain(old(1600)).collect());
+        assert!(!few.misses_many() && Predictability::new(fresh(89).chain(old(11)).collect()).misses_many());
+        let many = Predictability::new(fresh(400).chain(old(1600)).collect());
         let reason = "elements 216 days old: positions of 1600 of 2000 satellites unknown";
         assert_eq!((many.reason().as_deref(), many.element_age_days), (Some(reason), 216.0));
-        let all = Predictability::of(old(3).collect());
+        let all = Predictability::new(old(3).collect());
         assert_eq!(all.reason().as_deref(), Some("elements 216 days old: positions unknown"));
         assert_eq!((all.late_s, all.searched_share), (None, 0.0));
-        let newer = Predictability::of(vec![one(-40.0, None)]);
+        let newer = Predictability::new(vec![satellite(-40.0, None)]);
         assert_eq!(newer.reason().as_deref(), Some("elements 40 days newer than the exposure: positions unknown"));
-        assert_eq!(Predictability::of(Vec::new()).reason(), None);
+        assert_eq!(Predictability::new(Vec::new()).reason(), None);
     }
 
     #[test]
     fn starts_need_nominal_tracks_that_predict_half_of_the_crossings() {
-        let late = Predictability::of((0..9).map(|_| one(13.0, Some(37.0))).collect());
+        let late = Predictability::new((0..9).map(|_| satellite(13.0, Some(37.0))).collect());
         assert_eq!(late.reason(), None);
         assert_eq!(
             late.reason_for_starts(10.0, 0.0, 2.0).as_deref(),

@@ -81,7 +81,7 @@ impl Sky {
         let Satellites { element_sets, other_epochs, ephemerides, selected_for, .. } = satellites;
         let others = OtherEpochs::new(other_epochs, selected_for.unwrap_or_default());
         let (eop, choice) = (EopTable::embedded(), ModelChoice::default());
-        Self::of(element_sets, others, DragModel::default(), viewpoint.into(), eop, &choice)
+        Self::from_parts(element_sets, others, DragModel::default(), viewpoint.into(), eop, &choice)
             .with_ephemerides(ephemerides)
     }
 
@@ -94,7 +94,7 @@ impl Sky {
         choice: &ModelChoice,
     ) -> Self {
         let others = OtherEpochs::new(Vec::new(), Epoch::default());
-        Self::of(elements, others, DragModel::default(), viewpoint.into(), eop, choice)
+        Self::from_parts(elements, others, DragModel::default(), viewpoint.into(), eop, choice)
     }
 
     /// As [`Sky::with_models`], with a treatment of atmospheric drag, and with element sets of other epochs as in
@@ -108,10 +108,10 @@ impl Sky {
         eop: EopTable,
         choice: &ModelChoice,
     ) -> Self {
-        Self::of(elements, OtherEpochs::new(others, moment), drag, viewpoint.into(), eop, choice)
+        Self::from_parts(elements, OtherEpochs::new(others, moment), drag, viewpoint.into(), eop, choice)
     }
 
-    fn of(
+    fn from_parts(
         elements: Vec<ElementSet>,
         others: OtherEpochs,
         drag: DragModel,
@@ -208,7 +208,7 @@ impl Sky {
 
     /// Returns the uncertainty that a prediction would have with one element set of the satellite.
     pub(crate) fn uncertainty_of_one_set(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
-        let alone = OrbitClass::of(&self.elements[element_index], self.drag);
+        let alone = OrbitClass::from_elements(&self.elements[element_index], self.drag);
         uncertainty(alone.with_lateness_factor(self.classes[element_index].lateness_factor), age_days)
     }
 
@@ -435,7 +435,7 @@ fn orbits(
     drag: DragModel,
     factor: impl Fn(usize) -> f64,
 ) -> (SatelliteIndex, Vec<OrbitClass>) {
-    let of = |set: &ElementSet| OrbitModel::of(set, others_of(&others.sets, set.norad_id), others.moment, drag);
+    let of = |set: &ElementSet| OrbitModel::from_sets(set, others_of(&others.sets, set.norad_id), others.moment, drag);
     let (made, classes): (Vec<_>, Vec<OrbitClass>) =
         elements.par_iter().map(of).map(|model| (Propagator::new(&model.elements), model.class)).unzip();
     let classes = classes.into_iter().enumerate().map(|(index, class)| class.with_lateness_factor(factor(index)));

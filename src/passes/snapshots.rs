@@ -143,14 +143,14 @@ impl Sky {
         let of_windows = scene.windows.iter().flat_map(|window| window.left_out());
         let mut left_out: Vec<LeftOut> = self.left_out().iter().chain(of_windows).cloned().collect();
         let mut tracks = Vec::new();
-        for one in found {
-            match one {
+        for result in found {
+            match result {
                 Ok(track) => tracks.extend(track),
                 Err(failed) => left_out.push(failed),
             }
         }
-        left_out.sort_by_key(|one| one.element_index);
-        left_out.dedup_by_key(|one| one.element_index);
+        left_out.sort_by_key(|satellite| satellite.element_index);
+        left_out.dedup_by_key(|satellite| satellite.element_index);
         Ok((tracks, left_out))
     }
 
@@ -189,7 +189,7 @@ impl Sky {
         geometry: &ViewingGeometry,
         photometry: &PhotometryOptions,
     ) -> Option<Brightness> {
-        let prior = self.priors.of(&self.elements()[element_index]);
+        let prior = self.priors.model(&self.elements()[element_index]);
         prior.brightness(geometry, 1.0, &self.photometry_here(photometry))
     }
 

@@ -197,7 +197,8 @@ impl Sky {
         let scene = self.scene_without_windows(scene_start, span_s);
         let spans = spans(request, scene_start);
         let search = Search { sky: self, scene: &scene, observer, request };
-        let selected: Vec<usize> = (0..self.index().len()).filter(|&one| is_selected(one)).collect();
+        let selected: Vec<usize> =
+            (0..self.index().len()).filter(|&element_index| is_selected(element_index)).collect();
         let of_one = |&element_index: &usize| {
             // Passes that were found before SGP4 fails are kept.
             let mut kept = Vec::new();
@@ -217,12 +218,14 @@ impl Sky {
             expected_brighter: request.limit.map(|_| 0.0),
             ..VisiblePasses::default()
         };
-        visible.left_out.extend(self.left_out().iter().filter(|one| is_selected(one.element_index)).cloned());
-        for one in all.into_iter().flat_map(|(kept, failed)| {
+        visible
+            .left_out
+            .extend(self.left_out().iter().filter(|satellite| is_selected(satellite.element_index)).cloned());
+        for outcome in all.into_iter().flat_map(|(kept, failed)| {
             visible.left_out.extend(failed);
             kept
         }) {
-            match one {
+            match outcome {
                 Outcome::Pass(pass) => {
                     if let (Some(sum), Some(p_brighter)) = (visible.expected_brighter.as_mut(), pass.p_brighter) {
                         *sum += p_brighter;
@@ -240,7 +243,7 @@ impl Sky {
                 Outcome::TooLow => visible.not_shown.too_low += 1,
             }
         }
-        visible.left_out.sort_by_key(|one| one.element_index);
+        visible.left_out.sort_by_key(|satellite| satellite.element_index);
         let seen = |pass: &VisiblePass| pass.visible.as_ref().map_or(pass.culmination.epoch, |seen| seen.begin.epoch);
         visible.passes.sort_by(|a, b| seen(a).cmp(&seen(b)).then(a.element_index.cmp(&b.element_index)));
         Ok(visible)
@@ -479,8 +482,9 @@ fn visibility(
 }
 
 /// Returns the intersection of two lists of intervals.
-fn both(one: &[(f64, f64)], other: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    one.iter()
+fn both(first: &[(f64, f64)], other: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    first
+        .iter()
         .flat_map(|a| other.iter().map(move |b| (a.0.max(b.0), a.1.min(b.1))))
         .filter(|(from_s, until_s)| until_s > from_s)
         .collect()

@@ -388,7 +388,7 @@ impl BrightnessModel {
         }
         // The sigma of a prior is that of different objects.
         let objects_sigma_mag = if matches!(self.source, MagnitudeSource::Prior) { self.sigma_mag } else { 0.0 };
-        let emission = Emission::of(self.size_m, objects_sigma_mag, geometry, options)?;
+        let emission = Emission::new(self.size_m, objects_sigma_mag, geometry, options)?;
         Some(emission.with_reflection(reflected, air_mag(geometry, options)?))
     }
 

@@ -21,9 +21,9 @@ const SAME_GEOMETRY: f64 = 0.9;
 const SCALE_RAD: f64 = 12.0 * std::f64::consts::PI / 180.0;
 
 /// Returns the correlation of the residuals of two magnitudes of one pass, 0 to 0.9.
-pub fn pass_correlation(one: &ViewingGeometry, other: &ViewingGeometry) -> f64 {
-    let observer = one.to_observer().separation_rad(&other.to_observer());
-    let distance = observer.hypot(one.sun_latitude_rad - other.sun_latitude_rad);
+pub fn pass_correlation(first: &ViewingGeometry, other: &ViewingGeometry) -> f64 {
+    let observer = first.to_observer().separation_rad(&other.to_observer());
+    let distance = observer.hypot(first.sun_latitude_rad - other.sun_latitude_rad);
     SAME_GEOMETRY * (-distance / SCALE_RAD).exp()
 }
 
@@ -55,13 +55,13 @@ impl PassUpdate {
         let n = measured.len();
         // K_ij = s_i s_j c_ij, K_ii = s_i² + e_i²
         let covariance = DMatrix::from_fn(n, n, |i, j| {
-            let (one, other) = (&measured[i], &measured[j]);
+            let (first, other) = (&measured[i], &measured[j]);
             match i == j {
-                true => one.scatter_mag * one.scatter_mag + one.error_mag * one.error_mag,
-                false => one.scatter_mag * other.scatter_mag * pass_correlation(&one.geometry, &other.geometry),
+                true => first.scatter_mag * first.scatter_mag + first.error_mag * first.error_mag,
+                false => first.scatter_mag * other.scatter_mag * pass_correlation(&first.geometry, &other.geometry),
             }
         });
-        let residuals = DVector::from_iterator(n, measured.iter().map(|one| one.residual_mag));
+        let residuals = DVector::from_iterator(n, measured.iter().map(|residual| residual.residual_mag));
         let is_sound = n > 0 && residuals.iter().chain(covariance.iter()).all(|value| value.is_finite());
         let covariance = Cholesky::new(covariance).filter(|_| is_sound)?;
         let pull = covariance.solve(&residuals);
@@ -71,7 +71,9 @@ impl PassUpdate {
     /// Returns the corrected brightness of the same pass in another geometry.
     pub fn apply(&self, geometry: &ViewingGeometry, light: Brightness) -> Brightness {
         // k_i = s s_i c_i;  m' = m + kᵀ K⁻¹ r,  s'² = s² - kᵀ K⁻¹ k             Rasmussen and Williams (2006), eq. 2.19
-        let with = |one: &PassResidual| light.scatter_mag * one.scatter_mag * pass_correlation(geometry, &one.geometry);
+        let with = |residual: &PassResidual| {
+            light.scatter_mag * residual.scatter_mag * pass_correlation(geometry, &residual.geometry)
+        };
         let k = DVector::from_iterator(self.measured.len(), self.measured.iter().map(with));
         // The correlation is at most 0.9, so that some scatter always remains.
         let known = k.dot(&self.covariance.solve(&k));

@@ -204,7 +204,7 @@ fn planck(wavelength_um: f64, kelvin: f64) -> f64 {
 
 /// Returns the flux density of the Sun at 1 au, W m⁻² Hz⁻¹, for a wavelength in the range of the table.
 fn sun(wavelength_um: f64) -> f64 {
-    let next = SUN.partition_point(|(one, _)| *one <= wavelength_um).clamp(1, SUN.len() - 1);
+    let next = SUN.partition_point(|(table_um, _)| *table_um <= wavelength_um).clamp(1, SUN.len() - 1);
     let ((from, low), (to, high)) = (SUN[next - 1], SUN[next]);
     let share = (wavelength_um / from).ln() / (to / from).ln();
     // Between the points the spectrum is a power law. F_ν = F_λ λ² / c, with F_λ per metre

@@ -35,7 +35,7 @@ pub(super) struct Emission {
 impl Emission {
     /// Returns the emission of a satellite with the area of a disk of diameter `size_m`; `None` in bands without. The
     /// sigma is at least that of the area of single satellites, `objects_sigma_mag`.
-    pub fn of(
+    pub fn new(
         size_m: f64,
         objects_sigma_mag: f64,
         geometry: &ViewingGeometry,
@@ -137,7 +137,7 @@ mod tests {
             let flux_jy = 0.9 * 10.0 * planck * colour / 1e12 * 1e26;
             let of_wise = -2.5 * (flux_jy / zero_jy).log10();
             let options = PhotometryOptions { system: MagSystem::Vega, ..options(band, Earthshine::Off) };
-            let found = Emission::of(size_m, 0.0, &geometry(-90.0), &options).unwrap();
+            let found = Emission::new(size_m, 0.0, &geometry(-90.0), &options).unwrap();
             // The zero points of Willmer differ from those of WISE.
             let zero = -2.5
                 * (zero_jy
@@ -147,14 +147,14 @@ mod tests {
                 .log10();
             assert!((found.magnitude.0 - (of_wise - zero)).abs() < COLOUR_MAG, "{band}: {found:?} {}", of_wise - zero);
         }
-        assert_eq!(Emission::of(4.0, 0.0, &geometry(-90.0), &options(Band::V, Earthshine::Computed)), None);
-        assert_eq!(Emission::of(4.0, 0.0, &geometry(-90.0), &options(Band::H, Earthshine::Computed)), None);
+        assert_eq!(Emission::new(4.0, 0.0, &geometry(-90.0), &options(Band::V, Earthshine::Computed)), None);
+        assert_eq!(Emission::new(4.0, 0.0, &geometry(-90.0), &options(Band::H, Earthshine::Computed)), None);
     }
 
     #[test]
     fn the_earth_adds_most_light_below_the_satellite() {
         let magnitude = |observer_deg, earthshine| {
-            Emission::of(4.0, 0.0, &geometry(observer_deg), &options(Band::W2, earthshine)).unwrap().magnitude.0
+            Emission::new(4.0, 0.0, &geometry(observer_deg), &options(Band::W2, earthshine)).unwrap().magnitude.0
         };
         let gain =
             |observer_deg| magnitude(observer_deg, Earthshine::Off) - magnitude(observer_deg, Earthshine::Computed);

@@ -61,10 +61,10 @@ mod tests {
     /// The belt of Orion is in its figure, at the positions of SIMBAD.
     #[test]
     fn valid_the_belt_of_orion() {
-        let orion = constellations().find(|one| one.name == "Orion").unwrap();
+        let orion = constellations().find(|constellation| constellation.name == "Orion").unwrap();
         for (ra_deg, dec_deg) in [(85.190, -1.943), (84.053, -1.202), (83.002, -0.299)] {
             let star = Direction::from_lon_lat_rad(f64::to_radians(ra_deg), f64::to_radians(dec_deg));
-            assert!(orion.chains.iter().flatten().any(|one| one.separation_rad(&star).to_degrees() < 0.01));
+            assert!(orion.chains.iter().flatten().any(|corner| corner.separation_rad(&star).to_degrees() < 0.01));
         }
     }
 }

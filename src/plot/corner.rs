@@ -201,7 +201,7 @@ fn pair(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, row]:
     let is_end = |parameter: usize, end: f64| input.bounds.is_some_and(|bounds| bounds[parameter].contains(&end));
     let walls = [frame.x.from, frame.x.to].map(|end| is_end(column, end));
     let walls = [walls, [frame.y.from, frame.y.to].map(|end| is_end(row, end))];
-    let density = Density::of(x, y, frame, bins(x.len()));
+    let density = Density::new(x, y, frame, bins(x.len()));
     let most = density.most();
     let colour = |count: f64| {
         let colour = BLUES.eval_continuous(0.12 + 0.78 * count / most);

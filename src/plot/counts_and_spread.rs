@@ -74,13 +74,14 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
 
     let mut picture = Picture::new(930, 900);
     picture.set_title(input.title, (465.0, 28.0), 22.0, HPos::Center);
-    let density = Density::of(input.counts, input.iqr_mag, &main, BINS);
-    let scale = ColourScale::of(Quantity::Count, density.counts.iter().copied().filter(|count| *count > 0.0));
+    let density = Density::new(input.counts, input.iqr_mag, &main, BINS);
+    let scale = ColourScale::from_values(Quantity::Count, density.counts.iter().copied().filter(|count| *count > 0.0));
     picture.paint(density.pixels(&main, |count| scale.colour(count)));
     thresholds(&mut picture, input, &main, [true, true]);
     thresholds(&mut picture, input, &upper_frame, [true, false]);
     thresholds(&mut picture, input, &right_frame, [false, true]);
-    let up_to = |sorted: &[f64], value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
+    let up_to =
+        |sorted: &[f64], value: f64| sorted.partition_point(|other| *other <= value) as f64 / sorted.len() as f64;
     let steps = |axis: Axis| (0..=400).map(move |part| axis.value(f64::from(part) / 400.0));
     let curve: Vec<_> = steps(x).map(|value| upper_frame.at(value, up_to(&counts, value))).collect();
     picture.line(&curve, LINE.to_rgba(), 2.2);

@@ -23,7 +23,7 @@ pub(super) struct Density {
 
 impl Density {
     /// Counts the points in each bin; points outside the box are ignored.
-    pub fn of(x: &[f64], y: &[f64], frame: &Frame, bins: usize) -> Self {
+    pub fn new(x: &[f64], y: &[f64], frame: &Frame, bins: usize) -> Self {
         let mut counts = vec![0.0; bins * bins];
         for (&x, &y) in x.iter().zip(y).filter(|(x, y)| frame.holds(**x, **y)) {
             let cell = |share: f64| ((share * bins as f64) as usize).min(bins - 1);
@@ -40,13 +40,19 @@ impl Density {
     /// Returns the bins as coloured rectangles that fill the box. `colour` returns the colour of a count above 0.
     pub fn pixels(&self, frame: &Frame, colour: impl Fn(f64) -> [u8; 3]) -> Pixels {
         let bins = self.bins;
-        let one = |cell: usize| {
+        let colour_of = |cell: usize| {
             let count = self.counts[(bins - 1 - cell / bins) * bins + cell % bins];
             (count > 0.0).then(|| colour(count))
         };
         let [left, top, ..] = frame.sides;
         let each = (frame.width() / bins as f64, frame.height() / bins as f64);
-        Pixels { corner: (left, top), each, columns: bins, colours: (0..bins * bins).map(one).collect(), within: None }
+        Pixels {
+            corner: (left, top),
+            each,
+            columns: bins,
+            colours: (0..bins * bins).map(colour_of).collect(),
+            within: None,
+        }
     }
 
     /// Returns, for each of the fractions `shares`, the lines that enclose the densest bins with this fraction of all
@@ -172,7 +178,7 @@ mod tests {
         let (x, y): (Vec<f64>, Vec<f64>) = normal_points();
         let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
         let frame = Frame { sides: [0.0, 0.0, 400.0, 400.0], x: Axis::linear(0.0, 4.0), y: Axis::linear(-4.0, 4.0) };
-        let density = Density::of(&x, &y, &frame, 40);
+        let density = Density::new(&x, &y, &frame, 40);
         let walls = [[true, false], [false, false]];
         let side = density.bins + 2 * BORDER;
         let within = |walls: [[bool; 2]; 2]| {
@@ -213,7 +219,7 @@ mod tests {
         let (x, y) = normal_points();
         let axis = Axis::linear(-4.0, 4.0);
         let frame = Frame { sides: [0.0, 0.0, 400.0, 400.0], x: axis, y: axis };
-        let density = Density::of(&x, &y, &frame, 40);
+        let density = Density::new(&x, &y, &frame, 40);
         // 39.3 % are within one sigma, 86.5 % within two: 50 pixels per sigma. Smoothing widens by some 0.02.
         for (share, radius) in [(0.393, 50.0), (0.865, 100.0)] {
             let lines = density.lines_around(&frame, &[share], OPEN);
@@ -231,8 +237,8 @@ mod tests {
     fn verif_the_upper_left_cell_is_painted_above_and_left() {
         let axis = Axis::linear(0.0, 2.0);
         let frame = Frame { sides: [10.0, 20.0, 30.0, 40.0], x: axis, y: axis };
-        let pixels = Density::of(&[0.5], &[1.5], &frame, 2).pixels(&frame, |_| [1, 2, 3]);
+        let pixels = Density::new(&[0.5], &[1.5], &frame, 2).pixels(&frame, |_| [1, 2, 3]);
         assert_eq!(pixels.colours, [Some([1, 2, 3]), None, None, None]);
-        assert!(Density::of(&[], &[], &frame, 2).lines_around(&frame, &[0.5], OPEN).is_empty());
+        assert!(Density::new(&[], &[], &frame, 2).lines_around(&frame, &[0.5], OPEN).is_empty());
     }
 }

@@ -38,7 +38,7 @@ impl PictureFormat {
     ///
     /// # Errors
     /// The name does not end in `.png` or `.svg`.
-    pub fn of(path: &Path) -> Result<Self, PlotError> {
+    pub fn from_extension(path: &Path) -> Result<Self, PlotError> {
         let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match end.as_deref() {
             Some("png") => Ok(Self::Png),
@@ -92,7 +92,7 @@ impl Picture {
 
     fn png_with(&self, options: &FileOptions) -> Result<Vec<u8>, PlotError> {
         let (width, height) = options.pixels(self.size())?;
-        let canvas = Canvas::of(self, (width * FINE, height * FINE));
+        let canvas = Canvas::for_picture(self, (width * FINE, height * FINE));
         let mut raster = Raster::new((canvas.width, canvas.height), self.underlay(&canvas).rgb);
         self.rasterise(&mut raster, &canvas)?;
         let metadata = self.metadata(options);
@@ -101,7 +101,7 @@ impl Picture {
 
     fn svg_with(&self, options: &FileOptions) -> Result<String, PlotError> {
         let (width, height) = self.size();
-        let canvas = Canvas::of(self, (width * MESH, height * MESH));
+        let canvas = Canvas::for_picture(self, (width * MESH, height * MESH));
         let mut text = String::new();
         {
             let size = (canvas.width as u32, canvas.height as u32);
@@ -110,7 +110,7 @@ impl Picture {
             area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
         }
         let Underlay { width: columns, height: rows, rgb } =
-            self.underlay(&Canvas::of(self, (width * FINE, height * FINE)));
+            self.underlay(&Canvas::for_picture(self, (width * FINE, height * FINE)));
         let pixels = STANDARD.encode(png(&rgb, (columns, rows), NATURAL_DPI, &[])?);
         // The pixel image must come first, so that it is below everything else. It follows the opening tag, which is
         // replaced, because it contains the size.
@@ -159,10 +159,10 @@ fn averaged(rgb: &[u8], width: usize) -> Vec<u8> {
     for row in 0..height / FINE {
         for column in 0..width / FINE {
             for channel in 0..3 {
-                let one = |right: usize, down: usize| {
+                let sample = |right: usize, down: usize| {
                     u32::from(rgb[3 * ((row * FINE + down) * width + column * FINE + right) + channel])
                 };
-                let sum: u32 = (0..FINE * FINE).map(|index| one(index % FINE, index / FINE)).sum();
+                let sum: u32 = (0..FINE * FINE).map(|index| sample(index % FINE, index / FINE)).sum();
                 small.push((sum as f64 / (FINE * FINE) as f64).round() as u8);
             }
         }

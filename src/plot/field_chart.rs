@@ -121,7 +121,7 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     labels.add_box(compass(&mut picture));
     labels.add_box(scale_bar(&mut picture, &frame, unit));
     let magnitudes = || streaks.iter().map(|streak| streak.magnitude).filter(|magnitude| magnitude.is_finite());
-    let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
+    let scale = ColourScale::from_values(Quantity::Magnitude, magnitudes());
     let colour = |streak: &FieldStreak| match streak.magnitude.is_finite() {
         true => {
             let [red, green, blue] = scale.colour(streak.magnitude);

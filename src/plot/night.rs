@@ -83,7 +83,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     let mut picture = Picture::new(WIDTH as usize, height as usize);
     picture.set_title(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     let shown: Vec<f64> = input.brightest_mag.iter().copied().filter(|mag| mag.is_finite()).collect();
-    let scale = ColourScale::of(Quantity::Magnitude, shown.iter().copied());
+    let scale = ColourScale::from_values(Quantity::Magnitude, shown.iter().copied());
     let ends = shown.iter().copied().chain(input.limit_mag).chain(shown.is_empty().then_some(scale.least));
     let (bright, faint) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), mag| (l.min(mag), h.max(mag)));
     let y = Axis { from: (faint + 0.4).ceil(), to: (bright - 0.4).floor(), is_log: false };

@@ -53,8 +53,8 @@ pub(super) fn per_cent(share: f64) -> String {
 }
 
 /// Formats a number with its noun, singular or plural.
-pub(super) fn many(number: usize, one: &str, more: &str) -> String {
-    format!("{} {}", count(number), if number == 1 { one } else { more })
+pub(super) fn many(number: usize, singular: &str, more: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { singular } else { more })
 }
 
 /// Formats a number with separated thousands.

@@ -53,7 +53,7 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// Returns the canvas on which a picture is as large as possible, in the middle.
-    pub fn of(picture: &Picture, (width, height): (usize, usize)) -> Self {
+    pub fn for_picture(picture: &Picture, (width, height): (usize, usize)) -> Self {
         let scale = (width as f64 / picture.width as f64).min(height as f64 / picture.height as f64);
         let margin = |canvas: usize, picture: usize| ((canvas as f64 - picture as f64 * scale) / 2.0).max(0.0);
         Self { width, height, scale, corner: (margin(width, picture.width), margin(height, picture.height)) }

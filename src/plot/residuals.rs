@@ -146,8 +146,8 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
         let sorted = sorted(magnitudes);
         (quantile(&sorted, PHASE_BEYOND), quantile(&sorted, 1.0 - PHASE_BEYOND))
     });
-    let (bright, faint) =
-        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
+    let (bright, faint) = ends
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |all, quantiles| (all.0.min(quantiles.0), all.1.max(quantiles.1)));
     let margin = 0.05 * (faint - bright);
     // The axis is reversed, with the faint end at the bottom. `Axis::linear` widens it if all values are equal.
     let up = Axis::linear(bright - margin, faint + margin);

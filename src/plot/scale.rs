@@ -79,7 +79,7 @@ impl Quantity {
 impl ColourScale {
     /// Creates a scale with round ends that contains 98 % of the values. Values that are not finite are ignored. A
     /// scale of rates ends at the highest rate, or, if that is less, at five times the median of the rates above 0.
-    pub fn of(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
+    pub fn from_values(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
         let mut all: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         all.sort_unstable_by(f64::total_cmp);
         let (Some(first), Some(last)) = (all.first().copied(), all.last().copied()) else {
@@ -259,13 +259,13 @@ mod tests {
 
     #[test]
     fn verif_a_scale_contains_nearly_all_values_and_marks_the_others() {
-        let scale = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| 5.2 + 0.003 * f64::from(n)));
+        let scale = ColourScale::from_values(Quantity::Magnitude, (0..1000).map(|n| 5.2 + 0.003 * f64::from(n)));
         assert_eq!((scale.least, scale.greatest), (5.0, 9.0));
         assert!(!scale.has_lower && !scale.has_higher);
-        let outlier = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| if n == 0 { 1.0 } else { 6.2 }));
+        let outlier = ColourScale::from_values(Quantity::Magnitude, (0..1000).map(|n| if n == 0 { 1.0 } else { 6.2 }));
         assert_eq!((outlier.least, outlier.greatest, outlier.has_lower), (6.0, 6.5, true));
         assert_eq!(outlier.ticks()[0], (6.0, "≤ 6.0".to_owned()));
-        assert_eq!(ColourScale::of(Quantity::Magnitude, [f64::NAN]).least, 4.0);
+        assert_eq!(ColourScale::from_values(Quantity::Magnitude, [f64::NAN]).least, 4.0);
         let more = scale.showing([6.0, 9.5]);
         assert_eq!((more.has_lower, more.has_higher, more.greatest), (false, true, 9.0));
     }
@@ -274,16 +274,16 @@ mod tests {
     #[test]
     fn verif_a_few_high_rates_do_not_set_the_scale() {
         let rates = |high: f64| (0..300).map(move |n| if n % 100 == 7 { high } else { f64::from(n % 4) * 0.05 });
-        let scale = ColourScale::of(Quantity::Rate, rates(6.0));
+        let scale = ColourScale::from_values(Quantity::Rate, rates(6.0));
         // Five times the median 0.1 is 0.5, and the next round end is 0.8.
         assert_eq!((scale.least, scale.greatest, scale.has_higher), (0.0, 0.8, true));
         let ticks: Vec<String> = scale.ticks().into_iter().map(|tick| tick.1).collect();
         assert_eq!(ticks, ["0.0", "0.2", "0.4", "0.6", "≥ 0.8"]);
-        let even = ColourScale::of(Quantity::Rate, rates(0.15));
+        let even = ColourScale::from_values(Quantity::Rate, rates(0.15));
         assert_eq!((even.greatest, even.has_higher), (0.2, false));
-        assert_eq!(ColourScale::of(Quantity::Rate, [0.0, 0.0]).greatest, 1.0);
+        assert_eq!(ColourScale::from_values(Quantity::Rate, [0.0, 0.0]).greatest, 1.0);
         // Only geostationary satellites are lit: they set the scale.
-        assert_eq!(ColourScale::of(Quantity::Rate, [0.0, 0.0, 0.0, 6.0, 7.0]).greatest, 8.0);
+        assert_eq!(ColourScale::from_values(Quantity::Rate, [0.0, 0.0, 0.0, 6.0, 7.0]).greatest, 8.0);
     }
 
     #[test]
@@ -292,7 +292,7 @@ mod tests {
         for quantity in [Quantity::Magnitude, Quantity::Count, Quantity::Spread, Quantity::Residual, Quantity::Rate] {
             for low in [1.0, 1.3, 2.2, 4.9, 8.2] {
                 for span in [0.0, 0.04, 0.3, 0.7, 1.2, 2.9, 3.3, 8.0, 700.0] {
-                    let scale = ColourScale::of(quantity, [low, low + span]);
+                    let scale = ColourScale::from_values(quantity, [low, low + span]);
                     let ticks = scale.ticks();
                     least = least.min(ticks.len());
                     let decimals = |label: &str| label.split_once('.').map_or(0, |(_, digits)| digits.len());
@@ -317,7 +317,7 @@ mod tests {
                 5..10 => high + 3.0,
                 _ => low + (high - low) * f64::from(n - 10) / 989.0,
             });
-            let scale = ColourScale::of(Quantity::Magnitude, values);
+            let scale = ColourScale::from_values(Quantity::Magnitude, values);
             let ticks = scale.ticks();
             let label = |end: f64| &ticks.iter().find(|(value, _)| (value - end).abs() < 1e-9).unwrap().1;
             assert!(label(scale.least).starts_with("≤ "), "{low} {high}: {ticks:?}");
@@ -332,13 +332,13 @@ mod tests {
             let [red, green, blue] = scale.colour(value).map(f64::from);
             0.2126 * red + 0.7152 * green + 0.0722 * blue
         };
-        let scale = ColourScale::of(Quantity::Magnitude, [4.0, 9.0]);
+        let scale = ColourScale::from_values(Quantity::Magnitude, [4.0, 9.0]);
         let lumas: Vec<f64> = (0..=50).map(|n| luma(&scale, 4.0 + 0.1 * f64::from(n))).collect();
         assert!(lumas.windows(2).all(|pair| pair[0] > pair[1]), "{lumas:?}");
         assert_eq!(scale.colour(3.0), scale.colour(4.0));
         let ticks: Vec<f64> = scale.ticks().iter().map(|tick| tick.0).collect();
         assert_eq!(ticks, [4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
-        let counts = ColourScale::of(Quantity::Count, [3.0, 700.0]);
+        let counts = ColourScale::from_values(Quantity::Count, [3.0, 700.0]);
         assert_eq!((counts.least, counts.greatest), (2.0, 1000.0));
         assert!((counts.share(2000_f64.sqrt()) - 0.5).abs() < 1e-12);
         assert!(luma(&counts, 900.0) > luma(&counts, 9.0));
@@ -348,12 +348,12 @@ mod tests {
 
     #[test]
     fn verif_residuals_are_white_at_zero_and_as_far_on_both_sides() {
-        let scale = ColourScale::of(Quantity::Residual, [-0.12, 0.33]);
+        let scale = ColourScale::from_values(Quantity::Residual, [-0.12, 0.33]);
         assert!((scale.least + 0.4).abs() < 1e-12 && (scale.greatest - 0.4).abs() < 1e-12);
         assert!(scale.colour(0.0).iter().all(|channel| *channel > 235));
         let ([red, _, blue], [less_red, _, more_blue]) = (scale.colour(0.4), scale.colour(-0.4));
         assert!(red > blue && more_blue > less_red);
         assert!(scale.ticks().iter().any(|tick| tick.1 == "−0.4"));
-        assert_eq!(ColourScale::of(Quantity::Residual, [0.0]).greatest, 0.1);
+        assert_eq!(ColourScale::from_values(Quantity::Residual, [0.0]).greatest, 0.1);
     }
 }

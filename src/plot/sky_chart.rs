@@ -105,7 +105,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     }
     DISK.draw_circles(&mut picture);
     let magnitudes = || tracks.iter().flat_map(|track| track.magnitude.iter().copied());
-    let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
+    let scale = ColourScale::from_values(Quantity::Magnitude, magnitudes());
     let colour = |magnitude: f64| match magnitude.is_finite() {
         true => {
             let [red, green, blue] = scale.colour(magnitude);

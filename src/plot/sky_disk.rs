@@ -199,7 +199,7 @@ impl DiskSheet<'_> {
                 let alike = self.disks.iter().zip(&rasters).filter(|(other, _)| other.quantity == disk.quantity);
                 let shown = || alike.clone().flat_map(|(disk, raster)| raster.values().map(move |value| (disk, value)));
                 let counted = shown().filter(|(disk, (angle, _))| *angle <= disk.scaled_within_rad);
-                let scale = ColourScale::of(disk.quantity, counted.map(|(_, (_, value))| value));
+                let scale = ColourScale::from_values(disk.quantity, counted.map(|(_, (_, value))| value));
                 scales.push(scale.showing(shown().map(|(_, (_, value))| value)));
             }
         }

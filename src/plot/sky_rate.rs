@@ -61,7 +61,7 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
         limb_rad: None,
     };
-    let scale = ColourScale::of(Quantity::Rate, input.rate.iter().copied());
+    let scale = ColourScale::from_values(Quantity::Rate, input.rate.iter().copied());
     let caption = format!(
         "Zenith in the middle, horizon at the rim, east left. {}{}",
         input.caption,
@@ -169,7 +169,7 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
             limb_rad: None,
         }
     };
-    let scale = ColourScale::of(Quantity::Rate, input.rate.iter().copied());
+    let scale = ColourScale::from_values(Quantity::Rate, input.rate.iter().copied());
     let sheet = DiskSheet {
         title: input.title.to_owned(),
         caption: format!(

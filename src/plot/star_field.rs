@@ -38,7 +38,7 @@ impl SkyDisk {
         (self.middle.0 + self.radius * right, self.middle.1 + self.radius * below)
     }
 
-    fn of(&self, seen: &Direction<Horizontal>) -> (f64, f64) {
+    fn position(&self, seen: &Direction<Horizontal>) -> (f64, f64) {
         self.at(seen.longitude_rad().to_degrees(), seen.latitude_rad().to_degrees())
     }
 
@@ -134,14 +134,14 @@ impl StarField {
 
     /// Draws the lines of constellations and, over them, the stars.
     pub fn draw(&self, picture: &mut Picture, disk: &SkyDisk, style: &StarStyle) {
-        for chain in constellations().flat_map(|one| one.chains) {
+        for chain in constellations().flat_map(|constellation| constellation.chains) {
             let mut line = Vec::new();
             for pair in chain.windows(2) {
                 for step in 0..=STEPS {
                     let share = f64::from(step) / f64::from(STEPS);
                     let between = (1.0 - share) * pair[0].vector() + share * pair[1].vector();
                     match self.seen(&Direction::from_vector(between.normalize())) {
-                        Some(seen) => line.push(disk.of(&seen)),
+                        Some(seen) => line.push(disk.position(&seen)),
                         None => draw_line(picture, &mut line, style),
                     }
                 }
@@ -150,7 +150,7 @@ impl StarField {
         }
         for star in bright_stars().filter(|star| star.v_mag <= style.faintest_mag) {
             if let Some(seen) = self.seen(&star.direction) {
-                picture.disk(disk.of(&seen), style.star_radius(star.v_mag), style.stars);
+                picture.disk(disk.position(&seen), style.star_radius(star.v_mag), style.stars);
             }
         }
     }
@@ -161,7 +161,7 @@ impl StarField {
         for star in bright_stars().filter(|star| star.v_mag <= COVERED_MAG) {
             if let Some(seen) = self.seen(&star.direction) {
                 let radius = style.star_radius(star.v_mag);
-                labels.add_box(around(disk.of(&seen), (radius, radius)));
+                labels.add_box(around(disk.position(&seen), (radius, radius)));
             }
         }
         let mut draw = |text: &str, candidates: Vec<(f64, f64)>, half: (f64, f64)| {
@@ -175,7 +175,7 @@ impl StarField {
         };
         for star in bright_stars() {
             let Some((name, seen)) = star.name.zip(self.seen(&star.direction)) else { continue };
-            let (x, y) = disk.of(&seen);
+            let (x, y) = disk.position(&seen);
             let half = half_of_name(name, style.name_size);
             let radius = style.star_radius(star.v_mag);
             let (aside, above) = (half.0 + radius + 2.0, half.1 + radius + 1.0);
@@ -187,7 +187,7 @@ impl StarField {
                 continue;
             };
             let Some(seen) = self.seen(&Direction::from_vector(sum.normalize())) else { continue };
-            let (x, y) = disk.of(&seen);
+            let (x, y) = disk.position(&seen);
             let name = constellation.name.to_uppercase();
             let half = half_of_name(&name, style.name_size);
             let shifts = [0.0, 1.0, -1.0, 2.0, -2.0, 3.0, -3.0].map(|steps| steps * 1.3 * half.1);

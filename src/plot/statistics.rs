@@ -79,7 +79,7 @@ pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Ve
         (sum / part.len() as f64, ONE_SIGMA.map(|share| quantile(&part_sorted, share)))
     };
     let is_full = |(_, part): &(f64, Vec<f64>)| part.len() >= LEAST_IN_BAND;
-    let runs = parts.chunk_by(|one, next| is_full(one) == is_full(next)).filter(|run| is_full(&run[0]));
+    let runs = parts.chunk_by(|part, next| is_full(part) == is_full(next)).filter(|run| is_full(&run[0]));
     runs.map(|run| run.iter().map(band).collect()).collect()
 }
 

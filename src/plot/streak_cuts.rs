@@ -193,7 +193,7 @@ mod tests {
         let profile = [0.0, 2.0, f64::NAN];
         let mut picture = Picture::new(WIDTH as usize, 400);
         draw(&mut picture, &panel(&values, &profile), TOP);
-        let canvas = super::super::picture::Canvas::of(&picture, picture.size());
+        let canvas = super::super::picture::Canvas::for_picture(&picture, picture.size());
         let underlay = picture.underlay(&canvas);
         // Red of a pixel in the left or right half of a row, counted from the top.
         let red = |column: f64, row: f64| {

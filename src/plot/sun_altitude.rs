@@ -154,7 +154,7 @@ fn means(altitudes: &[f64], trails: &[f64], x: &Axis, width: f64) -> Vec<Bin> {
 /// Draws a line through the means of neighbouring bins, each mean with its error.
 fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, is_dashed: bool) {
     let middle = |bin: &Bin| (bin.from + bin.to) / 2.0;
-    for run in bins.chunk_by(|one, next| (one.to - next.from).abs() < 1e-9) {
+    for run in bins.chunk_by(|bin, next| (bin.to - next.from).abs() < 1e-9) {
         let line: Vec<_> = run.iter().map(|bin| frame.at(middle(bin), bin.mean)).collect();
         match is_dashed {
             true => picture.dashed(&line, [10.0, 6.0], colour.to_rgba(), 3.0),

@@ -39,7 +39,7 @@ impl<'a> Limits<'a> {
         band: Option<&str>,
         exposure_s: f64,
     ) -> Self {
-        let surface = policy.limit_surface_brightness.as_ref().and_then(|limit| limit.of(band)).zip(telescope);
+        let surface = policy.limit_surface_brightness.as_ref().and_then(|limit| limit.limit_in(band)).zip(telescope);
         Self {
             limit_mag: policy.limit_mag_in(band),
             surface: surface.map(|(limit_mag_arcsec2, telescope)| SurfaceLimit {
@@ -68,7 +68,7 @@ impl<'a> Limits<'a> {
     }
 
     /// Returns the limit for a satellite at a range with an angular speed; `None` if no limit applies.
-    pub fn of(&self, element_index: usize, range_km: f64, angular_rate_rad_s: f64) -> Option<SatelliteLimit> {
+    pub fn limit_of(&self, element_index: usize, range_km: f64, angular_rate_rad_s: f64) -> Option<SatelliteLimit> {
         let of_mag = self.limit_mag.map(|limit_mag| SatelliteLimit { limit_mag, surface_less_mag: None });
         let of_surface = self.surface.map(|SurfaceLimit { limit_mag_arcsec2, exposure_s, telescope, sky }| {
             let width_arcsec = telescope.width_arcsec(range_km, sky.model(element_index).size_m());
@@ -82,6 +82,6 @@ impl<'a> Limits<'a> {
 
     /// Returns the limit for the satellite of a pass; `None` if no limit applies.
     pub fn of_pass(&self, pass: &Pass) -> Option<SatelliteLimit> {
-        self.of(pass.element_index, pass.mid.range_km, pass.angular_rate_rad_s)
+        self.limit_of(pass.element_index, pass.mid.range_km, pass.angular_rate_rad_s)
     }
 }

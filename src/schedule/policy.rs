@@ -164,7 +164,7 @@ impl Policy {
 
     /// Returns the magnitude limit for exposures in this band; `None` if none applies.
     pub fn limit_mag_in(&self, band: Option<&str>) -> Option<f64> {
-        self.limit_mag.as_ref().and_then(|limit| limit.of(band))
+        self.limit_mag.as_ref().and_then(|limit| limit.limit_in(band))
     }
 
     /// Returns the length of the streak of a crossing, radians: that of the lit part of its track in the field, or with
@@ -183,7 +183,10 @@ impl Policy {
     /// Returns true if a limit of magnitude or surface brightness applies to exposures in this band.
     #[doc(hidden)]
     pub fn has_limit_in(&self, band: Option<&str>) -> bool {
-        [&self.limit_mag, &self.limit_surface_brightness].into_iter().flatten().any(|limit| limit.of(band).is_some())
+        [&self.limit_mag, &self.limit_surface_brightness]
+            .into_iter()
+            .flatten()
+            .any(|limit| limit.limit_in(band).is_some())
     }
 
     /// Returns warnings if the limits of magnitude and of surface brightness have no value for some of the bands of the
@@ -203,8 +206,11 @@ impl Policy {
                     return Some(format!("{name} of band {named} has no effect: the exposures have the band {band}"));
                 }
             }
-            let without: Vec<&str> =
-                bands.iter().filter(|band| limit.of(**band).is_none()).map(|band| band.unwrap_or("none")).collect();
+            let without: Vec<&str> = bands
+                .iter()
+                .filter(|band| limit.limit_in(**band).is_none())
+                .map(|band| band.unwrap_or("none"))
+                .collect();
             (!without.is_empty())
                 .then(|| format!("{name} of the policy has no value for band {} and no default", listed(without)))
         };
@@ -234,11 +240,11 @@ mod tests {
     #[test]
     fn numbers_or_tables_by_band() {
         let policy = Policy::from_toml("limit_mag = 7\nmax_delay_s = 90.0\n").unwrap();
-        assert_eq!(policy.limit_mag.unwrap().of(None), Some(7.0));
+        assert_eq!(policy.limit_mag.unwrap().limit_in(None), Some(7.0));
         let policy = Policy::from_toml("[limit_mag]\ng = 7.5\ny = 4\ndefault = 6\n").unwrap();
         let limit = policy.limit_mag.unwrap();
         assert_eq!(
-            (limit.of(Some("g")), limit.of(Some("y")), limit.of(Some("u")), limit.of(None)),
+            (limit.limit_in(Some("g")), limit.limit_in(Some("y")), limit.limit_in(Some("u")), limit.limit_in(None)),
             (Some(7.5), Some(4.0), Some(6.0), Some(6.0))
         );
         let policy = Policy::from_toml("[limit_mag]\ng = 7.5\n").unwrap();
@@ -250,7 +256,7 @@ mod tests {
         let limit = |text: &str| text.parse::<MagnitudeLimit>();
         assert_eq!(limit(" 7 ").unwrap(), MagnitudeLimit::All(7.0));
         let by_band = limit("g=7, y=-5.5,default=6").unwrap();
-        assert_eq!((by_band.of(Some("y")), by_band.of(Some("r"))), (Some(-5.5), Some(6.0)));
+        assert_eq!((by_band.limit_in(Some("y")), by_band.limit_in(Some("r"))), (Some(-5.5), Some(6.0)));
         for text in ["bright", "g=", "=7", "g=7,", "", "g7"] {
             assert!(limit(text).unwrap_err().to_string().contains("g=7,y=5,default=6"), "{text}");
         }

@@ -38,7 +38,7 @@ pub struct SatelliteAge {
 
 impl SatelliteAge {
     /// Returns age and error of the satellite of a pass.
-    pub(super) fn of(pass: &Pass) -> Self {
+    pub(super) fn from_pass(pass: &Pass) -> Self {
         Self { element_age_days: pass.element_age_days, along_track_sigma_s: pass.along_track_sigma_s }
     }
 }
@@ -152,10 +152,12 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
         let expected = expected_of(&satellites, exposure, band, &passes, request);
         let may_cross: Vec<SatelliteAge> = satellites
             .iter()
-            .map(|one| SatelliteAge {
-                element_age_days: seconds_between(request.sky.elements()[one.element_index].epoch, exposure.start)
-                    / DAY_S,
-                along_track_sigma_s: one.along_track_sigma_s,
+            .map(|satellite| SatelliteAge {
+                element_age_days: seconds_between(
+                    request.sky.elements()[satellite.element_index].epoch,
+                    exposure.start,
+                ) / DAY_S,
+                along_track_sigma_s: satellite.along_track_sigma_s,
             })
             .collect();
         let flag =
@@ -171,7 +173,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
 /// Adds age and lateness of the satellites that decide a verdict, which is `unknown` if positions are not known.
 fn with_age(flag: Verdict, counted: &[Pass], may_cross: &[SatelliteAge], known: &Predictability) -> Verdict {
-    let crossing: Vec<SatelliteAge> = counted.iter().map(SatelliteAge::of).collect();
+    let crossing: Vec<SatelliteAge> = counted.iter().map(SatelliteAge::from_pass).collect();
     let deciding = if crossing.is_empty() { may_cross } else { &crossing };
     let of =
         |value: fn(&SatelliteAge) -> f64| (!deciding.is_empty()).then(|| median(deciding.iter().map(value).collect()));
@@ -183,8 +185,8 @@ fn with_age(flag: Verdict, counted: &[Pass], may_cross: &[SatelliteAge], known: 
         }
         None => Verdict {
             p_any_is_lower_limit: flag.p_any_is_lower_limit || known.misses_many(),
-            elements_age_days: of(|one| one.element_age_days).or(age_days),
-            late_s: of(|one| one.along_track_sigma_s).or(known.late_s),
+            elements_age_days: of(|satellite| satellite.element_age_days).or(age_days),
+            late_s: of(|satellite| satellite.along_track_sigma_s).or(known.late_s),
             ..flag
         },
     }

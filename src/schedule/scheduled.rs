@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::error::ScheduleError;
 use super::formats::{
-    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, ROTATIONS, RawTable, Row, ScheduleFormat,
-    StartColumn, StartForm, display, read_raw, start_columns,
+    Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, ROTATIONS, RawTable, ScheduleFormat,
+    ScheduleRow, StartColumn, StartForm, display, read_raw, start_columns,
 };
 use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
@@ -225,9 +225,9 @@ fn reject_starts<'a>(
         if let Ok(start) = start_of(cell(column.index), column, *scale)
             && seconds_between(exposure.start, start).abs() > most_s
         {
-            let [one, other] = [exposure.start, start].map(|start| format_utc(start, 0));
+            let [first, other] = [exposure.start, start].map(|start| format_utc(start, 0));
             return Err(format!(
-                "{} is {one} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
+                "{} is {first} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
                 read.name, column.name
             ));
         }
@@ -306,7 +306,7 @@ impl Scales {
 
 fn scheduled_exposure(
     row: usize,
-    cells: &Row,
+    cells: &ScheduleRow,
     map: &ColumnMap,
     scales: &Scales,
     scale: TimeScale,

@@ -20,46 +20,53 @@ pub(super) fn expected_of(
 ) -> ExpectedLoss {
     let limits = request.limits(band, exposure.duration_s);
     if limits.is_none() && request.telescope.is_none() {
-        return ExpectedLoss::of(satellites, &[]);
+        return ExpectedLoss::new(satellites, &[]);
     }
     let lights: Vec<Option<Brightness>> =
-        satellites.iter().map(|one| brightness_of(one, exposure.start, passes, request)).collect();
+        satellites.iter().map(|satellite| brightness_of(satellite, exposure.start, passes, request)).collect();
     // A satellite in shadow is not bright, except in bands in which magnitudes include its thermal emission.
-    let is_dark = |one: &CrossingProbability| {
+    let is_dark = |satellite: &CrossingProbability| {
         if request.photometry.band.has_emission() {
             return false;
         }
-        let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
-        request.policy.include_dark && pass.map_or(one.lit_fraction == 0.0, |pass| !pass.lit)
+        let pass = passes.iter().find(|pass| pass.element_index == satellite.element_index);
+        request.policy.include_dark && pass.map_or(satellite.lit_fraction == 0.0, |pass| !pass.lit)
     };
-    let of_lit = |one: &CrossingProbability, probability: f64| if is_dark(one) { 0.0 } else { probability };
-    let p_above_limit = |light: Option<&Brightness>, one: &CrossingProbability| {
-        of_lit(one, p_above(light, limits.of(one.element_index, one.geometry.range_km, one.angular_rate_rad_s)))
+    let of_lit = |satellite: &CrossingProbability, probability: f64| if is_dark(satellite) { 0.0 } else { probability };
+    let p_above_limit = |light: Option<&Brightness>, satellite: &CrossingProbability| {
+        of_lit(
+            satellite,
+            p_above(
+                light,
+                limits.limit_of(satellite.element_index, satellite.geometry.range_km, satellite.angular_rate_rad_s),
+            ),
+        )
     };
-    let above_limit = lights.iter().zip(satellites).map(|(light, one)| p_above_limit(light.as_ref(), one));
+    let above_limit = lights.iter().zip(satellites).map(|(light, satellite)| p_above_limit(light.as_ref(), satellite));
     let brighter: Vec<f64> = if limits.is_none() { Vec::new() } else { above_limit.collect() };
-    let expected = ExpectedLoss::of(satellites, &brighter);
+    let expected = ExpectedLoss::new(satellites, &brighter);
     let Some(telescope) = request.telescope else { return expected };
     let area_deg2 = request.field.area_deg2();
     let cost = StreakCost::new(telescope, area_deg2);
     let bright = BrightStreaks::new(telescope, request.sky, band);
     let (mut lost, mut shares) = (0.0, 0.0);
-    for (one, brightness) in satellites.iter().zip(&lights) {
-        let width_arcsec = telescope.width_arcsec(one.geometry.range_km, request.sky.model(one.element_index).size_m());
-        let expected_length_deg = one.streak_length_rad.to_degrees();
+    for (satellite, brightness) in satellites.iter().zip(&lights) {
+        let width_arcsec =
+            telescope.width_arcsec(satellite.geometry.range_km, request.sky.model(satellite.element_index).size_m());
+        let expected_length_deg = satellite.streak_length_rad.to_degrees();
         lost += telescope.lost_pixel_fraction(expected_length_deg, width_arcsec, area_deg2);
-        let CrossingProbability { element_index, geometry, angular_rate_rad_s, .. } = *one;
+        let CrossingProbability { element_index, geometry, angular_rate_rad_s, .. } = *satellite;
         shares += cost.expected_share(&PossibleStreak {
-            probability: one.probability,
+            probability: satellite.probability,
             expected_length_deg,
             width_arcsec,
             p_bright: of_lit(
-                one,
+                satellite,
                 of_known(brightness.as_ref(), |light| {
                     bright.probability(light, element_index, geometry.range_km, angular_rate_rad_s)
                 }),
             ),
-            p_above_limit: p_above_limit(brightness.as_ref(), one),
+            p_above_limit: p_above_limit(brightness.as_ref(), satellite),
         });
     }
     ExpectedLoss {
@@ -162,13 +169,13 @@ fn of_known(brightness: Option<&Brightness>, probability: impl Fn(&Brightness) -
 /// in the Earth's shadow there, that of the sunlit part of the track (also in K, where emission is much fainter), or else
 /// the prior of its orbit.
 fn brightness_of(
-    one: &CrossingProbability,
+    satellite: &CrossingProbability,
     epoch: Epoch,
     passes: &[Pass],
     request: &FlagRequest<'_>,
 ) -> Option<Brightness> {
     let FlagRequest { sky, photometry, .. } = request;
-    let CrossingProbability { element_index, geometry, lit_fraction, .. } = one;
+    let CrossingProbability { element_index, geometry, lit_fraction, .. } = satellite;
     let pass = passes.iter().find(|pass| pass.element_index == *element_index);
     if let Some(brightness) = pass.and_then(peak_brightness) {
         return Some(brightness.clone());

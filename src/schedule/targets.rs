@@ -179,7 +179,7 @@ mod tests {
         let path = folder.path().join("t.csv");
         std::fs::write(&path, csv).unwrap();
         let list = read_targets(&path, None, 0.0).unwrap();
-        let reasons = list.targets.iter().map(|one| one.target.as_ref().err().cloned().unwrap_or_default());
+        let reasons = list.targets.iter().map(|listed| listed.target.as_ref().err().cloned().unwrap_or_default());
         let reasons: Vec<String> = reasons.collect();
         assert_eq!((list.comments_like_rows, reasons[0].as_str()), (1, ""));
         assert!(reasons[1].starts_with("exposure_s is 30 and exposure is 300"), "{reasons:?}");

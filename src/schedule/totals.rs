@@ -70,7 +70,7 @@ impl FlagTotals {
             let first = || Verdict { passes: Vec::new(), ..flag.clone() };
             self.kinds.entry(flag.kind).or_insert_with(|| (0, first())).0 += 1;
             self.lower_limits += usize::from(flag.p_any_is_lower_limit);
-            self.crossing.extend(flag.passes.iter().map(SatelliteAge::of));
+            self.crossing.extend(flag.passes.iter().map(SatelliteAge::from_pass));
             // Where positions are unknown, there is no probability.
             if flag.p_crossing.is_finite() {
                 self.changes.0 += match flag.kind {

@@ -30,14 +30,14 @@ pub(super) struct ExpectedLoss {
 impl ExpectedLoss {
     /// Combines satellites whose errors are independent, without the losses that require a telescope. `brighter` is the
     /// probability of each satellite to be brighter than the limit of the policy; without a limit it is empty.
-    pub fn of(satellites: &[CrossingProbability], brighter: &[f64]) -> Self {
-        let crossing = || satellites.iter().map(|one| one.probability.clamp(0.0, 1.0));
+    pub fn new(satellites: &[CrossingProbability], brighter: &[f64]) -> Self {
+        let crossing = || satellites.iter().map(|satellite| satellite.probability.clamp(0.0, 1.0));
         let all = std::iter::repeat(&1.0);
         // 1 - Π(1 - p)
         Self {
             p_any: 1.0 - crossing().zip(brighter.iter().chain(all)).map(|(p, above)| 1.0 - p * above).product::<f64>(),
             p_crossing: 1.0 - crossing().map(|p| 1.0 - p).product::<f64>(),
-            is_lower_limit: satellites.iter().any(|one| one.is_lower_limit),
+            is_lower_limit: satellites.iter().any(|satellite| satellite.is_lower_limit),
             lost_pixel_fraction: None,
             streak_cost_s: None,
         }
@@ -104,7 +104,7 @@ pub(super) fn judge_exposure(
         p_any_is_lower_limit: expected.is_lower_limit,
         streak_length_deg: nominal()
             .map(|pass| policy.streak_length_rad(pass).to_degrees())
-            .fold(0.0, |sum, one| sum + one),
+            .fold(0.0, |sum, length_deg| sum + length_deg),
         reasons,
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
@@ -298,11 +298,11 @@ mod tests {
             lit.map(|pass| pass.probability_brighter_than(limit_mag)).collect()
         });
         // The losses of near misses and crossings are added.
-        let sum: f64 = satellites.iter().map(|one| one.probability).sum();
+        let sum: f64 = satellites.iter().map(|satellite| satellite.probability).sum();
         let expected = ExpectedLoss {
             lost_pixel_fraction: Some(0.01 * sum),
             streak_cost_s: Some(0.3 * sum),
-            ..ExpectedLoss::of(&satellites, &brighter)
+            ..ExpectedLoss::new(&satellites, &brighter)
         };
         judge_exposure(&exposure(), &Limits::of_mag(policy.limit_mag_in(Some("r"))), passes, &expected, &policy)
     }

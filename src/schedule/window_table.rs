@@ -59,19 +59,19 @@ impl FoundWindows<'_> {
 /// Columns: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s, elements_age_days,
 /// late_s`. The last two are medians over all satellites of `sky`, whose positions determine the windows.
 pub fn window_table(all: &[FoundWindows<'_>], sky: &Sky) -> Table {
-    let rows = all.iter().flat_map(|one| {
-        one.windows().iter().map(move |window| {
+    let rows = all.iter().flat_map(|target| {
+        target.windows().iter().map(move |window| {
             let known = sky.predictability(window.first);
-            let pointing = one.listed.target.as_ref().map(|target| target.exposure.pointing).ok();
+            let pointing = target.listed.target.as_ref().map(|target| target.exposure.pointing).ok();
             vec![
-                one.listed.name.as_str().into(),
-                one.listed.unique_id.as_str().into(),
+                target.listed.name.as_str().into(),
+                target.listed.unique_id.as_str().into(),
                 window.first.into(),
                 window.last.into(),
                 seconds_between(window.first, window.last).into(),
                 pointing.map(|pointing| pointing.longitude_rad().to_degrees()).into(),
                 pointing.map(|pointing| pointing.latitude_rad().to_degrees()).into(),
-                one.duration_s().into(),
+                target.duration_s().into(),
                 Some(known.element_age_days).filter(|age_days| age_days.is_finite()).into(),
                 known.late_s.into(),
             ]
@@ -108,17 +108,18 @@ pub fn window_table(all: &[FoundWindows<'_>], sky: &Sky) -> Table {
 ///
 /// Columns: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
 pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
-    let sum_s =
-        |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
-    let rows = all.iter().map(|one| {
+    let sum_s = |windows: &[ClearWindow]| -> f64 {
+        windows.iter().map(|window| seconds_between(window.first, window.last)).sum()
+    };
+    let rows = all.iter().map(|target| {
         vec![
-            one.listed.name.as_str().into(),
-            one.listed.unique_id.as_str().into(),
-            one.windows().len().into(),
-            sum_s(one.windows()).into(),
-            one.found.map(|found| sum_s(&found.observable)).into(),
-            one.found.map_or(0, |found| found.blocking_passes.len()).into(),
-            one.reason().into(),
+            target.listed.name.as_str().into(),
+            target.listed.unique_id.as_str().into(),
+            target.windows().len().into(),
+            sum_s(target.windows()).into(),
+            target.found.map(|found| sum_s(&found.observable)).into(),
+            target.found.map_or(0, |found| found.blocking_passes.len()).into(),
+            target.reason().into(),
         ]
     });
     Table {
@@ -175,17 +176,19 @@ impl SchedulerFormat {
     /// Windows are rounded inwards to the resolution of the format (seconds for LCO and AstroQ, minutes for p2); those
     /// that become empty are omitted.
     pub fn text<'a>(self, all: &[FoundWindows<'a>], overhead_s: f64) -> (String, Vec<&'a ListedTarget>) {
-        let (with, without): (Vec<_>, Vec<_>) =
-            all.iter().map(|one| (one.listed, self.spans(one, overhead_s))).partition(|(_, spans)| !spans.is_empty());
+        let (with, without): (Vec<_>, Vec<_>) = all
+            .iter()
+            .map(|target| (target.listed, self.spans(target, overhead_s)))
+            .partition(|(_, spans)| !spans.is_empty());
         (self.written(&with), without.into_iter().map(|(listed, _)| listed).collect())
     }
 
-    fn spans(self, one: &FoundWindows<'_>, overhead_s: f64) -> Vec<(Epoch, Epoch)> {
-        let duration_s = one.duration_s();
+    fn spans(self, target: &FoundWindows<'_>, overhead_s: f64) -> Vec<(Epoch, Epoch)> {
+        let duration_s = target.duration_s();
         match self {
-            SchedulerFormat::Lco => apart(&spans(one, [-overhead_s, duration_s], 1.0), overhead_s + duration_s),
-            SchedulerFormat::EsoP2 => spans(one, [-overhead_s, -overhead_s], 60.0),
-            SchedulerFormat::AstroQ => spans(one, [0.0, duration_s], 1.0),
+            SchedulerFormat::Lco => apart(&spans(target, [-overhead_s, duration_s], 1.0), overhead_s + duration_s),
+            SchedulerFormat::EsoP2 => spans(target, [-overhead_s, -overhead_s], 60.0),
+            SchedulerFormat::AstroQ => spans(target, [0.0, duration_s], 1.0),
         }
     }
 
@@ -249,7 +252,7 @@ fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
 
 /// Returns windows with `first_add_s` and `last_add_s` (seconds) added to their starts and ends, rounded inwards to
 /// multiples of `step_s` in UTC.
-fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f64) -> Vec<(Epoch, Epoch)> {
+fn spans(target: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f64) -> Vec<(Epoch, Epoch)> {
     let nanoseconds = |seconds: f64| (seconds * 1e9).round() as i128;
     let utc = |epoch: Epoch, add_s: f64| {
         epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds() + nanoseconds(add_s)
@@ -258,7 +261,8 @@ fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f6
         Epoch::from_duration(Duration::from_total_nanoseconds(steps * nanoseconds(step_s)), TimeScale::UTC)
     };
     let step = nanoseconds(step_s);
-    one.windows()
+    target
+        .windows()
         .iter()
         .map(|window| {
             let first = -(-utc(window.first, first_add_s)).div_euclid(step);
@@ -356,7 +360,7 @@ mod tests {
         let document: Json = serde_json::from_str(&text).unwrap();
         assert_eq!((document["requests"].as_array().unwrap().len(), left_out.len()), (1, 1));
         let windows = document["requests"][0]["windows"].as_array().unwrap();
-        let seconds = |one: &Json| seconds_between(at(0.0), utc(one.as_str().unwrap()));
+        let seconds = |time: &Json| seconds_between(at(0.0), utc(time.as_str().unwrap()));
         let mut before_s = f64::NEG_INFINITY;
         for window in windows {
             let (start_s, end_s) = (seconds(&window["start"]), seconds(&window["end"]));

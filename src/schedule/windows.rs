@@ -223,7 +223,7 @@ fn crossings(
     let crossings = sky.field_crossings(exposures, field)?;
     let of = |(crossings, searched): (Vec<FieldCrossing>, &Exposure)| {
         let lead_s = seconds_between(searched.start, from);
-        let chords = crossings.iter().flat_map(|one| &one.chords);
+        let chords = crossings.iter().flat_map(|crossing| &crossing.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - lead_s, end_s: chord.exit_s - lead_s };
         Blocked { intervals: chords.map(interval).collect(), blocking_passes: Vec::new() }
     };

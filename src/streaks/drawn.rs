@@ -376,7 +376,7 @@ mod tests {
 
     #[test]
     fn verif_a_streak_of_a_moffat_profile_is_wider_than_a_star() {
-        let width = |seeing| width_across(&RadialProfile::of(&Blur::seeing(seeing)).unwrap(), 0.0);
+        let width = |seeing| width_across(&RadialProfile::new(&Blur::seeing(seeing)).unwrap(), 0.0);
         // A line with a Gaussian profile is as wide as the profile. A line with a Moffat profile of exponent β has a
         // Moffat profile of exponent β - 1/2. Pixels add 1/12 to the variance.
         assert!(

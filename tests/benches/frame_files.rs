@@ -35,7 +35,7 @@ fn inject(source: &Path, target: &Path, hdu: usize, angles_rad: [f64; 5]) {
     let frame = FrameFile::open(source).expect("a frame");
     let mut copy = FrameCopy::begin(&frame, target).expect("a copy");
     let seeing = Seeing::Moffat { fwhm_pix: 3.5, beta: 3.5 };
-    let profile = RadialProfile::of(&Blur::seeing(seeing)).expect("a profile");
+    let profile = RadialProfile::new(&Blur::seeing(seeing)).expect("a profile");
     let patches: Vec<_> = angles_rad
         .into_par_iter()
         .map(|angle_rad| {

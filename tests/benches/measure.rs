@@ -45,7 +45,7 @@ fn five_streaks_in_a_frame(bencher: Bencher) {
     }
     let light_area = LightArea::whole(SIDE, SIDE);
     bencher.bench_local(|| {
-        let background = Background::of(&plane, &light_area);
+        let background = Background::new(&plane, &light_area);
         let image = StreakImage {
             plane: &plane,
             background: &background,

@@ -66,8 +66,8 @@ fn main() {
     let mut plane = Plane::zeros(SIZE, SIZE);
     plane.values_mut().fill(100.0);
     for (name, blur) in blurs() {
-        let profile_ms = median_ms(rounds, || drop(RadialProfile::of(&blur).expect("a profile")));
-        let profile = RadialProfile::of(&blur).expect("a profile");
+        let profile_ms = median_ms(rounds, || drop(RadialProfile::new(&blur).expect("a profile")));
+        let profile = RadialProfile::new(&blur).expect("a profile");
         println!("{name} profile: {profile_ms:.3} ms (reach {:.0} pixels)", profile.reach_pix());
         let straight = [500.0, 1000.0, 2000.0, 4000.0, 8000.0].map(|length_pix| (length_pix, 0.0));
         // The last straight streak is longer than the diagonal of the frame, so that both ends are outside.
@@ -94,7 +94,7 @@ fn main() {
         "gain_e_adu = 1.5\nread_noise_e = 8\nsaturation = { full_well_e = 150000 }\nquantisation = {}",
     )
     .expect("a detector");
-    let profile = RadialProfile::of(&blurs()[0].1).expect("a profile");
+    let profile = RadialProfile::new(&blurs()[0].1).expect("a profile");
     let patches: Vec<_> = (1..6).map(|i| draw(&streak(700.0 * f64::from(i), 0.0), &profile, SIZE, SIZE)).collect();
     let added_ms = median_ms(rounds, || {
         detector.add_light(&mut plane, &patches, 1).expect("added");

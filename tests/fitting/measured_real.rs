@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use streakcast::elements::{History, Keep, NoradId, OrbitPhase, ReadOptions as Elements, Satellites, StationRule};
 use streakcast::fit::measurements::{
-    AssociationOptions, Candidate, DropReason, Format, OrbitRadius, PhotometryOptions, Placement, Placer,
-    PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, StationInterval, Stations,
+    AssociationOptions, DropReason, Format, OrbitRadius, PhotometryOptions, Placement, Placer, PositionSource,
+    RecordReader, RecordSource, Records, ReduceOptions, Selection, StationInterval, Stations, TrackCandidate,
     associate, measure, reduce,
 };
 use streakcast::frames::EopTable;
@@ -41,7 +41,7 @@ fn identified(data: &Path) -> Vec<(String, NoradId, String)> {
     text.lines().skip(1).map(row).collect()
 }
 
-fn best(data: &Path, records: &Records) -> HashMap<String, Vec<Candidate>> {
+fn best(data: &Path, records: &Records) -> HashMap<String, Vec<TrackCandidate>> {
     let history = history(&files_in(&data.join("tle/mmt_2021")));
     let (eop, options) = (EopTable::embedded(), AssociationOptions::default());
     let tracks = records.groups.iter().cloned().zip(records.by_group());
@@ -232,7 +232,7 @@ fn valid_stations_are_distinguished() {
         let norad_id = NoradId(cells[1].parse().unwrap());
         let intervals = stations.intervals(norad_id);
         assert!(intervals.windows(2).all(|pair| pair[0].end == pair[1].start && pair[0].phase != pair[1].phase));
-        assert_eq!(intervals.iter().map(|one| one.element_sets).sum::<usize>(), sets.of(norad_id).len());
+        assert_eq!(intervals.iter().map(|one| one.element_sets).sum::<usize>(), sets.sets_of(norad_id).len());
         for interval in &intervals {
             let middle = interval.start + (interval.end - interval.start) * 0.5;
             if interval.element_sets > 3 {
@@ -240,7 +240,7 @@ fn valid_stations_are_distinguished() {
             }
             *tally.entry(cells[0]).or_default().entry(interval.phase.name()).or_default() += interval.element_sets;
         }
-        for set in sets.of(norad_id) {
+        for set in sets.sets_of(norad_id) {
             let phase = stations.phase_at(norad_id, set.epoch);
             assert!(intervals.iter().any(|one| one.phase == phase && one.start <= set.epoch && set.epoch <= one.end));
         }

@@ -72,7 +72,7 @@ fn valid_sigma_on_another_survey() {
             let is_in_penumbra = matches!(points[0].point.illumination, Illumination::Penumbra { .. });
             observed.push((name, magnitude, is_in_penumbra));
         }
-        let statistics = ResidualStatistics::of(&residuals).unwrap();
+        let statistics = ResidualStatistics::unweighted(&residuals).unwrap();
         let share = within.iter().filter(|within| **within).count();
         let found_mag = [statistics.mean_mag, sigma_68_mag(&residuals)];
         println!("{kind}: {share} of {} within sigma; 68 % within {:.2}; {statistics:.2?}", within.len(), found_mag[1]);

@@ -5,7 +5,7 @@ use streakcast::images::{Detector, Patch, PixelPosition, Plane, Saturated};
 use streakcast::streaks::{Blur, RadialProfile, RandomStars, Seeing, Star, background, draw_point};
 
 fn profile() -> RadialProfile {
-    RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).expect("a profile")
+    RadialProfile::new(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).expect("a profile")
 }
 
 fn point(x: f64, y: f64, flux: f64, rows: usize, columns: usize) -> Patch {
@@ -277,7 +277,7 @@ fn verif_integer_counts() {
     // A tenth of a count in every pixel is not lost by rounding: a tenth of the pixels increase by one.
     let mut wide = flat(300, 300, 0.2);
     wide.values_mut()[0] = 0.2;
-    let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 90.0 })).expect("a profile");
+    let profile = RadialProfile::new(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 90.0 })).expect("a profile");
     let patch = draw_point(&profile, PixelPosition { x: 150.0, y: 150.0 }, 4000.0, 300, 300);
     let mut frame = flat(300, 300, 1000.0);
     whole.add_light(&mut frame, std::slice::from_ref(&patch), 4).expect("added");

@@ -146,7 +146,7 @@ fn measure(
     optics: &Optics,
     options: &MeasureOptions,
 ) -> Option<StreakMeasurement> {
-    let sky = Background::of(plane, light_area);
+    let sky = Background::new(plane, light_area);
     measure_streak(&image_of(plane, &sky, light_area), predicted, optics, options).unwrap()
 }
 
@@ -556,7 +556,7 @@ fn verif_profiles_across_the_track_are_those_of_the_fit() {
         };
         let (outcome, plane) = drawn(case, &options(), optics(&case));
         let light_area = LightArea::whole(ROWS, COLUMNS);
-        let sky = Background::of(&plane, &light_area);
+        let sky = Background::new(&plane, &light_area);
         let profile = optics(&case).profile(600.0, 0.0, 1.0, 1.0).unwrap();
         let cut = streak_cut(&image_of(&plane, &sky, &light_area), &outcome.measured, &profile);
         let rows = cut.across_pix.len();

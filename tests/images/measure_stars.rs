@@ -103,7 +103,7 @@ fn measured(
     let light_area = LightArea::whole(SIDE, SIDE);
     let image = StreakImage {
         plane: &plane,
-        background: &Background::of(&plane, &light_area),
+        background: &Background::new(&plane, &light_area),
         light_area: &light_area,
         exposure_s: EXPOSURE_S,
         electrons_per_unit: Some(GAIN),

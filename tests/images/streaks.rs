@@ -247,11 +247,11 @@ fn difference(path: &StreakPath, blur: &Blur, aspect: f64, rows: usize, columns:
 }
 
 fn gaussian(fwhm_pix: f64) -> RadialProfile {
-    RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix })).expect("a profile")
+    RadialProfile::new(&Blur::seeing(Seeing::Gaussian { fwhm_pix })).expect("a profile")
 }
 
 fn ring() -> RadialProfile {
-    RadialProfile::of(&ring_blur()).expect("a profile")
+    RadialProfile::new(&ring_blur()).expect("a profile")
 }
 
 fn node(time_s: f64, x: f64, y: f64, rate: f64) -> PathNode {
@@ -405,7 +405,7 @@ fn verif_flux_of_profiles_is_one() {
             let seeing = Seeing::Moffat { fwhm_pix, beta };
             let blur =
                 Blur { seeing, outer_radius_pix: outer, inner_radius_pix: 0.6 * outer, body_radius_pix: 0.1 * outer };
-            let profile = RadialProfile::of(&blur).expect("a profile");
+            let profile = RadialProfile::new(&blur).expect("a profile");
             let size = 2 * profile.pixel_reach_pix().ceil() as usize + 3;
             let at = PixelPosition { x: size as f64 / 2.0 + 0.2, y: size as f64 / 2.0 - 0.4 };
             let patch = draw_point(&profile, at, 1000.0, size, size);
@@ -553,7 +553,7 @@ fn verif_blurs_outside_their_ranges_are_refused() {
         Blur { body_radius_pix: -1.0, ..plain },
         Blur::seeing(Seeing::Moffat { fwhm_pix: 90.0, beta: 2.0 }),
     ] {
-        assert!(RadialProfile::of(&blur).is_err(), "{blur:?}");
+        assert!(RadialProfile::new(&blur).is_err(), "{blur:?}");
     }
 }
 

@@ -24,14 +24,14 @@ fn verif_history_and_selection() {
     let at = all.at(epoch(80.4));
     let history = all.into_history();
     assert_eq!(at, history.at(epoch(80.4)));
-    let epochs: Vec<_> = history.of(NoradId(90001)).iter().map(|set| set.epoch).collect();
+    let epochs: Vec<_> = history.sets_of(NoradId(90001)).iter().map(|set| set.epoch).collect();
     assert_eq!(epochs, [epoch(79.5), epoch(80.5), epoch(81.5)]);
     for (day, nearest) in [(10.0, 79.5), (79.9, 79.5), (80.0, 80.5), (80.9, 80.5), (81.1, 81.5), (300.0, 81.5)] {
         let found = history.nearest(NoradId(90001), epoch(day)).unwrap();
         assert_eq!(found.epoch, epoch(nearest), "requested day {day}");
     }
     assert!(history.nearest(NoradId(1), epoch(80.0)).is_none());
-    assert_eq!(history.of(NoradId(1)), []);
+    assert_eq!(history.sets_of(NoradId(1)), []);
 
     let kept = |keep| {
         let options = ReadOptions { keep, ..Default::default() };

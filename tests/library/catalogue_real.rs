@@ -139,7 +139,7 @@ fn valid_the_station_rule_on_real_histories() {
     let rule = StationRule { min_height_km: 355.0, ..Default::default() };
     for row in index.lines().skip(1) {
         let cells: Vec<_> = row.split(',').collect();
-        let sets = history.of(NoradId(cells[1].parse().unwrap()));
+        let sets = history.sets_of(NoradId(cells[1].parse().unwrap()));
         assert!(!sets.is_empty(), "{row}");
         let phases = orbit_phases(sets, &rule);
         for phase in &phases {
@@ -212,11 +212,11 @@ fn valid_generations_against_the_list_of_launches() {
             Generation::StarlinkV2Mini | Generation::StarlinkDirectToCell => "v2 mini",
             _ => "other",
         };
-        with_launch += usize::from(kinds(table.of(&set)) == expected);
+        with_launch += usize::from(kinds(table.generation(&set)) == expected);
         // As if launched after the end of the table.
         let mut late = set.clone();
         late.international_designator = "".into();
-        by_name += usize::from(kinds(table.of(&late)) == expected);
+        by_name += usize::from(kinds(table.generation(&late)) == expected);
     }
     let share = |count: usize| count as f64 / compared as f64;
     eprintln!("{compared} compared: table {:.5}, name alone {:.5}", share(with_launch), share(by_name));
@@ -247,7 +247,7 @@ fn valid_visorsats_of_the_mmt9_list() {
     let found: Vec<_> = text.split_whitespace().filter_map(|id| sets.get(&id.parse().ok()?)).collect();
     assert!(found.len() >= 29, "{}", found.len());
     for set in found {
-        assert_eq!(GenerationTable::embedded().of(set), Generation::StarlinkVisorSat, "{set:?}");
+        assert_eq!(GenerationTable::embedded().generation(set), Generation::StarlinkVisorSat, "{set:?}");
     }
 }
 
@@ -256,7 +256,7 @@ fn valid_constellations_by_name() {
     let Some(data) = crate::common::data_dir() else { return };
     let mut counts: HashMap<Generation, usize> = HashMap::new();
     for set in read(data.join("tle/active/active_2026-04-25.txt"), Keep::Newest).element_sets {
-        *counts.entry(GenerationTable::embedded().of(&set)).or_default() += 1;
+        *counts.entry(GenerationTable::embedded().generation(&set)).or_default() += 1;
     }
     eprintln!("{counts:?}");
     assert_eq!(
@@ -277,7 +277,7 @@ fn valid_kinds_without_a_name_and_assumed_kinds() {
     assert_eq!(ids.len(), 27);
     let (mut iridium, mut later, mut earlier) = (0, 0, 0);
     for mut set in read(data.join("tle/active/active_2026-04-25.txt"), Keep::Newest).element_sets {
-        let (kind, assumed) = (table.of(&set), table.is_assumed(&set));
+        let (kind, assumed) = (table.generation(&set), table.is_assumed(&set));
         iridium += usize::from(ids.contains(&set.norad_id.0) && kind == Generation::IridiumNext);
         if kind.is_starlink() {
             // The last launch of the table is 2025-071.
@@ -292,7 +292,7 @@ fn valid_kinds_without_a_name_and_assumed_kinds() {
         set.name = "OBJECT A".into();
         let is_dedicated = [Generation::Kuiper, Generation::Qianfan, Generation::Guowang, Generation::IridiumNext];
         if is_dedicated.contains(&kind) && !was_test {
-            assert_eq!(table.of(&set), kind, "{set:?}");
+            assert_eq!(table.generation(&set), kind, "{set:?}");
             assert_eq!(table.is_assumed(&set), kind != Generation::IridiumNext, "{set:?}");
         }
     }

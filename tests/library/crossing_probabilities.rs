@@ -54,7 +54,7 @@ fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [
 /// Returns the same satellites displaced by one draw of their errors.
 fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
     let of = |set: &ElementSet| {
-        let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), age_days);
+        let sigma = uncertainty(OrbitClass::from_elements(set, DragModel::Published), age_days);
         moved(set, sigma, [draws.normal(), draws.normal(), draws.normal()])
     };
     elements.iter().map(of).collect()
@@ -113,7 +113,7 @@ fn verif_probabilities_of_station_keeping_satellites() {
     let mut draws = Random(20_261_124);
     let exposures = exposures(start, 360, &mut draws);
     let elements = published(AGE_DAYS, exposures[180].start, 1584);
-    let class = OrbitClass::of(&elements[0], DragModel::StationKeeping);
+    let class = OrbitClass::from_elements(&elements[0], DragModel::StationKeeping);
     assert!(matches!(class.kind, OrbitKind::Starlink(..)), "{class:?}");
     let keeping = |elements| sky(elements).with_drag(DragModel::StationKeeping);
     let found = keeping(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
@@ -147,7 +147,7 @@ fn verif_probabilities_of_old_elements_are_lower_limits() {
     let mut draws = Random(20_261_121);
     let exposures = exposures(start, 360, &mut draws);
     let elements = published(AGE_DAYS, exposures[180].start, 1584);
-    let sigma_s = uncertainty(OrbitClass::of(&elements[0], DragModel::Published), AGE_DAYS).along_track_s;
+    let sigma_s = uncertainty(OrbitClass::from_elements(&elements[0], DragModel::Published), AGE_DAYS).along_track_s;
     assert!(sigma_s > 500.0, "{sigma_s}");
     let found = sky(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
     assert!(found.iter().flatten().all(|one| one.is_lower_limit) && found.iter().flatten().count() > 300);
@@ -252,7 +252,7 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
     for (exposure, found) in exposures.iter().zip(&found) {
         for one in found.iter().filter(|one| one.probability > 0.2) {
             let set = &elements[one.element_index];
-            let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), AGE_DAYS);
+            let sigma = uncertainty(OrbitClass::from_elements(set, DragModel::Published), AGE_DAYS);
             let (copies, weights) = with_all_errors(set, sigma);
             let passes = sky(copies)
                 .field_passes(std::slice::from_ref(exposure), &field, &PassOptions::default())
@@ -295,7 +295,7 @@ fn verif_listed_passes_against_the_sum_over_their_errors() {
         for (exposure, passes) in exposures.iter().zip(&passes) {
             for pass in passes {
                 let set = &elements[pass.element_index];
-                let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), pass.element_age_days);
+                let sigma = uncertainty(OrbitClass::from_elements(set, DragModel::Published), pass.element_age_days);
                 let (copies, weights) = with_all_errors(set, sigma);
                 let crossings = sky(copies)
                     .field_passes(std::slice::from_ref(exposure), &field, &PassOptions::default())

@@ -398,7 +398,7 @@ fn valid_lateness_of_old_elements_against_a_starlink_ephemeris() {
     let far = |set: &&ElementSet| (age_days(set) - age_days(&old) - 7.0).abs();
     let older = history.element_sets.iter().min_by(|a, b| far(a).total_cmp(&far(b))).expect("sets").clone();
     let late_s = |drag, others: &[ElementSet]| {
-        let sgp4 = Propagator::new(&OrbitModel::of(&old, others, at, drag).elements).expect("elements");
+        let sgp4 = Propagator::new(&OrbitModel::from_sets(&old, others, at, drag).elements).expect("elements");
         let missed = *(position(&sgp4, at) - state.position).vector();
         missed.dot(state.velocity.vector()).abs() / state.velocity.vector().norm_squared()
     };
@@ -418,7 +418,7 @@ fn oem_header(object: &str, frame: &str) -> String {
 
 /// Returns the errors (one sigma) without a covariance, at a time after the first state.
 fn unstated(set: &ElementSet, hours: f64) -> OrbitUncertainty {
-    uncertainty(OrbitClass::of(set, DragModel::Published), hours / 24.0)
+    uncertainty(OrbitClass::from_elements(set, DragModel::Published), hours / 24.0)
 }
 
 fn write_state(text: &mut String, epoch: Epoch, position_km: &[f64; 3], velocity_km_s: &[f64; 3]) {

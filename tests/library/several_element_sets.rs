@@ -67,7 +67,7 @@ fn phase_deg(set: &ElementSet, at: Epoch) -> f64 {
 }
 
 fn model(set: &ElementSet, others: &[ElementSet], days: f64) -> OrbitModel {
-    OrbitModel::of(set, others, epoch() + days * Unit::Day, DragModel::StationKeeping)
+    OrbitModel::from_sets(set, others, epoch() + days * Unit::Day, DragModel::StationKeeping)
 }
 
 fn motion(model: &OrbitModel) -> MeanMotion {
@@ -134,7 +134,7 @@ fn verif_sets_that_are_not_used() {
         let named = |days| ElementSet { mean_motion_dot_rev_day2: change, ..set(name, days, 0.0) };
         assert_is_of_one_set(&named(0.0), &[named(-7.0)]);
     }
-    let published = OrbitModel::of(&newest, &[older], epoch(), DragModel::Published);
+    let published = OrbitModel::from_sets(&newest, &[older], epoch(), DragModel::Published);
     assert_eq!(published.elements, newest);
 }
 
@@ -210,7 +210,7 @@ fn verif_rate_of_a_lowered_satellite() {
     let name = "STARLINK-4000";
     let published = |set: ElementSet| ElementSet { mean_motion_dot_rev_day2: 7e-4, ..set };
     let newest = published(set(name, 0.0, 0.0));
-    assert_eq!(StarlinkClass::of(&newest), Some(StarlinkClass::MovingV15));
+    assert_eq!(StarlinkClass::from_elements(&newest), Some(StarlinkClass::MovingV15));
     // Seven days before, the mean motion was smaller by 2 ρ 7, and the satellite was ahead of one of constant period by
     // ρ 7² turns.
     let mut older = published(set(name, -7.0, -14.0 * RATE));

@@ -67,7 +67,7 @@ fn cells(starts: &[u32], before: &[u32], ages: &[u32]) -> BTreeMap<(StarlinkClas
                     continue;
                 };
                 let others: Vec<ElementSet> = older.iter().filter_map(|day| day.get(norad_id).cloned()).collect();
-                let model = OrbitModel::of(set, &others, truth.epoch, DragModel::StationKeeping);
+                let model = OrbitModel::from_sets(set, &others, truth.epoch, DragModel::StationKeeping);
                 let OrbitKind::Starlink(class, motion) = model.class.kind else { continue };
                 let pair = [set, &model.elements].map(|elements| lateness_s(elements, truth));
                 let [Some(published_s), Some(ours_s)] = pair else { continue };
@@ -220,7 +220,7 @@ fn random_fields(
     let observer = Observer::new(Site::new_deg("below", latitude_deg, longitude_deg, 0.0).ok()?);
     let site = observer.position(&orientation);
 
-    let model = OrbitModel::of(set, &others, moment, DragModel::StationKeeping);
+    let model = OrbitModel::from_sets(set, &others, moment, DragModel::StationKeeping);
     let predicted = Propagator::new(&model.elements).ok()?;
     let half_s = uncertainty(model.class, (moment - set.epoch).to_unit(Unit::Day)).lateness.reach_s() + EXPOSURE_S;
     let exposures: Vec<Exposure> = (0..(half_s / 30.0).ceil() as usize)

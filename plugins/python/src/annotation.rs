@@ -44,7 +44,8 @@ impl Engine {
             // Constellations that grow differ from night to night.
             let shells = prepared.provenance.get("shells").cloned().unwrap_or_default();
             if periods.last().is_none_or(|last| last["shells"] != shells) {
-                let first = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).min();
+                let first =
+                    rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|exposure| exposure.start).min();
                 periods.push(json!({
                     "first_start_utc": first.map(|first| format_utc(first, 3)),
                     "satellites": prepared.sky.elements().len(),

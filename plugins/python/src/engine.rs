@@ -79,7 +79,7 @@ impl Engine {
             watch.check().map_err(failure::request)?;
             nights.entry(sky_cache.night_of(start)).or_insert((start, Vec::new())).1.push(index);
         }
-        let night = |(start, indices)| Ok(Night { prepared: sky_cache.of(start, watch)?, indices });
+        let night = |(start, indices)| Ok(Night { prepared: sky_cache.sky_at(start, watch)?, indices });
         nights.into_values().map(night).collect()
     }
 
@@ -98,8 +98,11 @@ impl Engine {
             rows.iter().map(|row| Some(Verdict::invalid(&row.id, row.exposure.as_ref().err()?.clone()))).collect();
         let mut warnings = Vec::new();
         let mut totals = FlagTotals::default();
-        let (valid, starts): (Vec<usize>, Vec<Epoch>) =
-            rows.iter().enumerate().filter_map(|(row, one)| Some((row, one.exposure.as_ref().ok()?.start))).unzip();
+        let (valid, starts): (Vec<usize>, Vec<Epoch>) = rows
+            .iter()
+            .enumerate()
+            .filter_map(|(row, scheduled)| Some((row, scheduled.exposure.as_ref().ok()?.start)))
+            .unzip();
         for Night { prepared, indices } in self.nights(starts.iter().copied(), watch)? {
             let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[valid[*index]]).collect();
             let mut report = judge(&night_rows, &FlagRequest { policy, ..self.request(field, &prepared) })
@@ -421,7 +424,7 @@ impl Engine {
         light: &LightRequest<'_>,
         watch: &Watch,
     ) -> PyResult<WithWarnings<SkyRows>> {
-        let prepared = self.sky_cache.get().of(start, watch)?;
+        let prepared = self.sky_cache.get().sky_at(start, watch)?;
         check_known(&prepared, [start])?;
         let sky = &prepared.sky;
         let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::request)?;

@@ -30,13 +30,13 @@ pub fn mask<'py>(
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let (result, masks) = (PyDict::new(py), PyDict::new(py));
     // The request has one frame.
-    let one = &done.frames[0];
-    for (index, target) in one.frame.chips.iter().enumerate() {
+    let masked = &done.frames[0];
+    for (index, target) in masked.frame.chips.iter().enumerate() {
         let size = [target.chip.rows, target.chip.columns];
-        let pixels = one.mask.area(index).values(size, [false, true]);
+        let pixels = masked.mask.area(index).values(size, [false, true]);
         masks.set_item(target.chip.hdu, pixels.into_pyarray(py).reshape(size)?)?;
     }
-    result.set_item("summary", &one.summary)?;
+    result.set_item("summary", &masked.summary)?;
     result.set_item("masks", masks)?;
     result.set_item("streaks", columns(py, &done.corridors())?)?;
     result.set_item("left_out", columns(py, &done.left_out())?)?;

@@ -39,7 +39,7 @@ impl Picture {
     /// Writes a file atomically, as PNG or SVG by the file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
-        let format = PictureFormat::of(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let format = PictureFormat::from_extension(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
         let bytes = failure::without_lock(py, |_| self.0.to_bytes(format).map_err(failure::request))?;
         write_atomically(path, |out| out.write_all(&bytes))
             .map_err(|error| PyOSError::new_err(format!("cannot write {}: {error}", path.display())))
@@ -55,7 +55,7 @@ impl Picture {
 /// Converts two-part Julian dates, TAI, to MJD (UTC).
 #[pyfunction]
 pub fn utc_mjd<'py>(jd1: Column<'py>, jd2: Column<'py>) -> Vec<f64> {
-    jd1.as_array().iter().zip(jd2.as_array()).map(|(one, two)| mjd_utc(epoch_of(*one, *two))).collect()
+    jd1.as_array().iter().zip(jd2.as_array()).map(|(jd1, jd2)| mjd_utc(epoch_of(*jd1, *jd2))).collect()
 }
 
 /// Labels and lines common to all plots.

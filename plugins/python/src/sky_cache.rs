@@ -32,7 +32,7 @@ pub struct SkyCache {
 
 impl SkyCache {
     /// Returns the sky of the night that contains a time. Its queries stop with the watch.
-    pub fn of(&self, moment: Epoch, watch: &Watch) -> PyResult<PreparedSky> {
+    pub fn sky_at(&self, moment: Epoch, watch: &Watch) -> PyResult<PreparedSky> {
         watch.check().map_err(failure::request)?;
         Ok(self.prepared(moment).map_err(failure::setup)?.watched(watch))
     }
@@ -136,7 +136,7 @@ impl SkyCache {
     fn provenance(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<String> {
         let moment = start_of(0, jd1, jd2)?;
         failure::without_lock(py, |watch| {
-            let prepared = self.of(moment, watch)?;
+            let prepared = self.sky_at(moment, watch)?;
             let sections: &[Section<'_>] = &[];
             let mut text = Vec::new();
             write_json(&mut text, sections, &prepared.provenance).map_err(failure::request)?;
@@ -157,7 +157,7 @@ impl SkyCache {
     /// Returns the number of satellites prepared for a night.
     fn satellites(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<usize> {
         let moment = start_of(0, jd1, jd2)?;
-        failure::without_lock(py, |watch| Ok(self.of(moment, watch)?.sky.elements().len()))
+        failure::without_lock(py, |watch| Ok(self.sky_at(moment, watch)?.sky.elements().len()))
     }
 }
 

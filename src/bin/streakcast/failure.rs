@@ -70,7 +70,7 @@ pub fn usage_message(error: &clap::Error, command: Command, place: Option<&str>)
     let (verb, path) = innermost(command);
     // clap lists only names that are similar to the unknown one.
     if error.kind() == ErrorKind::InvalidSubcommand {
-        let allowed = verb.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name);
+        let allowed = verb.get_subcommands().filter(|subcommand| !subcommand.is_hide_set()).map(Command::get_name);
         message += &format!("; allowed: {}", allowed.collect::<Vec<_>>().join(", "));
     }
     if error.kind() == ErrorKind::UnknownArgument

@@ -35,7 +35,7 @@ impl Notices {
     }
 
     /// Returns a writer with the options of a configuration.
-    pub fn of(config: &Config) -> Self {
+    pub fn from_config(config: &Config) -> Self {
         Self::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false))
     }
 
@@ -77,7 +77,7 @@ impl Notices {
         let warnings = warnings.into_iter().map(|warning| format!("{warning}{end}"));
         self.warn_first(warnings, "periods of the shells with satellites without a position");
         if self.verbose {
-            left_out.iter().for_each(|one| self.info(&format!("  {}", one.reason)));
+            left_out.iter().for_each(|satellite| self.info(&format!("  {}", satellite.reason)));
         }
     }
 

@@ -16,7 +16,7 @@ pub struct Required<'a> {
 
 impl<'a> Required<'a> {
     /// Creates an empty list for flags that were completed by their configuration file.
-    pub fn of(config: &'a Config) -> Self {
+    pub fn new(config: &'a Config) -> Self {
         Self { config, missing: Vec::new() }
     }
 

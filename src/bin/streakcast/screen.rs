@@ -160,8 +160,9 @@ impl Fitted {
             })
             .collect();
         let total = |count: usize, longest_text: usize| -> usize {
-            let one = |&(longest, is_text): &(usize, bool)| if is_text { longest.min(longest_text) } else { longest };
-            widths[..count].iter().map(|column| one(column) + PADDING).sum()
+            let shown_width =
+                |&(longest, is_text): &(usize, bool)| if is_text { longest.min(longest_text) } else { longest };
+            widths[..count].iter().map(|column| shown_width(column) + PADDING).sum()
         };
         let count = (1..=columns.len()).rev().find(|&count| total(count, LEAST_TEXT) <= width).unwrap_or(1);
         // Largest length of text cells for which these columns still fit.

@@ -9,5 +9,5 @@ pub fn begin(config: &Config) -> anyhow::Result<Notices> {
     if let Some(threads) = config.threads()? {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    Ok(Notices::of(config))
+    Ok(Notices::from_config(config))
 }

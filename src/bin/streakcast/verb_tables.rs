@@ -200,8 +200,8 @@ fn find<'a>(table: &'a Table, name: &str) -> Option<&'a Value> {
     table.iter().find(|(key, _)| is_same(key, name)).map(|(_, value)| value)
 }
 
-fn is_same(one: &str, other: &str) -> bool {
-    one.replace('-', "_") == other.replace('-', "_")
+fn is_same(first: &str, other: &str) -> bool {
+    first.replace('-', "_") == other.replace('-', "_")
 }
 
 fn argument<'a>(verb: &'a Command, key: &str) -> Option<&'a Arg> {
@@ -247,7 +247,7 @@ fn check<'a>(
             let hint = match (owners.as_slice(), nearest) {
                 ([], Some(name)) => format!("did you mean {}?", name.replace('-', "_")),
                 ([], None) => "allowed: the flags of the verb".to_owned(),
-                ([one, .., _, _], _) => format!("allowed: in {one} and the tables of other verbs"),
+                ([owner, .., _, _], _) => format!("allowed: in {owner} and the tables of other verbs"),
                 (owners, _) => format!("allowed: in {}", owners.join(", ")),
             };
             bail!("{place}: unknown key '{key}'; {hint}");
@@ -283,7 +283,7 @@ fn flag_of(word: &str) -> Option<&str> {
 /// Returns true if a flag on the command line answers the question of a key.
 fn is_replaced(key: &Arg, verb: &Command, given: &[&Arg]) -> bool {
     let conflicts =
-        |one: &Arg, other: &Arg| verb.get_arg_conflicts_with(one).iter().any(|arg| arg.get_id() == other.get_id());
+        |first: &Arg, other: &Arg| verb.get_arg_conflicts_with(first).iter().any(|arg| arg.get_id() == other.get_id());
     let is_same_question = |key: &str, flag: &str| {
         let is_answered = |question: &Question| question.keys.contains(&key) && question.is_answered_by(&[flag]);
         key == flag || Config::QUESTIONS.iter().any(is_answered)
@@ -304,7 +304,7 @@ fn texts_of(arg: &Arg, value: &Value, folder: &Path) -> Result<Vec<Option<String
         };
     }
     let values = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
-    values.iter().map(|one| text_of(arg, one, folder).map(Some)).collect()
+    values.iter().map(|item| text_of(arg, item, folder).map(Some)).collect()
 }
 
 /// Returns a value as on the command line. Paths are relative to the folder of the file.
@@ -313,7 +313,7 @@ fn text_of(arg: &Arg, value: &Value, folder: &Path) -> Result<String, String> {
         Value::String(text) => text.clone(),
         Value::Integer(_) | Value::Float(_) | Value::Datetime(_) => value.to_string(),
         // A limit by band, as g=7,default=6.
-        Value::Table(numbers) if numbers.values().all(|one| one.is_float() || one.is_integer()) => {
+        Value::Table(numbers) if numbers.values().all(|number| number.is_float() || number.is_integer()) => {
             numbers.iter().map(|(name, number)| format!("{name}={number}")).collect::<Vec<_>>().join(",")
         }
         _ => return Err(format!("is {value}; allowed: a text or a number, as for the flag")),

@@ -91,7 +91,7 @@ impl Config {
             let remedy = "specify --drag station-keeping or --drag published";
             health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
         }
-        let state = ElementState::of(&catalogue, &choice, drag.unwrap_or_default(), now);
+        let state = ElementState::new(&catalogue, &choice, drag.unwrap_or_default(), now);
         health.findings.extend(state.findings(&catalogue, now, source));
         if is_readable {
             health.findings.push(state.model_finding());
@@ -111,7 +111,13 @@ mod tests {
     }
 
     fn severity(health: &Health, subject: &str) -> Severity {
-        health.findings.iter().filter(|one| one.subject == subject).map(|one| one.severity).max().unwrap()
+        health
+            .findings
+            .iter()
+            .filter(|finding| finding.subject == subject)
+            .map(|finding| finding.severity)
+            .max()
+            .unwrap()
     }
 
     #[test]
@@ -156,7 +162,7 @@ mod tests {
         for subject in ["elements", "site"] {
             assert_eq!(severity(&all, subject), Severity::Unchecked, "{subject}");
         }
-        let policy = all.findings.iter().find(|one| one.subject == "policy").unwrap();
+        let policy = all.findings.iter().find(|finding| finding.subject == "policy").unwrap();
         assert_eq!((policy.severity, policy.finding.as_str()), (Severity::Fine, "blocking avoid, limit_mag 7.0"));
         let all = health("policy = { max_cost_s = 1 }", "2026-11-25T00:00:00Z");
         assert_eq!(severity(&all, "policy"), Severity::Error, "{:?}", all.findings);
@@ -166,8 +172,11 @@ mod tests {
     fn a_longitude_of_the_wrong_sign_is_found() {
         let site = |lon: f64| health(&format!("lat = -30.2446\nlon = {lon}\nheight = 2650"), "2026-11-25T00:00:00Z");
         let wrong = site(70.7494);
-        let finding =
-            wrong.findings.iter().find(|one| one.subject == "site" && one.severity == Severity::Warning).unwrap();
+        let finding = wrong
+            .findings
+            .iter()
+            .find(|finding| finding.subject == "site" && finding.severity == Severity::Warning)
+            .unwrap();
         assert!(finding.remedy.contains("--lon=-70.7494"), "{finding:?}");
         assert_eq!(severity(&site(-70.7494), "site"), Severity::Fine);
     }
@@ -182,10 +191,15 @@ mod tests {
             (0.0962, 51.7743, ""),
         ] {
             let found = site(lat, lon);
-            let warning = found.findings.iter().find(|one| one.severity == Severity::Warning && one.subject == "site");
+            let warning = found
+                .findings
+                .iter()
+                .find(|finding| finding.severity == Severity::Warning && finding.subject == "site");
             match remedy {
                 "" => assert!(warning.is_none(), "{warning:?}"),
-                remedy => assert!(warning.is_some_and(|one| one.remedy.contains(remedy)), "{:?}", found.findings),
+                remedy => {
+                    assert!(warning.is_some_and(|finding| finding.remedy.contains(remedy)), "{:?}", found.findings)
+                }
             }
         }
         assert_eq!(severity(&site(-30.2446, -70.7494), "site"), Severity::Fine);

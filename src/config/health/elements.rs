@@ -70,16 +70,18 @@ pub struct EphemerisState {
 }
 
 impl EphemerisState {
-    fn of(catalogue: &Satellites, now: Epoch) -> Self {
+    fn new(catalogue: &Satellites, now: Epoch) -> Self {
         let all = || catalogue.ephemerides.iter();
-        let age_days = |one: &Arc<Ephemeris>| seconds_between(one.created.unwrap_or(one.interval().0), now) / DAY_S;
-        let is_current = |one: &&Arc<Ephemeris>| {
-            let (first, last) = one.interval();
+        let age_days = |ephemeris: &Arc<Ephemeris>| {
+            seconds_between(ephemeris.created.unwrap_or(ephemeris.interval().0), now) / DAY_S
+        };
+        let is_current = |ephemeris: &&Arc<Ephemeris>| {
+            let (first, last) = ephemeris.interval();
             seconds_between(first, now) >= 0.0 && seconds_between(now, last) >= 0.0
         };
         Self {
             count: catalogue.ephemerides.len(),
-            with_covariance: all().filter(|one| !one.covariances.is_empty()).count(),
+            with_covariance: all().filter(|ephemeris| !ephemeris.covariances.is_empty()).count(),
             current: all().filter(is_current).count(),
             median_age_days: median_or_0(all().map(age_days).collect()),
             without_elements: without_elements(&catalogue.ephemerides, &catalogue.element_sets),
@@ -142,13 +144,13 @@ pub struct ElementState {
 
 impl ElementState {
     /// Computes the state of a catalogue at `now` with the models of `choice`.
-    pub fn of(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
+    pub fn new(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let of_one_set = |set: &ElementSet| OrbitClass::of(set, drag);
+        let of_one_set = |set: &ElementSet| OrbitClass::from_elements(set, drag);
         let others = &catalogue.other_epochs;
-        let of_all = |set: &ElementSet| OrbitModel::of(set, others_of(others, set.norad_id), now, drag).class;
+        let of_all = |set: &ElementSet| OrbitModel::from_sets(set, others_of(others, set.norad_id), now, drag).class;
         // Errors along the track of the satellites whose position is known.
         let sigmas = |class: &dyn Fn(&ElementSet) -> OrbitClass| -> Vec<f64> {
             let classes = sets.iter().zip(&ages).map(|(set, age)| (class(set), *age));
@@ -161,7 +163,7 @@ impl ElementState {
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();
         for set in sets {
-            let kind = table.of(set);
+            let kind = table.generation(set);
             if kind == Generation::Other {
                 if choice.is_unknown(set) {
                     *unmatched.entry(prefix(&set.name)).or_default() += 1;
@@ -180,7 +182,7 @@ impl ElementState {
             unknown: sets.len() - sigmas.len(),
             median_along_track_sigma_s: median_or_0(sigmas),
             median_of_one_set_s,
-            ephemerides: EphemerisState::of(catalogue, now),
+            ephemerides: EphemerisState::new(catalogue, now),
             kinds: kinds.into_iter().collect(),
             assumed: sets.iter().filter(|set| table.is_assumed(set)).count(),
             unmatched,
@@ -305,7 +307,7 @@ impl ElementState {
     pub fn model_finding(&self) -> Finding {
         const SUBJECT: &str = "models";
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
-        let without: usize = self.unmatched.iter().map(|one| one.count).sum();
+        let without: usize = self.unmatched.iter().map(|group| group.count).sum();
         let satellites = counted(self.satellites, "satellite", "satellites");
         let have = if known == 1 { "has a model of its generation" } else { "have a model of their generation" };
         let mut finding = format!("{known} of {satellites} {have}");
@@ -328,9 +330,9 @@ impl ElementState {
         let constellations: Vec<String> = self
             .unmatched
             .iter()
-            .filter(|one| one.count >= CONSTELLATION && !one.prefix.is_empty())
+            .filter(|group| group.count >= CONSTELLATION && !group.prefix.is_empty())
             .take(LISTED)
-            .map(|one| format!("{} ({})", one.prefix, one.count))
+            .map(|group| format!("{} ({})", group.prefix, group.count))
             .collect();
         if !constellations.is_empty() {
             finding += &format!(", including {}", constellations.join(", "));

@@ -88,9 +88,14 @@ pub fn finding_table(findings: &[Finding]) -> Table {
         ],
         rows: findings
             .iter()
-            .map(|one| {
-                let remedy = Some(one.remedy.as_str()).filter(|remedy| !remedy.is_empty());
-                vec![one.severity.name().into(), one.subject.into(), one.finding.as_str().into(), remedy.into()]
+            .map(|finding| {
+                let remedy = Some(finding.remedy.as_str()).filter(|remedy| !remedy.is_empty());
+                vec![
+                    finding.severity.name().into(),
+                    finding.subject.into(),
+                    finding.finding.as_str().into(),
+                    remedy.into(),
+                ]
             })
             .collect(),
     }

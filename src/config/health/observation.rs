@@ -134,8 +134,8 @@ pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
             let source = match (observer.elements_epoch(), observer.ephemerides()) {
                 (Some(epoch), _) => format!("elements of {}", format_utc(epoch, 0)),
                 (None, spans) => {
-                    let span = |one: &Arc<Ephemeris>| {
-                        let (first, last) = one.interval();
+                    let span = |ephemeris: &Arc<Ephemeris>| {
+                        let (first, last) = ephemeris.interval();
                         format!("ephemeris of {} to {}", format_utc(first, 0), format_utc(last, 0))
                     };
                     spans.iter().map(span).collect::<Vec<_>>().join(", ")

@@ -148,7 +148,7 @@ fn least_eigenvalue(terms: &[f64; TERMS]) -> f64 {
     let scale = |axis: usize| if term(axis, axis) == 0.0 { 1.0 } else { term(axis, axis).sqrt() };
     let correlation = Matrix6::from_fn(|row, column| term(row, column) / (scale(row) * scale(column)));
     // The square root of a negative variance is NaN.
-    if correlation.iter().any(|one| !one.is_finite()) {
+    if correlation.iter().any(|value| !value.is_finite()) {
         return f64::NAN;
     }
     correlation.symmetric_eigenvalues().min()

@@ -73,7 +73,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
             Event::End(_) => {
                 let Some(name) = open.pop() else { continue };
                 // Elements of other messages are skipped.
-                if !open.iter().any(|one| one == "oem") {
+                if !open.iter().any(|element| element == "oem") {
                     continue;
                 }
                 match (name.as_str(), &mut segment) {

@@ -75,7 +75,7 @@ pub enum Sample {
 }
 
 impl Sample {
-    fn of(is_in_sample: bool) -> Self {
+    fn new(is_in_sample: bool) -> Self {
         if is_in_sample { Self::InSample } else { Self::HeldOut }
     }
 
@@ -173,7 +173,7 @@ pub struct Comparison {
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
     let name = model.file().map(|file| file.name.clone()).unwrap_or_default();
     let sigma_mag = model.file().map_or(f64::NAN, |file| file.sigma_mag);
-    let subject = model.file().and_then(Subject::of);
+    let subject = model.file().and_then(Subject::from_model_file);
     let blank = Comparison {
         model: name,
         satellites: subject.map(|subject| subject.name),
@@ -209,21 +209,23 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
         let row = |kind, reference: &'static str| Comparison {
             kind,
             reference,
-            sample: Some(Sample::of(published_names(reference).any(names))),
+            sample: Some(Sample::new(published_names(reference).any(names))),
             ..blank.clone()
         };
-        let mean = |one: &PublishedMean| with_mean(row(ReferenceKind::Mean, one.source), one, &modelled);
+        let mean =
+            |published: &PublishedMean| with_mean(row(ReferenceKind::Mean, published.source), published, &modelled);
         rows.extend(subject.means.iter().map(mean));
         let sd_mag = subject.survey_sd_mag();
-        let curve =
-            |one: &PublishedCurve| with_curve(row(ReferenceKind::PhaseCurve, one.source), one, sd_mag, &modelled);
+        let curve = |published: &PublishedCurve| {
+            with_curve(row(ReferenceKind::PhaseCurve, published.source), published, sd_mag, &modelled)
+        };
         rows.extend(subject.curve.iter().map(curve));
     }
     if let Some(set) = subject.photometry {
         let row = |kind| Comparison {
             kind,
             reference: set.source(),
-            sample: Some(Sample::of(names(set.survey()))),
+            sample: Some(Sample::new(names(set.survey()))),
             ..blank.clone()
         };
         let sunlit = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
@@ -268,10 +270,10 @@ fn verdict(agrees: bool) -> Verdict {
 }
 
 fn with_mean(row: Comparison, published: &PublishedMean, modelled: &[Modelled]) -> Comparison {
-    let Some(model) = ResidualStatistics::weighted(modelled.iter().map(|one| (one.magnitude, one.weight))) else {
+    let Some(model) = ResidualStatistics::weighted(modelled.iter().map(|point| (point.magnitude, point.weight))) else {
         return row;
     };
-    let differences = || modelled.iter().map(|one| (published.mean_mag - one.magnitude, one.weight));
+    let differences = || modelled.iter().map(|point| (published.mean_mag - point.magnitude, point.weight));
     let row = Comparison {
         n: model.n,
         model_mean_mag: Some(model.mean_mag),
@@ -289,9 +291,9 @@ fn with_mean(row: Comparison, published: &PublishedMean, modelled: &[Modelled]) 
 fn with_curve(row: Comparison, curve: &PublishedCurve, sd_mag: f64, modelled: &[Modelled]) -> Comparison {
     let pairs: Vec<Pair> = modelled
         .iter()
-        .filter_map(|one| {
-            let reference_mag = curve.at(one.phase_rad)?;
-            Some(Pair { reference_mag, model_mag: one.magnitude, weight: one.weight })
+        .filter_map(|point| {
+            let reference_mag = curve.at(point.phase_rad)?;
+            Some(Pair { reference_mag, model_mag: point.magnitude, weight: point.weight })
         })
         .collect();
     let Some((row, _)) = with_pairs(&row, &pairs) else { return row };
@@ -300,9 +302,9 @@ fn with_curve(row: Comparison, curve: &PublishedCurve, sd_mag: f64, modelled: &[
 }
 
 fn with_measurements(row: Comparison, model: &BrightnessModel, measured: &[ReferenceMeasurement]) -> Comparison {
-    let compared = measured.iter().filter_map(|one| {
-        let (model_mag, sigma_mag) = (one.of_model(model)?.0, one.sigma_of_model_mag(model)?);
-        Some((Pair { reference_mag: one.magnitude.0, model_mag, weight: 1.0 }, sigma_mag, one.group))
+    let compared = measured.iter().filter_map(|measurement| {
+        let (model_mag, sigma_mag) = (measurement.of_model(model)?.0, measurement.sigma_of_model_mag(model)?);
+        Some((Pair { reference_mag: measurement.magnitude.0, model_mag, weight: 1.0 }, sigma_mag, measurement.group))
     });
     let mut pairs = Vec::new();
     let (mut sigmas_mag, mut groups): (Vec<f64>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -363,10 +365,11 @@ impl Pair {
 
 /// Returns the row with the statistics of pairs of magnitudes, and those of their differences; `None` without pairs.
 fn with_pairs(row: &Comparison, pairs: &[Pair]) -> Option<(Comparison, ResidualStatistics)> {
-    let of = |value: fn(&Pair) -> f64| ResidualStatistics::weighted(pairs.iter().map(|one| (value(one), one.weight)));
-    let (reference, model) = (of(|one| one.reference_mag)?, of(|one| one.model_mag)?);
+    let of =
+        |value: fn(&Pair) -> f64| ResidualStatistics::weighted(pairs.iter().map(|pair| (value(pair), pair.weight)));
+    let (reference, model) = (of(|pair| pair.reference_mag)?, of(|pair| pair.model_mag)?);
     let difference = of(Pair::difference_mag)?;
-    let differences = pairs.iter().map(|one| (one.difference_mag(), one.weight));
+    let differences = pairs.iter().map(|pair| (pair.difference_mag(), pair.weight));
     let row = Comparison {
         n: difference.n,
         model_mean_mag: Some(model.mean_mag),
@@ -425,28 +428,32 @@ const COLUMNS: [Column; 19] = [
 
 /// Returns a table with one row per comparison.
 pub fn comparison_table(comparisons: &[Comparison]) -> Table {
-    let row = |one: &Comparison| {
-        let is_compared = one.model_mean_mag.is_some();
+    let row = |comparison: &Comparison| {
+        let is_compared = comparison.model_mean_mag.is_some();
         vec![
-            one.model.as_str().into(),
-            one.satellites.into(),
-            one.kind.name().into(),
-            one.reference.into(),
-            one.sample.map(Sample::name).into(),
-            is_compared.then_some(one.n).into(),
-            one.model_mean_mag.into(),
-            one.model_sd_mag.into(),
-            one.reference_mean_mag.into(),
-            one.reference_sd_mag.into(),
-            one.difference_mag.into(),
-            one.difference_error_mag.into(),
-            one.difference_mag.zip(one.difference_error_mag).map(|(difference, error)| difference / error).into(),
-            one.rms_mag.into(),
-            one.core_mag.into(),
-            one.sigma_mag.into(),
-            one.within_one_sigma.into(),
-            one.sigma_ratio.into(),
-            one.verdict.name().into(),
+            comparison.model.as_str().into(),
+            comparison.satellites.into(),
+            comparison.kind.name().into(),
+            comparison.reference.into(),
+            comparison.sample.map(Sample::name).into(),
+            is_compared.then_some(comparison.n).into(),
+            comparison.model_mean_mag.into(),
+            comparison.model_sd_mag.into(),
+            comparison.reference_mean_mag.into(),
+            comparison.reference_sd_mag.into(),
+            comparison.difference_mag.into(),
+            comparison.difference_error_mag.into(),
+            comparison
+                .difference_mag
+                .zip(comparison.difference_error_mag)
+                .map(|(difference, error)| difference / error)
+                .into(),
+            comparison.rms_mag.into(),
+            comparison.core_mag.into(),
+            comparison.sigma_mag.into(),
+            comparison.within_one_sigma.into(),
+            comparison.sigma_ratio.into(),
+            comparison.verdict.name().into(),
         ]
     };
     Table { columns: COLUMNS.to_vec(), rows: comparisons.iter().map(row).collect() }
@@ -463,7 +470,7 @@ mod tests {
         let pair = |difference: f64| Pair { reference_mag: difference, model_mag: 0.0, weight: 0.5 };
         let pairs: Vec<Pair> = values.iter().flat_map(|value| [*value; 5]).map(pair).collect();
         let groups: Vec<u32> = (0..4).flat_map(|group| [group; 5]).collect();
-        let statistics = ResidualStatistics::weighted(pairs.iter().map(|one| (one.difference_mag(), 0.5))).unwrap();
+        let statistics = ResidualStatistics::weighted(pairs.iter().map(|pair| (pair.difference_mag(), 0.5))).unwrap();
         let expected = (5.0_f64 / 3.0).sqrt() / 2.0;
         assert!((error_of_mean(&pairs, &groups, &statistics) - expected).abs() < 1e-12);
         assert_eq!(error_of_mean(&pairs, &[7; 20], &statistics), statistics.sd_mag);

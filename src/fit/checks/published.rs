@@ -78,7 +78,7 @@ impl Subject {
 
     /// Returns the satellites of a model file, by its name first and then by its aliases. The longest matching name is
     /// used.
-    pub fn of(file: &ModelFile) -> Option<&'static Self> {
+    pub fn from_model_file(file: &ModelFile) -> Option<&'static Self> {
         std::iter::once(&file.name).chain(&file.aliases).find_map(|name| Self::by_name(name))
     }
 

@@ -197,7 +197,7 @@ pub(in crate::fit) fn minimise_in_box(
             let inward = if at[i] == At::Least { -s } else { s };
             (inward > SLOPE_ROUNDING * scale(&x, i)).then(|| (i, inward * inward / a[(i, i)].max(f64::MIN_POSITIVE)))
         });
-        match held.max_by(|one, other| one.1.total_cmp(&other.1)) {
+        match held.max_by(|this, other| this.1.total_cmp(&other.1)) {
             Some((i, _)) => at[i] = At::Between,
             None => return Some(x),
         }

@@ -51,11 +51,11 @@ impl Blocks {
     pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), FitError> {
         let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let file = input::open(path).map_err(unreadable)?;
-        Self::of(Box::new(file), name)
+        Self::from_source(Box::new(file), name)
     }
 
     /// Decompresses the source if needed and reads its head.
-    pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
+    pub(super) fn from_source(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
         let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let mut raw = BufReader::with_capacity(BLOCK, source);
         let is_gzipped = raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
@@ -98,7 +98,7 @@ impl Blocks {
                 (Head { header, delimiter: Delimiter::Blanks, units, time_scales, norad_id }, rest)
             }
             None => {
-                let count = |byte: u8| line.bytes().filter(|one| *one == byte).count();
+                let count = |byte: u8| line.bytes().filter(|other| *other == byte).count();
                 let delimiter = [b',', b';', b'\t'].into_iter().rev().max_by_key(|byte| count(*byte)).unwrap_or(b',');
                 let mut reader =
                     csv::ReaderBuilder::new().has_headers(false).delimiter(delimiter).from_reader(line.as_bytes());
@@ -167,7 +167,8 @@ mod tests {
     use super::*;
 
     fn blocks(text: &[u8]) -> (Head, Vec<Vec<u8>>) {
-        let (head, mut blocks) = Blocks::of(Box::new(io::Cursor::new(text.to_vec())), "a test").expect("a head");
+        let (head, mut blocks) =
+            Blocks::from_source(Box::new(io::Cursor::new(text.to_vec())), "a test").expect("a head");
         let mut all = Vec::new();
         while let Some(block) = blocks.next().expect("a block") {
             all.push(block);

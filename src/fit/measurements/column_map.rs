@@ -129,7 +129,7 @@ impl ColumnMap {
     }
 
     /// Creates a map of fixed columns with times in UTC.
-    pub(super) fn of(columns: &[(Field, &str)]) -> Self {
+    pub(super) fn fixed(columns: &[(Field, &str)]) -> Self {
         let mut map = Self { time_scale: Some(TimeScale::UTC), ..Self::default() };
         for (field, column) in columns {
             map.columns[*field as usize] = Some((*column).to_owned());

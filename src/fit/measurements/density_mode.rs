@@ -35,7 +35,7 @@ impl fmt::Display for DensityMode {
 
 impl DensityMode {
     /// Returns the mode of a sorted sample; NaN for an empty one.
-    pub fn of(self, sorted: &[f64]) -> f64 {
+    pub fn mode_of(self, sorted: &[f64]) -> f64 {
         match self {
             Self::HalfSample => half_sample_mode(sorted),
             Self::Kernel => kernel_mode(sorted),
@@ -52,11 +52,11 @@ pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     loop {
         match *sample {
             [] => return f64::NAN,
-            [one] => return one,
-            [one, other] => return 0.5 * (one + other),
-            [one, middle, other] => {
-                return match (middle - one).total_cmp(&(other - middle)) {
-                    std::cmp::Ordering::Less => 0.5 * (one + middle),
+            [first] => return first,
+            [first, other] => return 0.5 * (first + other),
+            [first, middle, other] => {
+                return match (middle - first).total_cmp(&(other - middle)) {
+                    std::cmp::Ordering::Less => 0.5 * (first + middle),
                     std::cmp::Ordering::Greater => 0.5 * (middle + other),
                     std::cmp::Ordering::Equal => middle,
                 };
@@ -156,11 +156,11 @@ mod tests {
             sample.sort_by(f64::total_cmp);
             let moved: Vec<f64> = sample.iter().map(|x| x + shift).collect();
             for mode in [DensityMode::HalfSample, DensityMode::Kernel] {
-                let found = mode.of(&sample);
+                let found = mode.mode_of(&sample);
                 prop_assert!(sample[0] <= found && found <= sample[sample.len() - 1]);
                 // Two intervals may be equally narrow within rounding: either is valid, and the shift selects one.
                 if mode == DensityMode::Kernel && sample.len() > 20 {
-                    prop_assert!((mode.of(&moved) - found - shift).abs() < 1e-3);
+                    prop_assert!((mode.mode_of(&moved) - found - shift).abs() < 1e-3);
                 }
             }
         }

@@ -138,9 +138,9 @@ impl DropCounts {
             vec![
                 reason.name().into(),
                 (count as i64).into(),
-                example.map(|one| one.file.as_str()).into(),
-                example.map(|one| one.row as i64).into(),
-                example.map(|one| one.problem.as_str()).into(),
+                example.map(|example| example.file.as_str()).into(),
+                example.map(|example| example.row as i64).into(),
+                example.map(|example| example.problem.as_str()).into(),
             ]
         };
         Table { columns: COLUMNS.to_vec(), rows: self.iter().map(row).collect() }

@@ -58,7 +58,7 @@ impl Format {
             (Self::Slingshot, ["measured_ab", "az diff"]),
         ];
         let has = |name: &str| header.iter().any(|column| column == name);
-        marks.into_iter().find(|(_, [one, other])| has(one) && has(other)).map(|(format, _)| format)
+        marks.into_iter().find(|(_, [first, other])| has(first) && has(other)).map(|(format, _)| format)
     }
 
     /// Returns the columns of the format; none for [`Csv`](Self::Csv).
@@ -67,7 +67,7 @@ impl Format {
         match self {
             Self::Mmt => ColumnMap {
                 optional: vec![TimeOfDay, Filter, Penumbra, Track, Norad],
-                ..ColumnMap::of(&[
+                ..ColumnMap::fixed(&[
                     (Time, "Date"),
                     (TimeOfDay, "Time"),
                     (Magnitude, "Mag"),
@@ -79,7 +79,7 @@ impl Format {
                     (Norad, "NORAD"),
                 ])
             },
-            Self::Pomenis => ColumnMap::of(&[
+            Self::Pomenis => ColumnMap::fixed(&[
                 (Time, "observation_time"),
                 (Height, "satellite_height"),
                 (Altitude, "satellite_altitude"),
@@ -88,7 +88,7 @@ impl Format {
             ]),
             Self::Score => ColumnMap {
                 optional: vec![Sigma, RightAscension, Declination, Distance],
-                ..ColumnMap::of(&[
+                ..ColumnMap::fixed(&[
                     (Time, "observation_time_utc"),
                     (Magnitude, "apparent_magnitude"),
                     (Sigma, "apparent_magnitude_uncertainty"),
@@ -104,7 +104,7 @@ impl Format {
             },
             Self::Slingshot => ColumnMap {
                 height_km: 1e-3,
-                ..ColumnMap::of(&[
+                ..ColumnMap::fixed(&[
                     (SunAltitude, "sun altitude"),
                     (Altitude, "sat altitude"),
                     (Height, "sat height"),

@@ -40,9 +40,9 @@ pub struct TrackIdentification {
     /// Name of the track.
     pub track: String,
     /// Best candidate; `None` if no satellite came near the track.
-    pub best: Option<Candidate>,
+    pub best: Option<TrackCandidate>,
     /// Second best candidate.
-    pub next: Option<Candidate>,
+    pub next: Option<TrackCandidate>,
     /// True if the best candidate satisfies the [`AcceptanceLimits`].
     pub is_sure: bool,
 }
@@ -56,17 +56,17 @@ pub fn identify_tracks(
     limits: &AcceptanceLimits,
 ) -> Vec<TrackIdentification> {
     let tracks: Vec<(&String, Vec<_>)> = records.groups.iter().zip(records.by_group()).collect();
-    let one = |(track, rows): &(&String, Vec<_>)| {
+    let identify_track = |(track, rows): &(&String, Vec<_>)| {
         let mut candidates = associate(rows, &records.sites, history, eop, options).into_iter();
         let (best, next) = (candidates.next(), candidates.next());
-        let is_near = |best: &Candidate| {
+        let is_near = |best: &TrackCandidate| {
             best.range_rms_km <= limits.max_range_rms_km
                 && best.phase_rms_rad.is_none_or(|phase| phase <= limits.max_phase_rms_rad)
                 && next.is_none_or(|next| next.score - best.score >= limits.least_lead)
         };
         TrackIdentification { track: (*track).clone(), best, next, is_sure: best.as_ref().is_some_and(is_near) }
     };
-    tracks.par_iter().map(one).collect()
+    tracks.par_iter().map(identify_track).collect()
 }
 
 const COLUMNS: [Column; 9] = [
@@ -83,14 +83,14 @@ const COLUMNS: [Column; 9] = [
 
 /// Returns a table with one row per track, which [`Placement::identified`](super::Placement::identified) can use.
 pub fn identification_table(tracks: &[TrackIdentification]) -> Table {
-    let number = |candidate: Option<&Candidate>| {
+    let number = |candidate: Option<&TrackCandidate>| {
         candidate.map_or(Value::Null, |candidate| Value::Integer(i64::from(candidate.norad_id.0)))
     };
-    let row = |one: &TrackIdentification| {
-        let (best, next) = (one.best.as_ref(), one.next.as_ref());
+    let row = |track: &TrackIdentification| {
+        let (best, next) = (track.best.as_ref(), track.next.as_ref());
         vec![
-            one.track.as_str().into(),
-            number(best.filter(|_| one.is_sure)),
+            track.track.as_str().into(),
+            number(best.filter(|_| track.is_sure)),
             number(best),
             best.map(|best| best.range_rms_km).into(),
             best.and_then(|best| best.phase_rms_rad).map(f64::to_degrees).into(),
@@ -136,7 +136,7 @@ impl Default for AssociationOptions {
 
 /// Candidate satellite of a track.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Candidate {
+pub struct TrackCandidate {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Root mean square of the range differences after the fit of the delay, km.
@@ -169,25 +169,30 @@ pub fn associate(
     history: &History,
     eop: &EopTable,
     options: &AssociationOptions,
-) -> Vec<Candidate> {
+) -> Vec<TrackCandidate> {
     let mut ephemeris = Ephemeris::new(eop.clone());
     ephemeris.prepare(track.iter().filter_map(|record| record.epoch));
     let observers: Vec<SiteAxes> = sites.iter().map(SiteAxes::new).collect();
     let track: Vec<&Record> = track.iter().collect();
     let points: Vec<Ranged> =
-        Ranged::thinned(&track).filter_map(|record| Ranged::of(record, &ephemeris, &observers)).collect();
+        Ranged::thinned(&track).filter_map(|record| Ranged::from_record(record, &ephemeris, &observers)).collect();
     let Some(middle) = points.get(points.len() / 2) else { return Vec::new() };
     let objects: Vec<&[ElementSet]> = history.objects().collect();
     let best_of = |sets: &&[ElementSet]| {
         let young = sets.iter().filter(|set| age_days(set, middle.epoch).abs() <= options.max_element_age_days);
         young.filter_map(|set| candidate(set, &points, middle, options)).min_by(|a, b| a.score.total_cmp(&b.score))
     };
-    let mut candidates: Vec<Candidate> = objects.par_iter().filter_map(best_of).collect();
+    let mut candidates: Vec<TrackCandidate> = objects.par_iter().filter_map(best_of).collect();
     candidates.sort_by(|a, b| a.score.total_cmp(&b.score).then(a.norad_id.cmp(&b.norad_id)));
     candidates
 }
 
-fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &AssociationOptions) -> Option<Candidate> {
+fn candidate(
+    set: &ElementSet,
+    points: &[Ranged],
+    middle: &Ranged,
+    options: &AssociationOptions,
+) -> Option<TrackCandidate> {
     let propagator = Propagator::new(set).ok()?;
     let satellite = shifted(&propagator, middle, 0.0)?;
     let apart_km = ((satellite - middle.observer).norm_km() - middle.range_km).abs();
@@ -206,7 +211,9 @@ fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &Ass
             Some(geometry.phase_angle_rad() - point.phase_rad?)
         })
         .collect();
-    let phase_rms_rad = phases.map(|all| (all.iter().map(|one| one * one).sum::<f64>() / all.len() as f64).sqrt());
+    let phase_rms_rad = phases.map(|all| {
+        (all.iter().map(|difference_rad| difference_rad * difference_rad).sum::<f64>() / all.len() as f64).sqrt()
+    });
     let element_age_days = age_days(set, middle.epoch);
     let offset_sigma_s = options.offset_sigma_s[0] + options.offset_sigma_s[1] * element_age_days.abs();
     // χ² + 2 ln(σ_delay / σ_delay at epoch), minus twice the log likelihood
@@ -216,8 +223,8 @@ fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &Ass
         offset.offset_s / offset_sigma_s,
     ];
     let score =
-        squares.iter().map(|one| one * one).sum::<f64>() + 2.0 * (offset_sigma_s / options.offset_sigma_s[0]).ln();
-    Some(Candidate {
+        squares.iter().map(|term| term * term).sum::<f64>() + 2.0 * (offset_sigma_s / options.offset_sigma_s[0]).ln();
+    Some(TrackCandidate {
         norad_id: set.norad_id,
         range_rms_km: offset.range_rms_km,
         phase_rms_rad,

@@ -86,7 +86,9 @@ pub use self::{
     density_mode::{DensityMode, half_sample_mode, kernel_mode, kernel_sigma},
     dropped::{DropCounts, DropReason},
     format::{FilterCounts, Format},
-    identify::{AcceptanceLimits, AssociationOptions, Candidate, associate, identification_table, identify_tracks},
+    identify::{
+        AcceptanceLimits, AssociationOptions, TrackCandidate, associate, identification_table, identify_tracks,
+    },
     measure::{measure, measure_each},
     placement::{OrbitRadius, Placed, Placement, Placer, PositionSource},
     reader::{PhotometryOptions, RecordReader},

@@ -42,7 +42,7 @@ impl Ranged {
     }
 
     /// Creates the recorded range of a row with the position of its observer; `None` without time, site or range.
-    pub(super) fn of(record: &Record, ephemeris: &Ephemeris, sites: &[SiteAxes]) -> Option<Self> {
+    pub(super) fn from_record(record: &Record, ephemeris: &Ephemeris, sites: &[SiteAxes]) -> Option<Self> {
         let (epoch, (range_km, phase_rad)) = (record.epoch?, record.sighting.distance_and_phase());
         let moment = ephemeris.at(epoch)?;
         let (observer, _) = sites.get(record.site? as usize)?.at(&moment);

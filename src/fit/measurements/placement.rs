@@ -302,8 +302,9 @@ impl<'a> ChunkPlacer<'a> {
             let norad_id = self.placement.norad_of(first, self.groups)?;
             let nearest = history.nearest(norad_id, first.epoch?)?;
             let propagator = Propagator::new(nearest).ok()?;
-            let ranged: Vec<Ranged> =
-                Ranged::thinned(&track).filter_map(|record| Ranged::of(record, self.ephemeris, self.sites)).collect();
+            let ranged: Vec<Ranged> = Ranged::thinned(&track)
+                .filter_map(|record| Ranged::from_record(record, self.ephemeris, self.sites))
+                .collect();
             Some((group, fitted_offset_s(&propagator, &ranged, *limit_s)?.offset_s))
         });
         fitted.collect()
@@ -370,7 +371,7 @@ struct NearestOrbit {
 impl NearestOrbit {
     fn new(history: &History, norad_id: NoradId, epoch: Epoch) -> Option<Self> {
         let nearest = history.nearest(norad_id, epoch)?;
-        let sets = history.of(norad_id);
+        let sets = history.sets_of(norad_id);
         // The ends of the interval are half way to the adjacent element sets.
         let half_min = |other: Option<&ElementSet>, sign: f64| {
             other.map_or(sign * f64::INFINITY, |other| 0.5 * (other.epoch - nearest.epoch).to_unit(Unit::Minute))

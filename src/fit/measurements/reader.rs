@@ -108,7 +108,7 @@ impl RecordReader {
         options: &PhotometryOptions,
     ) -> Result<Self, FitError> {
         let mut reader = Self::empty(VecDeque::new(), options);
-        let (head, blocks) = Blocks::of(source, name)?;
+        let (head, blocks) = Blocks::from_source(source, name)?;
         reader.begin(name.to_owned(), &head, blocks)?;
         Ok(reader)
     }
@@ -281,9 +281,9 @@ impl RecordSource for RecordReader {
             || read_some(blocks),
         );
         open.read = next.map_err(unreadable)?;
-        let mut records = Vec::with_capacity(parsed.iter().map(|one| one.records.len()).sum());
-        for one in parsed {
-            self.take(&mut open, one, &mut records)?;
+        let mut records = Vec::with_capacity(parsed.iter().map(|block| block.records.len()).sum());
+        for block in parsed {
+            self.take(&mut open, block, &mut records)?;
         }
         self.name_passes(&mut records);
         self.open = Some(open);

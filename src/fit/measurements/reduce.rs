@@ -191,16 +191,16 @@ impl Reducer {
         let placed: Vec<Option<(i32, u64, Sums, f32)>> =
             points.par_iter().map(|point| placed(point, &options)).collect();
         for (placed, point) in placed.into_iter().zip(points) {
-            let Some((layer, cell, one, magnitude)) = placed else { continue };
+            let Some((layer, cell, added, magnitude)) = placed else { continue };
             let next = self.cells.len() as u32;
             let slot = *self.slot_of.entry((layer, cell)).or_insert(next);
             if slot == next {
                 self.cells.push((layer, cell, Sums::default()));
             }
             let sums = &mut self.cells[slot as usize].2;
-            sums.sun_latitude_rad += one.sun_latitude_rad;
-            sums.to_observer += one.to_observer;
-            sums.height_km += one.height_km;
+            sums.sun_latitude_rad += added.sun_latitude_rad;
+            sums.to_observer += added.to_observer;
+            sums.height_km += added.height_km;
             self.points.push((slot, magnitude, point.group));
         }
     }
@@ -221,7 +221,7 @@ impl Reducer {
                 observer_longitude_rad: sums.to_observer.y.atan2(sums.to_observer.x).rem_euclid(std::f64::consts::TAU),
                 observer_latitude_rad: sums.to_observer.z.atan2(sums.to_observer.x.hypot(sums.to_observer.y)),
                 height_km: sums.height_km / n,
-                mode_mag: self.options.mode.of(&sorted),
+                mode_mag: self.options.mode.mode_of(&sorted),
                 median_mag: quantile(&sorted, 0.5),
                 iqr_mag: interquartile_range(&sorted),
                 count: u32::try_from(sorted.len()).unwrap_or(u32::MAX),

@@ -12,7 +12,7 @@ const HEIGHT_KM: f64 = 0.3;
 const SKY_RAD: f64 = 14.0 * std::f64::consts::PI / 180.0;
 
 /// One row that is linked with others.
-struct Row {
+struct SightingRow {
     /// Index of the record.
     record: usize,
     sun_altitude_rad: f64,
@@ -23,14 +23,14 @@ struct Row {
 /// Returns the indices of the records of each pass, in the order of their first records. Records whose
 /// group is known are omitted.
 pub(super) fn passes_without_times(records: &[Record]) -> Vec<Vec<usize>> {
-    let row = |(record, one): (usize, &Record)| match one.sighting {
+    let row = |(record, measured): (usize, &Record)| match measured.sighting {
         Sighting::SunRelative { sun_altitude_rad, altitude_rad, azimuth_from_sun_rad, height_km } => {
             let direction = Direction::from_lon_lat_rad(azimuth_from_sun_rad, altitude_rad);
-            (one.group == UNKNOWN_PASS).then_some(Row { record, sun_altitude_rad, height_km, direction })
+            (measured.group == UNKNOWN_PASS).then_some(SightingRow { record, sun_altitude_rad, height_km, direction })
         }
         _ => None,
     };
-    let mut rows: Vec<Row> = records.iter().enumerate().filter_map(row).collect();
+    let mut rows: Vec<SightingRow> = records.iter().enumerate().filter_map(row).collect();
     rows.sort_by(|a, b| a.sun_altitude_rad.total_cmp(&b.sun_altitude_rad).then(a.record.cmp(&b.record)));
     // Each row refers to another row of its pass, or to itself.
     let mut linked: Vec<usize> = (0..rows.len()).collect();
@@ -41,11 +41,11 @@ pub(super) fn passes_without_times(records: &[Record]) -> Vec<Vec<usize>> {
         }
         row
     }
-    for (i, one) in rows.iter().enumerate() {
+    for (i, first) in rows.iter().enumerate() {
         let near = rows[..i].iter().enumerate().rev();
-        for (j, other) in near.take_while(|(_, other)| one.sun_altitude_rad - other.sun_altitude_rad < SUN_RAD) {
-            let is_near = (one.height_km - other.height_km).abs() < HEIGHT_KM
-                && one.direction.separation_rad(&other.direction) < SKY_RAD;
+        for (j, other) in near.take_while(|(_, other)| first.sun_altitude_rad - other.sun_altitude_rad < SUN_RAD) {
+            let is_near = (first.height_km - other.height_km).abs() < HEIGHT_KM
+                && first.direction.separation_rad(&other.direction) < SKY_RAD;
             if is_near {
                 let (a, b) = (root(&mut linked, i), root(&mut linked, j));
                 linked[a.max(b)] = a.min(b);

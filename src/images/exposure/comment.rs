@@ -352,7 +352,7 @@ impl Comment {
         let part = named.unwrap_or(part);
         match units[..] {
             [] => Ok(None),
-            [one] => Ok(Some(part * one)),
+            [unit_s] => Ok(Some(part * unit_s)),
             _ => Err("several units".to_owned()),
         }
     }

@@ -348,7 +348,7 @@ impl Reader<'_> {
         // A whole number beside a date is the number of the night.
         if is_loose
             && number.is_some_and(|days| days.fract() == 0.0)
-            && self.instants.found.iter().any(|one| !one.is_loose)
+            && self.instants.found.iter().any(|instant| !instant.is_loose)
         {
             return Ok(());
         }

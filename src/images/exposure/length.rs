@@ -91,10 +91,11 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
     if let Some((_, count)) = &parts {
         // A time of one part is consistent with the time of all parts.
         let wholes: Vec<f64> = lengths.iter().map(|length| length.seconds).collect();
-        let is_part =
-            |one: &Stated| wholes.iter().any(|whole| agree(*whole, count * one.seconds) && *whole > one.seconds);
+        let is_part = |length: &Stated| {
+            wholes.iter().any(|whole| agree(*whole, count * length.seconds) && *whole > length.seconds)
+        };
         is_whole = lengths.iter().any(is_part);
-        lengths.retain(|one| !is_part(one));
+        lengths.retain(|length| !is_part(length));
     }
     let mut lengths = lengths.into_iter();
     let first = lengths.next().ok_or_else(|| {

@@ -110,7 +110,7 @@ impl FrameFile {
     /// An image that can be both a frame and a companion plane.
     #[doc(hidden)]
     pub fn frame_images(&self) -> Result<FrameImages, ImagesError> {
-        FrameImages::of(self)
+        FrameImages::from_file(self)
     }
 }
 
@@ -126,7 +126,7 @@ impl FrameImages {
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
     /// decide.
-    fn of(file: &FrameFile) -> Result<Self, ImagesError> {
+    fn from_file(file: &FrameFile) -> Result<Self, ImagesError> {
         let mut found = Self::default();
         for info in file.hdus() {
             if info.is_image() && info.shape.len() > 2 && info.image_size().is_none() {
@@ -136,7 +136,7 @@ impl FrameImages {
         let mut frames: Vec<Image> = Vec::new();
         let mut planes: Vec<(Image, PlaneKind)> = Vec::new();
         for hdu in file.images() {
-            let image = Image::of(file, hdu)?;
+            let image = Image::from_hdu(file, hdu)?;
             if DISTORTION_TABLES.iter().any(|table| image.name.starts_with(table)) {
                 found.tables.push(hdu);
             } else if let Some(kind) = kind_of(&image.name).or(image.class) {
@@ -183,7 +183,7 @@ impl FrameImages {
         let numbers = |hdus: &[usize]| hdus.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
         let mut parts = vec![match &self.frames[..] {
             [] => "no frame".to_owned(),
-            [one] => format!("the frame is HDU {one}"),
+            [hdu] => format!("the frame is HDU {hdu}"),
             several => format!("the frames are HDU {}", numbers(several)),
         }];
         let planes: Vec<String> =
@@ -239,7 +239,7 @@ enum Role {
 }
 
 impl Image {
-    fn of(file: &FrameFile, hdu: usize) -> Result<Self, ImagesError> {
+    fn from_hdu(file: &FrameFile, hdu: usize) -> Result<Self, ImagesError> {
         let header = file.header(hdu)?;
         let [name, of_type] =
             ["EXTNAME", "EXTTYPE"].map(|keyword| header.text(keyword).unwrap_or_default().to_ascii_uppercase());
@@ -321,8 +321,8 @@ impl Image {
     /// Returns the HDU of the frame to which a plane belongs.
     fn owner(&self, frames: &[Self]) -> Option<usize> {
         let same: Vec<&Self> = frames.iter().filter(|frame| frame.size == self.size).collect();
-        if let [one] = same[..] {
-            return Some(one.hdu);
+        if let [frame] = same[..] {
+            return Some(frame.hdu);
         }
         let by_version = same.iter().find(|frame| frame.version.is_some() && frame.version == self.version);
         let by_sky = || same.iter().find(|frame| self.has_sky() && self.has_pixels_of(frame));

@@ -103,7 +103,7 @@ impl<'a> ConeTest<'a> {
     /// between two distances from the observer, for orbits no lower than `lowest_km`. `None` if the cap may be the
     /// whole sphere.
     pub fn cap(&self, distances_km: [f64; 2], lowest_km: f64) -> Option<Cap> {
-        Cap::of(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
+        Cap::from_cone(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
     }
 
     /// Side test: returns whether a satellite that passed the plane test may be in the direction of the cap during the

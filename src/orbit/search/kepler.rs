@@ -29,7 +29,7 @@ pub(super) fn plane_axis(reference: &Vector3<f64>, normal: &Vector3<f64>) -> Vec
 
 impl SlowElements {
     /// Computes the elements from a position and velocity; `None` if the orbit is not closed.
-    pub fn of(state: &State<Teme>, reference: &Vector3<f64>) -> Option<Self> {
+    pub fn from_state(state: &State<Teme>, reference: &Vector3<f64>) -> Option<Self> {
         let (r, v) = (state.position.vector(), state.velocity.vector());
         let radius = r.norm();
         let momentum = r.cross(v);
@@ -183,7 +183,7 @@ mod tests {
         for (r, v) in cases {
             let state = State { position: Position::from_vector(r), velocity: Velocity::from_vector(v) };
             let reference = Vector3::new(0.3, -0.8, 0.2);
-            let slow = SlowElements::of(&state, &reference).expect("a closed orbit");
+            let slow = SlowElements::from_state(&state, &reference).expect("a closed orbit");
             let ([x, y], [u, w]) = plane_state(slow.mean_longitude_rad, slow.eccentricity, slow.semi_major_axis_km);
             let x_axis = plane_axis(&reference, &slow.normal).normalize();
             let y_axis = slow.normal.cross(&x_axis);

@@ -13,6 +13,6 @@ mod plane;
 mod side;
 mod window;
 
-pub use candidates::Candidate;
+pub use candidates::CrossingCandidate;
 pub use cone::{Beam, Cone, Cones, ShadowCone};
 pub use window::{MAX_WINDOW_S, Reach, Window};

@@ -31,7 +31,7 @@ impl Cap {
     /// Returns the cap of the part of a cone between two distances from the observer, for orbits no lower than
     /// `lowest_km` from the Earth's centre. The axis of the cone is a unit vector. `None` if the cap may be the whole
     /// sphere.
-    pub fn of(
+    pub fn from_cone(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
         radius_rad: f64,
@@ -148,7 +148,7 @@ mod tests {
             let position = observer
                 + (axis * off_rad.cos() + across * off_rad.sin()) * (near_km + depth * (far_km - near_km));
             let lowest_km = position.norm().min(6800.0);
-            if let Some(cap) = Cap::of(&observer, &axis, radius_rad, [near_km, far_km], lowest_km) {
+            if let Some(cap) = Cap::from_cone(&observer, &axis, radius_rad, [near_km, far_km], lowest_km) {
                 let angle_rad = cap.centre.cross(&position).norm().atan2(cap.centre.dot(&position));
                 prop_assert!(angle_rad <= cap.radius_rad, "{angle_rad} {}", cap.radius_rad);
             }

@@ -220,7 +220,7 @@ impl Window {
 /// not describe the motion; SGP4 is then always used.
 fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
     let reference = first.position.vector().normalize();
-    let (begin, end) = (SlowElements::of(first, &reference)?, SlowElements::of(last, &reference)?);
+    let (begin, end) = (SlowElements::from_state(first, &reference)?, SlowElements::from_state(last, &reference)?);
     let eccentricity = |elements: &SlowElements| elements.eccentricity[0].hypot(elements.eccentricity[1]);
     let perigee = |elements: &SlowElements| elements.semi_major_axis_km * (1.0 - eccentricity(elements));
     let apogee = |elements: &SlowElements| elements.semi_major_axis_km * (1.0 + eccentricity(elements));
@@ -396,8 +396,13 @@ mod tests {
                     // additional margins.
                     let up = position.normalize();
                     let height_km = radius_km - DECAYED_RADIUS_KM;
-                    let cap =
-                        Cap::of(&(up * DECAYED_RADIUS_KM), &up, 1e-6, [height_km - 0.1, height_km + 0.1], radius_km);
+                    let cap = Cap::from_cone(
+                        &(up * DECAYED_RADIUS_KM),
+                        &up,
+                        1e-6,
+                        [height_km - 0.1, height_km + 0.1],
+                        radius_km,
+                    );
                     let slop_km = f64::from(phase.slop_km);
                     assert!(cap.expect("a cap").may_hold(phase, &normal, time_s, 0.0, slop_km));
                     for (worst, ratio) in worst.iter_mut().zip(ratios) {

@@ -58,7 +58,7 @@ impl Sky {
         let (by_exposure, left_out) = self.by_exposure(exposures, SearchScope::Nominal, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             let (mut crossings, left_out) = exposed.evaluate(false, seen, |interval| exposed.crossing(interval))?;
-            let entry = |one: &FieldCrossing| one.chords.first().map_or(0.0, |chord| chord.enter_s);
+            let entry = |crossing: &FieldCrossing| crossing.chords.first().map_or(0.0, |chord| chord.enter_s);
             crossings.sort_by(|a, b| entry(a).total_cmp(&entry(b)).then(a.element_index.cmp(&b.element_index)));
             Ok((crossings, left_out))
         })?;

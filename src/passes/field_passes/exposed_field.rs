@@ -11,7 +11,7 @@ use super::super::scene::Scene;
 use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, SightLine};
 use crate::frames::{Orientation, seconds_after, seconds_between};
-use crate::orbit::{Candidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
+use crate::orbit::{CrossingCandidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
 use crate::photometry::PhotometryOptions;
 
 /// Field on the sky during an exposure. Times are seconds after the start of the scene.
@@ -62,7 +62,7 @@ impl<'a> ExposedField<'a> {
     pub fn evaluate<T>(
         &self,
         include_dark: bool,
-        seen: &mut Vec<Candidate>,
+        seen: &mut Vec<CrossingCandidate>,
         of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
     ) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> {
         let flight = self.flight.as_ref();
@@ -72,7 +72,7 @@ impl<'a> ExposedField<'a> {
         {
             self.sky.watch().check()?;
             match of(&interval) {
-                Ok(one) => found.extend(one),
+                Ok(evaluated) => found.extend(evaluated),
                 Err(reason) => left_out.push(self.sky.failed(interval.element_index, reason)),
             }
         }

@@ -36,7 +36,7 @@ use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
 use crate::geometry::{Aspect, Observer, ViewingGeometry};
-use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
+use crate::orbit::{Cones, CrossingCandidate, OrbitArc, OrbitUncertainty};
 use crate::photometry::{Band, PhotometryOptions};
 
 /// Length of a piece of an exposure, seconds. During a piece the site moves by at most 5 km. At the distance of
@@ -169,7 +169,7 @@ impl Sky {
             let shutter_s = [0.0, exposure.duration_s];
             let middle = seconds_after(exposure.start, 0.5 * exposure.duration_s);
             self.propagator_over(exposure.start, pass.element_index, shutter_s)
-                .is_some_and(|one| self.uncertainty_of(pass.element_index, one, middle).lateness.is_cut())
+                .is_some_and(|propagator| self.uncertainty_of(pass.element_index, propagator, middle).lateness.is_cut())
         };
         let of = |(passes, exposure): (Vec<Pass>, &Exposure)| {
             let mut found: Vec<CrossingProbability> = passes
@@ -186,7 +186,7 @@ impl Sky {
                     is_lower_limit: is_cut(pass, exposure),
                 })
                 .collect();
-            found.sort_by_key(|one| one.element_index);
+            found.sort_by_key(|satellite| satellite.element_index);
             found
         };
         Ok(passes.into_iter().zip(exposures).map(of).collect())
@@ -200,7 +200,7 @@ impl ExposedField<'_> {
         &self,
         observer: &Observer,
         with_shadow: bool,
-        seen: &mut Vec<Candidate>,
+        seen: &mut Vec<CrossingCandidate>,
     ) -> Result<Vec<CrossingProbability>, SkyError> {
         let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
         // The pieces are computed only if a satellite may be late.
@@ -223,30 +223,32 @@ impl ExposedField<'_> {
         seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
         let whole = self.whole(observer);
         let mid = seconds_after(self.scene.start, whole.mid_s());
-        let of_one = |candidates: &[Candidate]| {
+        let of_one = |candidates: &[CrossingCandidate]| {
             let element_index = candidates[0].element_index as usize;
             let propagator = self.propagator(element_index)?;
             let sigma = self.sky.uncertainty_of(element_index, propagator, mid);
-            let near_s = |candidate: &Candidate| {
+            let near_s = |candidate: &CrossingCandidate| {
                 let mid_s = parts[candidate.cone as usize].mid_s();
                 candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
             };
             if sigma.lateness.reach_s() < ON_TIME_S {
-                let all_s =
-                    candidates.iter().map(near_s).reduce(|one, next| [one[0].min(next[0]), one[1].max(next[1])]);
+                let all_s = candidates
+                    .iter()
+                    .map(near_s)
+                    .reduce(|times_s, next| [times_s[0].min(next[0]), times_s[1].max(next[1])]);
                 let whole = std::slice::from_ref(&whole);
                 return self.visible_probability(whole, observer, element_index, all_s?, sigma, with_shadow);
             }
-            let of_parts = candidates.iter().filter_map(|one| {
-                let part = one.cone as usize;
+            let of_parts = candidates.iter().filter_map(|candidate| {
+                let part = candidate.cone as usize;
                 let pieces =
                     pieces[part].get_or_init(|| self.cut(observer, parts[part].start_s, parts[part].end_s, PIECE_S));
-                self.visible_probability(pieces, observer, element_index, near_s(one), sigma, with_shadow)
+                self.visible_probability(pieces, observer, element_index, near_s(candidate), sigma, with_shadow)
             });
             of_parts.reduce(CrossingProbability::plus)
         };
         let mut found = Vec::new();
-        for of_satellite in seen.chunk_by(|one, other| one.element_index == other.element_index) {
+        for of_satellite in seen.chunk_by(|first, other| first.element_index == other.element_index) {
             self.sky.watch().check()?;
             found.extend(of_one(of_satellite));
         }
@@ -279,7 +281,11 @@ impl ExposedField<'_> {
             }
             self.probability_in(piece, element_index, arc, [from_s, to_s], sigma, |_, _| 1.0)
         };
-        pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus).map_or(0.0, |one| one.probability)
+        pieces
+            .iter()
+            .filter_map(of_piece)
+            .reduce(CrossingProbability::plus)
+            .map_or(0.0, |crossing| crossing.probability)
     }
 
     /// Divides a part of the exposure into pieces that are counted from its start, so that a longer exposure begins

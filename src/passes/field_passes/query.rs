@@ -11,7 +11,7 @@ use super::super::sky::Sky;
 use super::super::track::Pass;
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
-use crate::orbit::{Candidate, LeftOut};
+use crate::orbit::{CrossingCandidate, LeftOut};
 
 /// Passes through a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,12 +70,14 @@ impl Sky {
                 let scene = self.scene_without_windows(exposure.start, exposure.duration_s);
                 let exposed = ExposedField::new(self, &scene, exposure, field)?;
                 let mut passes: Vec<Pass> = Vec::new();
-                for element_index in (0..self.elements().len()).filter(|&one| !self.is_observer(one)) {
+                for element_index in
+                    (0..self.elements().len()).filter(|&element_index| !self.is_observer(element_index))
+                {
                     self.watch().check()?;
                     let sgp4 =
                         || self.too_old(element_index, middle_of_window(window_number(exposure.start))).is_none();
                     let over = self.propagator_over(exposure.start, element_index, [0.0, exposure.duration_s]);
-                    if over.is_some_and(|one| one.has_ephemeris() || sgp4()) {
+                    if over.is_some_and(|propagator| propagator.has_ephemeris() || sgp4()) {
                         let interval = CandidateInterval::over(element_index, 0.0, exposure.duration_s);
                         passes.extend(exposed.pass(&interval, options).ok().flatten());
                     }
@@ -92,25 +94,25 @@ impl Sky {
         &self,
         exposures: &[Exposure],
         scope: SearchScope,
-        of: impl Fn(&Scene, &Exposure, &mut Vec<Candidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> + Sync,
+        of: impl Fn(&Scene, &Exposure, &mut Vec<CrossingCandidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> + Sync,
     ) -> Result<(Vec<Vec<T>>, Vec<LeftOut>), SkyError> {
         exposures.iter().try_for_each(Exposure::check)?;
         let mut by_exposure: Vec<Vec<T>> = exposures.iter().map(|_| Vec::new()).collect();
         let mut left_out = self.left_out().to_vec();
         for group in groups(exposures) {
             let start = exposures[group[0]].start;
-            let span_s = group.iter().map(|&one| exposures[one].end_s(start)).fold(0.0, f64::max);
+            let span_s = group.iter().map(|&index| exposures[index].end_s(start)).fold(0.0, f64::max);
             let scene = self.scene(start, span_s, scope)?;
             left_out.extend(scene.windows.iter().flat_map(|window| window.left_out()).cloned());
             let found = group
                 .par_iter()
-                .map_init(Vec::new, |seen, &one| {
+                .map_init(Vec::new, |seen, &index| {
                     self.watch().check()?;
-                    Ok((one, of(&scene, &exposures[one], seen)?))
+                    Ok((index, of(&scene, &exposures[index], seen)?))
                 })
                 .collect::<Result<Vec<_>, SkyError>>()?;
-            for (one, (of_one, without)) in found {
-                by_exposure[one] = of_one;
+            for (index, (of_one, without)) in found {
+                by_exposure[index] = of_one;
                 left_out.extend(without);
             }
         }

@@ -244,14 +244,14 @@ mod tests {
 
     #[test]
     fn verif_triangles_cut_by_one_another() {
-        let one = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
+        let triangle = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
         // The same triangle rotated by half a turn about (0.5, 0.5), in reverse order: they share a square.
         let other = PanelPolygon::new(&[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]]);
-        let shared = one.clipped_to(&other);
-        assert!((shared.area_m2() - other.clipped_to(&one).area_m2()).abs() < 1e-15);
+        let shared = triangle.clipped_to(&other);
+        assert!((shared.area_m2() - other.clipped_to(&triangle).area_m2()).abs() < 1e-15);
         // 0 ≤ u ≤ 1, 0 ≤ v ≤ 1, u + v ≥ 0, u + v ≤ 2: the unit square.
         assert!((shared.area_m2() - 1.0).abs() < 1e-15);
-        assert_eq!(one.clipped_to(&PanelPolygon::default()).area_m2(), 0.0);
+        assert_eq!(triangle.clipped_to(&PanelPolygon::default()).area_m2(), 0.0);
     }
 
     #[test]

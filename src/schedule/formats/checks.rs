@@ -140,10 +140,10 @@ impl Checks {
     pub fn reject<'a>(&self, cell: impl Fn(usize) -> &'a Cell) -> Result<(), String> {
         for other in &self.others {
             let [index, second_index] = other.indices;
-            let [Some(one), Some(second)] = [0, 1].map(|which| other.value(which, cell(other.indices[which]))) else {
+            let [Some(first), Some(second)] = [0, 1].map(|which| other.value(which, cell(other.indices[which]))) else {
                 continue;
             };
-            if !other.unit.is_same(&other.names[0], one, second) {
+            if !other.unit.is_same(&other.names[0], first, second) {
                 let [first_name, second_name] = &other.names;
                 let [first_text, second_text] =
                     [index, second_index].map(|index| Quoted::new(&cell(index).text().unwrap_or_default()).to_string());

@@ -290,7 +290,7 @@ impl Cell {
 }
 
 /// Cells of a row, or the reason why the row is invalid.
-pub(in crate::schedule) type Row = Result<Vec<Cell>, String>;
+pub(in crate::schedule) type ScheduleRow = Result<Vec<Cell>, String>;
 
 #[cfg(test)]
 mod tests {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::super::error::ScheduleError;
-use super::columns::{Cell, Row, display};
+use super::columns::{Cell, ScheduleRow, display};
 use crate::input::{MOST_ROWS, UNCLOSED, comments_like_rows, delimiter_of, first_line};
 
 /// Byte positions of the header and the rows of a CSV file.
@@ -104,7 +104,7 @@ impl CsvText {
     }
 
     /// Returns the rows in order.
-    pub fn rows(&self) -> impl Iterator<Item = Row> {
+    pub fn rows(&self) -> impl Iterator<Item = ScheduleRow> {
         // The text is UTF-8 and was read once, so that there are no errors.
         let records = reader(&self.text).into_records().skip(1).map_while(Result::ok);
         records.map(|record| cells(record.iter(), self.width))
@@ -112,7 +112,7 @@ impl CsvText {
 }
 
 /// Returns the cells of one row, or the reason why it is invalid.
-pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> Row {
+pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> ScheduleRow {
     let cells: Vec<Cell> = texts.map(Cell::from_text).collect();
     if cells.len() == width {
         Ok(cells)
@@ -135,7 +135,7 @@ mod tests {
         assert_eq!(ends, ["y\"", ",z", ",w"]);
         assert!(layout.rows.iter().all(|(_, cells)| *cells == 2));
         let (_, read) = CsvText::new(Path::new("t.csv"), text.to_owned()).unwrap();
-        let rows: Vec<Row> = read.rows().collect();
+        let rows: Vec<ScheduleRow> = read.rows().collect();
         let row = |cells: [&str; 2]| Ok(cells.map(|cell| Cell::Text(cell.to_owned())).to_vec());
         assert_eq!(rows, [row(["1", "x\r\ny"]), row(["2", "z"]), row(["3", "w"])]);
     }

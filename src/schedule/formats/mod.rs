@@ -14,7 +14,7 @@ mod votable;
 pub(super) use checks::Checks;
 pub use columns::ScheduleFormat;
 pub(super) use columns::{
-    Cell, ColumnMap, DECLINATIONS, DURATIONS, ID, RIGHT_ASCENSIONS, ROTATIONS, Row, StartColumn, StartForm,
+    Cell, ColumnMap, DECLINATIONS, DURATIONS, ID, RIGHT_ASCENSIONS, ROTATIONS, ScheduleRow, StartColumn, StartForm,
     TARGET_DURATIONS, display, start_columns,
 };
 pub(super) use csv_text::csv_layout;

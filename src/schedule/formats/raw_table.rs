@@ -7,7 +7,7 @@ use std::path::Path;
 use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
-use super::columns::{Row, ScheduleFormat, display};
+use super::columns::{ScheduleFormat, ScheduleRow, display};
 use super::csv_text::CsvText;
 use crate::units::Unit;
 
@@ -15,7 +15,7 @@ use crate::units::Unit;
 #[derive(Clone, Debug)]
 pub(in crate::schedule) enum Rows {
     /// Cells of all rows.
-    Cells(Vec<Row>),
+    Cells(Vec<ScheduleRow>),
     /// Text of a CSV file, whose rows are split into cells one by one: the cells take several times its memory.
     Csv(CsvText),
 }
@@ -30,7 +30,7 @@ impl Rows {
     }
 
     /// Returns the rows in order.
-    pub fn iter(&self) -> Box<dyn Iterator<Item = Cow<'_, Row>> + '_> {
+    pub fn iter(&self) -> Box<dyn Iterator<Item = Cow<'_, ScheduleRow>> + '_> {
         match self {
             Rows::Cells(rows) => Box::new(rows.iter().map(Cow::Borrowed)),
             Rows::Csv(text) => Box::new(text.rows().map(Cow::Owned)),
@@ -38,8 +38,8 @@ impl Rows {
     }
 }
 
-impl From<Vec<Row>> for Rows {
-    fn from(rows: Vec<Row>) -> Self {
+impl From<Vec<ScheduleRow>> for Rows {
+    fn from(rows: Vec<ScheduleRow>) -> Self {
         Rows::Cells(rows)
     }
 }

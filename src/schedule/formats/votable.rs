@@ -10,7 +10,7 @@ use quick_xml::events::{BytesStart, Event};
 
 use super::super::error::ScheduleError;
 use super::checks::is_other_frame;
-use super::columns::{Cell, Row, ScheduleFormat, display};
+use super::columns::{Cell, ScheduleFormat, ScheduleRow, display};
 use super::csv_text::cells;
 use super::raw_table::{RawTable, Rows};
 use crate::elements::excerpt;
@@ -269,7 +269,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let mut table = RawTable::new(ScheduleFormat::VoTable, layout.names);
     let width = table.names.len();
     let rows = layout.rows.iter().map(|row| cells(row.texts.iter().map(String::as_str), width));
-    let mut rows: Vec<Row> = rows.collect();
+    let mut rows: Vec<ScheduleRow> = rows.collect();
     for (index, fact) in layout.attributes.iter().enumerate() {
         if let Some(unit) = fact.unit.clone().filter(|unit| !unit.is_empty()) {
             table.units.insert(fact.name.clone(), unit);
@@ -306,7 +306,7 @@ fn field_attributes(element: &BytesStart<'_>) -> FieldAttributes {
 }
 
 fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
-    let found = element.attributes().with_checks(false).flatten().find(|one| one.key.as_ref() == name)?;
+    let found = element.attributes().with_checks(false).flatten().find(|attribute| attribute.key.as_ref() == name)?;
     let text = found.value.to_string();
     Some(quick_xml::escape::unescape(&text).map_or(text.clone(), |plain| plain.into_owned()))
 }
@@ -327,7 +327,7 @@ mod tests {
         let table = read(path, TEXT).unwrap();
         assert_eq!(table.names, ["id", "start_mjd"]);
         assert_eq!(table.time_scales.get("start_mjd"), Some(&TimeScale::TAI));
-        let rows: Vec<Row> = table.rows.iter().map(std::borrow::Cow::into_owned).collect();
+        let rows: Vec<ScheduleRow> = table.rows.iter().map(std::borrow::Cow::into_owned).collect();
         assert_eq!(rows.len(), 2);
         assert_eq!(rows[0].as_ref().unwrap()[1], Cell::Text("60536.1".into()));
         assert_eq!(*rows[1].as_ref().unwrap(), [Cell::Missing, Cell::Missing]);

@@ -114,7 +114,7 @@ impl SyntheticFrame {
     pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), StreaksError> {
         let rotation_rad = self.rotation_deg.to_radians();
         let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
-        let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
+        let profile = RadialProfile::new(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
         // Magnitude of a star that gives one electron in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * shot.exposure_s.log10();
         let field = self.stars.map(|field| RandomStars {

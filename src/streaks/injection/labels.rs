@@ -110,7 +110,7 @@ impl LabelFormat {
 
 impl LabelledImage {
     /// Returns the outlines of the streaks on a chip.
-    pub fn of(chip: &Chip, is_only: bool, streaks: &[DrawnStreak<'_>]) -> Self {
+    pub fn new(chip: &Chip, is_only: bool, streaks: &[DrawnStreak<'_>]) -> Self {
         // The parts of a satellite that are drawn separately are one streak.
         let mut groups: Vec<Vec<&DrawnStreak<'_>>> = Vec::new();
         for streak in streaks.iter().filter(|streak| streak.hdu == chip.hdu && !streak.points.is_empty()) {
@@ -123,23 +123,23 @@ impl LabelledImage {
             hdu: chip.hdu,
             is_only,
             size: [chip.rows, chip.columns],
-            labels: groups.iter().filter_map(|group| Label::of(chip, group)).collect(),
+            labels: groups.iter().filter_map(|group| Label::from_parts(chip, group)).collect(),
         }
     }
 }
 
 /// Returns true if two streaks are of parts of one source at the same time.
-fn is_part(one: &DrawnStreak<'_>, other: &DrawnStreak<'_>) -> bool {
-    let [Some([from, to]), Some([first, last])] = [one, other].map(DrawnStreak::ends) else { return false };
-    std::ptr::eq(one.source, other.source)
-        && one.part != other.part
+fn is_part(streak: &DrawnStreak<'_>, other: &DrawnStreak<'_>) -> bool {
+    let [Some([from, to]), Some([first, last])] = [streak, other].map(DrawnStreak::ends) else { return false };
+    std::ptr::eq(streak.source, other.source)
+        && streak.part != other.part
         && from.epoch <= last.epoch
         && first.epoch <= to.epoch
 }
 
 impl Label {
     /// Returns the label of one streak, whose parts may be drawn separately.
-    fn of(chip: &Chip, parts: &[&DrawnStreak<'_>]) -> Option<Self> {
+    fn from_parts(chip: &Chip, parts: &[&DrawnStreak<'_>]) -> Option<Self> {
         let brightest = parts.iter().min_by(|a, b| {
             let magnitude = |streak: &DrawnStreak<'_>| streak.peak_magnitude.unwrap_or(f64::INFINITY);
             magnitude(a).total_cmp(&magnitude(b))

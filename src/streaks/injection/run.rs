@@ -149,7 +149,7 @@ impl<'a> Injection<'a> {
             .map(|(index, output)| {
                 watch.check()?;
                 let seed = seed_of(plan.seed, index, count);
-                let work = |frame: &TargetFrame| one(plan, sky, frame, output, seed, watch);
+                let work = |frame: &TargetFrame| inject_frame(plan, sky, frame, output, seed, watch);
                 let done = self.frames.with_frame(index, seed, watch, work);
                 written.fetch_add(usize::from(done.is_ok()), Ordering::Relaxed);
                 done
@@ -232,7 +232,7 @@ fn overscan(frame: &TargetFrame) -> Option<String> {
     ))
 }
 
-fn one(
+fn inject_frame(
     plan: &InjectionPlan,
     sky: Option<InjectionSky<'_>>,
     frame: &TargetFrame,
@@ -298,7 +298,7 @@ fn one(
         labelled: frame
             .chips
             .iter()
-            .map(|target| LabelledImage::of(&target.chip, frame.chips.len() == 1, &streaks))
+            .map(|target| LabelledImage::new(&target.chip, frame.chips.len() == 1, &streaks))
             .collect(),
         planes,
         summary: summary(&streaks, &lit, &injected),
@@ -372,7 +372,7 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
             counted(sources.len(), "streak of the table", "streaks of the table")
         }
         [Source { name: SourceName::Random(_), .. }, ..] => counted(sources.len(), "random streak", "random streaks"),
-        [one] => format!("{number} of {}", one.name),
+        [source] => format!("{number} of {}", source.name),
         _ => format!("{number} of {} satellites", sources.len()),
     };
     // A streak on several detectors, or of separate panels, has several rows in the truth table.

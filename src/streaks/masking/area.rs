@@ -205,7 +205,7 @@ fn hull(mut points: Vec<PixelPosition>) -> Vec<PixelPosition> {
     for (index, corner) in corners.iter().enumerate() {
         let next = corners[(index + 1) % corners.len()];
         let is_straight = |last: &PixelPosition| {
-            corners[first..=index].iter().all(|one| distance_from_line(*one, *last, next) < STRAIGHT_PIX)
+            corners[first..=index].iter().all(|corner| distance_from_line(*corner, *last, next) < STRAIGHT_PIX)
         };
         if !kept.last().is_some_and(is_straight) {
             kept.push(*corner);
@@ -305,7 +305,7 @@ mod tests {
             };
             for (row, columns) in Area::of_cells(&cells, &whole).runs() {
                 for column in columns.clone() {
-                    let is_contained = outlines.iter().any(|one| is_inside(column as f64, *row as f64, one));
+                    let is_contained = outlines.iter().any(|outline| is_inside(column as f64, *row as f64, outline));
                     assert!(is_contained, "radius {radius}: pixel {column} {row}");
                 }
             }

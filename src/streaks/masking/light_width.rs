@@ -14,7 +14,7 @@ pub struct LightWidth {
 
 impl LightWidth {
     /// Tabulates a profile for lines at an angle from the rows.
-    pub fn of(profile: &RadialProfile, angle_rad: f64) -> Self {
+    pub fn new(profile: &RadialProfile, angle_rad: f64) -> Self {
         let count = (profile.pixel_reach_pix() / STEP_PIX).ceil() as usize;
         let mut table: Vec<f64> = (0..=count).map(|step| profile.line(step as f64 * STEP_PIX, angle_rad)).collect();
         // Rings are brighter at their edge than in their middle.
@@ -45,8 +45,8 @@ mod tests {
 
     #[test]
     fn verif_width_of_a_gaussian_line() {
-        let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 6.0 })).unwrap();
-        let width = LightWidth::of(&profile, 0.3);
+        let profile = RadialProfile::new(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 6.0 })).unwrap();
+        let width = LightWidth::new(&profile, 0.3);
         // exp(-r²/2σ²) = level / peak; pixels add 1/12 to the variance.
         let sigma = (6.0f64 / 2.3548).hypot((1.0f64 / 12.0).sqrt());
         for share in [0.5, 0.1, 0.01] {

@@ -210,11 +210,11 @@ pub fn mask_frame(
     });
     let parts = parts.collect::<Result<BTreeMap<usize, FrameMask>, StreaksError>>()?;
     let is_listed = |part: &FrameMask| !part.streaks.is_empty() || !part.left_out.is_empty();
-    let unknown = found.left_out.iter().filter(|one| !parts.get(&one.element_index).is_some_and(is_listed));
-    mask.left_out.extend(unknown.map(|one| LeftOutSatellite {
-        norad_id: one.norad_id,
-        name: elements[one.element_index].name.clone(),
-        reason: LeftOutReason::UnknownPosition(one.reason.to_string()),
+    let unknown = found.left_out.iter().filter(|satellite| !parts.get(&satellite.element_index).is_some_and(is_listed));
+    mask.left_out.extend(unknown.map(|satellite| LeftOutSatellite {
+        norad_id: satellite.norad_id,
+        name: elements[satellite.element_index].name.clone(),
+        reason: LeftOutReason::UnknownPosition(satellite.reason.to_string()),
     }));
     for part in parts.into_values() {
         mask.streaks.extend(part.streaks);
@@ -256,7 +256,7 @@ struct LightPoint {
 }
 
 impl TrackLight {
-    fn of(track: &DelayedTrack<'_>, margin_s: f64, times_s: [f64; 2], options: &MaskOptions) -> Self {
+    fn new(track: &DelayedTrack<'_>, margin_s: f64, times_s: [f64; 2], options: &MaskOptions) -> Self {
         let point = |index: usize| {
             let time_s = times_s[0] + (times_s[1] - times_s[0]) * index as f64 / (LIGHT_POINTS - 1) as f64;
             let Some(point) = track.point(time_s + margin_s, &options.photometry) else { return LightPoint::default() };
@@ -352,8 +352,8 @@ impl Masking<'_> {
         let (sky, middle_s) = (self.interval.sky(), 0.5 * self.frame.exposure_s);
         let left_out = |reason: LeftOutReason| {
             let elements = &sky.elements()[element_index];
-            let one = LeftOutSatellite { norad_id: elements.norad_id, name: elements.name.clone(), reason };
-            FrameMask { left_out: vec![one], ..FrameMask::default() }
+            let satellite = LeftOutSatellite { norad_id: elements.norad_id, name: elements.name.clone(), reason };
+            FrameMask { left_out: vec![satellite], ..FrameMask::default() }
         };
         let Some(propagator) = self.interval.propagator(element_index) else { return Ok(FrameMask::default()) };
         let uncertainty = self.interval.uncertainty(element_index, propagator, middle_s);
@@ -386,7 +386,7 @@ impl Masking<'_> {
             element_age_days: self.interval.element_age_days(propagator, middle_s),
             sight: &sight,
             range_km: on_time(0.5 * (near_s[0] + near_s[1])).1,
-            light: &TrackLight::of(&track, margin_s, near_s, self.options),
+            light: &TrackLight::new(&track, margin_s, near_s, self.options),
             predicted,
             probability,
             coverage,
@@ -436,17 +436,17 @@ impl Masking<'_> {
         let mut mask = FrameMask::default();
         for &streak in measured {
             let found = match chips.clone().find(|chip| self.frame.chips[*chip].chip.hdu == streak.hdu) {
-                Some(chip) if mask.streaks.iter().all(|one| one.chip != chip) => {
+                Some(chip) if mask.streaks.iter().all(|other| other.chip != chip) => {
                     self.measured_on(satellite, chip, streak)?.ok_or(UnusedReason::OffChip)
                 }
                 _ => Err(UnusedReason::Repeated),
             };
             match found {
-                Ok(one) => mask.streaks.push(one),
+                Ok(added) => mask.streaks.push(added),
                 Err(reason) => mask.unused.push((streak.clone(), reason)),
             }
         }
-        let masked: Vec<usize> = mask.streaks.iter().map(|one| one.chip).collect();
+        let masked: Vec<usize> = mask.streaks.iter().map(|streak| streak.chip).collect();
         if satellite.probability == 0.0 && masked.is_empty() || !light.points.iter().any(|point| point.is_lit) {
             return Ok((mask, None));
         }
@@ -465,10 +465,10 @@ impl Masking<'_> {
             let request = CorridorRequest { chip, track, optics, is_found: false, rate: &rate };
             let corridor = self.corridor(satellite, &request)?;
             brightest = brightest.into_iter().chain(corridor.peak_to_noise).max_by(f64::total_cmp);
-            let one = self.masked(satellite, &request, corridor);
+            let streak = self.masked(satellite, &request, corridor);
             // A satellite that was measured on another chip is in the frame.
             let probability = if masked.is_empty() { satellite.probability } else { 1.0 };
-            mask.streaks.extend(one.map(|one| MaskedStreak { probability, ..one }));
+            mask.streaks.extend(streak.map(|streak| MaskedStreak { probability, ..streak }));
         }
         let magnitude = light.points.iter().filter_map(|point| Some(point.brightness.as_ref()?.1));
         let magnitude = magnitude.fold(f64::INFINITY, f64::min);
@@ -563,7 +563,7 @@ impl Masking<'_> {
         let half_width = |light: &LocalLight| {
             let [x, y] = light.motion_pix_s;
             // The width depends little on the direction, so that that of the first cell suffices.
-            let width: &LightWidth = width.get_or_insert_with(|| LightWidth::of(&profile, y.atan2(x)));
+            let width: &LightWidth = width.get_or_insert_with(|| LightWidth::new(&profile, y.atan2(x)));
             // Light per pixel of length; a slow satellite is a point.
             let per_pixel = (light.rate / x.hypot(y)).min(light.rate * self.frame.exposure_s);
             let inside = |at: f64, count: usize| (at.round().max(0.0) as usize).min(count - 1);

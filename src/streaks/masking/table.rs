@@ -9,7 +9,7 @@ use crate::frames::{Direction, Gcrs};
 use crate::output::{Column, Kind, Table, TableField, Value};
 
 /// Polygon of a corridor, with its frame.
-struct Row<'a> {
+struct PolygonRow<'a> {
     image: &'a str,
     hdu: usize,
     streak: &'a MaskedStreak,
@@ -21,7 +21,7 @@ const fn text(name: &'static str, description: &'static str) -> Column {
 }
 
 /// Returns the columns of corridors.
-fn fields<'a>() -> Vec<TableField<Row<'a>>> {
+fn fields<'a>() -> Vec<TableField<PolygonRow<'a>>> {
     vec![
         TableField::new(text("image", "File of the frame."), |row| row.image.into()),
         TableField::new(Column::new("hdu", Kind::Integer, "HDU of the chip, from 0."), |row| row.hdu.into()),
@@ -109,10 +109,10 @@ fn degrees(direction: &Direction<Gcrs>) -> [f64; 2] {
     [direction.longitude_rad().to_degrees().rem_euclid(360.0), direction.latitude_rad().to_degrees()]
 }
 
-fn rows<'a>(frame: &'a TargetFrame, image: &'a str, mask: &'a FrameMask) -> impl Iterator<Item = Row<'a>> {
+fn rows<'a>(frame: &'a TargetFrame, image: &'a str, mask: &'a FrameMask) -> impl Iterator<Item = PolygonRow<'a>> {
     mask.streaks.iter().flat_map(move |streak| {
         let hdu = frame.chips[streak.chip].chip.hdu;
-        streak.polygons.iter().map(move |polygon| Row { image, hdu, streak, polygon })
+        streak.polygons.iter().map(move |polygon| PolygonRow { image, hdu, streak, polygon })
     })
 }
 
@@ -130,8 +130,13 @@ pub fn left_out_table(image: &str, left_out: &[LeftOutSatellite]) -> Table {
         text("name", "Name of the satellite."),
         text("reason", "Reason why it is left out."),
     ];
-    let row = |one: &LeftOutSatellite| {
-        vec![image.into(), i64::from(one.norad_id.0).into(), Value::nonempty(&one.name), one.reason.to_string().into()]
+    let row = |satellite: &LeftOutSatellite| {
+        vec![
+            image.into(),
+            i64::from(satellite.norad_id.0).into(),
+            Value::nonempty(&satellite.name),
+            satellite.reason.to_string().into(),
+        ]
     };
     Table { columns, rows: left_out.iter().map(row).collect() }
 }
@@ -152,7 +157,7 @@ impl fmt::Display for LeftOutReason {
 /// Returns a region file of SAOImage DS9 with the polygons of several frames.
 pub fn region_file<'a>(frames: impl IntoIterator<Item = (&'a TargetFrame, &'a str, &'a FrameMask)>) -> String {
     let regions = frames.into_iter().flat_map(|(frame, image, mask)| {
-        rows(frame, image, mask).map(move |Row { hdu, streak, polygon, .. }| Region {
+        rows(frame, image, mask).map(move |PolygonRow { hdu, streak, polygon, .. }| Region {
             corners: polygon.iter().map(degrees).collect(),
             name: if streak.name.is_empty() { streak.norad_id.to_string() } else { streak.name.to_string() },
             tag: format!("{image} HDU {hdu}"),

@@ -262,7 +262,7 @@ impl ChosenPlanes {
     /// # Errors
     /// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes; the
     /// bit does not exist in it; or pixels of 64 bits are outside ±2⁵³.
-    pub fn of(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, StreaksError> {
+    pub fn new(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, StreaksError> {
         let of_chips = planes_of(frame, planes)?;
         let shown = frame.file.path().display();
         let (mut highest, mut names) = (HIGHEST_BIT, Vec::new());

@@ -38,9 +38,9 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     // Seeing with its wings cut at R: f(r) (1 + g (r/R)⁴) for r up to R.
     let cut = |r: f64| seeing.at(r) * (1.0 + gain * (r / seeing_reach).powi(4));
     let core = blur.flat_radius_pix() + 2.0 * fwhm;
-    let mut profile = Curve::of(2.0 * fwhm, seeing_reach, fwhm, cut);
+    let mut profile = Curve::new(2.0 * fwhm, seeing_reach, fwhm, cut);
     if outer > 0.0 {
-        profile = Curve::of(core, seeing_reach + outer, fwhm, |r| {
+        profile = Curve::new(core, seeing_reach + outer, fwhm, |r| {
             // The convolution with a ring is the difference of convolutions with two disks.
             let disk = |a: f64| if a > 0.0 { a * a * disk_mean(&profile, a, r, &rule) } else { 0.0 };
             (disk(outer) - disk(inner)) / (outer * outer - inner * inner)
@@ -50,7 +50,7 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
         // The edges of a ring occupy only a small part of the range of the integrals over the body, so longer panels
         // are sufficient.
         let rule = Rule { nodes: rule.nodes.clone(), step_pix: rule.step_pix.max(0.01 * outer) };
-        profile = Curve::of(core, reach_pix, fwhm, |r| disk_mean(&profile, body, r, &rule));
+        profile = Curve::new(core, reach_pix, fwhm, |r| disk_mean(&profile, body, r, &rule));
     }
     let fine = Rule { step_pix: 0.5 * rule.step_pix, ..rule };
     let flux = fine.integrate(0.0, profile.end_pix(), fine.step_pix, |r| 2.0 * PI * r * profile.at(r));

@@ -18,7 +18,7 @@ pub(super) struct Curve {
 impl Curve {
     /// Tabulates a function of the radius (pixels) up to `end_pix`. Up to about `core_pix` the function may change as
     /// fast as seeing of width `fwhm_pix`; beyond `core_pix` it must be smooth.
-    pub fn of(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
+    pub fn new(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
         let intervals = (NODES_PER_SIGMA * core_pix / (0.425 * fwhm_pix)).max(end_pix / (END_STEP * core_pix));
         let intervals = intervals.ceil().clamp(256.0, 8192.0) as usize;
         let scale = intervals as f64 * (end_pix + core_pix) / end_pix;

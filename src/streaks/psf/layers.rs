@@ -85,12 +85,12 @@ impl Layer {
             let area = cell_pix[0] * cell_pix[1];
             let value =
                 |r: f64| if r < radius_pix { area * (wing.at(r) - next.map_or(0.0, |next| next.at(r))) } else { 0.0 };
-            Self::of(if is_empty { 0.0 } else { radius_pix }, cell, phases, step_pix, value)
+            Self::new(if is_empty { 0.0 } else { radius_pix }, cell, phases, step_pix, value)
         };
         wings.iter().enumerate().map(layer).collect()
     }
 
-    fn of(radius_pix: f64, cell_pix: [f64; 2], phases: f64, step_pix: f64, value: impl Fn(f64) -> f64) -> Self {
+    fn new(radius_pix: f64, cell_pix: [f64; 2], phases: f64, step_pix: f64, value: impl Fn(f64) -> f64) -> Self {
         let radius = cell_pix.map(|side| radius_pix / side);
         let most = MOST_STAMP_CELLS / radius[0].max(radius[1]);
         let phases = phases.min(most).ceil().max(2.0) as usize;

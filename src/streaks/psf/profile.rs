@@ -47,7 +47,7 @@ impl RadialProfile {
     ///
     /// # Errors
     /// A number is out of range, the inner radius is too near the outer one, or the wings extend beyond 4000 pixels.
-    pub fn of(blur: &Blur) -> Result<Self, StreaksError> {
+    pub fn new(blur: &Blur) -> Result<Self, StreaksError> {
         Self::on_oblong(blur, 1.0)
     }
 
@@ -55,7 +55,7 @@ impl RadialProfile {
     /// the blur are in pixels of the mean scale: the side of a square with the area of a pixel.
     ///
     /// # Errors
-    /// The errors of [`of`](Self::of).
+    /// The errors of [`new`](Self::new).
     pub fn on_oblong(blur: &Blur, aspect: f64) -> Result<Self, StreaksError> {
         blur.validate()?;
         StreaksError::check_range("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
@@ -71,13 +71,13 @@ impl RadialProfile {
         let core = blur.flat_radius_pix() + 2.0 * fwhm;
         let reach = profile.end_pix() + shorter * std::f64::consts::FRAC_1_SQRT_2;
         let offsets = square(shorter);
-        let averaged = Curve::of(core, reach, fwhm, |r| {
+        let averaged = Curve::new(core, reach, fwhm, |r| {
             offsets.iter().map(|([x, y], weight)| weight * profile.at((r + x).hypot(*y))).sum()
         });
         // Width of the seeing that remains after averaging over parts.
         let width = PARTS_PER_FWHM * part_pix;
         let step = 0.2 * width;
-        let line = Curve::of(core, reach, fwhm, |v| {
+        let line = Curve::new(core, reach, fwhm, |v| {
             let steps = ((reach * reach - v * v).max(0.0).sqrt() / step) as usize;
             step * (averaged.at(v) + 2.0 * (1..=steps).map(|k| averaged.at(v.hypot(k as f64 * step))).sum::<f64>())
         });

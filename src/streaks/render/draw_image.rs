@@ -56,7 +56,7 @@ pub fn draw_image(
             add(&mut lights, block, at, light);
         }
     }
-    let frame = StampFrame::of(psf);
+    let frame = StampFrame::new(psf);
     let mut extents = PatchRows::new(rows, columns);
     for (_, _, pixel) in lights.keys() {
         for (row, range, _) in frame.rows(*pixel, rows, columns) {
@@ -120,7 +120,7 @@ struct StampFrame {
 }
 
 impl StampFrame {
-    fn of(psf: &PsfGrid) -> Self {
+    fn new(psf: &PsfGrid) -> Self {
         let [rows, columns] = psf.size;
         let before = [columns, rows].map(|count| ((0.5 * (count as f64 - 1.0) + 1.0) * psf.step_pix).ceil() as i64);
         Self { before, size: before.map(|half| 2 * half as usize + 2) }

@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn verif_masks_distinguish_light_above_the_noise_from_fainter_light() {
-        let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).unwrap();
+        let profile = RadialProfile::new(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).unwrap();
         let source = Source {
             name: SourceName::Random(1),
             mag_source: String::new(),

@@ -249,7 +249,10 @@ pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
             point.rate.into(),
         ]
     };
-    let rows = rows.iter().flat_map(|row| row.streak.points.iter().map(move |one| point(row, one))).collect();
+    let rows = rows
+        .iter()
+        .flat_map(|row| row.streak.points.iter().map(move |streak_point| point(row, streak_point)))
+        .collect();
     Table { columns, rows }
 }
 

@@ -49,7 +49,7 @@ pub fn run(typed: AlarmsArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("probability is {}; allowed: above 0, at most 1", typed.probability));
     }
     if let Some(path) = &typed.picture {
-        streakcast::plot::PictureFormat::of(path)?;
+        streakcast::plot::PictureFormat::from_extension(path)?;
         crate::output::check(path)?;
     }
     let output = Output::new(typed.output.format.as_deref(), typed.output.output.clone())?;
@@ -109,13 +109,13 @@ fn picture(
     let column = |value: fn(&(hifitime::Epoch, f64, f64)) -> f64| differences.iter().map(value).collect::<Vec<f64>>();
     let marks: Vec<AlarmMark> = alarms
         .iter()
-        .map(|one| AlarmMark {
-            day: day(one.first),
-            difference_mag: if one.alarm == AlarmKind::Brightness { one.value } else { 0.0 },
-            label: match (one.alarm, one.period_s) {
-                (AlarmKind::Trend, _) => format!("{}: {:+.3} mag/day", one.norad_id, one.value),
-                (_, Some(period_s)) => format!("{}: {period_s:.2} s", one.norad_id),
-                _ => format!("{}: {:+.1} mag", one.norad_id, one.value),
+        .map(|alarm| AlarmMark {
+            day: day(alarm.first),
+            difference_mag: if alarm.alarm == AlarmKind::Brightness { alarm.value } else { 0.0 },
+            label: match (alarm.alarm, alarm.period_s) {
+                (AlarmKind::Trend, _) => format!("{}: {:+.3} mag/day", alarm.norad_id, alarm.value),
+                (_, Some(period_s)) => format!("{}: {period_s:.2} s", alarm.norad_id),
+                _ => format!("{}: {:+.1} mag", alarm.norad_id, alarm.value),
             },
         })
         .collect();
@@ -127,5 +127,5 @@ fn picture(
         sigmas_mag: &column(|(_, _, sigma)| *sigma),
         alarms: &marks,
     })?;
-    crate::output::write_bytes(path, &chart.to_bytes(streakcast::plot::PictureFormat::of(path)?)?, notices)
+    crate::output::write_bytes(path, &chart.to_bytes(streakcast::plot::PictureFormat::from_extension(path)?)?, notices)
 }

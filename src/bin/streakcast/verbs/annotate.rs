@@ -34,7 +34,7 @@ pub struct AnnotateArguments {
 
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
-    Required::of(&config)
+    Required::new(&config)
         .input(typed.schedule.is_some(), "schedule", "--schedule FILE")
         .input(typed.output.is_some(), "output file", "-o FILE")
         .satellites()

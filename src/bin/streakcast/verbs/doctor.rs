@@ -256,11 +256,11 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
         for (kind, count) in &state.kinds {
             page += &format!("{:>24} {count:>7}\n", kind.name());
         }
-        for one in state.unmatched.iter().take(10) {
-            let name = if one.prefix.is_empty() { "(no name)" } else { &one.prefix };
-            page += &format!("{name:>24} {:>7}  default model\n", one.count);
+        for group in state.unmatched.iter().take(10) {
+            let name = if group.prefix.is_empty() { "(no name)" } else { &group.prefix };
+            page += &format!("{name:>24} {:>7}  default model\n", group.count);
         }
-        let rest: usize = state.unmatched.iter().skip(10).map(|one| one.count).sum();
+        let rest: usize = state.unmatched.iter().skip(10).map(|group| group.count).sum();
         if rest > 0 {
             page += &format!("{:>24} {rest:>7}  default model\n", "others");
         }
@@ -332,7 +332,7 @@ fn unmatched_table(state: &ElementState) -> Table {
             ),
             Column::new("count", Kind::Integer, "Number of satellites with the default model."),
         ],
-        rows: state.unmatched.iter().map(|one| vec![one.prefix.as_str().into(), one.count.into()]).collect(),
+        rows: state.unmatched.iter().map(|group| vec![group.prefix.as_str().into(), group.count.into()]).collect(),
     }
 }
 

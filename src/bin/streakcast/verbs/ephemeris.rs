@@ -47,7 +47,7 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.with_file()?;
     let EphemerisConfig { times, times_file, start, selection, .. } = &typed.ephemeris;
     let has_times = !times.is_empty() || times_file.is_some() || start.is_some();
-    Required::of(&config)
+    Required::new(&config)
         .input(selection.is_given(), "selection of satellites", "--norad ID, --name TEXT or --generation KIND")
         .input(has_times, "times", "--times TIME..., --times-file FILE, or --start, --end and --step")
         .satellites()

@@ -96,7 +96,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
         );
     }
     let has_schedule = typed.schedule.is_some();
-    Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
+    Required::new(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
     let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, None)?;

@@ -109,7 +109,7 @@ impl Document {
 
 pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
-    Required::of(&config).satellites().site().check()?;
+    Required::new(&config).satellites().site().check()?;
     typed.forecast.range = typed.forecast.range.or_night(TONIGHT);
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::additional).transpose()?;

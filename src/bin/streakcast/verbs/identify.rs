@@ -179,7 +179,7 @@ fn identified(
 /// Identifies the streaks of tables. The table of candidates has the name and the frame of each streak in front.
 #[cfg(unix)]
 fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outcome> {
-    Required::of(config).satellites().check()?;
+    Required::new(config).satellites().check()?;
     let output = typed.output.clone().open(config)?;
     let notices = begin(config)?;
     let mut candidates = candidate_table(std::iter::empty());
@@ -278,7 +278,7 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_times = !streak.times.is_empty() || streak.image.is_some();
     let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
     let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();
-    let required = Required::of(config)
+    let required = Required::new(config)
         .input(has_streak, "streak", STREAK_FORMS)
         .input(has_start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z, or --times")
         .input(has_duration, "exposure time", "--exposure TIME, for example 30s, or --times")

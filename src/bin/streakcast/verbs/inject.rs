@@ -162,7 +162,7 @@ pub fn frame_outputs(output: &Path, images: &[PathBuf], count: usize) -> anyhow:
 pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     let injection = &typed.injection;
-    Required::of(&config)
+    Required::new(&config)
         .input(
             !injection.image.is_empty() || injection.synthetic.is_some(),
             "frames",

@@ -103,7 +103,7 @@ impl Residuals {
 
 fn kind_of(kind: Option<Generation>, history: Option<&History>, norad_id: NoradId) -> Option<Generation> {
     let table = GenerationTable::embedded();
-    kind.or_else(|| history?.of(norad_id).last().map(|set| table.of(set)))
+    kind.or_else(|| history?.sets_of(norad_id).last().map(|set| table.generation(set)))
 }
 
 /// Reads photometry and computes residuals.

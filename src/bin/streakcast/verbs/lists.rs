@@ -137,12 +137,14 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         ]
     };
     let row_of_several = |name: &str, several: &[&Constellation], source: String| {
-        let total = |of: &dyn Fn(&Constellation) -> usize| several.iter().map(|one| of(one)).sum::<usize>();
-        let [lowest_km, highest_km] = altitudes(&several.iter().flat_map(|one| one.shells.clone()).collect::<Vec<_>>());
+        let total =
+            |of: &dyn Fn(&Constellation) -> usize| several.iter().map(|constellation| of(constellation)).sum::<usize>();
+        let [lowest_km, highest_km] =
+            altitudes(&several.iter().flat_map(|constellation| constellation.shells.clone()).collect::<Vec<_>>());
         vec![
             name.into(),
             total(&Constellation::satellites).into(),
-            total(&|one| one.shells.len()).into(),
+            total(&|constellation| constellation.shells.len()).into(),
             lowest_km.into(),
             highest_km.into(),
             total(&Constellation::satellites_with_assumed_planes).into(),
@@ -151,11 +153,14 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         ]
     };
     let row_of_set = |set: &ConstellationSet| {
-        let of_set: Vec<_> = all.iter().filter(|one| set.constellations.contains(&one.name)).collect();
+        let of_set: Vec<_> =
+            all.iter().filter(|constellation| set.constellations.contains(&constellation.name)).collect();
         row_of_several(&set.name, &of_set, format!("{}: {}", set.source, set.constellations.join(", ")))
     };
     let row_of_period = |period: &DeploymentPeriod| {
-        let share = |one: &Constellation| format!("{} {:.0} %", one.name, 100.0 * one.deployed_fraction);
+        let share = |constellation: &Constellation| {
+            format!("{} {:.0} %", constellation.name, 100.0 * constellation.deployed_fraction)
+        };
         let shares: Vec<String> = period.constellations.iter().map(share).collect();
         let of_period: Vec<_> = period.constellations.iter().collect();
         row_of_several(&format!("from {}", period.from), &of_period, shares.join(", "))
@@ -181,18 +186,22 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         ],
         rows: all
             .iter()
-            .filter(|one| matches(&one.name))
+            .filter(|constellation| matches(&constellation.name))
             .map(row)
             .chain(sets.iter().filter(|set| matches(&set.name)).map(row_of_set))
             .chain(deployment.periods().map(row_of_period))
             .collect(),
     };
     let notices = Notices::new(typed.quiet);
-    let deployed: BTreeSet<&str> =
-        deployment.periods().flat_map(|period| &period.constellations).map(|one| one.name.as_str()).collect();
-    let never = deployment.own_growing().filter(|one| !deployed.contains(one.name.as_str()));
-    let never =
-        never.map(|one| format!("constellation {} is in no period: it is never in orbit", Quoted::new(&one.name)));
+    let deployed: BTreeSet<&str> = deployment
+        .periods()
+        .flat_map(|period| &period.constellations)
+        .map(|constellation| constellation.name.as_str())
+        .collect();
+    let never = deployment.own_growing().filter(|constellation| !deployed.contains(constellation.name.as_str()));
+    let never = never.map(|constellation| {
+        format!("constellation {} is in no period: it is never in orbit", Quoted::new(&constellation.name))
+    });
     notices.warn_first(never, "constellations in no period");
     Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
         &VerbResult {

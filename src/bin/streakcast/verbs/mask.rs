@@ -36,7 +36,7 @@ pub struct MaskArguments {
 pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     let has_output = typed.output.is_some() || typed.polygons.is_some() || typed.regions.is_some();
-    Required::of(&config)
+    Required::new(&config)
         .input(!typed.mask.image.is_empty(), "frames", "FRAME..., FITS files")
         .input(has_output, "output", "-o FILE, --polygons FILE or --regions FILE")
         .satellites()
@@ -56,10 +56,10 @@ pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
     let done = typed.mask.mask(&config, None, &outputs, &Watch::default())?;
     done.remarks.iter().for_each(|remark| notices.info(remark));
     notices.warn(&done.warnings);
-    for (index, one) in done.frames.iter().enumerate() {
+    for (index, masked) in done.frames.iter().enumerate() {
         match outputs.get(index) {
-            Some(output) => notices.info(&format!("wrote {}: {}", output.display(), one.summary)),
-            None => notices.info(&format!("{}: {}", one.image, one.summary)),
+            Some(output) => notices.info(&format!("wrote {}: {}", output.display(), masked.summary)),
+            None => notices.info(&format!("{}: {}", masked.image, masked.summary)),
         }
     }
     if let Some(path) = &typed.regions {

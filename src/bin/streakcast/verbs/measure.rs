@@ -96,9 +96,9 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let has_tables = !typed.measure.streaks.is_empty();
     if has_tables {
         // Rows of a table may name their frames.
-        Required::of(&config).check()?;
+        Required::new(&config).check()?;
     } else {
-        Required::of(&config)
+        Required::new(&config)
             .input(!typed.measure.image.is_empty(), "frames", "FRAME..., FITS files")
             .satellites()
             .check()?;
@@ -118,7 +118,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     };
     let cuts = typed.picture.is_some();
     if let Some(path) = &typed.picture {
-        streakcast::plot::PictureFormat::of(path)?;
+        streakcast::plot::PictureFormat::from_extension(path)?;
         crate::output::check(path)?;
     }
     let notices = begin(&config)?;
@@ -210,7 +210,7 @@ fn picture(path: &Path, done: &Measurements, notices: &Notices) -> anyhow::Resul
         Some(site) => chart.with_subtitle(&site.name),
         None => chart,
     };
-    write_bytes(path, &chart.to_bytes(PictureFormat::of(path)?)?, notices)
+    write_bytes(path, &chart.to_bytes(PictureFormat::from_extension(path)?)?, notices)
 }
 
 /// Returns the observer of a SCORE upload, in which all fields are required.

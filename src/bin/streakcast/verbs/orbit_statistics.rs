@@ -74,7 +74,7 @@ const ON_SCREEN: &[Shown] = &[
 
 /// Runs `statistics` for the telescope in orbit of a configuration.
 pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &Config) -> anyhow::Result<Outcome> {
-    Required::of(config)
+    Required::new(config)
         .input(typed.start.is_some() && typed.end.is_some(), "span of the exposures", "--start TIME and --end TIME")
         .input(config.exposure.duration.is_some(), "exposure time", "--exposure TIME, for example 112.5s")
         .satellites()

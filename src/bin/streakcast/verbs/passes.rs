@@ -122,7 +122,7 @@ pub struct Prediction {
 
 /// Computes the passes of the exposure in the configuration.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
-    Required::of(config).times().pointing().satellites().site().field().check()?;
+    Required::new(config).times().pointing().satellites().site().field().check()?;
     let notices = crate::start::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;
@@ -145,7 +145,7 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     notices.warn_left_out(&prepared, &crossings.left_out, exposure.start)?;
     state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
     let band = options.photometry.band.name();
-    let limit_mag = plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(Some(band)));
+    let limit_mag = plan.policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(Some(band)));
     Ok(Prediction { exposure, plan, options, limit_mag, prepared, crossings, notices })
 }
 
@@ -212,7 +212,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
         ],
         rows: left_out
             .iter()
-            .map(|one| vec![i64::from(one.norad_id.0).into(), one.reason.to_string().into()])
+            .map(|satellite| vec![i64::from(satellite.norad_id.0).into(), satellite.reason.to_string().into()])
             .collect(),
     }
 }

@@ -190,8 +190,8 @@ impl PreparedSchedule {
             for rows in rows {
                 left_out.append(&mut judge.judge(prepared, rows.clone(), see, take)?);
             }
-            left_out.sort_by_key(|one| one.element_index);
-            left_out.dedup_by_key(|one| one.element_index);
+            left_out.sort_by_key(|satellite| satellite.element_index);
+            left_out.dedup_by_key(|satellite| satellite.element_index);
             without_position.extend(prepared.left_out_warning(&left_out, *first)?);
         }
         let totals = judge.finish();
@@ -240,7 +240,7 @@ impl PreparedSchedule {
         let judged = rows.iter().zip(flags).filter_map(|(row, flag)| Some((row, row.exposure.as_ref().ok()?, flag)));
         let rows = judged.flat_map(|(row, exposure, flag)| {
             let band = row.band.as_deref();
-            let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(band));
+            let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(band));
             flag.passes.iter().map(move |pass| request.streak_row(exposure, pass, band, limit_mag))
         });
         streak_table(rows, self.streak_columns())

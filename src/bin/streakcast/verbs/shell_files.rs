@@ -55,7 +55,9 @@ fn with_values(command: Command) -> Command {
             "time_scale" => vec!["utc", "tai", "tt"],
             "angle_type" => vec!["radec", "azel"],
             // The program ends after it has written the completions.
-            "shells" => Constellation::embedded().into_iter().map(|one| &*one.name.leak()).collect(),
+            "shells" => {
+                Constellation::embedded().into_iter().map(|constellation| &*constellation.name.leak()).collect()
+            }
             _ => Vec::new(),
         }
     };

@@ -120,7 +120,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         );
     }
     let has_night = !typed.night.is_empty();
-    Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
+    Required::new(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     let has_shape = config.field.is_some() || config.telescope.is_some();
     let fov = config.fov.as_ref().map(Quantity::as_str).or((!has_shape).then_some(FIELD));
@@ -141,8 +141,11 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     }
     let site = config.site()?;
     let radians = |angles: &[f64]| angles.iter().map(|angle| angle.to_radians()).collect::<Vec<_>>();
-    let latitudes_deg =
-        if typed.latitudes.is_empty() { vec![None] } else { typed.latitudes.iter().map(|one| Some(*one)).collect() };
+    let latitudes_deg = if typed.latitudes.is_empty() {
+        vec![None]
+    } else {
+        typed.latitudes.iter().map(|latitude_deg| Some(*latitude_deg)).collect()
+    };
     let mut found: Vec<(f64, StatisticsRequest, Vec<SkyCount>)> = Vec::new();
     let mut provenance = Provenance::new();
     let (mut warned, mut left_out, mut without_position) = (BTreeSet::new(), Vec::new(), Vec::new());
@@ -204,8 +207,8 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             }
         }
     }
-    left_out.sort_by_key(|one| one.norad_id);
-    left_out.dedup_by_key(|one| one.norad_id);
+    left_out.sort_by_key(|satellite| satellite.norad_id);
+    left_out.dedup_by_key(|satellite| satellite.norad_id);
     notices.list_left_out(without_position, &left_out);
     if periods.len() > 1 {
         provenance.state("periods", periods);

@@ -99,7 +99,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("--night is for a site; allowed for a telescope in orbit: --start TIME and --end TIME"));
     }
     let mut range = if in_orbit { typed.range } else { typed.range.or_night(TONIGHT) };
-    Required::of(&config)
+    Required::new(&config)
         .input(
             typed.targets.is_some() || pointing.is_some(),
             "targets",
@@ -152,7 +152,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
 
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
-    let targets: Vec<WindowTarget> = listed.iter().filter_map(|one| one.target.clone().ok()).collect();
+    let targets: Vec<WindowTarget> = listed.iter().filter_map(|target| target.target.clone().ok()).collect();
     let request = WindowRequest {
         conditions: plan.request(&prepared.sky),
         min_altitude_rad: min_altitude_deg.unwrap_or(0.0).to_radians(),
@@ -167,10 +167,10 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         notices.warn(&night.why_never_dark(&site.site().name));
     }
     let found = found(&listed, &report, in_orbit);
-    let without = found.iter().filter_map(|one| {
-        let name = Quoted::new(&one.listed.name);
-        let what = if one.windows().is_empty() { " has no window" } else { "" };
-        one.reason().map(|reason| format!("target {name}{what}: {reason}"))
+    let without = found.iter().filter_map(|target| {
+        let name = Quoted::new(&target.listed.name);
+        let what = if target.windows().is_empty() { " has no window" } else { "" };
+        target.reason().map(|reason| format!("target {name}{what}: {reason}"))
     });
     notices.warn_first(without, "targets without a window or with unknown starts");
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
@@ -217,7 +217,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             &notices,
         )?;
     }
-    let count: usize = report.by_target.iter().map(|one| one.windows.len()).sum();
+    let count: usize = report.by_target.iter().map(|target| target.windows.len()).sum();
     let targets = counted(listed.len(), "target", "targets");
     notices.info(&format!("{targets}: {}", counted(count, "window", "windows")));
     Ok(Outcome::Done)

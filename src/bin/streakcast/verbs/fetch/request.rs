@@ -236,7 +236,7 @@ pub struct Credentials {
 }
 
 impl Credentials {
-    pub fn of(typed: &SpaceTrackArguments, notices: &Notices) -> anyhow::Result<Self> {
+    pub fn from_arguments(typed: &SpaceTrackArguments, notices: &Notices) -> anyhow::Result<Self> {
         if let Some(path) = &typed.credentials {
             return of_file(path, notices);
         }

@@ -45,7 +45,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
         return print_path(&file, &record, typed.source.with_older(), now);
     }
     let credentials = match &typed.source {
-        FetchSource::SpaceTrack(typed) => Some(Credentials::of(typed, &notices)?),
+        FetchSource::SpaceTrack(typed) => Some(Credentials::from_arguments(typed, &notices)?),
         _ => None,
     };
     let validators = if is_cached {

@@ -193,7 +193,7 @@ fn report_counts(notices: &Notices, dropped: &DropCounts, used: usize) {
     let used = counted(used, "measurement", "measurements");
     notices.info(&format!("{used}, {} left out", counted(dropped.total() as usize, "row", "rows")));
     for (reason, count, example) in dropped.iter() {
-        let first = example.map(|one| format!(" (first: {one})")).unwrap_or_default();
+        let first = example.map(|example| format!(" (first: {example})")).unwrap_or_default();
         notices.info(&format!("  {count} {}{first}", reason.name().replace('_', " ")));
     }
 }

@@ -41,7 +41,7 @@ const POINTS_ON_SCREEN: &[Shown] = &[
 pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     if let Some(picture) = &typed.picture {
-        streakcast::plot::PictureFormat::of(picture)?;
+        streakcast::plot::PictureFormat::from_extension(picture)?;
         crate::output::check(picture)?;
     }
     let input = read(&typed.photometry, &typed.reduction, &RawWeights::default())?;

@@ -71,11 +71,12 @@ fn picture_name(report: &Path, end: &str) -> String {
 /// Writes the report: Markdown with separate pictures, or HTML with embedded ones.
 pub fn write(path: &Path, results: &FitResults, file: &ModelFile) -> anyhow::Result<()> {
     let drawn = pictures(results, file)?;
-    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
+    let names: BTreeMap<String, &Drawn> =
+        drawn.iter().map(|picture| (picture_name(path, picture.0), picture)).collect();
     let report = text(results, file, &names);
     let notices = &results.input.notices;
     if is_html(path) {
-        let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
+        let page = report.to_html(|name| names.get(name).map(|picture| data_url(&picture.2)));
         return write_bytes(path, page.as_bytes(), notices);
     }
     for (name, (_, _, bytes)) in &names {
@@ -347,7 +348,7 @@ mod drawn {
             None => of_counts(reduction)?,
             Some(sun_deg) => slice(reduction, sun_deg)?,
         };
-        write_bytes(path, &picture.to_bytes(PictureFormat::of(path)?)?, notices)
+        write_bytes(path, &picture.to_bytes(PictureFormat::from_extension(path)?)?, notices)
     }
 
     /// Draws figure 2 of Lu (2024): magnitudes, counts and spreads of the pixels of the layer that contains a latitude

@@ -118,14 +118,14 @@ fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> 
         }
         Err(error) => return Err(error.into()),
     };
-    for one in &standings {
+    for standing in &standings {
         input.notices.info(&format!(
             "  held out: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
-            one.name,
-            one.parameters,
-            one.held_out.rms_mag,
-            one.held_out.core_mag,
-            100.0 * one.within_one_sigma
+            standing.name,
+            standing.parameters,
+            standing.held_out.rms_mag,
+            standing.held_out.core_mag,
+            100.0 * standing.within_one_sigma
         ));
     }
     Ok(standings)

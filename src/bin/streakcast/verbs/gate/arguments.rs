@@ -183,7 +183,7 @@ impl Flags {
     fn check_required(&self, config: &Config) -> anyhow::Result<()> {
         let has_name = self.targets.is_some() && (self.target.is_some() || self.stdin.is_some());
         let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();
-        let required = Required::of(config)
+        let required = Required::new(config)
             .input(
                 has_pointing || has_name || self.indi.is_some(),
                 "pointing",

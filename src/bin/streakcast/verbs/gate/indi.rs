@@ -325,7 +325,7 @@ fn begin(element: &BytesStart<'_>) -> Vector {
 }
 
 fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
-    let found = element.attributes().with_checks(false).flatten().find(|one| one.key.as_ref() == name)?;
+    let found = element.attributes().with_checks(false).flatten().find(|attribute| attribute.key.as_ref() == name)?;
     Some(found.value.to_string())
 }
 

@@ -44,7 +44,7 @@ pub struct Counted {
 }
 
 impl Counted {
-    pub fn of(result: &Result<GateVerdict, Fault>) -> Self {
+    pub fn from_result(result: &Result<GateVerdict, Fault>) -> Self {
         let (verdict, waited_s) = match result {
             Ok(GateVerdict::Clear { waited_s, .. } | GateVerdict::Best { waited_s, .. }) if *waited_s > 0.0 => {
                 ("waited", *waited_s)

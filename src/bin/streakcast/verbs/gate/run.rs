@@ -70,7 +70,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
     };
     let decision =
         decided.unwrap_or_else(|_| Decision { result: Ok(GateVerdict::NotClear), status: Map::new(), notices: None });
-    let notices = decision.notices.unwrap_or_else(|| Notices::of(&flags.config));
+    let notices = decision.notices.unwrap_or_else(|| Notices::from_config(&flags.config));
     let (mut status, mut result) = (decision.status, fault.map_or(decision.result, Err));
     let rest = left(flags.deadline, flags.timeout).max(STATUS);
     if let Some((waited_s, first, until)) = result.as_ref().ok().and_then(GateVerdict::start)
@@ -123,7 +123,7 @@ pub fn run(typed: GateArguments, file_error: Option<anyhow::Error>) -> anyhow::R
         notices.info(&line);
     }
     let Some(path) = flags.status_file.clone() else { return outcome };
-    let counted = Counted::of(&result);
+    let counted = Counted::from_result(&result);
     let written = within(Instant::now() + rest, {
         let path = path.clone();
         move || write_final(&path, status, &counted)
@@ -201,7 +201,11 @@ fn verdict(
     state(status, "band", band.clone());
     let by_cost = request.decides_by_cost(band.as_deref());
     state(status, "blocking", if by_cost { "cost" } else { request.plan.policy.blocking.name() });
-    state(status, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
+    state(
+        status,
+        "limit_mag",
+        request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(band.as_deref())),
+    );
 
     let prepared = prepare(flags, request, &site, step, status, notices)?;
     let now = flags.clock.now();

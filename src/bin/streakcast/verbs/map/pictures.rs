@@ -24,7 +24,7 @@ pub fn made(
     picture: impl FnOnce() -> Picture,
 ) -> anyhow::Result<Option<Vec<u8>>> {
     let options = FileOptions { provenance: Some(json_of(provenance)), ..to.file_options.clone() };
-    to.picture.as_deref().map(|path| Ok(picture().to_file(PictureFormat::of(path)?, &options)?)).transpose()
+    to.picture.as_deref().map(|path| Ok(picture().to_file(PictureFormat::from_extension(path)?, &options)?)).transpose()
 }
 
 pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>, notices: &Notices) -> anyhow::Result<()> {

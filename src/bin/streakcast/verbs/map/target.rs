@@ -33,7 +33,7 @@ enum Ending {
 }
 
 impl Ending {
-    fn of(path: Option<&Path>) -> anyhow::Result<Self> {
+    fn from_extension(path: Option<&Path>) -> anyhow::Result<Self> {
         let Some(path) = path else { return Ok(Self::Other) };
         let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
         let shown = path.display();
@@ -44,7 +44,7 @@ impl Ending {
                 path.with_extension("").display()
             ),
             "png" | "svg" | "pdf" => {
-                streakcast::plot::PictureFormat::of(path)?;
+                streakcast::plot::PictureFormat::from_extension(path)?;
                 bail!("output {shown} is a picture; allowed: --picture {shown}")
             }
             _ => Ok(if Format::by_name(&end).is_some() { Self::Table } else { Self::Other }),
@@ -61,7 +61,7 @@ impl Target {
             (None, step) => Grid::regular(step.unwrap_or(DEFAULT_STEP_DEG))?,
         };
         let output = typed.output.as_deref();
-        let ending = Ending::of(output)?;
+        let ending = Ending::from_extension(output)?;
         let format = typed.format.as_deref().or(configured.filter(|_| ending == Ending::Other));
         if let Some(name) = format
             && name != "fits"
@@ -76,7 +76,7 @@ impl Target {
             }
         }
         if let Some(picture) = &typed.picture {
-            streakcast::plot::PictureFormat::of(picture)?;
+            streakcast::plot::PictureFormat::from_extension(picture)?;
             check(picture)?;
             if output.is_none() && typed.format.is_none() {
                 return Self::picture_alone(typed);

@@ -22,7 +22,7 @@ pub struct Columns {
 
 impl Columns {
     /// Returns a result as columns.
-    pub fn of(table: &Table, provenance: &Provenance) -> Self {
+    pub fn from_table(table: &Table, provenance: &Provenance) -> Self {
         let cells = |row: &Vec<Cell>| table.columns.iter().zip(row).map(|(column, cell)| column.text(cell)).collect();
         Self {
             origin: "the result".to_owned(),

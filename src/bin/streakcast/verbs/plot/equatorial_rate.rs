@@ -170,11 +170,11 @@ pub fn is_of(columns: &Columns) -> bool {
 }
 
 pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
-    let rates = Rates::of(columns, "plot sky-rate --equatorial")?;
+    let rates = Rates::from_columns(columns, "plot sky-rate --equatorial")?;
     let nights = rates.option("nights").and_then(Value::as_array).into_iter().flatten();
     let nights: Vec<&str> = nights.filter_map(Value::as_str).collect();
     let nights = match nights.as_slice() {
-        [one] => format!("the night of {one}"),
+        [night] => format!("the night of {night}"),
         [first, .., last] => format!("{} nights from {first} to {last}", nights.len()),
         [] => "nights".to_owned(),
     };
@@ -222,7 +222,7 @@ pub struct Rates {
 
 impl Rates {
     /// Reads a table. `allowed` is the verb that writes such tables, for errors.
-    pub fn of(columns: &Columns, allowed: &str) -> anyhow::Result<Self> {
+    pub fn from_columns(columns: &Columns, allowed: &str) -> anyhow::Result<Self> {
         let options = columns.stated("options").cloned().unwrap_or_default();
         let number = |name: &str| options.get(name).and_then(Value::as_f64);
         let nside = number("nside").ok_or_else(|| missing_statement("nside", allowed))? as u32;

@@ -47,7 +47,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
     let row = |(row, flag): (&ScheduledExposure, &Verdict)| {
         let exposure = row.exposure.as_ref().ok();
         // The limits of a telescope depend on each streak, so there is no single number.
-        let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
+        let limit = limit.as_ref().and_then(|limit| limit.limit_in(row.band.as_deref()));
         let bright = limit.map(|limit| {
             let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
             crossings.fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit))
@@ -120,7 +120,7 @@ pub struct Nights {
 }
 
 impl Nights {
-    pub fn of(columns: &Columns, longitude_deg: f64) -> anyhow::Result<Self> {
+    pub fn from_columns(columns: &Columns, longitude_deg: f64) -> anyhow::Result<Self> {
         let date = |mjd: f64| {
             // Nights start at noon.
             let day = (mjd + longitude_deg / 360.0 - 0.5).floor();
@@ -143,7 +143,7 @@ impl Nights {
         let all = self.all();
         let allowed = || match all.as_slice() {
             [] => "none: no row has a time".to_owned(),
-            [one] => (*one).to_owned(),
+            [only] => (*only).to_owned(),
             [first, .., last] => format!("{first} to {last}, {} nights", all.len()),
         };
         match night {

@@ -52,7 +52,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     check_size(&field)?;
     let prediction = predict(&config)?;
     let table = prediction.table(false);
-    let columns = Columns::of(&table, &prediction.prepared.provenance);
+    let columns = Columns::from_table(&table, &prediction.prepared.provenance);
     // The exposure is read from the provenance of the table, so that a file of the table gives the same picture.
     let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result does not state its exposure"))?;
     let picture = picture(&columns, &exposure, Some(&field), title, limit_mag)?;

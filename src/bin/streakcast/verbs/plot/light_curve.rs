@@ -119,7 +119,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         "track",
         json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter, "limit_mag": typed.limit_mag }),
     );
-    let columns = Columns::of(&table, &prediction.prepared.provenance);
+    let columns = Columns::from_table(&table, &prediction.prepared.provenance);
     let picture = picture(&columns, typed.limit_mag, clock.as_ref(), title)?;
     target.write(&picture, "track", &table, &prediction.prepared.provenance, &prediction.notices)?;
     Ok(Outcome::Done)

@@ -36,7 +36,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             site = flags.site_with(&config, site);
             let observer = site.clone().map(Observer::new);
             let table = of_flags(&flags, schedule, &config, observer.as_ref(), &eop)?;
-            (Columns::of(&table, &flags.provenance()), Some((table, flags.provenance())))
+            (Columns::from_table(&table, &flags.provenance()), Some((table, flags.provenance())))
         }
         (Some(from), None) => {
             let columns = Columns::read(from, "exposures")?;
@@ -45,7 +45,10 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         }
         (None, Some(schedule)) => {
             let exposures = compute(&config, schedule, site.as_ref(), &eop)?;
-            (Columns::of(&exposures.table, &exposures.provenance), Some((exposures.table, exposures.provenance)))
+            (
+                Columns::from_table(&exposures.table, &exposures.provenance),
+                Some((exposures.table, exposures.provenance)),
+            )
         }
         (None, None) => anyhow::bail!("missing schedule; specify --schedule FILE or --from FILE"),
     };
@@ -56,7 +59,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     let config = columns.time_zone_with(config);
     let clock = Clock::new(typed.zone.or_of(&config)?, site.as_ref());
     let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
-    let nights = Nights::of(&columns, longitude_deg)?;
+    let nights = Nights::from_columns(&columns, longitude_deg)?;
     let night = nights.choose(typed.night.as_deref())?;
     let others = nights.all().len();
     if others > 1 && typed.night.is_none() {
@@ -68,7 +71,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     // The limit of a table has precedence over that of the home file.
     let given = if typed.from.is_some() { flags.policy()?.limit_mag } else { config.policy()?.limit_mag };
     let limit = match &given {
-        Some(limit) => limit.of(config.light.band.as_deref()),
+        Some(limit) => limit.limit_in(config.light.band.as_deref()),
         None => columns.limit_mag(),
     };
     let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}"));

@@ -38,8 +38,8 @@ fn picture(
     let local = clock.zip(first_mjd).map(|(clock, mjd)| clock.at(mjd));
     let subtitle = columns.place_and_time(tracks.iter().flat_map(|track| track.time_mjd.iter().copied()));
     let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
-    let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("Pass of {}", track.name));
-    let default_title = one.unwrap_or_else(|| "Passes over the sky".to_owned());
+    let title_of_one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("Pass of {}", track.name));
+    let default_title = title_of_one.unwrap_or_else(|| "Passes over the sky".to_owned());
     let site = columns.site();
     let title = title.unwrap_or(&default_title);
     let drawn = sky_chart(&SkyChart { title, caption, tracks: &tracks, local, site: site.as_ref() })?;

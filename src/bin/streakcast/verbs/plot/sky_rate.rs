@@ -68,7 +68,7 @@ pub fn run(mut typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let directions = cells_above(typed.nside, typed.min_altitude)?;
     if typed.equatorial {
         let (table, provenance) = equatorial_rate::compute(&typed, &config, &directions, &notices)?;
-        let drawn = equatorial_rate::picture(&Columns::of(&table, &provenance), title)?;
+        let drawn = equatorial_rate::picture(&Columns::from_table(&table, &provenance), title)?;
         target.write(&drawn, "directions", &table, &provenance, &notices)?;
         return Ok(Outcome::Done);
     }
@@ -117,7 +117,7 @@ pub fn run(mut typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
             "sun_azimuth_deg": (sun.azimuth_rad.to_degrees() * 1e4).round() / 1e4,
         }),
     );
-    let picture = picture(&Columns::of(&table, &provenance), title)?;
+    let picture = picture(&Columns::from_table(&table, &provenance), title)?;
     target.write(&picture, "directions", &table, &provenance, &notices)?;
     Ok(Outcome::Done)
 }
@@ -177,7 +177,7 @@ fn table(directions: &[(u64, Direction<Horizontal>)], counts: &Counts, has_limit
 }
 
 fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
-    let rates = Rates::of(columns, WRITER)?;
+    let rates = Rates::from_columns(columns, WRITER)?;
     let sun_azimuth_deg = rates.number("sun_azimuth_deg");
     if !sun_azimuth_deg.is_finite() {
         return Err(missing_statement("Sun's azimuth", WRITER));

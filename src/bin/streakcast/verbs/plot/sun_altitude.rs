@@ -44,7 +44,7 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
     let flags = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() }.with_configuration_file()?;
     let limit_of = |config: &Config| -> anyhow::Result<Option<f64>> {
-        Ok(config.policy()?.limit_mag.and_then(|limit| limit.of(config.light.band.as_deref())))
+        Ok(config.policy()?.limit_mag.and_then(|limit| limit.limit_in(config.light.band.as_deref())))
     };
     let of_flags = limit_of(&flags)?;
     let config = flags.with_home_file()?;
@@ -77,8 +77,8 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         }
         None => grid(&typed, &config, limit)?,
     };
-    let picture = picture(&Columns::of(&table, &provenance), limit, typed.bin, title)?;
-    target.write(&picture, "exposures", &table, &provenance, &Notices::of(&config))?;
+    let picture = picture(&Columns::from_table(&table, &provenance), limit, typed.bin, title)?;
+    target.write(&picture, "exposures", &table, &provenance, &Notices::from_config(&config))?;
     Ok(Outcome::Done)
 }
 

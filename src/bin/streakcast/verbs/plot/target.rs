@@ -45,7 +45,7 @@ impl Target {
         }
         let mut pictures: Vec<(PathBuf, PictureFormat)> = Vec::new();
         for path in &typed.output {
-            let format = PictureFormat::of(path)?;
+            let format = PictureFormat::from_extension(path)?;
             check(path)?;
             pictures.push((path.clone(), format));
         }
@@ -117,7 +117,7 @@ pub fn data_path(picture: &Path) -> PathBuf {
 
 /// Returns a check of required inputs, of which a picture is the first.
 pub fn required<'a>(config: &'a Config, typed: &PictureArguments) -> Required<'a> {
-    Required::of(config).input(!typed.output.is_empty(), "picture", "-o FILE")
+    Required::new(config).input(!typed.output.is_empty(), "picture", "-o FILE")
 }
 
 /// Returns the path of the picture, for plots that write only one.

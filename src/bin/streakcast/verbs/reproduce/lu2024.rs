@@ -491,7 +491,7 @@ fn report(results: &Results, rows: &[Lu2024Row], pictures: &[Drawn]) -> Report {
     ));
     report.table(&marginal_table(posterior, &found.fit));
     report.section("Differences");
-    report.list(DIFFERENCES.iter().map(|one| (*one).to_owned()));
+    report.list(DIFFERENCES.iter().map(|difference| (*difference).to_owned()));
     report.section("Figures");
     pictures.iter().for_each(|(stem, caption, _)| report.picture(caption, &format!("{stem}.png")));
     let is_missing = |name: &&str| pictures.iter().all(|(stem, ..)| stem != name);

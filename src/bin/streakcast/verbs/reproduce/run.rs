@@ -185,7 +185,11 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
 }
 
 fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::Result<Vec<Reproduced>> {
-    let span = exposures.iter().map(|one| one.start).min().zip(exposures.iter().map(|one| one.start).max());
+    let span = exposures
+        .iter()
+        .map(|exposure| exposure.start)
+        .min()
+        .zip(exposures.iter().map(|exposure| exposure.start).max());
     let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no valid visit; allowed: one or more"))?;
     let is_within = FIRST_VISITS_MJD[0] <= mjd_utc(first) && mjd_utc(last) < FIRST_VISITS_MJD[1];
     let is_first_visits = is_within && FIRST_VISITS.contains(&exposures.len());
@@ -208,8 +212,8 @@ fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::
     let rows: Vec<Vec<Reproduced>> = HU2022
         .iter()
         .map(|(name, _)| {
-            let one = Config { shells: vec![(*name).to_owned()], ..config.clone() };
-            let prepared = one.prepare(first, last)?;
+            let with_shells = Config { shells: vec![(*name).to_owned()], ..config.clone() };
+            let prepared = with_shells.prepare(first, last)?;
             Ok(hu2022(name, &prepared.sky, exposures, &field, is_first_visits, &assumed)?)
         })
         .collect::<anyhow::Result<_>>()?;
@@ -247,7 +251,7 @@ fn of_borlaff(elements: &[PathBuf], seed: u64, notices: &Notices) -> anyhow::Res
 }
 
 fn sky_of(constellations: &[Constellation], site: Site, epoch: Epoch) -> anyhow::Result<Sky> {
-    let elements = constellations.iter().flat_map(|one| one.element_sets(epoch)).collect();
+    let elements = constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect();
     let choice = ModelChoice::new(&ModelLibrary::embedded())?;
     Ok(Sky::with_models(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice))
 }

@@ -39,9 +39,9 @@ pub fn rows(satcat: Option<&Path>, elements: &[PathBuf]) -> anyhow::Result<Vec<L
             quantity: format!("{name}, launched to 2024-01-12"),
             unit: "",
             paper: Some(*count),
-            ours: objects
-                .as_ref()
-                .map(|objects| objects.iter().filter(|(_, one)| generations.contains(one)).count() as f64),
+            ours: objects.as_ref().map(|objects| {
+                objects.iter().filter(|(_, generation)| generations.contains(generation)).count() as f64
+            }),
             ours_sigma: None,
             reason: reason.to_owned(),
         })
@@ -56,7 +56,7 @@ fn of_elements(paths: &[PathBuf]) -> anyhow::Result<BTreeSet<(NoradId, Generatio
     Ok(sets
         .iter()
         .filter(|set| is_launched(&set.international_designator) && !(first..=last).contains(&set.norad_id.0))
-        .map(|set| (set.norad_id, table.of(set)))
+        .map(|set| (set.norad_id, table.generation(set)))
         .collect())
 }
 

@@ -130,7 +130,7 @@ pub struct Token(Vec<u8>);
 
 impl Token {
     /// Reads the token from the file or environment variable in the flags. It is optional for loopback addresses.
-    pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
+    pub fn from_arguments(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
         let text = match (&typed.token_file, &typed.token_env) {
             (Some(path), _) => {
                 let text = streakcast::input::read_to_string(path)
@@ -234,13 +234,13 @@ mod tests {
     #[test]
     fn a_burst_is_allowed_and_then_the_rate() {
         let limiter = RateLimiter::new(10);
-        let (one, other): (IpAddr, IpAddr) = ("192.0.2.1".parse().unwrap(), "192.0.2.2".parse().unwrap());
+        let (first, other): (IpAddr, IpAddr) = ("192.0.2.1".parse().unwrap(), "192.0.2.2".parse().unwrap());
         let begin = Instant::now();
-        assert!((0..10).all(|_| limiter.allows(one, begin)));
-        assert!(!limiter.allows(one, begin) && !limiter.allows(one, begin + Duration::from_millis(99)));
+        assert!((0..10).all(|_| limiter.allows(first, begin)));
+        assert!(!limiter.allows(first, begin) && !limiter.allows(first, begin + Duration::from_millis(99)));
         assert!(limiter.allows(other, begin), "addresses are counted separately");
         let later = begin + Duration::from_millis(150);
-        assert!(limiter.allows(one, later) && !limiter.allows(one, later));
+        assert!(limiter.allows(first, later) && !limiter.allows(first, later));
         let network: [IpAddr; 2] = ["2001:db8::1".parse().unwrap(), "2001:db8::2".parse().unwrap()];
         assert!((0..10).all(|turn| limiter.allows(network[turn % 2], later)));
         assert!(!limiter.allows(network[0], later));

@@ -139,7 +139,9 @@ impl Query {
                 return Err(Problem::repeated(parameter.name));
             }
         }
-        if let Some(missing) = parameters.iter().find(|one| one.required && !values.contains_key(one.name)) {
+        if let Some(missing) =
+            parameters.iter().find(|parameter| parameter.required && !values.contains_key(parameter.name))
+        {
             return Err(Problem::missing(missing.name, &missing.kind.allowed()));
         }
         Ok(Self { values })

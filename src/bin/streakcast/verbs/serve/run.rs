@@ -36,8 +36,8 @@ const MAX_EXPOSURES: usize = 100_000;
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let time_zone = typed.zone.or_of(&config)?;
-    let token = Token::of(&typed)?;
-    Required::of(&config).satellites().site().field().check()?;
+    let token = Token::from_arguments(&typed)?;
+    Required::new(&config).satellites().site().field().check()?;
     let notices = begin(&config)?;
     notices.warn(&typed.token_file.as_deref().and_then(|path| readable_by_others("token", path)));
     let plan = config.observation()?;

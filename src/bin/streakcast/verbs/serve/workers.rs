@@ -205,15 +205,15 @@ mod tests {
             type ResponseFuture<'a> = Pin<Box<dyn Future<Output = Result<Bytes, Problem>> + 'a>>;
             let mut waiting: Vec<ResponseFuture> = vec![Box::pin(first)];
             waiting.extend(others.map(|other| Box::pin(other) as ResponseFuture));
-            for one in &mut waiting {
-                assert!(poll_fn(|context| Poll::Ready(one.as_mut().poll(context))).await.is_pending());
+            for response in &mut waiting {
+                assert!(poll_fn(|context| Poll::Ready(response.as_mut().poll(context))).await.is_pending());
             }
             let refused = pool.response(&cache, "/one-more", |_| Ok(String::new())).await.unwrap_err();
             assert_eq!(refused.status, 503);
             assert_eq!(refused.response("/one-more").headers()["retry-after"], "1");
             drop(release);
-            for one in waiting {
-                assert!(one.await.is_ok());
+            for response in waiting {
+                assert!(response.await.is_ok());
             }
             assert_eq!(pool.response(&cache, "/one-more", |_| Ok("now".to_owned())).await.unwrap(), "now");
         });

@@ -230,7 +230,7 @@ fn limit(text: &str) -> anyhow::Result<Option<String>> {
         Ok(_) => text.trim().to_owned(),
         Err(_) => {
             text.parse::<streakcast::schedule::MagnitudeLimit>().map_err(|error| anyhow!("limit-mag: {error}"))?;
-            let by_band: Vec<String> = text.split(',').map(|one| one.replacen('=', " = ", 1)).collect();
+            let by_band: Vec<String> = text.split(',').map(|limit| limit.replacen('=', " = ", 1)).collect();
             format!("{{ {} }}", by_band.join(", "))
         }
     };

@@ -77,7 +77,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         band: query.text("band").map(str::to_owned),
         exposure: Ok(exposure.clone()),
     };
-    let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
+    let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(row.band.as_deref()));
     let samples = query.count("samples").unwrap_or_default();
     let passes_of = |exposure: &Exposure, samples: usize| {
         let crossings = state.sky().field_passes(

@@ -35,7 +35,7 @@ pub const PARAMETERS: &[Parameter] = &[
 
 pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let text = query.text("exposures").unwrap_or_default();
-    let given: Vec<&str> = text.split(';').filter(|one| !one.trim().is_empty()).collect();
+    let given: Vec<&str> = text.split(';').filter(|part| !part.trim().is_empty()).collect();
     if given.is_empty() || given.len() > MOST {
         let allowed = format!("1 to {MOST} exposures, {ACCEPTED}");
         return Err(Problem::parameter("exposures", &format!("with {} exposures", given.len()), &allowed));
@@ -47,8 +47,9 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &state.request(&policy));
     let report = report.map_err(|error| of_sky(&error))?;
     let exposures: Vec<&Exposure> = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).collect();
-    let first = exposures.iter().map(|one| one.start).min().unwrap_or(state.started);
-    let last = exposures.iter().map(|one| seconds_after(one.start, one.duration_s)).max().unwrap_or(first);
+    let first = exposures.iter().map(|exposure| exposure.start).min().unwrap_or(state.started);
+    let last =
+        exposures.iter().map(|exposure| seconds_after(exposure.start, exposure.duration_s)).max().unwrap_or(first);
     let mut caveats = state.caveats_of_verdict(first, last, &report.left_out)?;
     let mut totals = FlagTotals::default();
     totals.add(&report);

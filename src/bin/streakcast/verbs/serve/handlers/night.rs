@@ -110,7 +110,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
             "radius_deg": state.plan.field.bounding_radius_rad().to_degrees(),
         }),
     );
-    document.value("limit_mag", policy.limit_mag.as_ref().and_then(|limit| limit.of(None)));
+    document.value("limit_mag", policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(None)));
     document.value("max_delay_s", policy.max_delay_or_default_s());
     document.value("band", photometry.band.name());
     document.value("mag_system", photometry.system.to_string());

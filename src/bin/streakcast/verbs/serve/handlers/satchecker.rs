@@ -230,13 +230,13 @@ pub fn above(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let ranges = query.number("min_range").unwrap_or(0.0)..=query.number("max_range").unwrap_or(1_500_000.0);
     let data: Vec<Value> = tracks
         .iter()
-        .filter(|one| is_of_constellation(&sky, one.element_index, query))
-        .filter_map(|one| {
-            let point = one.snapshots.first().map(|snapshot| &snapshot.point);
+        .filter(|track| is_of_constellation(&sky, track.element_index, query))
+        .filter_map(|track| {
+            let point = track.snapshots.first().map(|snapshot| &snapshot.point);
             let point = point.filter(|point| ranges.contains(&point.range_km))?;
-            let elements = &sky.elements()[one.element_index];
+            let elements = &sky.elements()[track.element_index];
             let age_days = seconds_between(elements.epoch, at) / 86_400.0;
-            let mut value = position(&sky, one.element_index, point, age_days);
+            let mut value = position(&sky, track.element_index, point, age_days);
             value["name"] = json!(elements.name.as_ref());
             value["norad_id"] = json!(elements.norad_id.0);
             value["range"] = value["range_km"].clone();
