@@ -43,7 +43,7 @@ impl<'a> FlagRequest<'a> {
             telescope: self.telescope,
             photometry: self.photometry,
             limit_mag: self.limit_mag_of(pass, band, exposure.duration_s, limit_mag),
-            streak_cost_s: self.pass_cost_s(exposure, pass, band, limit_mag),
+            cost: self.pass_cost(exposure, pass, band, limit_mag),
         }
     }
 

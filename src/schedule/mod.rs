@@ -67,7 +67,7 @@ pub use self::{
     nights::{Shard, evening_mjd},
     report::judge_exposures,
     starts::reason_for_unknown_starts,
-    streak_costs::BrightStreaks,
+    streak_costs::{BrightStreaks, PassCost},
     tables::{StreakColumns, StreakRow, exposure_table, flag_table, flag_table_with_exposures, streak_table},
     targets::{ListedTarget, TargetList, read_targets},
     totals::{AgeEffect, FlagTotals},

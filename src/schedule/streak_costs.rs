@@ -77,22 +77,23 @@ pub(super) fn expected_of(
 }
 
 impl FlagRequest<'_> {
-    /// Returns the expected cost of one pass, seconds of open shutter; `None` without a telescope.
+    /// Returns the expected cost of one pass, seconds of open shutter, and the probability that its streak is bright
+    /// ([`BrightStreaks::probability`]); `None` without a telescope.
     ///
     /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
     /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is bright only by
     /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy.
-    pub fn pass_cost_s(
+    pub fn pass_cost(
         &self,
         exposure: &Exposure,
         pass: &Pass,
         band: Option<&str>,
         limit_mag: Option<f64>,
-    ) -> Option<f64> {
+    ) -> Option<PassCost> {
         let telescope = self.telescope?;
         let is_seen = pass.lit || self.photometry.band.has_emission();
         if !(is_seen || self.policy.include_dark) {
-            return Some(0.0);
+            return Some(PassCost { streak_cost_s: 0.0, p_bright: 0.0 });
         }
         let cost = StreakCost::new(telescope, self.field.area_deg2());
         let length_deg = if pass.is_crossing() {
@@ -108,17 +109,28 @@ impl FlagRequest<'_> {
         let of_seen = |probability: f64| if is_seen { probability } else { 0.0 };
         let limits = self.limits(band, exposure.duration_s).with_limit_mag(limit_mag);
         let range_km = pass.mid.range_km;
+        let p_bright = of_seen(of_known(brightness.as_ref(), |light| {
+            bright.probability(light, pass.element_index, range_km, pass.angular_rate_rad_s)
+        }));
         let share = cost.expected_share(&PossibleStreak {
             probability: pass.probability,
             expected_length_deg: pass.probability * length_deg,
             width_arcsec: telescope.width_arcsec(range_km, self.sky.model(pass.element_index).size_m()),
-            p_bright: of_seen(of_known(brightness.as_ref(), |light| {
-                bright.probability(light, pass.element_index, range_km, pass.angular_rate_rad_s)
-            })),
+            p_bright,
             p_above_limit: of_seen(p_above(brightness.as_ref(), limits.of_pass(pass))),
         });
-        Some(cost.seconds(exposure.duration_s, share))
+        Some(PassCost { streak_cost_s: cost.seconds(exposure.duration_s, share), p_bright })
     }
+}
+
+/// Expected cost of the streak of one pass.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PassCost {
+    /// Expected cost, seconds of open shutter.
+    pub streak_cost_s: f64,
+    /// Probability that the streak, if there is one, is brighter per pixel than that of a satellite of the telescope's
+    /// `bright_mag` at 550 km, [0, 1].
+    pub p_bright: f64,
 }
 
 /// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure

@@ -9,6 +9,7 @@ use crate::passes::{Chord, Exposure, Pass, TrackPoint};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 use super::scheduled::ScheduledExposure;
+use super::streak_costs::PassCost;
 use super::verdict::{Verdict, VerdictKind};
 
 /// Returns exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
@@ -228,9 +229,8 @@ pub struct StreakRow<'a> {
     pub photometry: &'a PhotometryOptions,
     /// Magnitude at which this satellite exceeds a limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
-    /// Expected cost of the pass, seconds of open shutter
-    /// ([`FlagRequest::pass_cost_s`](super::FlagRequest::pass_cost_s)).
-    pub streak_cost_s: Option<f64>,
+    /// Expected cost of the pass ([`FlagRequest::pass_cost`](super::FlagRequest::pass_cost)); `None` without a telescope.
+    pub cost: Option<PassCost>,
 }
 
 /// Optional columns of a table of streaks.
@@ -257,7 +257,7 @@ pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, columns: 
     if columns.samples {
         fields.push(samples_field());
     }
-    fields.push(cost_field());
+    fields.extend(cost_fields());
     Table::from_records(&fields, rows)
 }
 
@@ -431,16 +431,28 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
     ]
 }
 
-fn cost_field<'a>() -> TableField<StreakRow<'a>> {
-    TableField::new(
-        Column::real(
-            "streak_cost_s",
-            "s",
-            3,
-            "Expected cost of this streak in seconds of open shutter; empty without a telescope.",
+fn cost_fields<'a>() -> [TableField<StreakRow<'a>>; 2] {
+    let field = TableField::<StreakRow<'a>>::new;
+    [
+        field(
+            Column::real(
+                "streak_cost_s",
+                "s",
+                3,
+                "Expected cost of this streak in seconds of open shutter; empty without a telescope.",
+            ),
+            |row| row.cost.map(|cost| cost.streak_cost_s).into(),
         ),
-        |row| row.streak_cost_s.into(),
-    )
+        field(
+            Column::real(
+                "p_bright",
+                "",
+                4,
+                "Probability that the streak is brighter per pixel than that of a satellite of `bright_mag` at 550 km; empty without a telescope.",
+            ),
+            |row| row.cost.map(|cost| cost.p_bright).into(),
+        ),
+    ]
 }
 
 fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {

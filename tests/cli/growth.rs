@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use crate::common::cli::{done, path, records, run};
+use crate::common::server::Server;
+use serde_json::Value;
 use tempfile::TempDir;
 
 const BEFORE: &str = "starlink-gen1";
@@ -176,6 +178,62 @@ fn verbs_with_one_sky_warn_of_another_period() {
         rows(&stdout).iter().map(|row| (row["name"].clone(), row["with_assumed_planes"].clone())).collect();
     let expected = [("own", "20"), ("typo", "0"), ("from 2026-08-01", "0"), ("from 2026-08-14", "20")];
     assert_eq!(names, expected.map(|(name, count)| (name.to_owned(), count.to_owned())));
+}
+
+/// The server has the satellites of the night of each request, in the schedule and outside of it.
+#[test]
+fn the_server_has_the_satellites_of_each_night() {
+    let folder = tempfile::tempdir().unwrap();
+    let growth = written(
+        &folder,
+        "growth.toml",
+        "[[period]]\nfrom = 2026-08-01\nshells = { starlink-gen1 = 1 }\n\
+         [[period]]\nfrom = 2026-08-14\nshells = { starlink-gen1 = 1, oneweb = 1 }\n\
+         [[period]]\nfrom = 2026-09-10\nshells = { oneweb = 1 }\n",
+    );
+    let both = written(&folder, "both.csv", &schedule(&["2026-08-15", "2026-08-14"]));
+    let flags = rows(&done(&[&["flag", "--shells", &growth, "--schedule", &both, "--format", "csv"], &SKY]));
+    let sky = ["--shells", &growth, "--mpc", "X05", "--fov", "3.5deg", "--rate", "100000"];
+    let server = Server::start(&[&sky[..], &["--schedule", &both, "-q"]].concat());
+    let satellites = |answer: &Value| answer["provenance"]["satellites"].as_u64().unwrap();
+
+    let nights = ["2026-08-14", "2026-08-13"].map(|night| server.json(&format!("/api/v1/night?night={night}")));
+    assert_eq!(nights.each_ref().map(satellites), [4408 + 6372, 4408]);
+    let judged: Vec<&Value> = nights.iter().flat_map(|night| night["flags"].as_array().unwrap()).collect();
+    let mut list = Vec::new();
+    for (flag, expected) in judged.iter().zip(flags.iter().filter(|flag| flag["verdict"] != "invalid")) {
+        assert_eq!(
+            (&flag["verdict"], &flag["exposure_id"]),
+            (&Value::from(&*expected["verdict"]), &Value::from(&*expected["exposure_id"]))
+        );
+        if list.len() < 200 {
+            let [start, ra, dec] = ["start_utc", "ra_deg", "dec_deg"].map(|name| expected[name].clone());
+            list.push((format!("{start},60,{ra},{dec}"), flag["verdict"].clone()));
+        }
+    }
+    // Rows of both nights in turn, in one request and one by one.
+    let half = list.len() / 2;
+    let mixed: Vec<_> = (0..half).flat_map(|row| [&list[row], &list[half + row]]).collect();
+    let request: Vec<&str> = mixed.iter().map(|(text, _)| text.as_str()).collect();
+    let answer = server.json(&format!("/api/v1/exposures?exposures={}", request.join(";")));
+    let verdicts: Vec<&Value> = answer["flags"].as_array().unwrap().iter().map(|flag| &flag["verdict"]).collect();
+    assert_eq!(verdicts, mixed.iter().map(|(_, verdict)| verdict).collect::<Vec<_>>());
+    assert!(verdicts.contains(&&Value::from("streaked")) && verdicts.contains(&&Value::from("clear")));
+    for (text, verdict) in mixed.into_iter().step_by(20) {
+        let cells: Vec<&str> = text.split(',').collect();
+        let [start, ra, dec] = [cells[0], cells[2], cells[3]];
+        let one = server.json(&format!("/api/v1/exposure?start_utc={start}&duration_s=60&ra_deg={ra}&dec_deg={dec}"));
+        assert_eq!(&one["flags"][0]["verdict"], verdict, "{text}");
+    }
+
+    // Nights of a third period, and before the first one.
+    let later = "start_utc=2026-09-12T02:00:00Z&duration_s=60&ra_deg=10&dec_deg=-40";
+    let first = server.json(&format!("/api/v1/exposure?{later}"));
+    server.json("/api/v1/dome?start_utc=2026-09-15T02:00:00Z&duration_s=30");
+    assert_eq!((satellites(&first), server.json(&format!("/api/v1/exposure?{later}"))), (6372, first.clone()));
+    let problem = server.get("/api/v1/exposure?start_utc=2026-07-30T02:00:00Z&duration_s=60&ra_deg=10&dec_deg=-40");
+    let detail = problem.json()["detail"].as_str().unwrap().to_owned();
+    assert!(problem.status == 400 && detail.contains("begin with the night of 2026-08-01"), "{detail}");
 }
 
 /// Before the first satellites are in orbit, all exposures are clear.

@@ -116,7 +116,10 @@ fn verif_costs_of_a_night_with_real_satellites() {
         .iter()
         .zip(&passes)
         .map(|(exposure, passes)| {
-            passes.iter().filter_map(|pass| request.pass_cost_s(exposure, pass, None, None)).sum()
+            passes
+                .iter()
+                .filter_map(|pass| request.pass_cost(exposure, pass, None, None).map(|cost| cost.streak_cost_s))
+                .sum()
         })
         .collect();
     let (all, crossings) = (mean(&at_default), mean(&of_passes));

@@ -48,10 +48,10 @@ class DispatchedVisits:
         """Removes a completed visit."""
         self._in_progress.pop(key_of(visit), None)
 
-    def is_with_another(self, visit: Any, owner: Owner, mjd: float) -> bool:
-        """Returns True if another copy dispatched the visit recently."""
-        dispatched = self._in_progress.get(key_of(visit))
-        return dispatched is not None and dispatched[0] is not owner and abs(mjd - dispatched[1]) < EXPIRY_DAY
+    def with_others(self, owner: Owner, mjd: float) -> set[Key]:
+        """Returns the keys of the visits that other copies dispatched recently."""
+        entries = self._in_progress.items()
+        return {key for key, (by, when) in entries if by is not owner and abs(mjd - when) < EXPIRY_DAY}
 
 
 def key_of(visit: Any) -> Key:

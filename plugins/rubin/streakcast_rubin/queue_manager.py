@@ -17,7 +17,7 @@ from ._arrays import FloatArray, IntArray
 from ._candidates import candidates, choose, detours_s
 from ._checks import at_least
 from ._costs import Costs, costs_of, with_costs
-from ._dispatched import DispatchedVisits, Owner
+from ._dispatched import DispatchedVisits, Owner, key_of
 from ._mount import Mount, Openings
 from ._verdicts import ConditionsCheck, scale_of
 
@@ -148,7 +148,8 @@ class StreakQueueManager(BaseQueueManager):
         """Returns the queue index of the visit to dispatch; `None` for the default visit."""
         self._check(conditions)
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
-        free = np.array([index for index in valid[: 4 * self.look_ahead] if not self._dispatched.is_with_another(queue[index], self._owner, now)])
+        taken = self._dispatched.with_others(self._owner, now)
+        free = np.array([one for one in valid[: 4 * self.look_ahead] if key_of(queue[one]) not in taken]) if taken else valid
         indices = candidates(queue, free if free.size else valid, self.look_ahead)
         has_coordinates = np.isfinite(queue["RA"][indices]) & np.isfinite(queue["dec"][indices])
         if not has_coordinates.all():

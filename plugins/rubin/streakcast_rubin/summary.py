@@ -7,7 +7,7 @@ import os
 import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Optional, Union
 
 import healpy
 import numpy as np
@@ -41,7 +41,9 @@ def survey_summary(annotated: Database, *, sun_edges_deg: Sequence[float] = SUN_
     dict of arrays, ``(n_bins,)`` each
         One row for each year, band and bin with visits: ``year`` (from 1, of 365.25 days from the first visit),
         ``band``, ``sun_min_deg``, ``sun_max_deg``, ``visits``, ``unknown_visits`` (verdict ``unknown`` or ``invalid``;
-        all other columns are for the rest, and NaN if there are none), ``streaked_fraction``, ``avoid_fraction``,
+        all other columns are for the rest, and NaN if there are none), ``streaked_fraction``, ``bright_fraction``
+        (expected fraction of visits with a streak that is brighter per pixel than that of a satellite at 550 km of the
+        telescope's ``bright_mag``, by default 7; NaN without the table ``streaks``), ``avoid_fraction``,
         ``streak_cost_s`` (mean, seconds of open shutter), ``streak_cost_fraction`` (of the open shutter),
         ``lost_pixel_fraction`` (mean), and ``coadd_loss_mag``, the loss in depth of all visits of the row.
 
@@ -89,7 +91,7 @@ def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float
     Returns
     -------
     dict of arrays, ``(12 nside²,)`` each
-        ``visits`` (0 outside the survey), ``streaked_fraction``, ``streak_cost_s`` (mean, seconds of open shutter),
+        ``visits`` (0 outside the survey), ``streaked_fraction``, ``bright_fraction``, ``streak_cost_s`` (mean),
         ``streak_cost_fraction`` and ``coadd_loss_mag``, as in `survey_summary`. Visits of unknown effects do not count.
 
     Raises
@@ -99,13 +101,14 @@ def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float
     """
     every = _read(annotated)
     visits = {name: column[every["judged"]] for name, column in every.items()}
-    sums = {name: np.zeros(healpy.nside2npix(nside)) for name in ("visits", "streaked", "cost_s", "open_s")}
+    sums = {name: np.zeros(healpy.nside2npix(nside)) for name in ("visits", "streaked", "bright", "cost_s", "open_s")}
     centres = healpy.ang2vec(visits["fieldRA"], visits["fieldDec"], lonlat=True)
     streaked, cost_s = visits["n_streaks"] > 0, visits["streak_cost_s"]
     for index, centre in enumerate(centres):
         pixels = healpy.query_disc(nside, centre, np.radians(field_radius_deg))
         sums["visits"][pixels] += 1
         sums["streaked"][pixels] += streaked[index]
+        sums["bright"][pixels] += visits["p_bright"][index]
         sums["cost_s"][pixels] += cost_s[index]
         sums["open_s"][pixels] += visits["visitExposureTime"][index]
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -113,6 +116,7 @@ def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float
         return {
             "visits": sums["visits"],
             "streaked_fraction": sums["streaked"] / sums["visits"],
+            "bright_fraction": sums["bright"] / sums["visits"],
             "streak_cost_s": sums["cost_s"] / sums["visits"],
             "streak_cost_fraction": lost,
             # A coadded image of visits without open shutter that is left has no depth.
@@ -123,11 +127,12 @@ def survey_maps(annotated: Database, *, nside: int = 64, field_radius_deg: float
 def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
     """Returns the effects of streaks on visits whose effects are known."""
     if not len(visits["verdict"]):
-        names = ("streaked_fraction", "avoid_fraction", "streak_cost_s", "streak_cost_fraction", "lost_pixel_fraction", "coadd_loss_mag")
+        names = ("streaked_fraction", "bright_fraction", "avoid_fraction", "streak_cost_s", "streak_cost_fraction", "lost_pixel_fraction", "coadd_loss_mag")
         return dict.fromkeys(names, np.nan)
     lost = visits["streak_cost_s"].sum() / visits["visitExposureTime"].sum()
     return {
         "streaked_fraction": float((visits["n_streaks"] > 0).mean()),
+        "bright_fraction": float(visits["p_bright"].mean()),
         "avoid_fraction": float((visits["verdict"] == "avoid").mean()),
         "streak_cost_s": float(visits["streak_cost_s"].mean()),
         "streak_cost_fraction": float(lost),
@@ -135,6 +140,17 @@ def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
         # Depth of a coadded image: 1.25 log10(sum of t), with the time t - C of each visit.
         "coadd_loss_mag": float(-1.25 * np.log10(1.0 - lost)) if lost < 1.0 else np.inf,
     }
+
+
+def _p_bright(base: sqlite3.Connection) -> Optional[dict[str, float]]:
+    """Returns the probability of each visit to have a bright streak, for visits with streaks; `None` if it is not known."""
+    of_streaks = [row[1] for row in base.execute("PRAGMA table_info(streaks)")]
+    if not {"exposure_id", "p_bright"} <= set(of_streaks):
+        return None
+    none_bright: dict[str, float] = {}
+    for visit, p_bright in base.execute("SELECT exposure_id, p_bright FROM streaks"):
+        none_bright[str(visit)] = none_bright.get(str(visit), 1.0) * (1.0 - (np.nan if p_bright is None else p_bright))
+    return {visit: 1.0 - none for visit, none in none_bright.items()}
 
 
 def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
@@ -156,12 +172,15 @@ def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
             repeated = "SELECT exposure_id FROM streak_flags GROUP BY exposure_id HAVING count(*) > 1 LIMIT 1"
             for (number,) in base.execute(repeated):
                 raise ValueError(f"{path}: observationId {number} has several different visits; allowed: unique numbers")
-            selected = ", ".join([*(f"o.{name}" for name in (*OBSERVATIONS, band)), *(f"f.{name}" for name in FLAGS)])
+            selected = ", ".join([*(f"o.{name}" for name in ("observationId", *OBSERVATIONS, band)), *(f"f.{name}" for name in FLAGS)])
+            p_bright = _p_bright(base)
             rows = base.execute(f"SELECT {selected} FROM observations o LEFT JOIN streak_flags f ON o.observationId = f.exposure_id").fetchall()
     except sqlite3.Error as error:
         raise ValueError(f"{path}: {error}") from error
-    names = (*OBSERVATIONS, "band", *FLAGS)
+    names = ("observationId", *OBSERVATIONS, "band", *FLAGS)
     columns = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
+    visits = columns.pop("observationId")
+    columns["p_bright"] = [None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits]
     texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
     numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
     finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])

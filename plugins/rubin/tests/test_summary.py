@@ -18,6 +18,8 @@ VISITS = [
     (61_780.2, 10.0, -30.0, 30.0, 5.0, "r", "clear", 0, 0.0, 0.0),
     (61_780.3, 80.0, -60.0, 30.0, -13.0, "z", "invalid", None, None, None),
 ]
+#: Streaks: visit, probability of being bright.
+STREAKS = [(1, 0.9), (2, 0.5), (2, 0.2), (5, 0.0)]
 
 
 @pytest.fixture
@@ -35,6 +37,8 @@ def annotated(tmp_path):
         for number, visit in enumerate(VISITS):
             base.execute("INSERT INTO observations VALUES (?, ?, ?, ?, ?, ?, ?)", (number, *visit[:6]))
             base.execute("INSERT INTO streak_flags VALUES (?, ?, ?, ?, ?)", (number, *visit[6:]))
+        base.execute("CREATE TABLE streaks (exposure_id INTEGER, p_bright REAL)")
+        base.executemany("INSERT INTO streaks VALUES (?, ?)", STREAKS)
     return path
 
 
@@ -45,6 +49,7 @@ def test_bins_have_the_means_and_sums_of_their_visits(annotated):
     assert rows["visits"].tolist() == [4, 1, 1, 1] and rows["unknown_visits"].tolist() == [1, 0, 0, 1]
     assert rows["sun_min_deg"].tolist() == [-90.0, -15.0, -90.0, -15.0]
     np.testing.assert_allclose(rows["streaked_fraction"], [2 / 3, 0.0, 1.0, np.nan])
+    np.testing.assert_allclose(rows["bright_fraction"], [(0.9 + 1 - 0.5 * 0.8) / 3, 0.0, 0.0, np.nan])
     np.testing.assert_allclose(rows["avoid_fraction"], [1 / 3, 0.0, 0.0, np.nan])
     np.testing.assert_allclose(rows["streak_cost_s"], [1.5, 0.0, 0.3, np.nan])
     np.testing.assert_allclose(rows["streak_cost_fraction"], [4.5 / 75, 0.0, 0.01, np.nan])
@@ -57,6 +62,7 @@ def test_maps_count_the_visits_whose_field_has_the_pixel(annotated):
     inside = healpy.query_disc(32, healpy.ang2vec(10.0, -30.0, lonlat=True), np.radians(1.75))
     assert set(np.flatnonzero(maps["visits"] == 5)) == set(inside)
     np.testing.assert_allclose(maps["streaked_fraction"][inside], 0.6)
+    np.testing.assert_allclose(maps["bright_fraction"][inside], 1.5 / 5)
     np.testing.assert_allclose(maps["streak_cost_fraction"][inside], 4.8 / 135)
     assert np.isnan(maps["streak_cost_s"][maps["visits"] == 0]).all()
     assert maps["visits"].max() == 5 and len(maps["visits"]) == 12 * 32**2
@@ -75,6 +81,13 @@ def test_visits_without_a_start_and_empty_databases(annotated):
     with sqlite3.connect(annotated) as base:
         base.execute("DELETE FROM observations")
     assert survey_summary(annotated) == {} and survey_maps(annotated)["visits"].sum() == 0
+
+
+def test_without_streaks_the_share_of_bright_ones_is_unknown(annotated):
+    with sqlite3.connect(annotated) as base:
+        base.execute("ALTER TABLE streaks DROP COLUMN p_bright")
+    assert np.isnan(survey_summary(annotated)["bright_fraction"]).all()
+    assert np.isnan(survey_maps(annotated)["bright_fraction"]).all()
 
 
 def test_repeated_numbers_are_rejected(annotated):

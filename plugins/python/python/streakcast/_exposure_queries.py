@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import numpy.typing as npt
 
-from ._results import UNJUDGED, VERDICTS, Assessment, ClearWindows
+from ._results import FIRST_UNJUDGED, VERDICTS, Assessment, ClearWindows
 from ._quantities import aligned, count, directions, number, scalar
 from ._setup import absolute
 from ._site_queries import SiteQueries
@@ -96,7 +96,7 @@ class ExposureQueries(SiteQueries):
         result, messages = engine.judge(exposures, bands, keeps_invalid)
         self._warn_once(sky_cache, messages)
         columns: dict[str, Any] = {**result, "verdict": VERDICTS[result["verdict"]]}
-        columns["n_streaks"] = _masked(result["n_streaks"], np.isin(columns["verdict"], UNJUDGED))
+        columns["n_streaks"] = _masked(result["n_streaks"], result["verdict"] >= FIRST_UNJUDGED)
         columns["crosses"] = columns["n_streaks"] > 0
         return columns
 

@@ -11,9 +11,10 @@ from .typing import BoolOrArray, FloatArray, FloatOrArray, Table, TextOrArray, T
 #: Verdicts in the order of their codes.
 VERDICTS = np.array(["clear", "streaked", "avoid", "invalid", "unknown"])
 
-
-#: Verdicts of exposures that cannot be judged: there is no number of streaks.
+#: Verdicts of exposures that cannot be judged, the last ones: there is no number of streaks.
 UNJUDGED = ("invalid", "unknown")
+#: Code of the first of them.
+FIRST_UNJUDGED = len(VERDICTS) - len(UNJUDGED)
 
 
 class Site(NamedTuple):

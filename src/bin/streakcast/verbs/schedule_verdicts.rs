@@ -45,10 +45,10 @@ pub struct PreparedSchedule {
 }
 
 /// Rows of a schedule with the same satellites.
-struct Part {
-    rows: Vec<Range<usize>>,
+pub struct Part {
+    pub rows: Vec<Range<usize>>,
     /// First shutter opening and last closing.
-    span: (Epoch, Epoch),
+    pub span: (Epoch, Epoch),
 }
 
 /// Judges rows of a schedule in any order, and passes the verdicts on in the order of the schedule.
@@ -249,7 +249,7 @@ impl PreparedSchedule {
 
 /// Divides the rows of a schedule from `first` to `last` into parts with the same satellites. The inputs are returned
 /// if there are constellations that grow.
-fn parts(
+pub fn parts(
     config: &Config,
     schedule: &Schedule,
     (first, last): (Epoch, Epoch),
@@ -293,7 +293,7 @@ fn parts(
 
 /// States the simulated constellations of each period, if there are several; `sky` is that of the first of `starts`,
 /// the first shutter openings of the periods.
-fn state_periods(
+pub fn state_periods(
     provenance: &mut Provenance,
     inputs: &LoadedInputs,
     sky: &PreparedSky,

@@ -1,25 +1,25 @@
 //! Start of the server: reads the inputs, judges the schedule, and opens the port.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, RwLock};
+use std::sync::{Arc, Mutex, RwLock};
 
 use anyhow::anyhow;
 use hifitime::{Epoch, TimeScale};
 use serde_json::json;
-use streakcast::config::{Config, ObservationPlan, state_scales};
+use streakcast::config::{Config, ObservationPlan, PreparedSky, state_scales};
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::photometry::Band;
-use streakcast::schedule::{FlagTotals, MagnitudeLimit, Schedule, ScheduledExposure};
+use streakcast::schedule::{FlagTotals, MagnitudeLimit, Schedule, ScheduledExposure, Verdict, evening_mjd};
 
 use super::arguments::ServeArguments;
 use super::filter::{RateLimiter, RequestFilter, Token};
 use super::reload::Reload;
 use super::router::{App, router};
 use super::server;
-use super::state::{Caveats, ServerState, nights_of};
+use super::state::{Caveats, GrowingSkies, ServerState, Skies, nights_of};
 use super::workers::{ResponseCache, WorkerPool};
 use crate::clock;
 use crate::failure::Outcome;
@@ -28,7 +28,7 @@ use crate::local_time::LocalTime;
 use crate::notices::Notices;
 use crate::required::Required;
 use crate::start::begin;
-use crate::verbs::schedule_verdicts::{self, RowJudge};
+use crate::verbs::schedule_verdicts::{self, Part, RowJudge};
 
 /// Largest number of exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
@@ -85,7 +85,8 @@ fn load(
         }
         None => (started, started),
     };
-    let prepared = config.prepare(first, last)?;
+    let (parts, skies) = skies_of(config, schedule.map(|(_, schedule)| schedule), (first, last))?;
+    let prepared = skies.first();
     let site = match prepared.sky.viewpoint() {
         Viewpoint::Site(observer) => observer.site().clone(),
         Viewpoint::Orbit(observer) => {
@@ -95,25 +96,45 @@ fn load(
             ));
         }
     };
-    notices.warn(&prepared.warnings);
     let mut flags = Vec::new();
+    let (mut warnings, mut without_position) = (Vec::<String>::new(), Vec::<String>::new());
     let totals = match schedule {
         Some((_, schedule)) => {
             let mut judge = RowJudge::new(schedule, plan, notices);
-            let all = 0..schedule.exposures.len();
-            judge.judge(&prepared, all, &mut |_, _, verdicts| flags.extend_from_slice(verdicts), &mut |_, _| Ok(()))?;
-            let totals = judge.finish();
-            notices.warn_left_out(&prepared, totals.left_out(), first)?;
-            notices.warn(&totals.warnings());
-            totals
+            for (part, sky) in &parts {
+                let mut left_out = Vec::new();
+                let mut keep = |_: &[ScheduledExposure], verdicts: &[Verdict]| {
+                    flags.extend_from_slice(verdicts);
+                    Ok(())
+                };
+                for rows in &part.rows {
+                    left_out.append(&mut judge.judge(sky, rows.clone(), &mut |_, _, _| {}, &mut keep)?);
+                }
+                left_out.sort_by_key(|one| one.element_index);
+                left_out.dedup_by_key(|one| one.element_index);
+                warnings.extend(sky.warnings.iter().cloned());
+                without_position.extend(sky.left_out_warning(&left_out, part.span.0)?);
+            }
+            judge.finish()
         }
-        None => FlagTotals::default(),
+        None => {
+            warnings.extend(prepared.warnings.iter().cloned());
+            FlagTotals::default()
+        }
     };
-    let left_out = prepared.left_out_warning(totals.left_out(), first)?;
-    let mut warnings: Vec<String> = prepared.warnings.iter().cloned().chain(left_out).collect();
+    let mut told = BTreeSet::new();
+    warnings.retain(|warning| told.insert(warning.clone()));
+    notices.warn(&warnings);
+    notices.list_left_out(without_position.iter().cloned(), totals.left_out());
+    notices.warn(&totals.warnings());
+    warnings.extend(without_position);
     let mut provenance = without_lists(&prepared.provenance);
     let scale = schedule.map_or(TimeScale::UTC, |(_, schedule)| schedule.time_scale);
     state_scales(&mut provenance, &scale.to_string().to_ascii_lowercase(), &plan.photometry);
+    if let Skies::Growing(growing) = &skies {
+        let starts = parts.iter().map(|(part, _)| part.span.0);
+        schedule_verdicts::state_periods(&mut provenance, &growing.inputs, &prepared, starts)?;
+    }
     if let Some((path, schedule)) = schedule {
         let of_schedule = schedule.warnings(&plan.policy);
         notices.warn(&of_schedule);
@@ -143,13 +164,48 @@ fn load(
         local_time,
         flags,
         config: config.clone(),
-        prepared,
+        skies,
         site,
         plan: plan.clone(),
         exposures,
         started,
         provenance,
     })
+}
+
+/// Parts of a schedule with the same satellites, each with its sky.
+type SkiesOfParts = Vec<(Part, Arc<PreparedSky>)>;
+
+/// Returns the parts of a schedule with their skies, and the skies of the server.
+fn skies_of(
+    config: &Config,
+    schedule: Option<&Schedule>,
+    (first, last): (Epoch, Epoch),
+) -> anyhow::Result<(SkiesOfParts, Skies)> {
+    let deployment = config.deployment()?;
+    let parts = schedule.map(|schedule| schedule_verdicts::parts(config, schedule, (first, last))).transpose()?;
+    let (parts, inputs) = parts.unwrap_or_default();
+    if deployment.periods().next().is_none() {
+        let sky = Arc::new(config.prepare(first, last)?);
+        return Ok((parts.into_iter().map(|part| (part, Arc::clone(&sky))).collect(), Skies::One(sky)));
+    }
+    let inputs = inputs.map_or_else(|| config.load(), Ok)?;
+    let longitude_rad = config.viewpoint_longitude_rad(Some(first))?;
+    let period = |epoch| deployment.periods_begun(evening_mjd(epoch, longitude_rad));
+    let mut of_schedule = BTreeMap::new();
+    let mut with_skies = Vec::new();
+    for part in parts {
+        let sky = Arc::new(inputs.prepare(part.span.0, part.span.1)?);
+        of_schedule.insert(period(part.span.0), Arc::clone(&sky));
+        with_skies.push((part, sky));
+    }
+    let first_sky = match with_skies.first() {
+        Some((_, sky)) => Arc::clone(sky),
+        None => Arc::new(inputs.prepare(first, last)?),
+    };
+    of_schedule.entry(period(first)).or_insert_with(|| Arc::clone(&first_sky));
+    let growing = GrowingSkies { deployment, inputs, first: first_sky, of_schedule, last: Mutex::default() };
+    Ok((with_skies, Skies::Growing(Box::new(growing))))
 }
 
 /// Returns the bands that an exposure may have: those of magnitudes, of the limits and of the schedule.

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use hifitime::Epoch;
 use streakcast::Watch;
-use streakcast::config::{Config, ObservationPlan, PreparedSky};
+use streakcast::config::{Config, ConfigError, LoadedInputs, ObservationPlan, PreparedSky};
+use streakcast::elements::Deployment;
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
 use streakcast::output::Provenance;
@@ -26,10 +27,13 @@ pub const LIMIT_MAG: Parameter = optional(
     "Limiting magnitude of the policy; default: that of the server.",
 );
 
+/// Statements of the provenance that depend on the period of constellations that grow.
+const OF_SATELLITES: [&str; 3] = ["shells", "satellites", "models"];
+
 /// Schedule with its verdicts, satellites and site.
 pub struct ServerState {
     pub config: Config,
-    pub prepared: PreparedSky,
+    pub skies: Skies,
     /// Site of all responses except those of the SatChecker paths.
     pub site: Site,
     pub plan: ObservationPlan,
@@ -54,6 +58,61 @@ pub struct ServerState {
     pub local_time: Option<LocalTime>,
 }
 
+/// Satellites over the site: one sky for all times, or with constellations that grow one for each of their periods.
+pub enum Skies {
+    One(Arc<PreparedSky>),
+    Growing(Box<GrowingSkies>),
+}
+
+/// Skies of constellations that grow, by the number of periods that have begun.
+pub struct GrowingSkies {
+    pub deployment: Deployment,
+    pub inputs: LoadedInputs,
+    /// Sky of requests without a time: that of the first row of the schedule, or of the start of the server.
+    pub first: Arc<PreparedSky>,
+    /// Skies of the nights of the schedule, or of the night in which the server was started.
+    pub of_schedule: BTreeMap<usize, Arc<PreparedSky>>,
+    /// The last sky of another period.
+    pub last: Mutex<Option<OtherSky>>,
+}
+
+/// Sky of a period without a night of the schedule. Its satellites are those of the UTC day of the request, so that the
+/// same request has the same response.
+pub struct OtherSky {
+    period: usize,
+    day_mjd: i64,
+    sky: Arc<PreparedSky>,
+}
+
+impl Skies {
+    /// Returns the sky of requests without a time.
+    pub fn first(&self) -> Arc<PreparedSky> {
+        match self {
+            Self::One(sky) => Arc::clone(sky),
+            Self::Growing(skies) => Arc::clone(&skies.first),
+        }
+    }
+}
+
+impl GrowingSkies {
+    fn at(&self, epoch: Epoch, evening_mjd: i64) -> Result<Arc<PreparedSky>, ConfigError> {
+        let period = self.deployment.periods_begun(evening_mjd);
+        if let Some(sky) = self.of_schedule.get(&period) {
+            return Ok(Arc::clone(sky));
+        }
+        let day_mjd = epoch.to_mjd_utc_days().floor() as i64;
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        match last.as_ref() {
+            Some(other) if (other.period, other.day_mjd) == (period, day_mjd) => Ok(Arc::clone(&other.sky)),
+            _ => {
+                let sky = Arc::new(self.inputs.prepare(epoch, epoch)?);
+                *last = Some(OtherSky { period, day_mjd, sky: Arc::clone(&sky) });
+                Ok(sky)
+            }
+        }
+    }
+}
+
 /// Warnings about a response, and number of satellites whose position cannot be computed.
 pub struct Caveats {
     /// Warnings, as on the command line.
@@ -65,6 +124,8 @@ pub struct Caveats {
 /// State of the server for one request. The queries of its sky stop when the client leaves or a time limit has passed.
 pub struct RequestState {
     shared: Arc<ServerState>,
+    watch: Watch,
+    prepared: Arc<PreparedSky>,
     sky: Sky,
 }
 
@@ -77,21 +138,55 @@ impl Deref for RequestState {
 }
 
 impl RequestState {
+    /// Creates the state with the sky of the first night.
     pub fn new(shared: Arc<ServerState>, watch: &Watch) -> Self {
-        Self { sky: shared.prepared.sky.watched(watch), shared }
+        Self::with_sky(shared.skies.first(), shared, watch)
+    }
+
+    fn with_sky(prepared: Arc<PreparedSky>, shared: Arc<ServerState>, watch: &Watch) -> Self {
+        Self { sky: prepared.sky.watched(watch), prepared, shared, watch: watch.clone() }
+    }
+
+    /// Returns the state with the satellites of the night at a time.
+    ///
+    /// # Errors
+    /// The night is before the first period of constellations that grow.
+    pub fn at(&self, epoch: Epoch) -> Result<Self, Problem> {
+        let prepared = match &self.skies {
+            Skies::One(sky) => Ok(Arc::clone(sky)),
+            Skies::Growing(skies) => skies.at(epoch, evening_mjd(epoch, self.site.longitude_rad)),
+        };
+        let prepared = prepared.map_err(|error| Problem::new(400, error.to_string()))?;
+        Ok(Self::with_sky(prepared, Arc::clone(&self.shared), &self.watch))
+    }
+
+    /// Returns the number of periods of constellations that have begun in the night at a time; 0 if none grow.
+    pub fn period(&self, epoch: Epoch) -> usize {
+        match &self.skies {
+            Skies::One(_) => 0,
+            Skies::Growing(skies) => skies.deployment.periods_begun(evening_mjd(epoch, self.site.longitude_rad)),
+        }
     }
 
     pub fn sky(&self) -> &Sky {
         &self.sky
     }
 
-    /// Returns a request for verdicts with this policy.
-    pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
-        FlagRequest { policy, ..self.plan.request(self.sky()) }
+    pub fn prepared(&self) -> &PreparedSky {
+        &self.prepared
     }
-}
 
-impl ServerState {
+    /// Returns the provenance of a response with the satellites of this state.
+    pub fn provenance(&self) -> Provenance {
+        let mut provenance = self.shared.provenance.clone();
+        if let Skies::Growing(_) = &self.skies {
+            for (name, value) in self.prepared.provenance.entries().filter(|(name, _)| OF_SATELLITES.contains(name)) {
+                provenance.state(name, value.clone());
+            }
+        }
+        provenance
+    }
+
     /// Returns the caveats of a response for times from `first` to `last`; `left_out` are the satellites whose position
     /// cannot be computed.
     ///
@@ -113,6 +208,13 @@ impl ServerState {
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
+    /// Returns a request for verdicts with this policy.
+    pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
+        FlagRequest { policy, ..self.plan.request(self.sky()) }
+    }
+}
+
+impl ServerState {
     /// Returns local time minus UTC at a time, hours; by default the longitude of the site (15° per hour), rounded to
     /// whole hours.
     pub fn utc_offset_h(&self, epoch: Epoch) -> f64 {

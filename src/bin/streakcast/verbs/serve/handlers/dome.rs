@@ -39,6 +39,7 @@ const TRACK_POINTS: usize = 5;
 
 pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
+    let state = &state.at(start)?;
     let duration_s = query.number("duration_s").unwrap_or_default();
     let height_km = query.number("height_km").unwrap_or(DEFAULT_HEIGHT_KM);
     let name = query.text("model").unwrap_or(DEFAULT_MODEL);
@@ -79,7 +80,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let satellites: Vec<Value> = tracks.iter().map(|track| satellite(state, track)).collect();
 
     let (sun_altitude_deg, sun_azimuth_deg) = degrees(&sun);
-    let mut document = Document::with_provenance(&state.provenance);
+    let mut document = Document::with_provenance(&state.provenance());
     document.caveats(&caveats);
     document.value(
         "sun",

@@ -59,6 +59,7 @@ const ID: &str = "1";
 
 pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
+    let state = &state.at(start)?;
     let rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
     let exposure = Exposure {
         id: ID.to_owned(),
@@ -118,7 +119,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         columns: AROUND.to_vec(),
         rows: before_and_after.iter().map(|pass| around_row(&request, pass, &row, &exposure, limit_mag)).collect(),
     };
-    let mut document = Document::with_provenance(&state.provenance);
+    let mut document = Document::with_provenance(&state.provenance());
     document.caveats(&caveats);
     document.table("exposures", &exposure_table([&exposure]));
     document.table("flags", &flag_table(&report.flags));

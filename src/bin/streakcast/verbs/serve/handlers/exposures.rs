@@ -1,14 +1,16 @@
 //! `/api/v1/exposures`: returns the verdicts of many exposures in one response, as `flag`.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde_json::Value;
 use streakcast::frames::{Direction, seconds_after};
 use streakcast::passes::Exposure;
-use streakcast::schedule::{FlagTotals, ScheduledExposure, exposure_table, flag_exposures, flag_table};
+use streakcast::schedule::{FlagTotals, ScheduledExposure, Verdict, exposure_table, flag_exposures, flag_table};
 
 use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, moment, number, optional, required};
-use super::super::state::{LIMIT_MAG, RequestState};
+use super::super::state::{Caveats, LIMIT_MAG, RequestState};
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
 };
@@ -44,21 +46,38 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let rows = given.iter().enumerate().map(|(row, text)| scheduled(state, row, text, default_rotation_deg));
     let rows = rows.collect::<Result<Vec<ScheduledExposure>, _>>()?;
     let policy = state.policy(query);
-    let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &state.request(&policy));
-    let report = report.map_err(|error| of_sky(&error))?;
-    let exposures: Vec<&Exposure> = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).collect();
-    let first = exposures.iter().map(|exposure| exposure.start).min().unwrap_or(state.started);
-    let last =
-        exposures.iter().map(|exposure| seconds_after(exposure.start, exposure.duration_s)).max().unwrap_or(first);
-    let mut caveats = state.caveats_of_verdict(first, last, &report.left_out)?;
+    // Nights of different periods of constellations that grow have different satellites.
+    let mut periods: BTreeMap<usize, Vec<(&ScheduledExposure, &Exposure)>> = BTreeMap::new();
+    for row in &rows {
+        if let Ok(exposure) = &row.exposure {
+            periods.entry(state.period(exposure.start)).or_default().push((row, exposure));
+        }
+    }
     let mut totals = FlagTotals::default();
-    totals.add(&report);
-    caveats.warnings.extend(totals.lower_limit_warning());
-    let mut document = Document::with_provenance(&state.provenance);
-    document.caveats(&caveats);
-    document.table("exposures", &exposure_table(exposures));
-    document.table("flags", &flag_table(&report.flags));
-    document.table("left_out", &left_out_table(&report.left_out));
+    let mut flags: BTreeMap<usize, Verdict> = BTreeMap::new();
+    let (mut left_out, mut warnings, mut provenance) = (Vec::new(), Vec::new(), None);
+    for part in periods.values() {
+        let starts = part.iter().map(|(_, exposure)| exposure.start);
+        let first = starts.min().unwrap_or(state.started);
+        let ends = part.iter().map(|(_, exposure)| seconds_after(exposure.start, exposure.duration_s));
+        let last = ends.max().unwrap_or(first);
+        let state = state.at(first)?;
+        let given: Vec<&ScheduledExposure> = part.iter().map(|(row, _)| *row).collect();
+        let report = flag_exposures(&given, &state.request(&policy)).map_err(|error| of_sky(&error))?;
+        warnings.extend(state.caveats_of_verdict(first, last, &report.left_out)?.warnings);
+        totals.add(&report);
+        left_out.extend(report.left_out);
+        flags.extend(given.iter().map(|row| row.row).zip(report.flags));
+        provenance.get_or_insert_with(|| state.provenance());
+    }
+    let mut told = BTreeSet::new();
+    warnings.retain(|warning| told.insert(warning.clone()));
+    warnings.extend(totals.lower_limit_warning());
+    let mut document = Document::with_provenance(&provenance.unwrap_or_else(|| state.provenance()));
+    document.caveats(&Caveats { warnings, left_out_count: left_out.len() });
+    document.table("exposures", &exposure_table(rows.iter().filter_map(|row| row.exposure.as_ref().ok())));
+    document.table("flags", &flag_table(&flags.into_values().collect::<Vec<_>>()));
+    document.table("left_out", &left_out_table(&left_out));
     Ok(document.into_json())
 }
 

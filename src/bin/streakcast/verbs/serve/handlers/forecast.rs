@@ -61,6 +61,7 @@ fn compute(state: &RequestState, mean_night: String, max_mag: Option<f64>, sampl
     wanted.range.night = Some(mean_night.clone());
     let invalid = |error: String| Problem::new(400, error);
     let (request, selection) = wanted.resolve(&state.config, 0).map_err(|error| invalid(error.to_string()))?;
+    let state = &state.at(request.start)?;
     let of = |request: &ForecastRequest, selection: &Selection| {
         forecast(state.sky(), request, selection).map_err(|error| invalid(error.to_string()))
     };
@@ -82,13 +83,13 @@ fn compute(state: &RequestState, mean_night: String, max_mag: Option<f64>, sampl
     let mut caveats = state.caveats_at(request.start, request.end, &found.found.left_out)?;
     caveats.warnings.extend(found.prior_warning(state.sky(), request.max_magnitude));
     caveats.warnings.extend(found.fitted_range_warning());
-    caveats.warnings.extend(state.prepared.unknown_part_warning(request.start, request.end));
+    caveats.warnings.extend(state.prepared().unknown_part_warning(request.start, request.end));
 
     let columns = PassColumns { p_brighter: true, more: true, samples: samples > 0 };
     let rows = || found.rows(state.sky());
     let why_empty = found.why_empty(state.sky(), &request);
     let utc_offset_s = |epoch| state.utc_offset_h(epoch) * 3600.0;
-    let mut document = Document::with_provenance(&state.provenance);
+    let mut document = Document::with_provenance(&state.provenance());
     document.caveats(&caveats);
     document.value("date", civil_date(&mean_night, &state.site, state.local_time.as_ref()));
     let middle = seconds_after(request.start, 0.5 * seconds_between(request.start, request.end));

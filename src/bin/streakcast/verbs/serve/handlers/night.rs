@@ -49,6 +49,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
             .map_err(|error| Problem::new(400, error.to_string()))?,
         site.longitude_rad,
     );
+    let state = &state.at(from)?;
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
     let sun_row = |step: usize| -> Result<Vec<Cell>, SkyError> {
         let epoch = seconds_after(from, SUN_EVERY_S * step as f64);
@@ -92,7 +93,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         ]],
     };
     let photometry = &state.plan.photometry;
-    let mut document = Document::with_provenance(&state.provenance);
+    let mut document = Document::with_provenance(&state.provenance());
     document.caveats(caveats);
     document.value("night", date(night));
     document.table("nights", &nights);

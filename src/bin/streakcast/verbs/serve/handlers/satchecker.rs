@@ -86,8 +86,9 @@ const MAX_POSITIONS: f64 = 20_000.0;
 const MAX_SAMPLES: usize = 601;
 
 pub fn passes(state: &RequestState, query: &Query) -> Result<String, Problem> {
-    let sky = sky(state, query)?;
     let exposure = exposure(query)?;
+    let state = &state.at(exposure.start)?;
+    let sky = sky(state, query)?;
     let radius_rad = query.number("fov_radius").unwrap_or_default().to_radians();
     let field = Field::circle(2.0 * radius_rad).map_err(|error| Problem::new(400, error.to_string()))?;
     let passes_of = |samples: usize| {
@@ -217,8 +218,9 @@ fn by_time(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool)
 }
 
 pub fn above(state: &RequestState, query: &Query) -> Result<String, Problem> {
-    let sky = sky(state, query)?;
     let at = moment(query.number("julian_date").unwrap_or_default())?;
+    let state = &state.at(at)?;
+    let sky = sky(state, query)?;
     let options = SnapshotOptions {
         min_altitude_rad: query.number("min_altitude").unwrap_or_default().to_radians(),
         include_dark: !query.truth("illuminated_only").unwrap_or(false),
