@@ -155,7 +155,9 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         row_of_several(&set.name, &of_set, format!("{}: {}", set.source, set.constellations.join(", ")))
     };
     let row_of_period = |period: &DeploymentPeriod| {
-        let share = |one: &Constellation| format!("{} {:.0} %", one.name, 100.0 * one.deployed_fraction);
+        // Without the digits of rounding.
+        let percent = |fraction: f64| (1e6 * fraction).round() / 1e4;
+        let share = |one: &Constellation| format!("{} {} %", one.name, percent(one.deployed_fraction));
         let shares: Vec<String> = period.constellations.iter().map(share).collect();
         let of_period: Vec<_> = period.constellations.iter().collect();
         row_of_several(&format!("from {}", period.from), &of_period, shares.join(", "))
