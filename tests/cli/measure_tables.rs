@@ -101,7 +101,8 @@ fn verif_fluxes_of_tables_are_within_their_errors() {
         let mut off: Vec<f64> = Vec::new();
         for (row, name) in streaks.iter().enumerate().filter(|(row, _)| !fitted[0][*row].is_empty()) {
             let place = names.iter().position(|found| found == name).unwrap();
-            let apart = |axis: usize| fitted[axis][row].parse::<f64>().unwrap() - given[axis][place].parse::<f64>().unwrap();
+            let apart =
+                |axis: usize| fitted[axis][row].parse::<f64>().unwrap() - given[axis][place].parse::<f64>().unwrap();
             off.extend([apart(0).hypot(apart(1)), apart(2).hypot(apart(3))]);
         }
         off.sort_by(f64::total_cmp);
