@@ -33,6 +33,7 @@ if [ "${1:-}" = --images ]; then
     "$python" docs/lateness.py docs/tables/lateness.md docs/images/lateness.svg
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
     "$python" docs/completeness.py docs/tables/completeness.md docs/images/completeness.svg
+    "$python" docs/position_angles.py docs/tables/position-angles.md docs/images/position-angles.svg
     # 256 colours keep the files small.
     "$target/venv-docs/bin/python" -c 'import sys; from PIL import Image
 for name in ("field", "serve"):

@@ -99,7 +99,8 @@ pub enum ConfigError {
     UnknownSite(String),
     /// The file has no element set of the telescope in orbit.
     #[error(
-        "--observer-norad {id} is not among the {count} objects of the elements; allowed: the NORAD number of one of them"
+        "--observer-norad {id} is not among the {count} objects of the elements; allowed: the NORAD number of one of them (for \
+         objects with only a COSPAR designator, one that has this designator in --elements)"
     )]
     NoObserver {
         /// NORAD catalogue number of the telescope.

@@ -228,7 +228,7 @@ impl MaskConfig {
             remarks.extend(frame.images.summary().map(|summary| format!("{shown}: {summary}")));
             warnings.extend(mask_warnings(&shown, &frame, &mask, &options));
             warnings.extend(
-                prepared.sky.predictability(frame.opened).reason().map(|reason| {
+                prepared.sky.predictability(frame.opened, None).reason().map(|reason| {
                     format!("{shown}: {reason}: the mask is incomplete; specify element sets of that time")
                 }),
             );

@@ -8,6 +8,7 @@
 
 mod coordinates;
 mod document;
+mod doubtful_site;
 mod ephemeris;
 mod error;
 mod forecast;
@@ -39,6 +40,7 @@ pub use coordinates::{parse_coordinates, parse_height_m, parse_latitude_deg, par
 #[cfg(feature = "cli")]
 pub use document::norad_id;
 pub use document::{Config, ExposureConfig, HomeConfig, LightConfig, Question, RulesConfig, RunConfig, SiteConfig};
+pub use doubtful_site::doubtful_site;
 pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, parse_night, time_range};

@@ -8,18 +8,19 @@ use hifitime::Epoch;
 use serde_json::json;
 
 use super::document::Config;
+use super::doubtful_site::doubtful_site;
 use super::error::ConfigError;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
 use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile, sha256_hex};
 use crate::frames::{EopTable, seconds_after, seconds_between};
-use crate::geometry::Site;
+use crate::geometry::{Observer, Site};
 use crate::input;
 use crate::math::quantile::median;
 use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
 use crate::output::{Provenance, format_utc};
-use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint, read_measured};
+use crate::passes::{Exposure, Field, OrbitingObserver, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
 use crate::schedule::{evening_mjd, lowest_altitude_rad};
 use crate::watch::Watch;
@@ -132,6 +133,9 @@ impl LoadedInputs {
             let names: Vec<&str> = constellations.iter().map(|constellation| constellation.name.as_str()).collect();
             of_files.push(warnings::of_simulated(&names, elements.len() - from_files));
         }
+        if elements.is_empty() {
+            of_files.push(warnings::of_empty_period(evening));
+        }
         provenance.state("satellites", elements.len());
         provenance.state("earth_orientation", self.eop.describe());
         match &viewpoint {
@@ -153,6 +157,13 @@ impl LoadedInputs {
             Sky::with_models_and_others(elements, (others, middle), self.drag, viewpoint, eop.clone(), &self.choice)
                 .with_shadow(self.shadow)
                 .with_ephemerides(ephemerides.to_vec());
+        let (sky, own) = sky.recognising_observer(first, last);
+        let own_names = names(own.by_orbit.iter().copied(), sky.elements());
+        let other = own.other_orbit.map(|(index, km)| (names([index].into_iter(), sky.elements()).concat(), km));
+        of_files.extend(warnings::of_own_satellites(&sky.viewpoint().name(), &own_names, other));
+        if !own_names.is_empty() {
+            provenance.state("observer_by_orbit", own_names);
+        }
         if has_others {
             provenance.state("mean_motion", mean_motion_json(&sky, from_files, middle));
         }
@@ -230,6 +241,8 @@ impl PreparedSky {
         let evenings = evenings.map(|epoch| evening_mjd(epoch, longitude_rad(self.sky.viewpoint())));
         warnings.extend(warnings::of_growth(*evening, evenings, begins));
         warnings.extend(warnings::of_orientation(&self.eop, first, last));
+        let site = self.sky.viewpoint().site().map(Observer::site);
+        warnings.extend(site.and_then(doubtful_site).map(|(finding, remedy)| format!("site: {finding}; {remedy}")));
         if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {
             warnings.extend(warnings::of_observer(observer, first, last));
             let contradictory = observer.has_contradictory_ephemerides().then(|| observer.name());
@@ -276,13 +289,13 @@ impl PreparedSky {
         Ok(Some(warnings::of_left_out(left_out, unknown, satellites)))
     }
 
-    /// Rejects a request for times from `first` to `last` if the positions of the satellites are unknown at its start,
-    /// middle and end.
+    /// Rejects a request for times from `first` to `last` if the positions of the satellites, or that of a telescope in
+    /// orbit for the crossings of a field, are unknown at its start, middle and end.
     ///
     /// # Errors
     /// The elements are too old.
-    pub fn check_known(&self, first: Epoch, last: Epoch) -> Result<(), ConfigError> {
-        let reasons = [first, middle_of(first, last), last].map(|epoch| self.sky.predictability(epoch).reason());
+    pub fn check_known(&self, first: Epoch, last: Epoch, field: Option<&Field>) -> Result<(), ConfigError> {
+        let reasons = [first, middle_of(first, last), last].map(|epoch| self.sky.predictability(epoch, field).reason());
         match reasons {
             [Some(reason), Some(_), Some(_)] => Err(ConfigError::UnknownPositions { reason }),
             _ => Ok(()),
@@ -296,7 +309,7 @@ impl PreparedSky {
         let steps = (seconds_between(first, last) / UNKNOWN_STEP_S).ceil() as usize;
         let epochs = (0..steps).map(|step| seconds_after(first, step as f64 * UNKNOWN_STEP_S)).chain([last]);
         let tested: Vec<(Epoch, Option<String>)> =
-            epochs.map(|epoch| (epoch, self.sky.predictability(epoch).reason())).collect();
+            epochs.map(|epoch| (epoch, self.sky.predictability(epoch, None).reason())).collect();
         let (begin, reason) = tested.iter().enumerate().find_map(|(i, (_, reason))| Some((i, reason.as_ref()?)))?;
         let end = tested.iter().rposition(|(_, reason)| reason.is_some())?;
         let time = |index: usize| format_utc(tested[index].0, 0);

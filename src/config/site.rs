@@ -1,5 +1,7 @@
 //! Observer of a configuration: a site by name, code or coordinates, or a telescope in orbit.
 
+use std::sync::Arc;
+
 use hifitime::Epoch;
 
 use super::document::{Config, SiteConfig};
@@ -170,6 +172,21 @@ impl Config {
         Ok((config, Some(format!("site {} ({what}) from the header", site.name))))
     }
 
+    /// Returns the designator of a wanted number in the element sets of the satellites, if it is among several objects
+    /// known only by their designators.
+    fn designator_in_elements(
+        &self,
+        wanted: Option<NoradId>,
+        alone: &[&EphemerisObject],
+        moment: Epoch,
+    ) -> Result<Option<Arc<str>>, ConfigError> {
+        let is_designator = |object: &&&EphemerisObject| matches!(object, EphemerisObject::Designator(_));
+        let (Some(wanted), 2..) = (wanted, alone.iter().filter(is_designator).count()) else { return Ok(None) };
+        let sets = self.catalogue(moment)?.map(|catalogue| catalogue.element_sets).unwrap_or_default();
+        let set = sets.into_iter().find(|set| set.norad_id == wanted);
+        Ok(set.map(|set| set.international_designator))
+    }
+
     /// Returns the telescope in orbit, with its ephemerides if there are any, or else with the element set that is
     /// closest to `moment`.
     fn observer(&self, moment: Epoch, eop: &EopTable, limb: EarthLimb) -> Result<OrbitingObserver, ConfigError> {
@@ -194,6 +211,7 @@ impl Config {
         alone.dedup();
         let count = element_sets.len() + alone.len();
         let wanted = self.observer_norad.map(NoradId);
+        let designator = self.designator_in_elements(wanted, &alone, moment)?;
         let is_wanted = |norad_id: NoradId| wanted.is_none_or(|wanted| norad_id == wanted);
         if wanted.is_none() && count > 1 {
             let first = element_sets.first().map_or_else(|| alone[0].to_string(), |set| set.norad_id.to_string());
@@ -204,7 +222,7 @@ impl Config {
             _ if set.as_ref().is_some_and(|set| ephemeris.is_of(set)) => true,
             EphemerisObject::Norad(norad_id) => is_wanted(*norad_id),
             // If the file has only this object, the given number is taken as that of the designator.
-            EphemerisObject::Designator(_) => count == 1,
+            EphemerisObject::Designator(own) => designator.as_ref().map_or(count == 1, |wanted| wanted == own),
         });
         if let Some(observer) = OrbitingObserver::from_ephemerides(&ephemerides, eop, limb) {
             return Ok(wanted.into_iter().fold(observer, OrbitingObserver::with_norad_id));

@@ -68,6 +68,36 @@ pub(super) fn of_simulated(names: &[&str], satellites: usize) -> String {
     )
 }
 
+/// Returns the warnings about satellites that are left out because they are the telescope in orbit by their orbits, and
+/// about an ephemeris of the telescope with the number of another satellite.
+pub(super) fn of_own_satellites(
+    observer: &str,
+    left_out: &[String],
+    other_orbit: Option<(String, f64)>,
+) -> Vec<String> {
+    let left_out = (!left_out.is_empty()).then(|| {
+        format!(
+            "{} left out, because it stays within 10 km of the observer {observer} and is taken as its part: {}",
+            counted(left_out.len(), "satellite is", "satellites are"),
+            first_of(left_out)
+        )
+    });
+    let wrong = other_orbit.map(|(name, km)| {
+        format!(
+            "the ephemeris of the observer {observer} is {km:.0} km from the element set of {name}: its OBJECT_ID may be wrong; this \
+             satellite is searched like others"
+        )
+    });
+    left_out.into_iter().chain(wrong).collect()
+}
+
+/// Returns the warning about constellations that grow, if none of their satellites is in orbit in the night of an
+/// evening (MJD), and there are no other satellites.
+pub(super) fn of_empty_period(evening: i64) -> String {
+    let night = day(Epoch::from_mjd_utc(evening as f64));
+    format!("there are no satellites: no simulated constellation has one in orbit in the night of {night}")
+}
+
 /// Returns a number of element sets with its noun.
 fn element_sets(count: usize) -> String {
     format!("{} {}", grouped(count), if count == 1 { "element set" } else { "element sets" })
@@ -231,20 +261,28 @@ pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch
         let intervals = || observer.ephemerides().iter().map(|ephemeris| ephemeris.interval());
         let begin = intervals().map(|(begin, _)| begin).min()?;
         let end = intervals().map(|(_, end)| end).max()?;
-        return (first < begin || last > end).then(|| {
-            format!(
-                "the ephemeris of the observer {} covers {} to {}: exposures outside are invalid",
-                observer.name(),
-                format_utc(begin, 0),
-                format_utc(end, 0)
-            )
+        let gap = observer.gap_in([first.max(begin), last.min(end)]);
+        if gap.is_none() && first >= begin && last <= end {
+            return None;
+        }
+        let name = observer.name();
+        let (from, to) = (format_utc(begin, 0), format_utc(end, 0));
+        return Some(match gap {
+            None => {
+                format!("the ephemeris of the observer {name} covers {from} to {to}: exposures outside are invalid")
+            }
+            Some(gap) => format!(
+                "the ephemeris of the observer {name} has states from {from} to {to}, with gaps: exposures in gaps and \
+                 outside are invalid (first {gap})"
+            ),
         });
     };
-    let age_days = days(epoch, last).max(days(first, epoch));
+    let farthest = if days(epoch, last) > days(first, epoch) { last } else { first };
+    let (age_days, error_km) = (days(epoch, farthest).abs(), observer.position_error_km(farthest)?);
     (age_days > OLD_OBSERVER_DAYS).then(|| {
         format!(
-            "the elements of the observer {} are {age_days:.1} days from the farthest exposure: its position and all crossings \
-             have errors of kilometres",
+            "the elements of the observer {} are {age_days:.1} days from the farthest exposure: 68 % of the positions are \
+             within {error_km:.0} km, and all crossings have this error",
             observer.name()
         )
     })

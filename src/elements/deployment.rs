@@ -223,6 +223,7 @@ mod tests {
         assert_eq!((before[0].satellites(), after[0].satellites()), (2 * 3 + 5, 8 * 3 + 4 * 5));
         // 18 + 16 + 16 of 36, 32 and 32 planes.
         assert_eq!(after[1].satellites(), 18 * 49 + 32 * 72);
+        assert_eq!(after[1].element_sets(Epoch::from_gregorian_utc_at_midnight(2026, 12, 31)).len(), 18 * 49 + 32 * 72);
         let epoch = Epoch::from_gregorian_utc_at_midnight(2026, 12, 31);
         let (few, all) = (before[0].element_sets(epoch), after[0].element_sets(epoch));
         assert_eq!(few.len(), 11);
@@ -274,6 +275,52 @@ mod tests {
         let files = ["one.toml", "two.toml"].map(|name| DeploymentFile::from_toml(period, name).unwrap());
         let message = Deployment::new(Vec::new(), files.to_vec()).unwrap_err().to_string();
         assert!(message.contains("in periods of one.toml and in periods of two.toml"), "{message}");
+    }
+
+    /// The totals that were reported for a rounding to whole planes of each shell, and others: 104 of 967 satellites of
+    /// ctc-1, none of 3 of telesat.
+    #[test]
+    fn small_fractions_have_the_right_number_of_satellites() {
+        let epoch = Epoch::from_gregorian_utc_at_midnight(2027, 1, 1);
+        for (name, fraction) in [
+            ("ctc-1", "0.01"),
+            ("ctc-1", "0.02"),
+            ("telesat", "0.01"),
+            ("guowang", "0.005"),
+            ("cmob", "0.01"),
+            ("starlink-gen1", "0.005"),
+            ("starlink-gen2", "0.337"),
+            ("oneweb", "0.0001"),
+            ("kuiper", "0"),
+        ] {
+            let text = format!("[[period]]\nfrom = 2027-01-01\nshells = {{ {name} = {fraction} }}");
+            let one = deployment(&text).unwrap().at(JANUARY_2027_MJD).unwrap().remove(0);
+            let all = Constellation::by_name(name).unwrap().satellites() as f64;
+            assert_eq!(one.satellites() as f64, (all * fraction.parse::<f64>().unwrap()).round(), "{name} {fraction}");
+            let sets = one.element_sets(epoch);
+            let numbers: std::collections::BTreeSet<_> = sets.iter().map(|set| set.norad_id).collect();
+            assert_eq!((sets.len(), numbers.len()), (one.satellites(), one.satellites()), "{name} {fraction}");
+        }
+        let period = "[[period]]\nfrom = 2027-01-01\nshells = { planned-2026 = 0.01 }";
+        let constellations = deployment(period).unwrap().at(JANUARY_2027_MJD).unwrap();
+        // 1 % of 1,822,393; each of 25 constellations is rounded.
+        let total: usize = constellations.iter().map(Constellation::satellites).sum();
+        assert!(total.abs_diff(18_224) <= 12, "{total}");
+    }
+
+    #[test]
+    fn an_incomplete_plane_is_evenly_filled() {
+        let text = "[[period]]\nfrom = 2027-01-01\nshells = { mine = 0.6 }\n\
+                    [[constellation]]\nname = 'mine'\nshell = [\
+                    { altitude_km = 600, inclination_deg = 53, planes = 4, satellites_per_plane = 4 }]";
+        let one = deployment(text).unwrap().at(JANUARY_2027_MJD).unwrap().remove(0);
+        let sets = one.element_sets(Epoch::from_gregorian_utc_at_midnight(2027, 1, 1));
+        let places: Vec<String> =
+            sets.iter().map(|set| set.name.split(' ').nth(1).unwrap_or_default().into()).collect();
+        // 0.6 of 16 are 10: planes 2, 3 and 4 with 4, 4 and 2.
+        let expected =
+            ["P02-01", "P02-02", "P02-03", "P02-04", "P03-01", "P03-02", "P03-03", "P03-04", "P04-02", "P04-04"];
+        assert_eq!(places, expected);
     }
 
     /// Planes that are not in orbit are not counted among those with assumed planes.

@@ -87,17 +87,31 @@ pub struct Shell {
 }
 
 impl Shell {
-    /// Returns the number of planes that are in orbit.
-    fn deployed_planes(&self, fraction: f64) -> u32 {
-        (fraction * f64::from(self.planes)).round() as u32
+    /// Returns the number of satellites of all planes.
+    fn planned(&self) -> usize {
+        self.planes as usize * self.satellites_per_plane as usize
     }
 
-    /// Returns true if a plane is one of `deployed` evenly distributed planes.
-    fn has_plane(&self, plane: u32, deployed: u32) -> bool {
-        // ⌊(p + 1) n / P⌋ > ⌊p n / P⌋ for n of P planes
-        let before = |plane: u32| u64::from(plane) * u64::from(deployed) / u64::from(self.planes);
-        before(plane + 1) > before(plane)
+    /// Returns the satellites that are in orbit if `deployed` of them are, as pairs of plane and satellite, from 0, in
+    /// order: as few planes as possible, evenly distributed. The last of them may be incomplete; its satellites are
+    /// evenly distributed.
+    fn in_orbit(&self, deployed: usize) -> impl Iterator<Item = (u32, u32)> {
+        let (planes, per_plane) = (self.planes, self.satellites_per_plane);
+        let in_use = deployed.div_ceil(per_plane as usize) as u32;
+        let incomplete = (deployed % per_plane as usize) as u32;
+        let of_plane = move |(number, plane): (u32, u32)| {
+            let count = if number + 1 == in_use && incomplete > 0 { incomplete } else { per_plane };
+            spread(count, per_plane).map(move |satellite| (plane, satellite))
+        };
+        (0..).zip(spread(in_use, planes)).flat_map(of_plane)
     }
+}
+
+/// Returns `count` evenly distributed numbers below `of`, in order.
+fn spread(count: u32, of: u32) -> impl Iterator<Item = u32> {
+    // ⌊(i + 1) n / N⌋ > ⌊i n / N⌋ for n of N numbers
+    let before = move |number: u32| u64::from(number) * u64::from(count) / u64::from(of);
+    (0..of).filter(move |&number| before(number + 1) > before(number))
 }
 
 /// Shells of a file: one for each combination of altitude and inclination.
@@ -212,7 +226,8 @@ pub struct Constellation {
     pub shells: Vec<Shell>,
     /// Catalogue number of the first satellite.
     pub first_id: NoradId,
-    /// Fraction of the planes of each shell that are in orbit, 0 to 1; they are evenly distributed among all planes.
+    /// Fraction of the satellites that are in orbit, 0 to 1, in evenly distributed planes of each shell. The total is
+    /// rounded to one satellite, and remainders are carried over from shell to shell.
     pub deployed_fraction: f64,
 }
 
@@ -364,28 +379,37 @@ impl Constellation {
 
     /// Returns the number of deployed satellites in all shells.
     pub fn satellites(&self) -> usize {
-        self.deployed(|_| true)
+        self.deployed().sum()
     }
 
     /// Returns the number of deployed satellites in shells of which no source has the planes.
     #[doc(hidden)]
     pub fn satellites_with_assumed_planes(&self) -> usize {
-        self.deployed(|shell| shell.planes_assumed)
+        let assumed = self.shells.iter().zip(self.deployed()).filter(|(shell, _)| shell.planes_assumed);
+        assumed.map(|(_, deployed)| deployed).sum()
     }
 
-    fn deployed(&self, is_counted: impl Fn(&Shell) -> bool) -> usize {
-        let deployed = |shell: &Shell| shell.deployed_planes(self.deployed_fraction) * shell.satellites_per_plane;
-        self.shells.iter().filter(|shell| is_counted(shell)).map(|shell| deployed(shell) as usize).sum()
+    /// Returns the number of deployed satellites in each shell.
+    fn deployed(&self) -> impl Iterator<Item = usize> {
+        let (mut planned, mut before) = (0, 0);
+        self.shells.iter().map(move |shell| {
+            planned += shell.planned();
+            // n_i = [f (T_1 + … + T_i)] - [f (T_1 + … + T_i-1)], so that the sum is f T, rounded
+            let until = (self.deployed_fraction * planned as f64).round() as usize;
+            let deployed = until - before;
+            before = until;
+            deployed
+        })
     }
 
     /// Returns the number of satellites of all planes.
     fn planned_satellites(&self) -> usize {
-        self.shells.iter().map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
+        self.shells.iter().map(Shell::planned).sum()
     }
 
     /// Returns the element sets of all deployed satellites at an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers start at [`first_id`](Self::first_id), and planes that are not deployed keep theirs. Names
+    /// Catalogue numbers start at [`first_id`](Self::first_id), and satellites that are not deployed keep theirs. Names
     /// have the form `STARLINK-GEN1-S1 P03-07 (synthetic)`, with shell, plane and satellite counted from 1. The origin
     /// is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
@@ -394,7 +418,7 @@ impl Constellation {
         let prefix = self.name.to_ascii_uppercase();
         let mut sets = Vec::with_capacity(self.satellites());
         let mut shell_id = self.first_id.0;
-        for (number, shell) in self.shells.iter().enumerate() {
+        for (number, (shell, deployed)) in self.shells.iter().zip(self.deployed()).enumerate() {
             let inclination = shell.inclination_deg.to_radians();
             let mean_motion = mean_motion_for_radius(EARTH_EQUATORIAL_RADIUS_KM + shell.altitude_km, inclination);
             let (node_rate, latitude_rate) = secular_rates_rad_day(mean_motion, inclination);
@@ -406,37 +430,34 @@ impl Constellation {
                 None => shell.node_offset_deg + node_drift,
             };
             let (planes, per_plane) = (f64::from(shell.planes), f64::from(shell.satellites_per_plane));
-            let deployed = shell.deployed_planes(self.deployed_fraction);
-            for plane in (0..shell.planes).filter(|&plane| shell.has_plane(plane, deployed)) {
+            for (plane, satellite) in shell.in_orbit(deployed) {
                 let p = f64::from(plane);
                 // Ω_p = Ω₀ + p spread / P
                 let node = first_node + p * shell.node_spread_deg / planes;
-                for satellite in 0..shell.satellites_per_plane {
-                    // u_ps = u₀ + 360° s / S + 360° F p / T
-                    let phase = shell.phase_offset_deg
-                        + phase_drift
-                        + 360.0 * f64::from(satellite) / per_plane
-                        + 360.0 * f64::from(shell.phasing) * p / (planes * per_plane);
-                    let name = format!("{prefix}-S{} P{:02}-{:02} (synthetic)", number + 1, plane + 1, satellite + 1);
-                    sets.push(ElementSet {
-                        norad_id: NoradId(shell_id + plane * shell.satellites_per_plane + satellite),
-                        name: Arc::from(name),
-                        international_designator: Arc::default(),
-                        epoch,
-                        mean_motion_rev_day: mean_motion,
-                        eccentricity: 0.0,
-                        inclination_deg: shell.inclination_deg,
-                        right_ascension_of_node_deg: node.rem_euclid(360.0),
-                        argument_of_perigee_deg: 0.0,
-                        mean_anomaly_deg: phase.rem_euclid(360.0),
-                        bstar_per_earth_radius: 0.0,
-                        mean_motion_dot_rev_day2: 0.0,
-                        mean_motion_ddot_rev_day3: 0.0,
-                        revolution_at_epoch: 0,
-                        decayed: None,
-                        origin: Origin::Synthetic,
-                    });
-                }
+                // u_ps = u₀ + 360° s / S + 360° F p / T
+                let phase = shell.phase_offset_deg
+                    + phase_drift
+                    + 360.0 * f64::from(satellite) / per_plane
+                    + 360.0 * f64::from(shell.phasing) * p / (planes * per_plane);
+                let name = format!("{prefix}-S{} P{:02}-{:02} (synthetic)", number + 1, plane + 1, satellite + 1);
+                sets.push(ElementSet {
+                    norad_id: NoradId(shell_id + plane * shell.satellites_per_plane + satellite),
+                    name: Arc::from(name),
+                    international_designator: Arc::default(),
+                    epoch,
+                    mean_motion_rev_day: mean_motion,
+                    eccentricity: 0.0,
+                    inclination_deg: shell.inclination_deg,
+                    right_ascension_of_node_deg: node.rem_euclid(360.0),
+                    argument_of_perigee_deg: 0.0,
+                    mean_anomaly_deg: phase.rem_euclid(360.0),
+                    bstar_per_earth_radius: 0.0,
+                    mean_motion_dot_rev_day2: 0.0,
+                    mean_motion_ddot_rev_day3: 0.0,
+                    revolution_at_epoch: 0,
+                    decayed: None,
+                    origin: Origin::Synthetic,
+                });
             }
             shell_id += shell.planes * shell.satellites_per_plane;
         }

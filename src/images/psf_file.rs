@@ -85,6 +85,11 @@ impl PsfFile {
         Ok(Self { path: path.to_owned(), grids })
     }
 
+    /// Returns the distance between samples, pixels of the frame: that of the first chip.
+    pub fn step_pix(&self) -> f64 {
+        self.grids.first().map_or(1.0, |grid| (grid.step_pix * 1e6).round() / 1e6)
+    }
+
     /// Returns the point spread function of the chip in an HDU, which is one of the `chosen` of `all` images of a frame.
     ///
     /// # Errors

@@ -5,11 +5,15 @@
 //! - `acstools.findsat_mrt` (`ROOT_catalog.fits`): a FITS table with `id`, `status` and `endpoints`, the ends
 //!   ((x1, y1), (x2, y2)) in pixels counted from 0. A trail with the status 2 passed all tests of findsat_mrt; the others
 //!   are left out, as in the masks of findsat_mrt.
+//! - Regions of SAOImage DS9: `line(x1,y1,x2,y2)` in `image` (pixels from 1) or in `fk5`, `j2000` or `icrs` (degrees, or
+//!   hours and degrees with colons), and `vector(x,y,length,angle)` in `image`, also behind `#`, as DS9 saves it. The
+//!   text of a region is the name of the streak.
 
 use std::path::Path;
 
 use super::error::ImagesError;
 use super::fits::{FrameFile, HduKind};
+use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
 use crate::input;
 use crate::message::Quoted;
 
@@ -26,7 +30,88 @@ pub(super) fn read(path: &Path) -> Result<String, ImagesError> {
         return findsat(path);
     }
     let text = input::text_of(bytes).map_err(ImagesError::io(path))?;
-    if text.starts_with("#ID ") { astride(path, &text) } else { Ok(text) }
+    if text.starts_with("#ID ") {
+        astride(path, &text)
+    } else if text.starts_with("# Region file format: DS9") {
+        ds9(path, &text)
+    } else {
+        Ok(text)
+    }
+}
+
+fn ds9(path: &Path, text: &str) -> Result<String, ImagesError> {
+    const ALLOWED: &str =
+        "line in image, fk5 or icrs, or vector in image, one on each line, all in one coordinate system";
+    let mut system: Option<&'static str> = None;
+    let mut converted = String::new();
+    for (line, number) in text.lines().zip(1..) {
+        let invalid = |given: &str| {
+            let what = format!("{}: line {number}: region", path.display());
+            ImagesError::invalid(what, format!("'{}'", Quoted::new(given)), ALLOWED)
+        };
+        // Each row keeps its line; the names of the columns are in the first one, which is a comment of DS9.
+        converted.push_str(if number == 1 { "" } else { "\n" });
+        let commented = line.trim_start_matches('#').trim_start();
+        let line = if commented.starts_with("vector(") { commented } else { line };
+        let name = line.split_once("text={").and_then(|(_, rest)| rest.split('}').next());
+        let mut shape = line.split('#').next().unwrap_or_default().trim();
+        if let Some((first, rest)) = shape.split_once(';') {
+            // `image;line(...)`, as in files with a system before each shape.
+            system = Some(system_of(system, first.trim()).ok_or_else(|| invalid(line))?);
+            shape = rest.trim();
+        }
+        if shape.is_empty() || shape.starts_with("global") {
+            continue;
+        }
+        let Some((kind, numbers)) = shape.split_once('(') else {
+            system = Some(system_of(system, shape).ok_or_else(|| invalid(line))?);
+            continue;
+        };
+        let cells: Vec<&str> = numbers
+            .split(')')
+            .next()
+            .unwrap_or_default()
+            .split([',', ' '])
+            .map(str::trim)
+            .filter(|cell| !cell.is_empty())
+            .collect();
+        let [a, b, c, d] = cells[..] else { return Err(invalid(line)) };
+        let ends = match (kind.trim(), system) {
+            ("line", Some("image")) => [a, b, c, d].map(|cell| cell.parse::<f64>().ok()),
+            ("vector", Some("image")) => {
+                let [x, y, length, angle_deg] = [a, b, c, d].map(|cell| cell.parse::<f64>().unwrap_or(f64::NAN));
+                let (sin, cos) = angle_deg.to_radians().sin_cos();
+                [x, y, x + length * cos, y + length * sin].map(Some)
+            }
+            ("line", Some(_)) => {
+                let ends = [(a, b), (c, d)]
+                    .map(|(ra, dec)| [parse_right_ascension_deg(ra).ok(), parse_declination_deg(dec).ok()]);
+                [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]
+            }
+            _ => return Err(invalid(line)),
+        };
+        let [Some(a), Some(b), Some(c), Some(d)] = ends.map(|end| end.filter(|number| number.is_finite())) else {
+            return Err(invalid(line));
+        };
+        let name = name.unwrap_or_default().replace([',', '"'], " ");
+        converted += &format!("{name},{a},{b},{c},{d}");
+    }
+    let columns = match system {
+        Some("image") => "id,x1_pix,y1_pix,x2_pix,y2_pix",
+        _ => "id,ra1_deg,dec1_deg,ra2_deg,dec2_deg",
+    };
+    Ok(format!("{columns}{converted}\n"))
+}
+
+/// Returns the coordinate system of a file of regions: `image` or `icrs`, from which FK5 of equinox 2000 differs by 0.02
+/// arcsec. `None` if it is not supported, or another one than before.
+fn system_of(before: Option<&'static str>, name: &str) -> Option<&'static str> {
+    let system = match name.to_ascii_lowercase().as_str() {
+        "image" => "image",
+        "fk5" | "j2000" | "icrs" => "icrs",
+        _ => return None,
+    };
+    before.is_none_or(|before| before == system).then_some(system)
 }
 
 fn astride(path: &Path, text: &str) -> Result<String, ImagesError> {
@@ -97,4 +182,41 @@ fn findsat(path: &Path) -> Result<String, ImagesError> {
         }
     }
     Ok(converted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "# Region file format: DS9 version 4.1\nglobal color=green\n";
+
+    #[test]
+    fn regions_of_ds9_are_converted_with_their_lines() {
+        let of = |text: &str| ds9(Path::new("a.reg"), &format!("{HEAD}{text}"));
+        let text = "image\nline(1,2,3.5,4) # line=0 0 text={one}\n# vector(10,20,5,90) vector=1\n";
+        let rows = of(text).unwrap();
+        let lines: Vec<&str> = rows.lines().collect();
+        assert_eq!(lines[..4], ["id,x1_pix,y1_pix,x2_pix,y2_pix", "", "", "one,1,2,3.5,4"]);
+        let ends: Vec<f64> = lines[4].split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
+        assert!((ends[2] - 10.0).abs() < 1e-9 && (ends[3] - 25.0).abs() < 1e-9, "{rows}");
+        let rows = of("fk5\nline(0:40:00,-10:30:00,10.5,-11)\n").unwrap();
+        assert!(
+            rows.starts_with("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n") && rows.contains("\n,10,-10.5,10.5,-11"),
+            "{rows}"
+        );
+        for (text, line) in [
+            ("image\ncircle(1,2,3)\n", 4),
+            ("line(1,2,3,4)\n", 3),
+            ("galactic\nline(1,2,3,4)\n", 3),
+            ("image\nline(1,2,3,4)\nfk5\nline(1,2,3,4)\n", 5),
+            ("image\nline(1,2,3,x)\n", 4),
+            ("fk5\nvector(1,2,3,4)\n", 4),
+        ] {
+            let message = of(text).unwrap_err().to_string();
+            assert!(
+                message.contains(&format!("a.reg: line {line}: region")) && message.contains("line in image"),
+                "{message}"
+            );
+        }
+    }
 }

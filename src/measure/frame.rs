@@ -69,6 +69,8 @@ pub struct MeasuredPass {
     pub exposure_s: f64,
     /// Direction of the satellite at that time: measured if the streak was found, otherwise predicted.
     pub direction: Direction<Gcrs>,
+    /// Directions of both ends of the measured streak on the chip; `None` if they are not on the sky of the frame.
+    pub ends: [Option<Direction<Gcrs>>; 2],
     /// Side of a pixel, arcsec.
     pub pixel_scale_arcsec: f64,
     /// Speed along the track, pixels per second.
@@ -254,6 +256,7 @@ fn on_sky(
         duration_s: to_s - from_s,
         exposure_s: frame.exposure_s,
         direction: chip.wcs.to_sky(at)?,
+        ends: measured.ends_in_frame().map(|end| chip.wcs.to_sky(end)),
         pixel_scale_arcsec: chip.pixel_scale_arcsec(),
         speed_pix_s: if to_s > from_s { measured.length_pix / (to_s - from_s) } else { f64::NAN },
         magnitude,

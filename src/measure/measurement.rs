@@ -1,7 +1,7 @@
 //! Inputs and results of the measurement of a streak.
 
 use super::background::Background;
-use crate::images::{LightArea, Plane};
+use crate::images::{LightArea, PixelPosition, Plane};
 use crate::streaks::StreakPath;
 
 /// Image with a streak.
@@ -175,4 +175,11 @@ pub struct StreakMeasurement {
     pub flags: Vec<Flag>,
     /// Largest distance from the predicted track at which the streak was searched for, pixels.
     pub corridor_pix: f64,
+}
+
+impl StreakMeasurement {
+    /// Returns both ends of the measured streak in the image, in the order of time.
+    pub fn ends_in_frame(&self) -> [PixelPosition; 2] {
+        self.inside_s.map(|time_s| self.path.point_at(time_s))
+    }
 }

@@ -3,6 +3,7 @@
 use super::frame::MeasuredPass;
 use super::given::ListedMeasurement;
 use super::measurement::Flag;
+use crate::frames::{Direction, Gcrs};
 use crate::geometry::{Site, ViewingGeometry};
 use crate::output::{Column, Kind, Table, TableField, Value};
 
@@ -132,6 +133,63 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         pass.measured.length_pix.into()
     }),
     TableField::new(
+        Column::real(
+            "x1_pix",
+            "pix",
+            3,
+            "Column of the first end of the measured streak in the frame, from 1 as in FITS.",
+        ),
+        |one| found(one, one.measured.ends_in_frame()[0].fits()[0]),
+    ),
+    TableField::new(
+        Column::real(
+            "y1_pix",
+            "pix",
+            3,
+            "Row of the first end of the measured streak in the frame, from 1 as in FITS.",
+        ),
+        |one| found(one, one.measured.ends_in_frame()[0].fits()[1]),
+    ),
+    TableField::new(
+        Column::real(
+            "x2_pix",
+            "pix",
+            3,
+            "Column of the last end of the measured streak in the frame, from 1 as in FITS.",
+        ),
+        |one| found(one, one.measured.ends_in_frame()[1].fits()[0]),
+    ),
+    TableField::new(
+        Column::real("y2_pix", "pix", 3, "Row of the last end of the measured streak in the frame, from 1 as in FITS."),
+        |one| found(one, one.measured.ends_in_frame()[1].fits()[1]),
+    ),
+    TableField::new(
+        Column::real(
+            "ra1_deg",
+            "deg",
+            6,
+            "Right ascension of the first end of the measured streak in the frame (ICRS).",
+        ),
+        |one| end(one, 0, Direction::longitude_rad),
+    ),
+    TableField::new(
+        Column::real("dec1_deg", "deg", 6, "Declination of the first end of the measured streak in the frame (ICRS)."),
+        |one| end(one, 0, Direction::latitude_rad),
+    ),
+    TableField::new(
+        Column::real(
+            "ra2_deg",
+            "deg",
+            6,
+            "Right ascension of the last end of the measured streak in the frame (ICRS).",
+        ),
+        |one| end(one, 1, Direction::longitude_rad),
+    ),
+    TableField::new(
+        Column::real("dec2_deg", "deg", 6, "Declination of the last end of the measured streak in the frame (ICRS)."),
+        |one| end(one, 1, Direction::latitude_rad),
+    ),
+    TableField::new(
         Column::real("seeing_arcsec", "arcsec", 3, "Seeing that the width of the streak implies."),
         |pass| pass.measured.seeing_arcsec.into(),
     ),
@@ -205,6 +263,12 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
 /// Returns `value` if the streak was found, otherwise a missing value.
 fn found(pass: &MeasuredPass, value: f64) -> Value {
     if pass.measured.is_detected { value.into() } else { Value::Null }
+}
+
+/// Returns an angle of an end of the measured streak, degrees; missing if the streak was not found.
+fn end(one: &MeasuredPass, number: usize, angle_rad: fn(&Direction<Gcrs>) -> f64) -> Value {
+    let direction = one.ends[number].as_ref().filter(|_| one.measured.is_detected);
+    direction.map(|direction| angle_rad(direction).to_degrees()).into()
 }
 
 /// Returns `value` if the position of the satellite is known, otherwise a missing value.

@@ -165,6 +165,38 @@ impl EphemerisTable {
         Some([first_s.max(limits_s[0]), end_s.min(limits_s[1])])
     }
 
+    /// Returns the description of the first gap between states in an interval, with its reason; `None` without a gap.
+    pub fn gap_in(&self, [from_s, to_s]: [f64; 2]) -> Option<String> {
+        let (times_s, positions) = (&self.times_s, &self.positions);
+        let is_in = |&step: &usize| self.next_gap[step] == step && times_s[step] <= to_s && times_s[step + 1] >= from_s;
+        let step = (0..self.nodes.len()).find(is_in)?;
+        let epoch = |index: usize| (self.start + times_s[index] * Unit::Second).to_time_scale(TimeScale::UTC);
+        let step_s = times_s[step + 1] - times_s[step];
+        let longest_s = step_s * LONGEST_STEP_RAD / step_rad(times_s, positions, step, step + 1);
+        let near = step.saturating_sub(NODES)..(step + NODES).min(times_s.len());
+        // The neighbours of a wrong position differ too, but less.
+        let off_km = |state: &usize| off_curve(times_s, positions, *state);
+        let worst = near.max_by(|one, other| {
+            let [one, other] = [one, other].map(|state| off_km(state).map_or(0.0, |(km, _)| km));
+            one.total_cmp(&other)
+        });
+        let worst = worst.and_then(|state| Some((state, off_km(&state).filter(|(km, allowed_km)| km > allowed_km)?.0)));
+        let reason = if step_s > longest_s {
+            format!("states {step_s:.0} s apart; allowed: {longest_s:.0} s, a twentieth of a revolution")
+        } else if let Some((state, km)) = worst {
+            let state = epoch(state);
+            format!(
+                "the state of {state} is {km:.1} km off the curve through its neighbours; allowed: {LARGEST_DIFFERENCE_KM} km"
+            )
+        } else {
+            format!(
+                "states {step_s:.0} s apart, and too few around them for an error below {} m",
+                1e3 * LARGEST_ERROR_KM
+            )
+        };
+        Some(format!("gap from {} to {}: {reason}", epoch(step), epoch(step + 1)))
+    }
+
     /// Returns the ends of the intervals that the ephemeris is for, of its states and of its gaps, seconds after the
     /// start.
     fn ends_s(&self) -> impl Iterator<Item = f64> + '_ {
@@ -343,13 +375,19 @@ fn chosen_nodes(times_s: &[f64], positions: &[Vector3<f64>]) -> Vec<Option<[u32;
 /// Returns true if the position of a state differs from the polynomial through its eight neighbours by more than their
 /// errors. The neighbours of a wrong position may differ too, because their polynomials contain it.
 fn is_wrong(times_s: &[f64], positions: &[Vector3<f64>], state: usize) -> bool {
-    let Some(latest) = times_s.len().checked_sub(NODES + 1) else { return false };
+    off_curve(times_s, positions, state).is_some_and(|(off_km, allowed_km)| off_km > allowed_km)
+}
+
+/// Returns the difference of the position of a state from the polynomial through its eight neighbours, and the allowed
+/// one, km; `None` if there are too few neighbours.
+fn off_curve(times_s: &[f64], positions: &[Vector3<f64>], state: usize) -> Option<(f64, f64)> {
+    let latest = times_s.len().checked_sub(NODES + 1)?;
     let first = state.saturating_sub(NODES / 2).min(latest);
     let nodes: [usize; NODES] = std::array::from_fn(|node| first + node + usize::from(first + node >= state));
     let of_nodes = (nodes.map(|node| times_s[node]), nodes.map(|node| positions[node]));
     let (expected, _) = lagrange(of_nodes.0, of_nodes.1, times_s[state]);
     let allowed_km = LARGEST_DIFFERENCE_KM + error_at_km(times_s, positions, &nodes, times_s[state]);
-    (positions[state] - expected).norm() > allowed_km
+    Some(((positions[state] - expected).norm(), allowed_km))
 }
 
 /// Returns the angle about the Earth's centre between two states: the larger of the angle between their directions and

@@ -119,7 +119,13 @@ impl ObserverOrbit {
         }
     }
 
+    /// Returns the description of the first gap between states in an interval, with its reason; `None` without a gap.
+    pub fn gap_in(&self, interval: [Epoch; 2]) -> Option<String> {
+        let Source::Ephemerides(tables) = &self.0 else { return None };
+        tables.iter().find_map(|table| table.gap_in(interval.map(|epoch| table.seconds_at(epoch))))
+    }
+
     fn outside(&self, [first, last]: [Epoch; 2]) -> OrbitError {
-        OrbitError::OutsideEphemeris { first, last }
+        OrbitError::OutsideEphemeris { first, last, gap: self.gap_in([first, last]) }
     }
 }

@@ -91,13 +91,20 @@ pub enum OrbitError {
         days_since_epoch: f64,
     },
     /// No ephemeris of the observing telescope covers an interval.
-    #[error("no ephemeris covers the time from {first} to {last} as a whole")]
+    #[error("no ephemeris covers the time from {first} to {last} as a whole{}", after_colon(.gap.as_deref()))]
     OutsideEphemeris {
         /// First time of the interval.
         first: Epoch,
         /// Last time of the interval.
         last: Epoch,
+        /// Gap between states in the interval, with its reason; `None` if the interval is outside of the states.
+        gap: Option<String>,
     },
+}
+
+/// Returns a reason after a colon; an empty text without one.
+fn after_colon(reason: Option<&str>) -> String {
+    reason.map_or_else(String::new, |reason| format!(": {reason}"))
 }
 
 /// Returns the age of element sets as text: `elements 216 days old`, or `elements 30 days newer than the exposure`.

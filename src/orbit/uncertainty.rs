@@ -235,6 +235,11 @@ impl OrbitClass {
         growth_km.hypot(CROSS_FLOOR_KM).min(CROSS_CAP_KM)
     }
 
+    /// Returns the speed on a circular orbit of this period, km/s.
+    pub(crate) fn speed_km_s(&self) -> f64 {
+        TAU * self.semi_major_axis_km() / self.period_s
+    }
+
     /// Returns the semi-major axis, km.
     fn semi_major_axis_km(&self) -> f64 {
         // a³ = μ (P / 2π)²
@@ -284,7 +289,7 @@ impl Growth {
     /// Sigma along the track at an age in days, seconds.
     fn along_track_s(&self, class: &OrbitClass, age: f64) -> f64 {
         // floor in seconds: 1 km at v = 2π a / P
-        let floor_s = ALONG_FLOOR_KM * class.period_s / (TAU * class.semi_major_axis_km());
+        let floor_s = ALONG_FLOOR_KM / class.speed_km_s();
         let terms_s = [
             floor_s,
             self.k1 * age,

@@ -5,15 +5,25 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
+use super::field::Field;
 use super::predictability::{Predictability, SatelliteLateness};
 use super::scene::{middle_of_window, window_number};
 use super::sky::Sky;
 use crate::orbit::{OrbitError, Propagator};
 
 impl Sky {
-    /// Returns how well the positions of all satellites are known at a time, in steps of six hours.
+    /// Returns how well the positions of all satellites are known at a time, in steps of six hours, and whether that of
+    /// a telescope in orbit is known well enough for crossings of the field.
     #[doc(hidden)]
-    pub fn predictability(&self, epoch: Epoch) -> Arc<Predictability> {
+    pub fn predictability(&self, epoch: Epoch, field: Option<&Field>) -> Predictability {
+        let mut known = Predictability::clone(&self.predictability_of_satellites(epoch));
+        if let (Some(observer), Some(field)) = (self.viewpoint().orbit(), field) {
+            known.unknown_observer = observer.reason_unknown(epoch, field);
+        }
+        known
+    }
+
+    fn predictability_of_satellites(&self, epoch: Epoch) -> Arc<Predictability> {
         let number = window_number(epoch);
         if let Some(found) = self.predictabilities().find(number) {
             return found;

@@ -8,7 +8,8 @@
 //! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
 //! (position and brightness along a line of sight). `models` assigns brightness models to satellites, with the
 //! corrections of `learned`; `corrections` corrects the magnitudes of a pass by those of `measured`. `pointing_checks`
-//! computes the angles of a pointing that limit a telescope in orbit.
+//! computes the angles of a pointing that limit a telescope in orbit, and `own_satellite` finds the telescope itself
+//! among the satellites.
 //!
 //! ```
 //! use streakcast::frames::parse_instant;
@@ -43,6 +44,7 @@ mod known_positions;
 mod learned;
 mod measured;
 mod models;
+mod own_satellite;
 mod pointing_checks;
 mod predictability;
 mod probability;

@@ -31,6 +31,9 @@ pub struct Predictability {
     pub late_s: Option<f64>,
     /// Distribution of the lateness of the satellite with the median.
     lateness: Option<Lateness>,
+    /// Reason why the position of a telescope in orbit is unknown, and the age of its elements, days; `None` if it is
+    /// known.
+    pub(super) unknown_observer: Option<(String, f64)>,
 }
 
 /// Age and lateness of one satellite.
@@ -63,12 +66,21 @@ impl Predictability {
             element_age_days,
             late_s: middle.map(|(late_s, _)| late_s),
             lateness: middle.map(|(_, lateness)| lateness),
+            unknown_observer: None,
         }
     }
 
-    /// Returns true if exposures cannot be judged: the search finds less than half of the crossings.
+    /// Returns true if exposures cannot be judged: the search finds less than half of the crossings, or the position of
+    /// the telescope in orbit is unknown.
     pub fn is_unknown(&self) -> bool {
-        self.searched_share < LEAST_KNOWN_SHARE
+        self.searched_share < LEAST_KNOWN_SHARE || self.unknown_observer.is_some()
+    }
+
+    /// Returns the age of the elements that decide whether exposures can be judged, days: those of the telescope in
+    /// orbit if its position is unknown, otherwise those of the satellites; `None` without satellites.
+    pub fn deciding_age_days(&self) -> Option<f64> {
+        let of_observer = self.unknown_observer.as_ref().map(|(_, age_days)| *age_days);
+        of_observer.or_else(|| Some(self.element_age_days).filter(|age_days| age_days.is_finite()))
     }
 
     /// Returns true if probabilities are lower limits: more than 10 % of the satellites are of unknown position.
@@ -78,6 +90,9 @@ impl Predictability {
 
     /// Returns the reason why exposures cannot be judged; `None` if they can.
     pub fn reason(&self) -> Option<String> {
+        if let Some((reason, _)) = &self.unknown_observer {
+            return Some(reason.clone());
+        }
         let of = if self.unknown < self.satellites {
             format!(" of {} of {} satellites", self.unknown, self.satellites)
         } else {

@@ -14,7 +14,7 @@ use super::predictability::PredictabilityCache;
 use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
-use super::viewpoint::Viewpoint;
+use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
@@ -147,6 +147,11 @@ impl Sky {
     /// caches.
     pub fn seen_from(&self, viewpoint: impl Into<Viewpoint>) -> Self {
         Self { viewpoint: viewpoint.into(), measured: Arc::default(), ..self.clone() }
+    }
+
+    /// Returns the sky with a changed description of the same observer.
+    pub(super) fn seen_by_same(self, observer: OrbitingObserver) -> Self {
+        Self { viewpoint: observer.into(), predictabilities: Arc::default(), ..self }
     }
 
     /// Returns a sky with the same satellites and observer whose queries stop with [`SkyError::Interrupted`] after
@@ -367,7 +372,7 @@ impl Sky {
 
     /// Returns true for the element set of the observing telescope itself, which is never searched for.
     pub(super) fn is_observer(&self, element_index: usize) -> bool {
-        self.viewpoint.orbit().is_some_and(|observer| observer.object().is_of(&self.elements[element_index]))
+        self.viewpoint.orbit().is_some_and(|observer| observer.is(&self.elements[element_index]))
     }
 
     /// Returns the orbital arc of a telescope in orbit during an exposure, extended on both sides by the margin of

@@ -163,10 +163,15 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
         let flag =
             judge_exposure(exposure, &request.limits(band, exposure.duration_s), &passes, &expected, request.policy);
         counted[*row] = passes.into_iter().filter(|pass| is_counted(pass, request.policy)).collect();
-        flags[*row] = Some(with_age(flag, &counted[*row], &may_cross, &request.sky.predictability(exposure.start)));
+        flags[*row] = Some(with_age(
+            flag,
+            &counted[*row],
+            &may_cross,
+            &request.sky.predictability(exposure.start, Some(request.field)),
+        ));
         report.may_cross.extend(may_cross);
     }
-    let is_known = |epoch| !request.sky.predictability(epoch).is_unknown();
+    let is_known = |epoch| !request.sky.predictability(epoch, Some(request.field)).is_unknown();
     let above = above.into_iter().filter(|(_, exposure)| is_known(exposure.start)).collect();
     Ok(Judged { report, flags, above, counted })
 }
@@ -177,7 +182,7 @@ fn with_age(flag: Verdict, counted: &[Pass], may_cross: &[SatelliteAge], known: 
     let deciding = if crossing.is_empty() { may_cross } else { &crossing };
     let of =
         |value: fn(&SatelliteAge) -> f64| (!deciding.is_empty()).then(|| median(deciding.iter().map(value).collect()));
-    let age_days = Some(known.element_age_days).filter(|age_days| age_days.is_finite());
+    let age_days = known.deciding_age_days();
     match known.reason() {
         Some(reason) => {
             let flag = flag.without_known_positions(reason);
@@ -231,7 +236,7 @@ fn above_the_horizon<'a>(
     judged.retain(|(row, exposure)| {
         let altitude_rad = altitudes.next().unwrap_or(f64::NAN);
         if altitude_rad.is_nan() || altitude_rad < 0.0 {
-            let reason = below(request.sky.viewpoint(), altitude_rad);
+            let reason = below(request.sky.viewpoint(), exposure, altitude_rad);
             flags[*row] = Some(Verdict::invalid(&exposure.id, reason));
         }
         altitude_rad >= 0.0
@@ -248,13 +253,15 @@ fn above_the_horizon<'a>(
 }
 
 /// Returns the reason why a pointing below the horizon or limb cannot be judged.
-fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
+fn below(viewpoint: &Viewpoint, exposure: &Exposure, altitude_rad: f64) -> String {
     if altitude_rad.is_nan() {
         let name = viewpoint.name();
-        return match viewpoint.orbit().is_some_and(|observer| observer.elements_epoch().is_none()) {
-            true => format!("no ephemeris of {name} covers the whole exposure"),
-            false => format!("cannot compute the position of {name} at that time from its elements"),
+        let Some(observer) = viewpoint.orbit().filter(|observer| observer.elements_epoch().is_none()) else {
+            return format!("cannot compute the position of {name} at that time from its elements");
         };
+        let gap = observer.gap_in([exposure.start, seconds_after(exposure.start, exposure.duration_s)]);
+        let gap = gap.map_or_else(String::new, |gap| format!(": {gap}"));
+        return format!("no ephemeris of {name} covers the whole exposure{gap}");
     }
     match viewpoint {
         Viewpoint::Orbit(observer) if altitude_rad <= -std::f64::consts::FRAC_PI_2 => {

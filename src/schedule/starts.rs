@@ -21,7 +21,7 @@ pub fn reason_for_unknown_starts(
     epoch: Epoch,
     duration_s: f64,
 ) -> Option<String> {
-    let known = sky.predictability(epoch);
+    let known = sky.predictability(epoch, Some(field));
     let allowance_s = policy.min_probability.and(known.late_s).unwrap_or(0.0) * LATE_SIGMAS;
     // The mean chord of a circle is π/2 times its radius.
     let crossing_s = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad().to_degrees() / TYPICAL_RATE_DEG_S;

@@ -61,7 +61,7 @@ impl FoundWindows<'_> {
 pub fn window_table(all: &[FoundWindows<'_>], sky: &Sky) -> Table {
     let rows = all.iter().flat_map(|target| {
         target.windows().iter().map(move |window| {
-            let known = sky.predictability(window.first);
+            let known = sky.predictability(window.first, None);
             let pointing = target.listed.target.as_ref().map(|target| target.exposure.pointing).ok();
             vec![
                 target.listed.name.as_str().into(),

@@ -110,6 +110,29 @@ fn a_telescope_chooses_the_start_by_cost_and_flag_agrees() {
     assert_eq!(gate(&folder, &below).2["fault"], "target");
 }
 
+/// A limit of surface brightness that all streaks exceed is that of all lit satellites; one that none exceeds is none.
+#[test]
+fn a_limit_of_surface_brightness_decides() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut waits = 0;
+    for minute in [30, 33, 36, 39] {
+        let now = format!("2024-08-14T23:{minute}:00.000Z");
+        let wait = |more: &[&str]| {
+            let shared = ["--telescope", "rubin", "--max-wait", "10min", "--now", &now];
+            let (code, stderr, status) = gate(&folder, &[POINTING, &shared, more].concat());
+            assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
+            (status["waited_s"].as_f64().unwrap(), status["limit_surface_brightness"].clone())
+        };
+        let (of_all_s, _) = wait(&["--blocking", "any"]);
+        assert_eq!(wait(&["--limit-surface-brightness", "50"]), (of_all_s, 50.0.into()));
+        assert_eq!(wait(&["--limit-surface-brightness", "5"]), (0.0, 5.0.into()));
+        waits += usize::from(of_all_s > 0.0);
+    }
+    assert!(waits > 0);
+    let (code, stderr, _) = gate(&folder, &[POINTING, &["--limit-surface-brightness", "22", "--now", NOW]].concat());
+    assert!(code == 0 && stderr.contains("missing telescope for limit-surface-brightness"), "{code} {stderr}");
+}
+
 /// By daylight the line states the Sun; by night it does not.
 #[test]
 fn daylight_is_stated() {

@@ -447,3 +447,95 @@ fn the_shadow_with_atmosphere_dims_and_is_named() {
         assert!(air.1 <= solid.1 || solid.1 < 0.12, "{solid:?} {air:?}");
     }
 }
+
+/// Elements of the telescope that are so old that its position is unknown by more than the field give the verdict
+/// `unknown` with the reason, no windows, and an error of `passes`.
+#[test]
+fn old_elements_of_the_telescope_are_no_clear_exposures() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("s.csv").display().to_string();
+    // The epoch of the elements is 2026-03-20T12:34:57.
+    let days = ["2026-03-20T13", "2026-03-21T06", "2026-03-30T12", "2026-10-01T06", "2028-01-01T06", "2025-12-01T06"];
+    let rows: String = days
+        .iter()
+        .flat_map(|day| (0..12).map(move |turn| format!("{day},{day}:00:00Z,30,{},0\n", 30 * turn)))
+        .collect();
+    fs::write(&path, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+    let verdicts = |fov: &str| {
+        let words = ["flag", "--schedule", &path, "--fov", fov, "--observer-elements", OBSERVER, "--format", "json"];
+        let (code, stdout, stderr) = run(&[&words, SHELLS]);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).unwrap()["flags"].as_array().unwrap().clone()
+    };
+    // After 10 days the position is known within 25 km (68 %), 0.7 deg at 2,000 km.
+    for (fov, known) in [("10deg", &days[..3]), ("0.5deg", &days[..2]), ("0.01deg", &[])] {
+        let flags = verdicts(fov);
+        let judged: Vec<&Value> = flags.iter().filter(|flag| flag["verdict"] != "invalid").collect();
+        for day in days {
+            let of_day = judged.iter().filter(|flag| flag["exposure_id"] == day);
+            assert!(of_day.count() > 4, "{day}");
+        }
+        for flag in judged {
+            let is_known = known.iter().any(|day| flag["exposure_id"] == *day);
+            assert_eq!(flag["verdict"] != "unknown", is_known, "{fov}: {flag}");
+            let reasons = flag["reasons"].to_string();
+            assert_eq!(reasons.contains(" of the telescope 90001: its position is "), !is_known, "{fov}: {flag}");
+            assert!(is_known || flag["p_any"].is_null() && flag["elements_age_days"].is_number(), "{flag}");
+        }
+    }
+    let flags = verdicts("10deg");
+    let late = flags.iter().find(|flag| flag["exposure_id"] == days[3] && flag["verdict"] == "unknown").unwrap();
+    assert!((late["elements_age_days"].as_f64().unwrap() - 194.7).abs() < 0.1, "{late}");
+    // A pointing that the Earth does not hide.
+    let ra = late["ra_deg"].to_string();
+    let pointing = ["--ra", &ra, "--dec", "0", "--fov", "10deg", "--observer-elements", OBSERVER];
+    let exposure = ["passes", "--start", "2026-10-01T06:00:00Z", "--exposure", "30s"];
+    let (code, _, stderr) = run(&[&exposure, SHELLS, &pointing]);
+    assert!(code == 2 && stderr.contains("elements 195 days old of the telescope 90001: its position"), "{stderr}");
+    let span = ["--start", "2026-10-01T06:00:00Z", "--end", "2026-10-01T08:00:00Z", "--exposure", "30s"];
+    let (_, stdout, stderr) = run(&[&["windows", "--format", "json"], SHELLS, &pointing, &span]);
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    assert!(answer["windows"].as_array().unwrap().is_empty() && stderr.contains("of the telescope 90001"), "{stderr}");
+}
+
+/// The reason of a gap in the ephemeris of the telescope is stated: states too far apart, or a wrong one.
+#[test]
+fn gaps_of_the_telescope_have_reasons() {
+    const EPHEMERIS: &str = include_str!("../data/ephemerides/invented.oem");
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let rows: String = (0..12).map(|turn| format!("{turn},2024-08-14T00:50:00Z,60,{},0\n", 30 * turn)).collect();
+    fs::write(path("s.csv"), format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
+    let judged = |text: String| {
+        fs::write(path("a.oem"), text).unwrap();
+        let (schedule, ephemeris) = (path("s.csv"), path("a.oem"));
+        let flag = ["flag", "--schedule", &schedule, "--fov", "5deg", "--format", "json", "--shells", "oneweb"];
+        let (code, stdout, stderr) = run(&[&flag, &["--observer-elements", &ephemeris]]);
+        assert_eq!(code, 0, "{stderr}");
+        (serde_json::from_str::<Value>(&stdout).unwrap()["flags"].to_string(), stderr)
+    };
+    let is_state = |line: &str| line.starts_with("2024-");
+    // Every sixth state.
+    let mut count = 0;
+    let coarse = EPHEMERIS.lines().filter(|line| {
+        count += usize::from(is_state(line));
+        !is_state(line) || count % 6 == 1
+    });
+    let (flags, stderr) = judged(coarse.map(|line| format!("{line}\n")).collect());
+    let reason = "s apart; allowed: ";
+    assert!(flags.contains(reason) && flags.contains(", a twentieth of a revolution"), "{flags}");
+    assert!(stderr.contains("with gaps: exposures in gaps and outside are invalid (first gap from "), "{stderr}");
+    // One state is 5 km off. Times of the file are TAI.
+    let shifted = |line: &str| match line.split_once(' ') {
+        Some((time, cells)) if time.starts_with("2024-08-14T00:50:37") => {
+            let (x, others) = cells.split_once(' ').unwrap();
+            format!("{time} {:.9} {others}\n", x.parse::<f64>().unwrap() + 5.0)
+        }
+        _ => format!("{line}\n"),
+    };
+    let (flags, stderr) = judged(EPHEMERIS.lines().map(shifted).collect());
+    let reason = "the state of 2024-08-14T00:50:00 UTC is 5.0 km off the curve through its neighbours; allowed: 0.1 km";
+    assert!(flags.contains(reason) && stderr.contains(reason), "{flags} {stderr}");
+    let (flags, stderr) = judged(EPHEMERIS.to_owned());
+    assert!(!flags.contains("gap from") && !stderr.contains("gap"), "{flags} {stderr}");
+}

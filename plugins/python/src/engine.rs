@@ -122,8 +122,8 @@ impl Engine {
 }
 
 /// Rejects a request for times at which the positions of the satellites are unknown.
-fn check_known(prepared: &PreparedSky, times: impl IntoIterator<Item = Epoch>) -> PyResult<()> {
-    let reason = times.into_iter().find_map(|time| prepared.sky.predictability(time).reason());
+fn check_known(prepared: &PreparedSky, times: impl IntoIterator<Item = Epoch>, field: Option<&Field>) -> PyResult<()> {
+    let reason = times.into_iter().find_map(|time| prepared.sky.predictability(time, field).reason());
     reason.map_or(Ok(()), |reason| Err(failure::unknown(reason)))
 }
 
@@ -425,7 +425,7 @@ impl Engine {
         watch: &Watch,
     ) -> PyResult<WithWarnings<SkyRows>> {
         let prepared = self.sky_cache.get().sky_at(start, watch)?;
-        check_known(&prepared, [start])?;
+        check_known(&prepared, [start], None)?;
         let sky = &prepared.sky;
         let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::request)?;
         let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
@@ -505,7 +505,7 @@ impl Engine {
         let mut warnings = Vec::new();
         for Night { prepared, indices } in self.nights(exposures.iter().map(|exposure| exposure.start), watch)? {
             let of_night: Vec<Exposure> = indices.iter().map(|index| exposures[*index].clone()).collect();
-            check_known(&prepared, of_night.iter().map(|exposure| exposure.start))?;
+            check_known(&prepared, of_night.iter().map(|exposure| exposure.start), Some(field))?;
             let passes = prepared.sky.field_passes(&of_night, field, &options).map_err(failure::request)?;
             warnings.extend(left_out(&prepared, &passes.left_out, of_night[0].start)?);
             let prepared = Arc::new(prepared);

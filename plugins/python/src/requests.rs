@@ -74,7 +74,7 @@ impl Nights {
     ) -> PyResult<Self> {
         let prepared = sky_cache.over(request.start, request.end, watch)?;
         let sky = &prepared.sky;
-        prepared.check_known(request.start, request.end).map_err(failure::unknown)?;
+        prepared.check_known(request.start, request.end, None).map_err(failure::unknown)?;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
         let rows = found.rows(sky);
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();

@@ -64,7 +64,7 @@ pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config:
 }
 
 /// Replaces the date of an evening by that of local mean time, and `tonight` by such a date. Returns a remark where the
-/// civil date may be another one and `zone` is omitted.
+/// civil date may be another one and `zone` is omitted, or where `zone` does not fit the longitude.
 ///
 /// # Errors
 /// The site of the configuration is missing or invalid.
@@ -74,11 +74,15 @@ pub fn set_night(
     zone: Option<&LocalTime>,
 ) -> anyhow::Result<Option<String>> {
     let remark = match zone {
-        Some(zone) if night.as_deref() != Some(TONIGHT) => {
-            set_civil_night(night, config, zone)?;
-            None
+        Some(zone) => {
+            let noon = night.as_deref().and_then(noon_of).unwrap_or_else(now);
+            // A missing or invalid site is reported below.
+            let remark = config.site().ok().and_then(|site| zone_remark(zone, &site, noon));
+            if night.as_deref() != Some(TONIGHT) {
+                set_civil_night(night, config, zone)?;
+            }
+            remark
         }
-        Some(_) => None,
         None => date_line_remark(night.as_deref(), config).map(|remark| format!("{remark}; specify --time-zone")),
     };
     set_tonight(night, config)?;
@@ -120,6 +124,23 @@ fn noon_of(date: &str) -> Option<Epoch> {
 fn civil_days(noon: Epoch, site: &Site, zone: &LocalTime) -> i64 {
     let mean_h = site.longitude_rad.to_degrees() / 15.0;
     ((zone.ahead_of_utc_h(noon) - mean_h) / 24.0).round() as i64
+}
+
+/// Returns a remark about a time zone whose time differs by hours from that of the Sun at a site: zone or longitude may
+/// be wrong. `None` if they agree.
+pub fn zone_remark(zone: &LocalTime, site: &Site, epoch: Epoch) -> Option<String> {
+    /// Largest difference of civil and solar time, hours. In the west of China it is 3.1 h; beyond the date line a day is
+    /// added.
+    const LARGEST_H: f64 = 3.5;
+    let signed_deg = (site.longitude_rad.to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
+    let (zone_h, mean_h) = (zone.ahead_of_utc_h(epoch), signed_deg / 15.0);
+    let apart_h = ((zone_h - mean_h + 12.0).rem_euclid(24.0) - 12.0).abs();
+    (apart_h > LARGEST_H).then(|| {
+        format!(
+            "the time zone is UTC{zone_h:+.1} h, but solar time at the longitude {signed_deg:.4} deg is UTC{mean_h:+.1} h: one \
+             of them may be wrong"
+        )
+    })
 }
 
 /// Returns a remark about the date of a night at sites whose civil date may be that of the other side of the date line.

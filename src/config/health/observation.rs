@@ -1,24 +1,21 @@
 //! Checks of clock, Earth orientation, leap seconds, site, camera, policy and models.
 
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use hifitime::Epoch;
 
+use super::super::doubtful_site::doubtful_site;
 use super::elements::ElementState;
 use super::finding::{Finding, MomentSource, Severity};
 use crate::config::document::Config;
 use crate::constants::DAY_S;
 use crate::elements::Ephemeris;
 use crate::frames::{EopStatus, EopTable, leap_seconds_known_until, seconds_between};
-use crate::geometry::Site;
 use crate::output::format_utc;
 use crate::passes::Viewpoint;
 
 /// Remaining time below which a table should be replaced, days.
 const SOON_DAYS: f64 = 60.0;
-/// Largest difference in latitude and longitude between coordinates of the same site, degrees.
-const SAME_SITE_DEG: f64 = 0.2;
 
 /// Checks that the tables of UT1 and leap seconds cover the time of the request.
 pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
@@ -151,52 +148,14 @@ pub(super) fn site(config: &Config, now: Epoch) -> Vec<Finding> {
         SUBJECT,
         format!("{}: {latitude_deg:.4} deg north, {signed_deg:.4} deg east, {:.0} m", site.name, site.height_m),
     )];
-    if latitude_deg.abs() < 0.01 && signed_deg.abs() < 0.01 {
-        let finding = "latitude and longitude are 0: the Gulf of Guinea";
-        found.push(Finding::new(Severity::Warning, SUBJECT, finding, "specify the coordinates of the telescope"));
-    }
     if config.site.lat.is_some() && config.site.height.is_none() {
         let finding = "no height is given: 0 m is used; 2000 m shift a satellite at 550 km by 0.2 deg";
         found.push(Finding::new(Severity::Note, SUBJECT, finding, "specify --height in metres"));
     }
-    if let Some((meant, latitude_deg, longitude_deg)) = swapped(&site) {
-        let finding = format!("latitude and longitude are those of {} in the opposite order", meant.name);
-        let remedy = format!("if that site is meant, specify --lat={latitude_deg:.4} --lon={longitude_deg:.4}");
-        found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
-    } else if let Some(meant) = mirrored(&site) {
-        let finding = format!("longitude {signed_deg:.4} deg is that of {} with the opposite sign", meant.name);
-        let remedy = format!("if that site is meant, specify --lon={:.4}: east is positive", -signed_deg);
+    if let Some((finding, remedy)) = doubtful_site(&site) {
         found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
     }
     found
-}
-
-/// Returns the known observatory at these coordinates.
-fn near(latitude_rad: f64, longitude_rad: f64) -> Option<&'static Site> {
-    Site::all().find(|known| {
-        let turn_deg = ((known.longitude_rad - longitude_rad).to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
-        (known.latitude_rad - latitude_rad).to_degrees().abs() < SAME_SITE_DEG && turn_deg.abs() < SAME_SITE_DEG
-    })
-}
-
-/// Returns a known observatory whose latitude is the longitude of the site, and the reverse, with the coordinates of the
-/// site in the other order, degrees; `None` if there is one at the site itself.
-fn swapped(site: &Site) -> Option<(&'static Site, f64, f64)> {
-    let longitude_rad = (site.longitude_rad + PI).rem_euclid(TAU) - PI;
-    if near(site.latitude_rad, site.longitude_rad).is_some() {
-        return None;
-    }
-    let meant = near(longitude_rad, site.latitude_rad)?;
-    Some((meant, longitude_rad.to_degrees(), site.latitude_rad.to_degrees()))
-}
-
-/// Returns a known observatory with the same latitude and the opposite longitude; `None` if there is one at the site
-/// itself.
-fn mirrored(site: &Site) -> Option<&'static Site> {
-    if near(site.latitude_rad, site.longitude_rad).is_some() {
-        return None;
-    }
-    near(site.latitude_rad, -site.longitude_rad)
 }
 
 /// Checks telescope, field, band and models.

@@ -237,7 +237,9 @@ pub fn history(
     let (optics, psf) = (&plan.optics, &plan.psf_name);
     let telescope = plan.telescope.as_ref().map_or_else(String::new, |name| format!(", {name}"));
     lines.push(match &plan.psf_file {
-        Some(file) => format!("streakcast image of a star: {}", file.path.display()),
+        Some(file) => {
+            format!("streakcast image of a star: {}, a sample every {} pixels", file.path.display(), file.step_pix())
+        }
         None => format!("streakcast image of a star: {psf}, FWHM {} arcsec{telescope}", optics.seeing_arcsec),
     });
     let magnitudes = span(streaks.iter().filter_map(|streak| streak.peak_magnitude));

@@ -1,6 +1,7 @@
 //! Drawing of a path with a point spread function from a file.
 
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::path::StreakPath;
@@ -175,22 +176,41 @@ impl StampFrame {
     }
 }
 
-/// Returns the weights of the samples nearest to a position, by the cubic through four of them. Samples beyond the ends
-/// are 0.
+/// Half of the number of samples that determine a value between samples.
+const TAPS: i64 = 6;
+/// Shape of the window: a larger number is more accurate for well sampled images, and less for coarse ones. With 8, the
+/// largest error in units of the peak is 0.9, 0.4, 0.2, 0.05 and 0.007 % for a Gaussian in pixels with a FWHM of 1.5, 2,
+/// 2.5, 3 and 4 samples (5.2, 3.9, 2.1, 1.3 and 0.6 % for a cubic through four samples).
+const WINDOW: f64 = 8.0;
+
+/// Returns the weights of the samples nearest to a position, by the sine cardinal in a Kaiser window over twelve of them
+/// (Harris 1978, Proc. IEEE 66, 51); they add up to 1. Samples beyond the ends are 0.
 fn weights(count: usize, at: f64) -> Vec<(usize, f64)> {
     let first = at.floor();
-    let t = at - first;
-    let cubic = [
-        -t * (t - 1.0) * (t - 2.0) / 6.0,
-        (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-        -(t + 1.0) * t * (t - 2.0) / 2.0,
-        (t + 1.0) * t * (t - 1.0) / 6.0,
-    ];
-    let inside = |(index, weight): (usize, f64)| {
-        let sample = first as i64 - 1 + index as i64;
-        usize::try_from(sample).ok().filter(|sample| *sample < count && weight != 0.0).map(|sample| (sample, weight))
+    // sinc x · I₀(β √(1 - x²/a²)) / I₀(β); the constant factor cancels.
+    let weight = |x: f64| {
+        let sinc = if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
+        sinc * bessel_i0(WINDOW * (1.0 - (x / TAPS as f64).powi(2)).max(0.0).sqrt())
     };
-    cubic.into_iter().enumerate().filter_map(inside).collect()
+    let taps: Vec<(i64, f64)> =
+        (1 - TAPS..=TAPS).map(|step| (first as i64 + step, weight(at - first - step as f64))).collect();
+    let sum: f64 = taps.iter().map(|(_, weight)| weight).sum();
+    let inside = |(sample, weight): (i64, f64)| {
+        let sample = usize::try_from(sample).ok().filter(|sample| *sample < count && weight != 0.0)?;
+        Some((sample, weight / sum))
+    };
+    taps.into_iter().filter_map(inside).collect()
+}
+
+/// Modified Bessel function of the first kind and order 0, by its power series.
+fn bessel_i0(x: f64) -> f64 {
+    let (mut term, mut sum) = (1.0, 1.0);
+    // (x/2)^2k / k!²; the terms fall below the rounding of the sum before k = 3 x + 10.
+    for k in 1..(3.0 * x) as u32 + 10 {
+        term *= (0.5 * x / f64::from(k)).powi(2);
+        sum += term;
+    }
+    sum
 }
 
 /// Returns the full width at half maximum of a line of light at an angle from the rows, measured across the line, pixels.
@@ -226,4 +246,33 @@ pub fn image_width_pix(psf: &PsfGrid, at: PixelPosition, angle_rad: f64) -> Opti
         (last - peak as isize).unsigned_abs() as f64
     };
     Some((falls(-1) + falls(1)) * psf.step_pix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Light of a Gaussian with a FWHM in a pixel at a distance, in pixels.
+    fn in_pixel(distance: f64, fwhm: f64) -> f64 {
+        let sigma = fwhm / (8.0 * 2.0_f64.ln()).sqrt();
+        let edge = |at: f64| libm::erf(at / (sigma * std::f64::consts::SQRT_2));
+        0.5 * (edge(distance + 0.5) - edge(distance - 0.5))
+    }
+
+    /// The errors that the comment of `WINDOW` states, with all positions of a star within a pixel.
+    #[test]
+    fn verif_samples_are_interpolated_to_the_stated_errors() {
+        for (fwhm, most) in [(1.5, 0.0093), (2.0, 0.004), (2.5, 0.002), (3.0, 0.0006), (4.0, 1e-4), (8.0, 1e-4)] {
+            let samples: Vec<f64> = (0..61).map(|sample| in_pixel(f64::from(sample) - 30.0, fwhm)).collect();
+            let mut largest = 0.0_f64;
+            for step in 0..40 * 16 {
+                let at = 10.0 + f64::from(step) / 16.0;
+                let weights = weights(samples.len(), at);
+                assert!((weights.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-12);
+                let found: f64 = weights.iter().map(|(sample, weight)| weight * samples[*sample]).sum();
+                largest = largest.max((found - in_pixel(at - 30.0, fwhm)).abs() / in_pixel(0.0, fwhm));
+            }
+            assert!(largest < most && largest > 0.01 * most, "FWHM {fwhm}: {largest}");
+        }
+    }
 }

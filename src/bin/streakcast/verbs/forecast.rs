@@ -136,7 +136,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     // This error counts all satellites; `found` counts the selected ones.
     let of_all = selection.is_all();
     if of_all {
-        prepared.check_known(from, to)?;
+        prepared.check_known(from, to, None)?;
     }
     let found = forecast(&prepared.sky, &request, &selection)?;
     if found.found.passes.is_empty() && found.unknown() == found.found.satellites {

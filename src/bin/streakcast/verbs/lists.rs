@@ -158,8 +158,10 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         row_of_several(&set.name, &of_set, format!("{}: {}", set.source, set.constellations.join(", ")))
     };
     let row_of_period = |period: &DeploymentPeriod| {
+        // Without the digits of rounding.
+        let percent = |fraction: f64| (1e6 * fraction).round() / 1e4;
         let share = |constellation: &Constellation| {
-            format!("{} {:.0} %", constellation.name, 100.0 * constellation.deployed_fraction)
+            format!("{} {} %", constellation.name, percent(constellation.deployed_fraction))
         };
         let shares: Vec<String> = period.constellations.iter().map(share).collect();
         let of_period: Vec<_> = period.constellations.iter().collect();

@@ -138,6 +138,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
         "frames": shown(&done.frames),
         "satellite_size_m": typed.measure.satellite_size,
         "seeing": typed.measure.seeing,
+        "psf": typed.measure.psf,
         "fit_width": typed.measure.fit_width,
         "star_colours": typed.measure.star_colours,
     });

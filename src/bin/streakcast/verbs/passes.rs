@@ -139,7 +139,8 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
         anyhow::bail!("{reason}");
     }
     notices.warn(&prepared.warnings);
-    prepared.check_known(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
+    let end = seconds_after(exposure.start, exposure.duration_s);
+    prepared.check_known(exposure.start, end, Some(&plan.field))?;
 
     let crossings = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
     notices.warn_left_out(&prepared, &crossings.left_out, exposure.start)?;
@@ -218,14 +219,25 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
 }
 
 fn summary(prediction: &Prediction, found: &[Pass]) {
-    let crossings = counted(found.len(), "pass", "passes");
-    match prediction.limit_mag {
-        Some(limit_mag) => {
-            let bright = found.iter().fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit_mag));
-            let of = if bright < 0.05 && !found.is_empty() { format!("{bright:.2}") } else { format!("{bright:.1}") };
-            prediction.notices.info(&format!("{crossings}, {of} of them expected to be brighter than mag {limit_mag}"));
+    let Prediction { exposure, plan, options, limit_mag, prepared, notices, .. } = prediction;
+    let band = Some(options.photometry.band.name());
+    let surface = plan.policy.limit_surface_brightness.as_ref().and_then(|limit| limit.of(band));
+    let limits = [limit_mag.map(|limit| format!("mag {limit}")), surface.map(|limit| format!("{limit} mag/arcsec2"))];
+    let limits: Vec<String> = limits.into_iter().flatten().collect();
+    if limits.is_empty() {
+        if found.is_empty() {
+            notices.info("no passes");
         }
-        None if found.is_empty() => prediction.notices.info("no passes"),
-        None => {}
+        return;
     }
+    let request = FlagRequest { photometry: &options.photometry, ..plan.request(&prepared.sky) };
+    // The limit of a row is that which the satellite exceeds first.
+    let brighter = |pass: &Pass| {
+        let limit_mag = request.streak_row(exposure, pass, band, *limit_mag).limit_mag;
+        limit_mag.map_or(0.0, |limit_mag| pass.probability_brighter_than(limit_mag))
+    };
+    let bright = found.iter().map(brighter).fold(0.0, |sum, one| sum + one);
+    let of = if bright < 0.05 && !found.is_empty() { format!("{bright:.2}") } else { format!("{bright:.1}") };
+    let crossings = counted(found.len(), "pass", "passes");
+    notices.info(&format!("{crossings}, {of} of them expected to be brighter than {}", limits.join(" or ")));
 }

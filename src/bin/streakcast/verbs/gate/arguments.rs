@@ -35,6 +35,10 @@ pub struct GateArguments {
     /// Limiting magnitude of crossings to avoid: 7, or by filter L=7,Ha=3,default=6; all lit crossings if omitted
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
+    /// Limiting surface brightness of streaks to avoid, mag/arcsec2 (with --telescope): 22, or by filter
+    /// L=22,default=21; with --limit-mag, either suffices
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_surface_brightness: Option<MagnitudeLimit>,
     /// Policy file (TOML): limits by magnitude, probability, margin
     #[arg(long, value_name = "FILE")]
     pub policy: Option<PolicyChoice>,
@@ -141,7 +145,7 @@ impl Flags {
             rules: RulesConfig {
                 policy: typed.policy,
                 limit_mag: typed.limit_mag,
-                limit_surface_brightness: None,
+                limit_surface_brightness: typed.limit_surface_brightness,
                 blocking: typed.blocking,
                 max_delay: None,
             },
@@ -215,8 +219,8 @@ fn check(bare: &Config) -> anyhow::Result<()> {
     bare.photometry()?;
     bare.schedule_options()?;
     bare.telescope()?;
-    // A limit of the camera may be that of a telescope file.
-    if bare.rules.limit_mag.is_none() {
+    // A limit of the camera may be that of a telescope file, and the telescope may be in a file.
+    if bare.rules.limit_mag.is_none() && bare.rules.limit_surface_brightness.is_none() {
         bare.policy()?;
     }
     if bare.fov.is_some() {

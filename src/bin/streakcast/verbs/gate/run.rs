@@ -13,8 +13,8 @@ use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget, best_start, clear_windows,
-    next_window, reason_for_unknown_starts,
+    Blocking, ClearWindow, Policy, ScheduledExposure, TargetWindows, WindowRequest, WindowTarget, best_start,
+    clear_windows, next_window, reason_for_unknown_starts,
 };
 
 use super::arguments::{Flags, GateArguments, Request};
@@ -201,11 +201,10 @@ fn verdict(
     state(status, "band", band.clone());
     let by_cost = request.decides_by_cost(band.as_deref());
     state(status, "blocking", if by_cost { "cost" } else { request.plan.policy.blocking.name() });
-    state(
-        status,
-        "limit_mag",
-        request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(band.as_deref())),
-    );
+    let Policy { limit_mag, limit_surface_brightness, .. } = &request.plan.policy;
+    for (key, limit) in [("limit_mag", limit_mag), ("limit_surface_brightness", limit_surface_brightness)] {
+        state(status, key, limit.as_ref().and_then(|limit| limit.limit_in(band.as_deref())));
+    }
 
     let prepared = prepare(flags, request, &site, step, status, notices)?;
     let now = flags.clock.now();
@@ -222,7 +221,7 @@ fn verdict(
         max_sun_altitude_rad: None,
     };
     let target = WindowTarget { exposure, band };
-    let known = prepared.sky.predictability(now);
+    let known = prepared.sky.predictability(now, None);
     let unknown = reason_for_unknown_starts(&prepared.sky, &request.plan.field, policy, now, duration_s);
     state(status, "positions_known", unknown.is_none());
     state(status, "elements_age_days", rounded(known.element_age_days, 2));

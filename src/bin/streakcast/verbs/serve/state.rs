@@ -193,7 +193,7 @@ impl RequestState {
     /// # Errors
     /// No satellite has a position, or positions are unknown; an empty response would be misleading.
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
-        self.prepared.check_known(first, last).map_err(|error| Problem::new(400, error.to_string()))?;
+        self.prepared.check_known(first, last, None).map_err(|error| Problem::new(400, error.to_string()))?;
         self.caveats_of_verdict(first, last, left_out)
     }
 

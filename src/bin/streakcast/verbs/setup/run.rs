@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use streakcast::config::{Config, parse_coordinates, parse_exposure_s};
+use streakcast::config::{Config, doubtful_site, parse_coordinates, parse_exposure_s};
 use streakcast::geometry::Site;
 use streakcast::input::check_regular;
 use toml::Value;
@@ -13,6 +13,7 @@ use toml::Value;
 use super::dialog::{Dialog, Prompt};
 use super::towns::{Town, Towns};
 use crate::cache::cache_folder;
+use crate::clock::{now, zone_remark};
 use crate::failure::Outcome;
 use crate::home;
 use crate::local_time::local_time;
@@ -129,6 +130,10 @@ pub fn run(typed: SetupArguments) -> anyhow::Result<Outcome> {
         if has_height { format!("{height_m:.0} m") } else { "height unknown (0 m is used; key height)".to_owned() };
     let at = format!("{latitude_deg:.4} deg north, {longitude_deg:.4} deg east, {height}");
     notices.info(&format!("place: {}; time zone {zone}", [name, at].join(", ").trim_start_matches(", ")));
+    let doubtful = doubtful_site(&place.site).map(|(finding, remedy)| format!("{finding}; {remedy}"));
+    let zone = local_time(&zone).ok();
+    notices.warn(doubtful.as_slice());
+    notices.warn(zone.and_then(|zone| zone_remark(&zone, &place.site, now())).as_slice());
     if !place.others.is_empty() {
         notices.info(&format!("towns with this name: {}", place.others.join("; ")));
     }
