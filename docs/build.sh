@@ -32,6 +32,7 @@ if [ "${1:-}" = --images ]; then
         --virtual-time-budget=10000 --screenshot="$work/serve.png" "$(cat "$work/address")" 2>/dev/null
     "$python" docs/lateness.py docs/tables/lateness.md docs/images/lateness.svg
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
+    "$python" docs/magnitudes.py docs/tables/before-after.md docs/tables/before-after-phase.md docs/images/magnitudes.svg
     "$python" docs/completeness.py docs/tables/completeness.md docs/images/completeness.svg
     "$python" docs/position_angles.py docs/tables/position-angles.md docs/images/position-angles.svg
     # 256 colours keep the files small.

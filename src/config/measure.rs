@@ -16,7 +16,7 @@ use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
 use crate::measure::{
     CatalogueStar, Estimate, FrameMeasurements, FrameOptions, MeasureOptions, MeasuredPass, StarTable, StarZeroPoint,
-    ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table,
+    ZeroPoints, listed_table, measure_frame, measure_listed, measurement_table, predict_within_passes,
 };
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
@@ -226,6 +226,11 @@ impl MeasureConfig {
             }
             passes.extend(measured.passes);
             left_out.extend(measured.left_out);
+        }
+        // With --measured, predictions are corrected already.
+        if config.measured.is_empty() {
+            predict_within_passes(&mut passes);
+            predict_within_passes(rows.iter_mut().filter_map(|row| row.measured.as_mut().ok().map(|pass| &mut **pass)));
         }
         let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
         let mut provenance = of_all.as_ref().map_or_else(Provenance::new, |all| all.provenance.clone());

@@ -90,6 +90,8 @@ pub struct MeasuredPass {
     pub zero_point_sigma_mag: Option<f64>,
     /// Filter as written in the header.
     pub filter: Option<String>,
+    /// Predicted magnitude that is corrected by earlier streaks of the same pass; `None` without such streaks.
+    pub of_pass: Option<Estimate>,
     /// Pixels along the track, if they are requested.
     pub cut: Option<StreakCut>,
 }
@@ -274,6 +276,7 @@ fn on_sky(
         filter: frame.filter.clone(),
         prediction: prediction.clone(),
         measured,
+        of_pass: None,
         cut: None,
     })
 }

@@ -10,8 +10,9 @@
 //! errors. `streak` combines them into a [`StreakMeasurement`]; `measurement` defines this type and the inputs. `cut`
 //! returns the pixels along a measured track. `predict` computes the tracks of the satellites of a sky, `star_table`
 //! reads stars of known magnitude, `zero_point` measures these stars, `frame` measures whole files
-//! without the pixels that `bad_pixels` finds in masks and variances, `given` measures the streaks of a table, and
-//! `table` creates the output tables.
+//! without the pixels that `bad_pixels` finds in masks and variances, `given` measures the streaks of a table,
+//! `pass_prediction` corrects predicted magnitudes by earlier streaks of the same pass, and `table` creates the output
+//! tables.
 //!
 //! ```
 //! use streakcast::images::{LightArea, PixelPosition, Plane};
@@ -66,6 +67,8 @@ mod given;
 mod measurement;
 mod noise;
 #[cfg(all(feature = "fits", unix))]
+mod pass_prediction;
+#[cfg(all(feature = "fits", unix))]
 mod predict;
 mod search;
 #[cfg(all(feature = "fits", unix))]
@@ -85,6 +88,8 @@ pub(crate) use frame::{FrameMeasurements, FrameOptions, ZeroPoints, measure_fram
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use given::{ListedStreak, StreakList, measure_listed};
 pub use measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
+#[cfg(all(feature = "fits", unix))]
+pub(crate) use pass_prediction::predict_within_passes;
 pub use streak::measure_streak;
 
 // Not documented, without a promise of stability: for the program, the Python extension, tests and benches, and for

@@ -200,6 +200,19 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::real("predicted_magnitude", "mag", 3, "Magnitude of the model."), |pass| {
         pass.prediction.satellite.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
     }),
+    TableField::new(
+        Column::real(
+            "pass_magnitude",
+            "mag",
+            3,
+            "Magnitude of the model, corrected by earlier streaks of the same pass in these frames; empty without them.",
+        ),
+        |pass| pass.of_pass.map(|light| light.value).into(),
+    ),
+    TableField::new(
+        Column::real("pass_magnitude_sigma", "mag", 3, "One sigma of a measurement about pass_magnitude."),
+        |pass| pass.of_pass.map(|light| light.sigma).into(),
+    ),
     TableField::new(Column::real("range_km", "km", 3, "Predicted distance."), |pass| {
         pass.prediction.satellite.range_km.into()
     }),

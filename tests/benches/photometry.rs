@@ -56,6 +56,24 @@ fn brightness_1000_with_earthshine(bencher: Bencher, sun_deg: f64) {
     bencher.bench(|| total(&model, &geometries, &PhotometryOptions::default()));
 }
 
+/// Models of the kinds of satellites with photometry.
+const MODELS: [&str; 5] = ["starlink-v1.5-facets", "v2mini-panels", "visorsat-panels", "oneweb-panels", "iridium-next"];
+
+/// Default models, with sunlight only.
+#[divan::bench(args = MODELS)]
+fn brightness_1000_of_defaults_sun_only(bencher: Bencher, name: &str) {
+    let (model, geometries) = (ModelLibrary::embedded().get(name).expect("shipped"), geometries(DIRECTIONS, -12.0));
+    let options = PhotometryOptions { earthshine: Earthshine::Off, ..PhotometryOptions::default() };
+    bencher.bench(|| total(&model, &geometries, &options));
+}
+
+/// Default models, with earthshine and the other options of the program.
+#[divan::bench(args = MODELS)]
+fn brightness_1000_of_defaults(bencher: Bencher, name: &str) {
+    let (model, geometries) = (ModelLibrary::embedded().get(name).expect("shipped"), geometries(DIRECTIONS, -12.0));
+    bencher.bench(|| total(&model, &geometries, &PhotometryOptions::default()));
+}
+
 fn total(model: &BrightnessModel, geometries: &[ViewingGeometry], options: &PhotometryOptions) -> f64 {
     let magnitude = |geometry| Some(model.brightness(black_box(geometry), 1.0, options)?.magnitude.0);
     geometries.iter().filter_map(magnitude).sum()

@@ -80,6 +80,69 @@ fn verif_injected_streaks_of_satellites_have_their_magnitudes() {
     assert!(document["provenance"]["models"].to_string().contains("starlink"));
 }
 
+/// A streak corrects the predicted magnitude of the next streaks of its pass, in frames in any order.
+#[test]
+fn verif_a_streak_corrects_the_prediction_of_the_next_of_its_pass() {
+    let folder = TempDir::new().unwrap();
+    let description = path(&folder, "wide.toml");
+    let text = unrounded()
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
+    fs::write(&description, text).unwrap();
+    let frames: Vec<String> = ["05", "09"]
+        .iter()
+        .map(|second| {
+            let output = path(&folder, &format!("{second}.fits"));
+            let start = format!("2026-08-14T23:29:{second}Z");
+            let shot = ["--start", &start, "--exposure", "3s", "--ra", "198.9", "--dec", "7.7"];
+            // The satellites are drawn with another model than the one that predicts them.
+            let light = ["--seeing", "90arcsec", "--model", "oneweb"];
+            done(&[&["inject", "--synthetic", &description, "-o", &output], &shot, &light, SATELLITES]);
+            output
+        })
+        .collect();
+    let rows = |flags: &[&str]| {
+        let document = json(&[&["measure", &frames[1], &frames[0], "--seeing", "90arcsec"], flags, SATELLITES]);
+        document["measurements"].as_array().unwrap().clone()
+    };
+    let found = rows(&[]);
+    let mut compared = 0;
+    for later in found.iter().filter(|row| row["image"].as_str().unwrap().contains("09.fits")) {
+        let is_earlier = |row: &&serde_json::Value| {
+            row["image"].as_str().unwrap().contains("05.fits") && row["norad_id"] == later["norad_id"]
+        };
+        let earlier = found.iter().find(is_earlier).filter(|row| row["detected"] == true);
+        let Some(earlier) = earlier else {
+            assert!(later["pass_magnitude"].is_null(), "{later}");
+            continue;
+        };
+        assert!(earlier["pass_magnitude"].is_null(), "{earlier}");
+        if later["detected"] != true {
+            continue;
+        }
+        let number = |name: &str| later[name].as_f64().unwrap_or_else(|| panic!("{name}: {later}"));
+        let off = |name: &str| (number("magnitude") - number(name)).abs();
+        // The correlation is 0.7 to 0.9 after 4 s.
+        assert!(
+            off("predicted_magnitude") > 0.2 && off("pass_magnitude") < 0.4 * off("predicted_magnitude"),
+            "{later}"
+        );
+        assert!((0.01..0.3).contains(&number("pass_magnitude_sigma")), "{later}");
+        compared += 1;
+    }
+    assert!(compared >= 1, "{found:?}");
+    // Tables of measured magnitudes correct the prediction of the model itself.
+    let table = path(&folder, "first.csv");
+    done(&[&["measure", &frames[0], "--seeing", "90arcsec", "--format", "csv", "-o", &table], SATELLITES]);
+    let given = rows(&["--measured", &table]);
+    for (given, own) in given.iter().zip(&found) {
+        assert!(given["pass_magnitude"].is_null(), "{given}");
+        if let Some(magnitude) = own["pass_magnitude"].as_f64() {
+            assert!((given["predicted_magnitude"].as_f64().unwrap() - magnitude).abs() < 0.01, "{given} {own}");
+        }
+    }
+}
+
 #[test]
 fn verif_uploads_have_the_columns_of_score_and_are_read_by_fit() {
     let folder = TempDir::new().unwrap();

@@ -17,14 +17,14 @@ use std::fmt::Write;
 use std::path::Path;
 
 use streakcast::fit::checks::compare;
-use streakcast::fit::{FitSettings, HeldOutPoint, Loss, ModelDescription, PhaseForm, Problem, model_file};
+use streakcast::fit::{FitPoint, FitSettings, HeldOutPoint, Loss, ModelDescription, PhaseForm, Problem, model_file};
 use streakcast::passes::ModelChoice;
 use streakcast::photometry::{ErrorDistribution, ModelLibrary};
 
 use super::survey::{
-    FOLDS, GroupMean, Recipe, SURVEYS, Weighted, held_out_of_form, log_density, mean_of, median_and_sigma_mag,
+    FOLDS, GroupMean, Recipe, SURVEYS, Survey, Weighted, held_out_of_form, log_density, mean_of, median_and_sigma_mag,
 };
-use crate::common::assert_is_documented;
+use crate::common::{assert_is_documented, assert_same};
 
 /// Largest mean absolute residual of default models, mag.
 const MOST_MAG: [(&str, f64); 2] = [("starlink-v1.5-facets", 0.33), ("visorsat-panels", 0.345)];
@@ -53,6 +53,35 @@ fn score(points: &[HeldOutPoint]) -> Score {
     Score { log: mean_of(points, log), absolute_mag: GroupMean::of(absolute) }
 }
 
+/// Name of the quadratic in the phase angle.
+const QUADRATIC: &str = "quadratic in phase";
+
+/// Scores of all models of a survey, the default first and a quadratic in the phase angle last.
+fn scores(survey: &Survey, points: &[FitPoint]) -> Vec<(&'static str, Score)> {
+    let mut scores: Vec<(&str, Score)> =
+        survey.models.iter().map(|one| (one.name, score(&survey.held_out(one, points)))).collect();
+    let settings = FitSettings { loss: Loss::SoftL1, ..FitSettings::free(&["a0", "a1", "a2"]) };
+    let quadratic = held_out_of_form("quadratic", Box::new(PhaseForm { degree: 2 }), &settings, points);
+    scores.push((QUADRATIC, score(&quadratic)));
+    scores
+}
+
+/// Returns the first note of a fitted model, as `model show` prints it.
+fn note(survey: &Survey, name: &str, rms_mag: f64, scores: &[(&str, Score)]) -> String {
+    let mag = |name: &str| scores.iter().find(|(other, _)| *other == name).unwrap().1.absolute_mag.mean;
+    let others = scores.iter().filter(|(other, _)| *other != name).map(|(other, _)| match *other {
+        QUADRATIC => format!("a quadratic in the phase angle {:.3} mag", mag(QUADRATIC)),
+        other => format!("{other} {:.3} mag", mag(other)),
+    });
+    format!(
+        "Weighted RMS of the fitted points {rms_mag:.3} mag. Mean absolute residual on held-out {} {:.3} mag; of other models \
+         on the same points: {}.",
+        survey.group_name(),
+        mag(name),
+        others.collect::<Vec<_>>().join(", ")
+    )
+}
+
 #[test]
 fn valid_default_models_have_the_best_score_on_unseen_points() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -64,11 +93,13 @@ fn valid_default_models_have_the_best_score_on_unseen_points() {
         let points = survey.points(&data);
         let default = defaults.of_kind(survey.kind).and_then(|model| Some(model.file()?.name.clone())).unwrap();
         assert_eq!(survey.models[0].name, default);
-        let of_candidate = |candidate| score(&survey.held_out(candidate, &points));
-        let mut scores: Vec<(&str, Score)> = survey.models.iter().map(|one| (one.name, of_candidate(one))).collect();
-        let settings = FitSettings { loss: Loss::SoftL1, ..FitSettings::free(&["a0", "a1", "a2"]) };
-        let quadratic = held_out_of_form("quadratic", Box::new(PhaseForm { degree: 2 }), &settings, &points);
-        scores.push(("quadratic in phase", score(&quadratic)));
+        let scores = scores(survey, &points);
+        for candidate in survey.models.iter().filter(|one| one.held.is_some()) {
+            let model = library.get(candidate.name).unwrap();
+            let file = model.file().unwrap();
+            let expected = note(survey, candidate.name, file.rms_mag.unwrap(), &scores);
+            assert_same(candidate.name, &file.provenance.notes[0], &expected);
+        }
         let groups = points.iter().map(|point| point.group).collect::<std::collections::BTreeSet<_>>().len();
         for (index, (name, score)) in scores.iter().enumerate() {
             let of_survey =
@@ -123,6 +154,9 @@ fn write_models() {
             let fit = problem.solve().unwrap();
             let base = library.get(candidate.name).unwrap().file().unwrap().clone();
             let held_out = survey.held_out(candidate, &thinned);
+            let rms_mag = fit.statistics(&points).unwrap().rms_mag;
+            let mut notes = base.provenance.notes.clone();
+            notes[0] = note(survey, candidate.name, rms_mag, &scores(survey, &thinned));
             let singles: Vec<(f64, f64)> = held_out.iter().map(HeldOutPoint::weighted_residual).collect();
             let description = ModelDescription {
                 name: base.name.clone(),
@@ -131,14 +165,13 @@ fn write_models() {
                 data: base.provenance.data.clone(),
                 date: base.provenance.date.clone(),
                 provisional: base.provenance.provisional,
-                notes: base.provenance.notes.clone(),
+                notes,
                 sigma_origin: format!(
                     "sigma contains 68.3 % of the residuals of single measurements of held-out {} ({FOLDS} folds) about \
                      their median, which is 0; other surveys may be offset by 0.1 to 0.2 mag",
                     survey.group_name()
                 ),
             };
-            let rms_mag = fit.statistics(&points).unwrap().rms_mag;
             let mut file = model_file(&base, &fit, problem.points(), rms_mag, &singles, &description).unwrap();
             file.aliases = base.aliases.clone();
             // Six digits are more than the points determine.

@@ -81,19 +81,17 @@ fn held_out(data: &Path) -> Vec<HeldOut> {
     SURVEYS.iter().map(of).collect()
 }
 
-/// Fits three normal distributions to values by expectation maximisation (Dempster, Laird and Rubin 1977, J. R. Stat.
-/// Soc. B 39, 1).
-fn shape(values: &[f64]) -> ErrorDistribution {
-    let part = |share, centre, width| NormalPart { share, centre, width };
-    // A wing of moderate width and far flares; other starts end in a narrow second part of similar likelihood.
-    let mut now = ErrorDistribution { parts: [part(0.7, 0.2, 0.7), part(0.28, -1.1, 1.6), part(0.02, -3.4, 5.0)] };
+/// Fits normal distributions to values by expectation maximisation (Dempster, Laird and Rubin 1977, J. R. Stat. Soc.
+/// B 39, 1), from a start. Parts with a share of 0 remain unused.
+pub fn mixture(values: &[f64], start: [NormalPart; 3]) -> ErrorDistribution {
+    let unused = NormalPart { share: 0.0, centre: 0.0, width: 1.0 };
+    let mut now = ErrorDistribution { parts: start };
     for _ in 0..MOST_ITERATIONS {
         let mut sums = [[0.0_f64; 3]; 3];
         for x in values {
-            let one = |of: &NormalPart| {
-                density(&ErrorDistribution { parts: [*of, part(0.0, 0.0, 1.0), part(0.0, 0.0, 1.0)] }, *x)
-            };
-            let densities = now.parts.each_ref().map(one);
+            let densities = now.parts.map(|of| {
+                if of.share > 0.0 { density(&ErrorDistribution { parts: [of, unused, unused] }, *x) } else { 0.0 }
+            });
             let total: f64 = densities.iter().sum::<f64>().max(f64::MIN_POSITIVE);
             for (sums, density) in sums.iter_mut().zip(densities) {
                 let share = density / total;
@@ -103,9 +101,12 @@ fn shape(values: &[f64]) -> ErrorDistribution {
             }
         }
         let next = sums.map(|[weight, sum, squares]| {
+            if weight == 0.0 {
+                return unused;
+            }
             let centre = sum / weight;
             let width = (squares / weight - centre * centre).max(0.0).sqrt().max(LEAST_WIDTH);
-            part(weight / values.len() as f64, centre, width)
+            NormalPart { share: weight / values.len() as f64, centre, width }
         });
         let change = next
             .iter()
@@ -117,6 +118,14 @@ fn shape(values: &[f64]) -> ErrorDistribution {
             break;
         }
     }
+    now
+}
+
+/// Fits three normal distributions to values.
+fn shape(values: &[f64]) -> ErrorDistribution {
+    let part = |share, centre, width| NormalPart { share, centre, width };
+    // A wing of moderate width and far flares; other starts end in a narrow second part of similar likelihood.
+    let now = mixture(values, [part(0.7, 0.2, 0.7), part(0.28, -1.1, 1.6), part(0.02, -3.4, 5.0)]);
     let likelihood = values.iter().map(|x| density(&now, *x).ln()).sum::<f64>() / values.len() as f64;
     println!("mean logarithm of the likelihood {likelihood:.5}");
     // Three decimals are more than the residuals determine.
@@ -124,6 +133,11 @@ fn shape(values: &[f64]) -> ErrorDistribution {
     let [core, wing, flares] = now.parts.map(|one| part(rounded(one.share), rounded(one.centre), rounded(one.width)));
     let core = NormalPart { share: rounded(1.0 - wing.share - flares.share), ..core };
     ErrorDistribution { parts: [core, wing, flares] }
+}
+
+/// Returns the shape of the held-out points of all kinds, optionally without one default model.
+pub fn common_shape(data: &Path, without: Option<&str>) -> ErrorDistribution {
+    common(&held_out(data), without)
 }
 
 /// Returns the shape of all kinds, optionally without one of them.

@@ -4,6 +4,7 @@
 mod common;
 
 mod alarms;
+mod before_after;
 mod default_models;
 mod error_distributions;
 mod fit_closed_circle;
@@ -13,6 +14,7 @@ mod learning;
 mod measured;
 mod measured_real;
 mod model_validation;
+mod night_offsets;
 mod outside_geometry;
 mod pass_update;
 #[path = "../common/simulated_photometry.rs"]

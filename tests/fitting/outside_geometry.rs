@@ -7,7 +7,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use streakcast::fit::{FitPoint, Problem, predict, range_of};
+use streakcast::fit::{FitPoint, Problem, median_mag, predict, range_of};
 use streakcast::photometry::{BrightnessModel, Earthshine, ErrorDistribution, ModelLibrary, PhotometryOptions};
 
 use super::survey::{GroupMean, SURVEYS, Weighted, log_density};
@@ -140,6 +140,44 @@ fn table(all: &[Outside]) -> String {
     }
     row("all", &all.iter().collect::<Vec<_>>());
     table
+}
+
+/// Models with a forward lobe that are fitted without the largest phase angles: kind, share of the points that are left
+/// out, and median of the residuals of these points.
+fn beyond_the_largest_phase(data: &Path) -> Vec<(&'static str, f64, f64)> {
+    let mut found = Vec::new();
+    for survey in &SURVEYS {
+        let candidate = &survey.models[0];
+        let json = ModelLibrary::embedded().get(candidate.name).unwrap().file().unwrap().to_json();
+        if !json.contains("\"straight\"") {
+            continue;
+        }
+        let (points, recipe) = (survey.points(data), survey.recipe(candidate).unwrap());
+        let mut sorted: Vec<f64> = points.iter().map(ANGLES[2]).collect();
+        sorted.sort_by(f64::total_cmp);
+        for share in SHARES {
+            let bound = sorted[sorted.len() - 1 - (share * sorted.len() as f64) as usize];
+            let (left_out, seen): (Vec<FitPoint>, Vec<FitPoint>) =
+                points.iter().copied().partition(|point| ANGLES[2](point) > bound);
+            let fit = Problem::new(&*recipe.form, &seen, &recipe.settings).unwrap().solve().unwrap();
+            let predicted = predict(&*recipe.form, &left_out, &fit.values());
+            let residuals = left_out.iter().zip(predicted).filter(|(_, predicted)| predicted.is_finite());
+            let residuals: Vec<(f64, f64)> =
+                residuals.map(|(point, predicted)| (point.magnitude - predicted, point.weight)).collect();
+            found.push((candidate.name, share, median_mag(&residuals)));
+        }
+    }
+    found
+}
+
+/// The strength of a forward lobe does not follow from smaller phase angles.
+#[test]
+fn valid_errors_beyond_the_largest_phase_of_models_with_a_forward_lobe() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let found = beyond_the_largest_phase(&data);
+    println!("{found:.2?}");
+    let largest = found.iter().map(|(_, _, mag)| mag.abs()).fold(0.0, f64::max);
+    assert!(largest > CONSTANT_MAG, "{found:?}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::path::Path;
 use streakcast::fit::{FitPoint, HeldOutPoint};
 use streakcast::photometry::{ErrorDistribution, pass_correlation};
 
-use super::survey::{GroupMean, SURVEYS, Weighted, log_density, median_and_sigma_mag};
+use super::survey::{GroupMean, SURVEYS, Weighted, in_order_of_held_out, log_density, median_and_sigma_mag};
 
 /// Distances between the two measurements, degrees.
 const DISTANCES_DEG: [[f64; 2]; 4] = [[0.3, 3.0], [3.0, 8.0], [8.0, 15.0], [15.0, 30.0]];
@@ -38,13 +38,12 @@ fn kinds(data: &Path) -> Vec<Kind> {
         let points = survey.points(data);
         let held_out = survey.held_out(&survey.models[0], &points);
         let [median, sigma] = median_and_sigma_mag(held_out.iter());
-        // Held-out points are in the order of the points within each fold: matched by group and magnitude.
-        let key = |group: u32, magnitude: f64| (group, magnitude.to_bits());
-        let geometries: BTreeMap<_, &FitPoint> =
-            points.iter().map(|point| (key(point.group, point.magnitude), point)).collect();
+        let ordered = in_order_of_held_out(&points);
+        assert_eq!(ordered.len(), held_out.len());
         let mut passes = BTreeMap::<u32, Vec<(&FitPoint, &HeldOutPoint)>>::new();
-        for one in &held_out {
-            passes.entry(one.group).or_default().push((geometries[&key(one.group, one.observed_mag)], one));
+        for (point, one) in ordered.iter().zip(&held_out) {
+            assert_eq!(point.magnitude, one.observed_mag);
+            passes.entry(one.group).or_default().push((point, one));
         }
         let mut pairs = vec![Vec::new(); DISTANCES_DEG.len() + 1];
         for (group, pass) in &passes {

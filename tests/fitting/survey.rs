@@ -193,6 +193,14 @@ fn folds(points: &[FitPoint]) -> Vec<usize> {
     points.iter().map(|point| groups.partition_point(|&other| other < point.group) % FOLDS).collect()
 }
 
+/// Returns the points in the order in which `compare_forms` returns held-out points: by fold. All of them must be
+/// explained by the forms that are compared.
+pub fn in_order_of_held_out(points: &[FitPoint]) -> Vec<FitPoint> {
+    let folds = folds(points);
+    let of_fold = |fold: usize| points.iter().zip(&folds).filter(move |(_, of)| **of == fold).map(|(point, _)| *point);
+    (0..FOLDS).flat_map(of_fold).collect()
+}
+
 /// Value of one held-out point, with its weight and group.
 #[derive(Copy, Clone)]
 pub struct Weighted {

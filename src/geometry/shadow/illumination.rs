@@ -33,8 +33,9 @@ use crate::frames::{Gcrs, Position};
 
 /// Illumination of a satellite: sunlit, penumbra or umbra.
 ///
-/// A satellite is lit unless it is in the umbra ([`Illumination::is_lit`]). Passes, streak lengths, lost pixels and the
-/// truth of injected streaks use this rule.
+/// A satellite is lit unless it is in the umbra ([`Illumination::is_lit`]). Crossings, streak lengths, lost pixels, the
+/// truth of injected streaks and statistics use this rule, and the selection of visible passes. The visible part of a
+/// pass ends at the edge of the geometric shadow, if a part of the pass is outside of it.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Illumination {
     /// The whole disk of the Sun is visible; with [`ShadowModel::Atmosphere`], at least 99 % of its light arrives, and

@@ -1,0 +1,59 @@
+//! Predicted magnitudes of measured streaks, corrected by earlier streaks of the same pass.
+
+use hifitime::Epoch;
+
+use super::frame::MeasuredPass;
+use super::measurement::{Estimate, Flag};
+use crate::elements::NoradId;
+use crate::frames::seconds_between;
+use crate::passes::LONGEST_PASS_GAP_S;
+use crate::photometry::{PassResidual, PassUpdate};
+
+/// Flags of streaks that correct no others: limits, fluxes of less than half of a streak, and streaks that may be of
+/// another satellite.
+const UNUSED_FLAGS: [Flag; 3] = [Flag::Saturated, Flag::Masked, Flag::Position];
+/// Largest number of earlier streaks that are used, the last ones.
+const MOST_OF_A_PASS: usize = 40;
+
+/// Sets the corrected predictions of streaks that follow other streaks of the same satellite by at most 20 minutes, in
+/// any order of the frames. The predictions of the streaks must be without other measurements.
+///
+/// The frames may have different bands: the error of the colour is part of that of each residual.
+pub(crate) fn predict_within_passes<'a>(streaks: impl IntoIterator<Item = &'a mut MeasuredPass>) {
+    let mut streaks: Vec<&mut MeasuredPass> = streaks.into_iter().collect();
+    let mut known: Vec<(NoradId, Epoch, PassResidual)> = streaks.iter().filter_map(|one| residual(one)).collect();
+    known.sort_by_key(|(_, epoch, _)| *epoch);
+    for one in &mut streaks {
+        let satellite = &one.prediction.satellite;
+        let (Some(id), Some(light), Some(geometry)) = (satellite.norad_id, &satellite.brightness, &satellite.geometry)
+        else {
+            continue;
+        };
+        let is_earlier = |(of, epoch, _): &&(NoradId, Epoch, PassResidual)| {
+            *of == id && *epoch < one.epoch && seconds_between(one.epoch, *epoch) <= LONGEST_PASS_GAP_S
+        };
+        let earlier = known.iter().rev().filter(is_earlier).take(MOST_OF_A_PASS).map(|(_, _, residual)| *residual);
+        let update = PassUpdate::new(earlier.collect());
+        one.of_pass = update.map(|update| {
+            let light = update.apply(geometry, light.clone());
+            Estimate { value: light.magnitude.0, sigma: light.sigma_mag }
+        });
+    }
+}
+
+/// Returns the residual of a streak that may correct others.
+fn residual(one: &MeasuredPass) -> Option<(NoradId, Epoch, PassResidual)> {
+    let satellite = &one.prediction.satellite;
+    let (id, light, geometry) = (satellite.norad_id?, satellite.brightness.as_ref()?, satellite.geometry?);
+    let is_doubtful = UNUSED_FLAGS.iter().any(|flag| one.measured.flags.contains(flag));
+    let magnitude = one.magnitude.filter(|_| one.is_calibrated && !is_doubtful)?;
+    // Errors of the prediction apart from the scatter: colour and position.
+    let more_mag = (light.sigma_mag.powi(2) - light.scatter_mag.powi(2)).max(0.0).sqrt();
+    let residual = PassResidual {
+        geometry,
+        residual_mag: magnitude.value - light.magnitude.0,
+        scatter_mag: light.scatter_mag,
+        error_mag: more_mag.hypot(magnitude.sigma),
+    };
+    Some((id, one.epoch, residual))
+}
