@@ -50,7 +50,7 @@ impl OrbitingObserver {
             limb,
             limits: PointingLimits::default(),
             ephemerides: Vec::new(),
-            class: Some(OrbitClass::of(elements, DragModel::default())),
+            class: Some(OrbitClass::from_elements(elements, DragModel::default())),
             same: Vec::new(),
             other: None,
         })

@@ -221,7 +221,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
 fn summary(prediction: &Prediction, found: &[Pass]) {
     let Prediction { exposure, plan, options, limit_mag, prepared, notices, .. } = prediction;
     let band = Some(options.photometry.band.name());
-    let surface = plan.policy.limit_surface_brightness.as_ref().and_then(|limit| limit.of(band));
+    let surface = plan.policy.limit_surface_brightness.as_ref().and_then(|limit| limit.limit_in(band));
     let limits = [limit_mag.map(|limit| format!("mag {limit}")), surface.map(|limit| format!("{limit} mag/arcsec2"))];
     let limits: Vec<String> = limits.into_iter().flatten().collect();
     if limits.is_empty() {
