@@ -180,7 +180,7 @@ impl Unit {
     pub fn find(&self, accepted: &[&str], names: &[String]) -> Result<Option<usize>, UnitError> {
         let positions =
             |name: &&str| -> Vec<usize> { (0..names.len()).filter(|&index| names[index] == **name).collect() };
-        let own = accepted.iter().map(|name| positions(name)).find(|found| !found.is_empty());
+        let own = accepted.iter().map(positions).find(|found| !found.is_empty());
         let found = own.unwrap_or_else(|| self.columns(accepted, names));
         match found[..] {
             [] => Ok(None),
