@@ -671,7 +671,7 @@ fn the_telescope_is_recognised_by_its_orbit() {
     // A number that no satellite has, and the right one.
     let (sky, found) = seen_from(all(), &numbered(99_999)).recognising_observer(start, end);
     assert_eq!((found.by_orbit, found.other_orbit), (vec![0], None));
-    assert_eq!(crossing(&sky).contains(&20_580), false);
+    assert!(!crossing(&sky).contains(&20_580));
     let (_, found) = seen_from(all(), &numbered(20_580)).recognising_observer(start, end);
     assert_eq!((found.by_orbit, found.other_orbit), (vec![], None));
     // An element set of the telescope with another number; two docked spacecraft.
