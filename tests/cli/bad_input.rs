@@ -99,6 +99,19 @@ fn an_output_never_replaces_an_input_or_another_output() {
     fails(&[forecast, SITE, SHELLS], &["new.csv is also another output", "allowed: another file"]);
     assert_eq!(fs::read_to_string(&schedule).unwrap(), text);
     assert!(!Path::new(&new).exists());
+    // Files whose names follow from those of others.
+    let derived = file(&folder, "new.streaks.csv", text.as_bytes());
+    let mut annotate = flag(&derived);
+    annotate[0] = "annotate";
+    fails(
+        &[&annotate, &["-o", &new]],
+        &["new.streaks.csv, which is the schedule", "allowed: an output of another name"],
+    );
+    let data = file(&folder, "night-data.ecsv", text.as_bytes());
+    let picture = folder.path().join("night.png").display().to_string();
+    let plot = ["plot", "night", "--schedule", &data, "-o", &picture];
+    fails(&[&plot, SITE, SHELLS, &["--fov", "3deg"]], &["night-data.ecsv is also an input"]);
+    assert_eq!([&derived, &data].map(|path| fs::read_to_string(path).unwrap()), [text.clone(), text.clone()]);
     // A hard link is another file, which is replaced as a whole.
     assert_eq!(run(&[&flags, &["-o", &link]]).0, 0);
     assert_eq!(fs::read_to_string(&schedule).unwrap(), text);
@@ -517,11 +530,7 @@ fn misspelt_columns_are_suggested_and_other_encodings_named() {
     schedule(
         "m.csv",
         misspelt,
-        &[
-            "exposure_id (did you mean Exposure ID?)",
-            "duration_s (did you mean duraton_s?)",
-            "ra_deg (did you mean RA_deg?), dec_deg;",
-        ],
+        &["exposure_id (rename Exposure ID?)", "duration_s (rename duraton_s?)", "ra_deg (rename RA_deg?), dec_deg;"],
     );
     // Byte 0xf3 is ó in Latin-1.
     let latin = [HEADER.as_bytes(), b"Pach\xf3n,2024-08-14T03:30:00Z,30,280,-30\n"].concat();

@@ -280,3 +280,40 @@ fn targets_have_the_units_of_their_columns() {
     // The unit at the end of a name counts as well.
     assert_eq!(expected, targets("name,ra_hourangle,dec_arcmin,exposure_min\na,18.8,-1800,5\n"));
 }
+
+/// The height of the limb of a telescope in orbit has no effect if a flag gives a site, and a limit may be written as on
+/// the command line.
+#[test]
+fn a_file_of_a_telescope_in_orbit_serves_a_site_and_limits_may_be_text() {
+    let folder = TempDir::new().unwrap();
+    let verb = [EXPOSURE, SATELLITES, &["--fov", "3deg"]];
+    for site in [SITE, &["--site", "Paranal"]] {
+        let text = "limb_height_km = 100\n";
+        assert_eq!(run_with(&[&verb.concat(), site], &config(&folder, text)).0, 0);
+    }
+    fails(&[&verb.concat()], &config(&folder, "limb_height_km = 100\n"), &["missing"]);
+    fails(&[&verb.concat()], &config(&folder, "mpc = 'X05'\nlimb_height_km = 100\n"), &["telescope in orbit for"]);
+    let schedule = schedule(&folder);
+    let flag = ["flag", "--schedule", &schedule, "--fov", "3deg"];
+    let limits = |text: &str| {
+        json_with(&[&flag, SATELLITES, SITE], &config(&folder, text))["provenance"]["options"]["policy"].clone()
+    };
+    assert_eq!(limits("limit_mag = 'g=7,default=6'\n"), limits("[limit_mag]\ng = 7\ndefault = 6\n"));
+    assert_eq!(limits("limit_mag = '7'\n"), limits("limit_mag = 7\n"));
+    fails(&[&flag, SATELLITES, SITE], &config(&folder, "limit_mag = 'g=x'\n"), &["line 1: limit_mag"]);
+}
+
+/// Every verb has a table, and the provenance names all files with settings.
+#[test]
+fn mask_has_a_table_and_files_of_settings_are_in_the_provenance() {
+    let folder = TempDir::new().unwrap();
+    let policy = path(&folder, "p.toml");
+    fs::write(&policy, "limit_mag = 3\n").unwrap();
+    let verb = [EXPOSURE, SATELLITES, SITE, &["--fov", "3deg"]].concat();
+    let found = json_with(&[&verb], &config(&folder, "policy = 'p.toml'\n[mask]\ncoverage = 0.9\n"));
+    let files = found["provenance"]["settings_files"].as_array().unwrap();
+    let names: Vec<&str> = files.iter().filter_map(|file| file["file"].as_str()).collect();
+    assert!(names.len() == 2 && names[0].ends_with("obs.toml") && names[1].ends_with("p.toml"), "{names:?}");
+    assert_eq!(files[1]["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!(json(&[&verb])["provenance"].get("settings_files"), None);
+}

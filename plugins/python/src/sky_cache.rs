@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use streakcast::Watch;
 use streakcast::config::{Config, ConfigError, LoadedInputs, PreparedSky};
 use streakcast::frames::{mjd_utc, seconds_after};
+use streakcast::message::bounded;
 use streakcast::output::{Section, write_json};
 
 use crate::exposures::start_of;
@@ -184,7 +185,7 @@ pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
         let text = error.to_string();
         // The position in the generated JSON text is omitted.
         let end = text.find(" at line ").unwrap_or(text.len());
-        failure::SetupError::new_err(text[..end].to_owned())
+        failure::SetupError::new_err(bounded(&text[..end]).into_owned())
     })?;
     match config {
         Some(path) => {

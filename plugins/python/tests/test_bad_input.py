@@ -31,7 +31,7 @@ GOOD = {"mpc": "X05", "shells": "starlink-gen1", "fov": "3.5deg"}
     ],
 )
 def test_bad_numbers(model, ra, dec, exposure, rotation, message):
-    for method in (model.assess, model.flags, model.passes):
+    for method in (model.assess, model.flag, model.passes):
         with pytest.raises(ValueError, match=message):
             method((ra, dec), START, exposure, rotation=rotation)
 
@@ -53,7 +53,7 @@ def test_invalid_targets(model, target):
     ],
 )
 def test_a_list_of_positions_is_not_read_as_two_axes(model, target):
-    for method in (model.assess, model.flags, model.passes):
+    for method in (model.assess, model.flag, model.passes):
         with pytest.raises(TypeError, match="target is a list of sequences; .* an array of right ascensions and an array of decl"):
             method(target, START, 30.0)
 
@@ -340,3 +340,46 @@ def test_tables_of_verbs_are_for_the_command_line(tmp_path):
     path.write_text("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '1deg'\n[forcast]\nmax_mag = 5\n")
     with pytest.raises(streakcast.SetupError, match="unknown key 'forcast'; did you mean forecast"):
         streakcast.StreakModel(config=path).assess(TARGET, START, 30.0)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [dict(lat=np.ma.masked, lon=-70.0), dict(lat=-30.0, lon=-70.0, height=np.ma.masked), dict(mpc="X05", extinction=np.ma.masked),
+     dict(mpc="X05", limit_mag=np.ma.masked), dict(mpc="X05", policy={"limit_mag": np.ma.masked})],
+)  # fmt: skip
+def test_masked_settings_are_errors(arguments):
+    with pytest.raises(ValueError, match="is masked"):
+        streakcast.StreakModel(shells="starlink-gen1", fov="3.5deg", **arguments)
+
+
+def test_bands_as_bytes_have_their_limits():
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="3.5deg", limit_mag={"z": 3, "g": 8, "default": -5})
+    verdicts = [model.assess(TARGET, START, 30.0, band=band).verdict for band in ("g", b"g", np.array([b"g"]), np.array(["g"]))]
+    assert verdicts[0] == "avoid" and {str(np.ravel(verdict)[0]) for verdict in verdicts} == {"avoid"}
+    with pytest.raises(TypeError, match="band is of the type int64"):
+        model.assess(TARGET, START, 30.0, band=3)
+
+
+def test_options_of_one_question_replace_each_other():
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="1deg", limit_mag=7)
+    rubin = model.with_options(telescope="rubin")
+    assert rubin.field_area_deg2 == streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin").field_area_deg2
+    assert rubin.with_options(fov="1deg").field_area_deg2 == pytest.approx(0.785, abs=1e-3)
+    field = model.with_options(field={"circle_deg": 2.0})
+    assert field.field_area_deg2 == pytest.approx(3.14, abs=0.01)
+    wide = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
+    assert wide.assess(TARGET, START, 30.0).verdict == "avoid"
+    assert wide.with_options(policy={"limit_mag": 3}).assess(TARGET, START, 30.0).verdict == "streaked"
+
+
+def test_errors_are_short_and_name_the_nearest_argument():
+    with pytest.raises(TypeError, match="did you mean limit_mag?"):
+        streakcast.StreakModel(mpc="X05", shells="starlink-gen1", limt_mag=7)
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="1deg")
+    with pytest.raises(TypeError, match="did you mean fov?"):
+        model.with_options(fovv="1deg")
+    long = "z" * 5000
+    for arguments in ({long: 1}, {"policy": {long: 1}}, {"limit_mag": long}, {"band": [long]}):
+        with pytest.raises((TypeError, streakcast.SetupError)) as caught:
+            streakcast.StreakModel(mpc="X05", shells="starlink-gen1", fov="1deg", **arguments)
+        assert len(str(caught.value)) <= 1000

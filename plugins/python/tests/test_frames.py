@@ -352,3 +352,14 @@ def test_remarks_name_the_columns_that_are_not_used(tmp_path):
     table.write_text("x1_pix,y1_pix,x2_pix,y2_pix,magnitude,colour\n10,10,90,60,5,blue\n")
     done = streakcast.inject(pixels("float32"), header=header(), streaks=table, seeing="1arcmin")
     assert any("columns that are not used: colour" in remark for remark in done.remarks)
+
+
+@pytest.mark.parametrize("form", ["columns", "rows", "table"])
+def test_streaks_whose_names_begin_with_a_hash_are_kept(form):
+    from astropy.table import QTable
+
+    columns = dict(id=["#a", "b"], x1_pix=[10.0, 20.0], y1_pix=[10.0, 20.0], x2_pix=[90.0, 80.0], y2_pix=[60.0, 90.0], magnitude=[5.0, 6.0])
+    rows = [dict(zip(columns, row)) for row in zip(*columns.values())]
+    streaks = {"columns": columns, "rows": rows, "table": QTable(columns)}[form]
+    done = streakcast.inject(pixels("float32"), header=header(), streaks=streaks, seeing="1arcmin")
+    assert [str(name) for name in done.truth["name"]] == ["#a", "b"]

@@ -177,7 +177,7 @@ fn with_hint(missing: &str, names: &[String]) -> String {
         .map(|(key, name)| (strsim::levenshtein(&expected, &key), key, name))
         .filter(|(distance, key, _)| 3 * distance <= expected.len() || (key.len() > 1 && expected.starts_with(&**key)))
         .min_by_key(|(distance, ..)| *distance);
-    near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (did you mean {name}?)"))
+    near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (rename {name}?)"))
 }
 
 /// Returns the names as a list, shortened if there are many.
@@ -323,7 +323,7 @@ mod tests {
         let message = find(&["exposure_id", "ra", "dec_deg", "start_mjd"]).unwrap_err().to_string();
         assert!(
             message.starts_with(
-                "schedule night.csv: missing duration_s, ra_deg (did you mean ra?); found exposure_id, ra, dec_deg"
+                "schedule night.csv: missing duration_s, ra_deg (rename ra?); found exposure_id, ra, dec_deg"
             ),
             "{message}"
         );

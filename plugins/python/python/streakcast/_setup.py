@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping
+from difflib import get_close_matches
 
 import numpy as np
 
@@ -53,12 +54,19 @@ def document(arguments: Mapping[str, object]) -> dict[str, Json]:
             continue
         name = "time_scale" if key == "mjd_scale" else key
         if name not in SKY_KEYS and name not in ENGINE_KEYS:
-            allowed = ", ".join(sorted(SKY_KEYS | ENGINE_KEYS - {"time_scale"} | {"config", "epoch", "mjd_scale"}))
-            raise TypeError(f"StreakModel has no argument '{key}'; allowed: {allowed}")
+            known = sorted(SKY_KEYS | ENGINE_KEYS - {"time_scale"} | {"config", "epoch", "mjd_scale"})
+            nearest = get_close_matches(key, known, 1, 0.8)
+            hint = f"did you mean {nearest[0]}?" if nearest else f"allowed: {', '.join(known)}"
+            raise TypeError(f"StreakModel has no argument '{shortened(key)}'; {hint}")
         given[name] = _CONVERTERS.get(key, _plain)(key, value)
         _check_kind(key, given[name])
         _check_finite(key, given[name])
     return given
+
+
+def shortened(text: str) -> str:
+    """Returns a given text as shown in errors: its first 60 characters."""
+    return text if len(text) <= 60 else f"{text[:60]}..."
 
 
 def _check_kind(key: str, value: Json) -> None:
@@ -68,7 +76,7 @@ def _check_kind(key: str, value: Json) -> None:
     kinds, allowed = _KINDS[key]
     # In Python, bool is a kind of int.
     if not isinstance(value, kinds) or (isinstance(value, bool) and bool not in kinds):
-        raise SetupError(f"{key} is {value!r}; allowed: {allowed}")
+        raise SetupError(f"{key} is {shortened(repr(value))}; allowed: {allowed}")
 
 
 def _check_finite(what: str, value: Json) -> None:
@@ -156,7 +164,7 @@ def _band(key: str, value: object) -> Json:
     """Returns names of bands unchanged, and paths of response files as absolute paths."""
     text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
     if text is None:
-        raise SetupError(f"{key} is {value!r}; allowed: a string")
+        raise SetupError(f"{key} is {shortened(repr(value))}; allowed: a string")
     return absolute(text) if "." in text or os.sep in text else text
 
 

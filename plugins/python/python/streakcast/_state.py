@@ -8,12 +8,13 @@ import os
 import re
 import threading
 import weakref
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 
 from . import _core
-from ._setup import ENGINE_KEYS, SKY_KEYS, document
+from ._setup import ENGINE_KEYS, SKY_KEYS, document, shortened
 from ._times import to_tai
 from ._warnings import warn
 from .errors import ChangedFileError
@@ -133,7 +134,10 @@ class ModelState:
         sky_cache, _ = self._open()
         for key in changes:
             if key != "mjd_scale" and key not in ENGINE_KEYS:
-                raise TypeError(f"with_options has no argument '{key}'; create a new StreakModel for other satellites or sites")
+                reason = "create a new StreakModel for other satellites or sites"
+                nearest = get_close_matches(key, sorted(ENGINE_KEYS), 1, 0.8)
+                hint = f"did you mean {nearest[0]}?" if nearest and key not in SKY_KEYS else reason
+                raise TypeError(f"with_options has no argument '{shortened(key)}'; {hint}")
         given = document(changes)
         # Options that answer the same question are replaced together: a telescope also has a field, a policy has limits.
         removed = {"time_scale" if key == "mjd_scale" else key for key in changes} | set(_core.replaced_keys(list(given)))
