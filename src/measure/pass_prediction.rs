@@ -25,8 +25,7 @@ pub(crate) fn predict_within_passes<'a>(streaks: impl IntoIterator<Item = &'a mu
     known.sort_by_key(|(_, epoch, _)| *epoch);
     for one in &mut streaks {
         let satellite = &one.prediction.satellite;
-        let (Some(id), Some(light), Some(geometry)) =
-            (satellite.norad_id, &satellite.brightness, &satellite.geometry)
+        let (Some(id), Some(light), Some(geometry)) = (satellite.norad_id, &satellite.brightness, &satellite.geometry)
         else {
             continue;
         };

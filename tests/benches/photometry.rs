@@ -57,8 +57,7 @@ fn brightness_1000_with_earthshine(bencher: Bencher, sun_deg: f64) {
 }
 
 /// Models of the kinds of satellites with photometry.
-const MODELS: [&str; 5] =
-    ["starlink-v1.5-facets", "v2mini-panels", "visorsat-panels", "oneweb-panels", "iridium-next"];
+const MODELS: [&str; 5] = ["starlink-v1.5-facets", "v2mini-panels", "visorsat-panels", "oneweb-panels", "iridium-next"];
 
 /// Default models, with sunlight only.
 #[divan::bench(args = MODELS)]

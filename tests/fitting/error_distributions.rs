@@ -89,8 +89,9 @@ pub fn mixture(values: &[f64], start: [NormalPart; 3]) -> ErrorDistribution {
     for _ in 0..MOST_ITERATIONS {
         let mut sums = [[0.0_f64; 3]; 3];
         for x in values {
-            let densities =
-                now.parts.map(|of| if of.share > 0.0 { density(&ErrorDistribution { parts: [of, unused, unused] }, *x) } else { 0.0 });
+            let densities = now.parts.map(|of| {
+                if of.share > 0.0 { density(&ErrorDistribution { parts: [of, unused, unused] }, *x) } else { 0.0 }
+            });
             let total: f64 = densities.iter().sum::<f64>().max(f64::MIN_POSITIVE);
             for (sums, density) in sums.iter_mut().zip(densities) {
                 let share = density / total;

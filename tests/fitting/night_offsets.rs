@@ -26,11 +26,8 @@ fn change_mag(points: &[HeldOutPoint], median_mag: f64, sigma_mag: f64, first: u
         let clipped = night[..first].iter().map(|(r, _)| r.clamp(-3.0 * sigma_mag, 3.0 * sigma_mag));
         // Best linear estimate of an offset with the correlation ρ: n ρ / (1 + (n - 1) ρ) times the mean.
         let offset = clipped.sum::<f64>() / n * n * CORRELATION / (1.0 + (n - 1.0) * CORRELATION);
-        let change = |(r, weight): &(f64, f64)| Weighted {
-            value: (r - offset).abs() - r.abs(),
-            weight: *weight,
-            group: *group,
-        };
+        let change =
+            |(r, weight): &(f64, f64)| Weighted { value: (r - offset).abs() - r.abs(), weight: *weight, group: *group };
         values.extend(night[first..].iter().map(change));
     }
     GroupMean::of(values)
@@ -44,7 +41,9 @@ fn valid_nights_have_no_common_offset() {
     let held_out = survey.held_out(&survey.models[0], &points);
     let [median_mag, sigma_mag] = median_and_sigma_mag(held_out.iter());
     let changes = [1, 10].map(|first| change_mag(&held_out, median_mag, sigma_mag, first));
-    println!("change of the mean absolute residual by the first and the first ten measurements of a night: {changes:.3?}");
+    println!(
+        "change of the mean absolute residual by the first and the first ten measurements of a night: {changes:.3?}"
+    );
     // Pairs of measurements of different nights in the same geometry.
     let ordered = in_order_of_held_out(&points);
     let mut pairs = Vec::new();
@@ -58,7 +57,10 @@ fn valid_nights_have_no_common_offset() {
         }
     }
     let scatter_mag = weighted_quantile(&mut pairs, 0.6827);
-    println!("{} pairs in the same geometry, scatter of a measurement {scatter_mag:.3} mag, sigma {sigma_mag:.3} mag", pairs.len());
+    println!(
+        "{} pairs in the same geometry, scatter of a measurement {scatter_mag:.3} mag, sigma {sigma_mag:.3} mag",
+        pairs.len()
+    );
     for change in changes {
         assert!(change.mean > -2.0 * change.error - 0.01, "an offset of nights would improve predictions: {change:?}");
     }
