@@ -84,8 +84,12 @@ fn verif_injected_streaks_of_satellites_have_their_magnitudes() {
 #[test]
 fn verif_a_streak_corrects_the_prediction_of_the_next_of_its_pass() {
     let folder = TempDir::new().unwrap();
+    let elements = published_constellation(&folder, "2026-08-14T00:00:00 UTC");
+    let satellites = [elements[0].as_str(), &elements[1], "--mpc", "X05", "--quiet"];
     let description = path(&folder, "wide.toml");
     let text = unrounded()
+        .replace("columns = 400", "columns = 1024")
+        .replace("rows = 300", "rows = 1024")
         .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
         .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
     fs::write(&description, text).unwrap();
@@ -97,12 +101,12 @@ fn verif_a_streak_corrects_the_prediction_of_the_next_of_its_pass() {
             let shot = ["--start", &start, "--exposure", "3s", "--ra", "198.9", "--dec", "7.7"];
             // The satellites are drawn with another model than the one that predicts them.
             let light = ["--seeing", "90arcsec", "--model", "oneweb"];
-            done(&[&["inject", "--synthetic", &description, "-o", &output], &shot, &light, SATELLITES]);
+            done(&[&["inject", "--synthetic", &description, "-o", &output], &shot, &light, &satellites]);
             output
         })
         .collect();
     let rows = |flags: &[&str]| {
-        let document = json(&[&["measure", &frames[1], &frames[0], "--seeing", "90arcsec"], flags, SATELLITES]);
+        let document = json(&[&["measure", &frames[1], &frames[0], "--seeing", "90arcsec"], flags, &satellites]);
         document["measurements"].as_array().unwrap().clone()
     };
     let found = rows(&[]);
@@ -133,7 +137,7 @@ fn verif_a_streak_corrects_the_prediction_of_the_next_of_its_pass() {
     assert!(compared >= 1, "{found:?}");
     // Tables of measured magnitudes correct the prediction of the model itself.
     let table = path(&folder, "first.csv");
-    done(&[&["measure", &frames[0], "--seeing", "90arcsec", "--format", "csv", "-o", &table], SATELLITES]);
+    done(&[&["measure", &frames[0], "--seeing", "90arcsec", "--format", "csv", "-o", &table], &satellites]);
     let given = rows(&["--measured", &table]);
     for (given, own) in given.iter().zip(&found) {
         assert!(given["pass_magnitude"].is_null(), "{given}");
