@@ -77,7 +77,7 @@ pub(super) fn of_own_satellites(
 ) -> Vec<String> {
     let left_out = (!left_out.is_empty()).then(|| {
         format!(
-            "{} left out, because it stays within 10 km of the observer {observer} and is taken as its part: {}",
+            "{} left out as part of the observer {observer}, always within 10 km of it: {}",
             counted(left_out.len(), "satellite is", "satellites are"),
             first_of(left_out)
         )
