@@ -8,6 +8,7 @@ use crate::photometry::Brightness;
 
 use super::flag_request::FlagRequest;
 use super::limits::SatelliteLimit;
+use super::tables::PassCost;
 use super::verdict_rules::{ExpectedLoss, peak_brightness};
 
 /// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.
@@ -114,16 +115,6 @@ impl FlagRequest<'_> {
         });
         Some(PassCost { streak_cost_s: cost.seconds(exposure.duration_s, share), p_bright })
     }
-}
-
-/// Expected cost of the streak of one pass.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct PassCost {
-    /// Expected cost, seconds of open shutter.
-    pub streak_cost_s: f64,
-    /// Probability that the streak, if there is one, is brighter per pixel than that of a satellite of the telescope's
-    /// `bright_mag` at 550 km, [0, 1].
-    pub p_bright: f64,
 }
 
 /// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure
