@@ -77,6 +77,7 @@ impl FlagRequest<'_> {
     /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
     /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is bright only by
     /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy.
+    #[doc(hidden)]
     pub fn pass_cost(
         &self,
         exposure: &Exposure,
