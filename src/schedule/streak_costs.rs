@@ -8,6 +8,7 @@ use crate::photometry::Brightness;
 
 use super::flag_request::FlagRequest;
 use super::limits::SatelliteLimit;
+use super::tables::PassCost;
 use super::verdict_rules::{ExpectedLoss, peak_brightness};
 
 /// Returns probabilities and expected losses of one exposure. `satellites` and `passes` are those of the exposure.
@@ -83,6 +84,7 @@ impl FlagRequest<'_> {
     /// The streak of a crossing has the length of the nominal streak (with `include_dark`, of the whole track in the
     /// field), that of a near miss the mean length of chords through the field. A satellite in shadow is bright only by
     /// thermal emission. `limit_mag` is the hard limit of the exposure, instead of `limit_mag` of the policy.
+    #[doc(hidden)]
     pub fn pass_cost(
         &self,
         exposure: &Exposure,
@@ -121,16 +123,6 @@ impl FlagRequest<'_> {
         });
         Some(PassCost { streak_cost_s: cost.seconds(exposure.duration_s, share), p_bright })
     }
-}
-
-/// Expected cost of the streak of one pass.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct PassCost {
-    /// Expected cost, seconds of open shutter.
-    pub streak_cost_s: f64,
-    /// Probability that the streak, if there is one, is brighter per pixel than that of a satellite of the telescope's
-    /// `bright_mag` at 550 km, [0, 1].
-    pub p_bright: f64,
 }
 
 /// Comparison of streaks with the `bright_mag` of a telescope. As for magnitude limits, the band of the exposure

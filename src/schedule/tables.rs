@@ -9,7 +9,6 @@ use crate::passes::{Chord, Exposure, Pass, TrackPoint};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 use super::scheduled::ScheduledExposure;
-use super::streak_costs::PassCost;
 use super::verdict::{Verdict, VerdictKind};
 
 /// Returns exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
@@ -231,6 +230,16 @@ pub struct StreakRow<'a> {
     pub limit_mag: Option<f64>,
     /// Expected cost of the pass ([`FlagRequest::pass_cost`](super::FlagRequest::pass_cost)); `None` without a telescope.
     pub cost: Option<PassCost>,
+}
+
+/// Expected cost of the streak of one pass.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PassCost {
+    /// Expected cost, seconds of open shutter.
+    pub streak_cost_s: f64,
+    /// Probability that the streak, if there is one, is brighter per pixel than that of a satellite of the telescope's
+    /// `bright_mag` at 550 km, [0, 1].
+    pub p_bright: f64,
 }
 
 /// Optional columns of a table of streaks.

@@ -49,7 +49,7 @@ fn passes_agree_in_every_format() {
                altitude_deg, azimuth_deg, range_km, height_km, phase_angle_deg, illumination, lit_fraction, magnitude, magnitude_sigma, \
                magnitude_peak, band, mag_system, mag_source, effective_magnitude, surface_brightness_mag_arcsec2, width_arcsec, \
                element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source, magnitude_peak_sigma, \
-               streak_cost_s";
+               streak_cost_s, p_bright";
     assert_eq!(names.join(", "), law);
     assert!(csv.lines().next().unwrap().starts_with("# software: \"streakcast\""));
     assert_eq!(records(&done(&[PASSES, SKY, &["--format", "ecsv"]])), rows);
@@ -66,6 +66,24 @@ fn passes_agree_in_every_format() {
             }
         }
     }
+}
+
+/// Share of a streak: the mask of two widths, and 8 % of a bright streak across the whole field.
+#[test]
+fn costs_follow_from_the_columns() {
+    let mut uncertain = 0;
+    let sky = ["--shells", "oneweb", "--mpc", "X05", "--quiet", "--telescope", "rubin"];
+    for pass in json(&[PASSES, &sky])["passes"].as_array().unwrap() {
+        let number = |name: &str| pass[name].as_f64().unwrap_or_else(|| panic!("{name} in {pass}"));
+        let [p, p_bright, length_deg, width_arcsec] =
+            ["probability", "p_bright", "streak_length_deg", "width_arcsec"].map(number);
+        let masked = length_deg * 2.0 * width_arcsec / 3600.0 / 314.16;
+        let expected_s = 120.0 * p * (masked + p_bright * 0.08 * length_deg / 20.0);
+        let cost_s = number("streak_cost_s");
+        assert!((cost_s - expected_s).abs() < 0.002 + 0.01 * cost_s, "{pass}: {expected_s} s");
+        uncertain += usize::from(p_bright > 0.02 && p_bright < 0.98);
+    }
+    assert!(uncertain > 0, "every streak is certainly bright or faint");
 }
 
 #[test]

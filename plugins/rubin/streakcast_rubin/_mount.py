@@ -111,18 +111,18 @@ class Mount:
         the visit of the row to that of the column. The readout is the shortest."""
         model = self.kinematics
         altitude, azimuth, _ = model.radec2altaz(np.asarray(visits["RA"], dtype=float), np.asarray(visits["dec"], dtype=float), now)
+        n = len(altitude)
+        start, end = np.repeat(np.arange(n), n), np.tile(np.arange(n), n)
         kept, model.overhead = model.overhead, model.readtime
         try:
-            rows = [
-                model.slew_times(
-                    None, None, now, bandname=None, alt_rad=altitude, az_rad=azimuth,
-                    starting_alt_rad=altitude[row], starting_az_rad=azimuth[row],
-                )
-                for row in range(len(altitude))
-            ]  # fmt: skip
+            # One call for all pairs: the function accepts arrays of one dimension.
+            times_s = model.slew_times(
+                None, None, now, bandname=None, alt_rad=altitude[end], az_rad=azimuth[end],
+                starting_alt_rad=altitude[start], starting_az_rad=azimuth[start],
+            )  # fmt: skip
         finally:
             model.overhead = kept
-        return np.asarray(rows, dtype=float)
+        return np.asarray(times_s, dtype=float).reshape(n, n)
 
     def _place(self, conditions: Any, now: float) -> None:
         """Sets the kinematic model to the position of the telescope."""

@@ -180,7 +180,7 @@ def _read(annotated: Database) -> dict[str, npt.NDArray[Any]]:
     names = ("observationId", *OBSERVATIONS, "band", *FLAGS)
     columns = dict(zip(names, zip(*rows) if rows else ((),) * len(names)))
     visits = columns.pop("observationId")
-    columns["p_bright"] = [None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits]
+    columns["p_bright"] = tuple(None if p_bright is None else p_bright.get(str(one), 0.0) for one in visits)
     texts = {name: np.array([str(one) for one in columns.pop(name)], dtype=object) for name in ("verdict", "band")}
     numbers = {name: np.array([one if isinstance(one, (int, float)) else np.nan for one in column], dtype=float) for name, column in columns.items()}
     finite = np.isfinite(numbers["streak_cost_s"]) & np.isfinite(numbers["n_streaks"]) & np.isfinite(numbers["visitExposureTime"])

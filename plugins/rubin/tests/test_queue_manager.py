@@ -7,7 +7,7 @@ import pytest
 from conftest import ids, manager_of
 from streakcast_rubin._candidates import OPEN_SHARE, candidates, choose, detours_s
 from streakcast_rubin._costs import costs_of, with_costs
-from streakcast_rubin._mount import Openings
+from streakcast_rubin._mount import Mount, Openings
 
 
 #: Cost of a crossed visit, seconds, which is worth all detours of these tests.
@@ -97,6 +97,19 @@ def test_detours_are_those_of_the_path():
     expected = [path_s([k, *[one for one in range(6) if one != k]]) - path_s([*range(6)]) for k in range(6)]
     assert np.allclose(detours_s(slew_s, between_s), expected, atol=1e-12)
     assert detours_s(slew_s[:1], between_s[:1, :1]).tolist() == [0.0]
+
+
+def test_slews_between_visits_are_single_slews(ready):
+    mount, visits = Mount(), np.asarray(ready.scheduler.queue_manager.desired_observations_array)[:5]
+    now = float(np.max(ready.scheduler.conditions.mjd))
+    between_s, model = mount.between(now, visits), mount.kinematics
+    altitude, azimuth, _ = model.radec2altaz(visits["RA"], visits["dec"], now)
+    for start in range(5):
+        for end in range(5):
+            one = {"alt_rad": altitude[[end]], "az_rad": azimuth[[end]]}
+            single_s = model.slew_times(None, None, now, starting_alt_rad=altitude[start], starting_az_rad=azimuth[start], **one)
+            assert between_s[start, end] == max(single_s[0], model.readtime)
+    assert between_s.max() > 1.2 * model.readtime
 
 
 def test_cost_plus_detour_is_least():
