@@ -21,20 +21,20 @@ const MOST_OF_A_PASS: usize = 40;
 /// The frames may have different bands: the error of the colour is part of that of each residual.
 pub(crate) fn predict_within_passes<'a>(streaks: impl IntoIterator<Item = &'a mut MeasuredPass>) {
     let mut streaks: Vec<&mut MeasuredPass> = streaks.into_iter().collect();
-    let mut known: Vec<(NoradId, Epoch, PassResidual)> = streaks.iter().filter_map(|one| residual(one)).collect();
+    let mut known: Vec<(NoradId, Epoch, PassResidual)> = streaks.iter().filter_map(|pass| residual(pass)).collect();
     known.sort_by_key(|(_, epoch, _)| *epoch);
-    for one in &mut streaks {
-        let satellite = &one.prediction.satellite;
+    for pass in &mut streaks {
+        let satellite = &pass.prediction.satellite;
         let (Some(id), Some(light), Some(geometry)) = (satellite.norad_id, &satellite.brightness, &satellite.geometry)
         else {
             continue;
         };
         let is_earlier = |(of, epoch, _): &&(NoradId, Epoch, PassResidual)| {
-            *of == id && *epoch < one.epoch && seconds_between(one.epoch, *epoch) <= LONGEST_PASS_GAP_S
+            *of == id && *epoch < pass.epoch && seconds_between(pass.epoch, *epoch) <= LONGEST_PASS_GAP_S
         };
         let earlier = known.iter().rev().filter(is_earlier).take(MOST_OF_A_PASS).map(|(_, _, residual)| *residual);
         let update = PassUpdate::new(earlier.collect());
-        one.of_pass = update.map(|update| {
+        pass.of_pass = update.map(|update| {
             let light = update.apply(geometry, light.clone());
             Estimate { value: light.magnitude.0, sigma: light.sigma_mag }
         });
@@ -42,11 +42,11 @@ pub(crate) fn predict_within_passes<'a>(streaks: impl IntoIterator<Item = &'a mu
 }
 
 /// Returns the residual of a streak that may correct others.
-fn residual(one: &MeasuredPass) -> Option<(NoradId, Epoch, PassResidual)> {
-    let satellite = &one.prediction.satellite;
+fn residual(pass: &MeasuredPass) -> Option<(NoradId, Epoch, PassResidual)> {
+    let satellite = &pass.prediction.satellite;
     let (id, light, geometry) = (satellite.norad_id?, satellite.brightness.as_ref()?, satellite.geometry?);
-    let is_doubtful = UNUSED_FLAGS.iter().any(|flag| one.measured.flags.contains(flag));
-    let magnitude = one.magnitude.filter(|_| one.is_calibrated && !is_doubtful)?;
+    let is_doubtful = UNUSED_FLAGS.iter().any(|flag| pass.measured.flags.contains(flag));
+    let magnitude = pass.magnitude.filter(|_| pass.is_calibrated && !is_doubtful)?;
     // Errors of the prediction apart from the scatter: colour and position.
     let more_mag = (light.sigma_mag.powi(2) - light.scatter_mag.powi(2)).max(0.0).sqrt();
     let residual = PassResidual {
@@ -55,5 +55,5 @@ fn residual(one: &MeasuredPass) -> Option<(NoradId, Epoch, PassResidual)> {
         scatter_mag: light.scatter_mag,
         error_mag: more_mag.hypot(magnitude.sigma),
     };
-    Some((id, one.epoch, residual))
+    Some((id, pass.epoch, residual))
 }

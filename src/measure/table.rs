@@ -139,7 +139,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             3,
             "Column of the first end of the measured streak in the frame, from 1 as in FITS.",
         ),
-        |one| found(one, one.measured.ends_in_frame()[0].fits()[0]),
+        |pass| found(pass, pass.measured.ends_in_frame()[0].fits()[0]),
     ),
     TableField::new(
         Column::real(
@@ -148,7 +148,7 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             3,
             "Row of the first end of the measured streak in the frame, from 1 as in FITS.",
         ),
-        |one| found(one, one.measured.ends_in_frame()[0].fits()[1]),
+        |pass| found(pass, pass.measured.ends_in_frame()[0].fits()[1]),
     ),
     TableField::new(
         Column::real(
@@ -157,11 +157,11 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             3,
             "Column of the last end of the measured streak in the frame, from 1 as in FITS.",
         ),
-        |one| found(one, one.measured.ends_in_frame()[1].fits()[0]),
+        |pass| found(pass, pass.measured.ends_in_frame()[1].fits()[0]),
     ),
     TableField::new(
         Column::real("y2_pix", "pix", 3, "Row of the last end of the measured streak in the frame, from 1 as in FITS."),
-        |one| found(one, one.measured.ends_in_frame()[1].fits()[1]),
+        |pass| found(pass, pass.measured.ends_in_frame()[1].fits()[1]),
     ),
     TableField::new(
         Column::real(
@@ -170,11 +170,11 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             6,
             "Right ascension of the first end of the measured streak in the frame (ICRS).",
         ),
-        |one| end(one, 0, Direction::longitude_rad),
+        |pass| end(pass, 0, Direction::longitude_rad),
     ),
     TableField::new(
         Column::real("dec1_deg", "deg", 6, "Declination of the first end of the measured streak in the frame (ICRS)."),
-        |one| end(one, 0, Direction::latitude_rad),
+        |pass| end(pass, 0, Direction::latitude_rad),
     ),
     TableField::new(
         Column::real(
@@ -183,11 +183,11 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
             6,
             "Right ascension of the last end of the measured streak in the frame (ICRS).",
         ),
-        |one| end(one, 1, Direction::longitude_rad),
+        |pass| end(pass, 1, Direction::longitude_rad),
     ),
     TableField::new(
         Column::real("dec2_deg", "deg", 6, "Declination of the last end of the measured streak in the frame (ICRS)."),
-        |one| end(one, 1, Direction::latitude_rad),
+        |pass| end(pass, 1, Direction::latitude_rad),
     ),
     TableField::new(
         Column::real("seeing_arcsec", "arcsec", 3, "Seeing that the width of the streak implies."),
@@ -279,8 +279,8 @@ fn found(pass: &MeasuredPass, value: f64) -> Value {
 }
 
 /// Returns an angle of an end of the measured streak, degrees; missing if the streak was not found.
-fn end(one: &MeasuredPass, number: usize, angle_rad: fn(&Direction<Gcrs>) -> f64) -> Value {
-    let direction = one.ends[number].as_ref().filter(|_| one.measured.is_detected);
+fn end(pass: &MeasuredPass, number: usize, angle_rad: fn(&Direction<Gcrs>) -> f64) -> Value {
+    let direction = pass.ends[number].as_ref().filter(|_| pass.measured.is_detected);
     direction.map(|direction| angle_rad(direction).to_degrees()).into()
 }
 

@@ -176,9 +176,9 @@ impl EphemerisTable {
         let near = step.saturating_sub(NODES)..(step + NODES).min(times_s.len());
         // The neighbours of a wrong position differ too, but less.
         let off_km = |state: &usize| off_curve(times_s, positions, *state);
-        let worst = near.max_by(|one, other| {
-            let [one, other] = [one, other].map(|state| off_km(state).map_or(0.0, |(km, _)| km));
-            one.total_cmp(&other)
+        let worst = near.max_by(|first, other| {
+            let [first, other] = [first, other].map(|state| off_km(state).map_or(0.0, |(km, _)| km));
+            first.total_cmp(&other)
         });
         let worst = worst.and_then(|state| Some((state, off_km(&state).filter(|(km, allowed_km)| km > allowed_km)?.0)));
         let reason = if step_s > longest_s {

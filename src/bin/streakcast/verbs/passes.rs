@@ -236,7 +236,7 @@ fn summary(prediction: &Prediction, found: &[Pass]) {
         let limit_mag = request.streak_row(exposure, pass, band, *limit_mag).limit_mag;
         limit_mag.map_or(0.0, |limit_mag| pass.probability_brighter_than(limit_mag))
     };
-    let bright = found.iter().map(brighter).fold(0.0, |sum, one| sum + one);
+    let bright = found.iter().map(brighter).fold(0.0, |sum, share| sum + share);
     let of = if bright < 0.05 && !found.is_empty() { format!("{bright:.2}") } else { format!("{bright:.1}") };
     let crossings = counted(found.len(), "pass", "passes");
     notices.info(&format!("{crossings}, {of} of them expected to be brighter than {}", limits.join(" or ")));

@@ -110,8 +110,8 @@ fn load(
                 for rows in &part.rows {
                     left_out.append(&mut judge.judge(sky, rows.clone(), &mut |_, _, _| {}, &mut keep)?);
                 }
-                left_out.sort_by_key(|one| one.element_index);
-                left_out.dedup_by_key(|one| one.element_index);
+                left_out.sort_by_key(|omitted| omitted.element_index);
+                left_out.dedup_by_key(|omitted| omitted.element_index);
                 warnings.extend(sky.warnings.iter().cloned());
                 without_position.extend(sky.left_out_warning(&left_out, part.span.0)?);
             }
