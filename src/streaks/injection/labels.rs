@@ -14,9 +14,9 @@ use serde_json::{Value, json};
 use super::super::chip::Chip;
 use super::super::drawn::DrawnStreak;
 use super::super::error::StreaksError;
-use super::super::masking::{Cell, clipped, polygons};
+use super::super::masking::{Cell, polygons};
 use super::super::regions::{Region, region_text};
-use crate::images::{ImagesError, LightArea, PixelPosition};
+use crate::images::{ImagesError, PixelPosition};
 use crate::output::write_atomically;
 
 /// Smallest distance of the outline from the middle of the streak, pixels.
@@ -211,37 +211,6 @@ impl Label {
         bounds
     }
 
-    /// Returns a quadrilateral in an image of these rows and columns that contains the outline.
-    ///
-    /// It is the oriented box, cut at the edge of the image, if that has four corners. At corners of the image it has more.
-    /// Then it is the rectangle along rows and columns, unless that is much larger than the outline: then corners of the
-    /// box are moved to the edges, which leaves out a part of the outline.
-    fn quadrilateral(&self, [rows, columns]: [usize; 2]) -> [[f64; 2]; 4] {
-        /// Distance below which two corners are one, pixels.
-        const SAME_PIX: f64 = 1e-3;
-        /// Largest area of the rectangle along rows and columns, in units of that of the outline.
-        const LARGEST_RATIO: f64 = 3.0;
-        let oriented = self.oriented_box();
-        let centred = oriented.map(|[x, y]| PixelPosition { x: x - 0.5, y: y - 0.5 });
-        let mut cut: Vec<[f64; 2]> =
-            clipped(centred.to_vec(), &LightArea::whole(rows, columns)).into_iter().map(from_corner).collect();
-        cut.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < SAME_PIX);
-        if let (Some(first), Some(last)) = (cut.first(), cut.last())
-            && cut.len() > 4
-            && (first[0] - last[0]).hypot(first[1] - last[1]) < SAME_PIX
-        {
-            cut.pop();
-        }
-        if let [a, b, c, d] = cut[..] {
-            return [a, b, c, d];
-        }
-        let [[left, low], [right, high]] = self.bounds();
-        if (right - left) * (high - low) <= LARGEST_RATIO * self.area_pix() {
-            return [[left, low], [right, low], [right, high], [left, high]];
-        }
-        oriented.map(|[x, y]| [x.clamp(0.0, columns as f64), y.clamp(0.0, rows as f64)])
-    }
-
     /// Returns the corners of the rectangle along the line between the ends that contains the outline.
     fn oriented_box(&self) -> [[f64; 2]; 4] {
         let [from, to] = self.ends;
@@ -351,13 +320,13 @@ fn coco(frames: &[(&Path, &[LabelledImage])]) -> String {
     document.to_string() + "\n"
 }
 
-/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. It is cut
-/// at the edges of the image, because the format has no coordinates outside of 0 to 1.
+/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. Corners
+/// beyond an edge of the image are moved to it, because the format has no coordinates outside of 0 to 1.
 fn yolo(image: &LabelledImage) -> String {
     let [rows, columns] = image.size.map(|count| count as f64);
     let line = |label: &Label| {
         let share = |[x, y]: [f64; 2]| [x / columns, y / rows].map(|share| format!(" {:.6}", share.clamp(0.0, 1.0)));
-        format!("0{}\n", label.quadrilateral(image.size).into_iter().flat_map(share).collect::<String>())
+        format!("0{}\n", label.oriented_box().into_iter().flat_map(share).collect::<String>())
     };
     image.labels.iter().map(line).collect()
 }

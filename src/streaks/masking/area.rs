@@ -134,7 +134,7 @@ pub fn polygons(cells: &[Cell], light_area: &LightArea) -> Vec<Vec<PixelPosition
 }
 
 /// Returns the part of a convex polygon on the illuminated pixels (Sutherland and Hodgman 1974, CACM 17, 32).
-pub fn clipped(polygon: Vec<PixelPosition>, light_area: &LightArea) -> Vec<PixelPosition> {
+fn clipped(polygon: Vec<PixelPosition>, light_area: &LightArea) -> Vec<PixelPosition> {
     let [left, right] = [light_area.columns.start as f64 - 0.5, light_area.columns.end as f64 - 0.5];
     let [bottom, top] = [light_area.rows.start as f64 - 0.5, light_area.rows.end as f64 - 0.5];
     // Distances from the four sides, positive inside.

@@ -12,7 +12,7 @@ mod satellites;
 mod table;
 mod write;
 
-pub(super) use area::{clipped, polygons};
+pub(super) use area::polygons;
 pub(super) use corridor::Cell;
 pub use measured::{MeasuredStreak, UnusedReason, read_measured_streaks};
 pub use satellites::{FrameMask, LeftOutReason, MaskOptions, MaskedStreak, StreakOrigin, mask_frame};
