@@ -202,7 +202,10 @@ impl Unit {
 
 /// Returns true for the name of a column of right ascensions, such as `ra_deg`, `s_ra` or `fieldRA`.
 pub fn is_right_ascension(column: &str) -> bool {
-    column.to_ascii_lowercase().split('_').any(|word| ["ra", "fieldra"].contains(&word))
+    // The ends of a streak have numbers: `ra1_deg`.
+    let is_meant =
+        |word: &str| ["ra", "fieldra"].contains(&word.trim_end_matches(|digit: char| digit.is_ascii_digit()));
+    column.to_ascii_lowercase().split('_').any(is_meant)
 }
 
 #[cfg(test)]
@@ -246,6 +249,7 @@ mod tests {
             (&DEGREES, "dec_deg", 30.0, 2.0, false),
             (&DEGREES, "dec_deg", -10.0, 350.0, false),
             (&DEGREES, "dec_rad", -30.0, -2.0, false),
+            (&DEGREES, "ra1_deg", -170.0, 190.0, true),
             (&DEGREES, "rotSkyPos", -10.0, 350.0, true),
             (&DEGREES, "rotation_deg", 30.0, 2.0, false),
         ] {

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde_json::json;
 
 use super::coordinates::{height, latitude, longitude};
 #[cfg(feature = "cli")]
@@ -12,7 +13,7 @@ use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
     TelescopeChoice, is_file_name, is_response_file, limit, model_assignments, one_or_many,
 };
-use crate::elements::Constellation;
+use crate::elements::{Constellation, sha256_hex};
 use crate::input;
 use crate::schedule::MagnitudeLimit;
 
@@ -651,10 +652,16 @@ impl Config {
         files
     }
 
-    /// Returns the paths of the files with settings: all but those of element sets.
-    pub fn settings_files(&self) -> Vec<PathBuf> {
+    /// Returns path and SHA-256 of each file with settings, which are all files but those of element sets, for the
+    /// provenance. The SHA-256 of a stream is null.
+    pub fn settings_json(&self) -> Vec<serde_json::Value> {
         let others = Config { elements: Vec::new(), observer_elements: None, ..self.clone() };
-        self.run.file.iter().cloned().chain(others.files()).collect()
+        let sha256 = |path: &Path| {
+            let bytes = if input::is_stream(path) { None } else { input::read(path).ok() };
+            bytes.map(|bytes| sha256_hex(&bytes))
+        };
+        let of_file = |path: PathBuf| json!({ "file": path.display().to_string(), "sha256": sha256(&path) });
+        self.run.file.iter().cloned().chain(others.files()).map(of_file).collect()
     }
 
     /// Returns the configuration without the values that are read from files, so that it can be checked without them.

@@ -44,7 +44,10 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
         return Err(ConfigError::Both { first, second: "--streaks" });
     }
     let (table, (start, duration_s)) = StreakTable::read(path, |rows| -> io::Result<_> {
-        Ok((rows.find("start_utc"), Bounded::find(rows, &["duration_s"], &SECONDS, [0.0, 1e6])?))
+        // In tables of measured streaks, durations are the times in the frame and not those of the exposure.
+        let is_measured = rows.find("streak").is_some();
+        let duration_s = Bounded::find(rows, &["duration_s"], &SECONDS, [0.0, 1e6])?.filter(|_| !is_measured);
+        Ok((rows.find("start_utc"), duration_s))
     })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (mut streaks, mut without) = (Vec::new(), Vec::new());

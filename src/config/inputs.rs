@@ -29,6 +29,8 @@ pub struct LoadedInputs {
     pub(super) catalogue: Option<Satellites>,
     pub(super) deployment: Deployment,
     pub(super) choice: ModelChoice,
+    /// Files with settings, as they were read.
+    pub(super) settings_files: Vec<serde_json::Value>,
 }
 
 impl LoadedInputs {
@@ -56,7 +58,8 @@ impl Config {
             return Err(ConfigError::Missing { what: "satellites", allowed });
         }
         let choice = self.model_choice()?;
-        Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, deployment, choice })
+        let (config, settings_files) = (self.clone(), self.settings_json());
+        Ok(LoadedInputs { config, drag, shadow, eop, catalogue, deployment, choice, settings_files })
     }
 
     /// Returns the model of drag in SGP4. If omitted, satellites that hold their orbits by thrust have no drag.

@@ -1,7 +1,6 @@
 //! Skies prepared for the times of a request, with their provenance and warnings.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::sync::Arc;
 
 use hifitime::Epoch;
@@ -13,10 +12,9 @@ use super::error::ConfigError;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
-use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile, sha256_hex};
+use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};
-use crate::input;
 use crate::math::quantile::median;
 use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
 use crate::output::{Provenance, format_utc};
@@ -85,9 +83,8 @@ impl LoadedInputs {
         if let Some(home) = &self.config.home.file {
             provenance.state("home_file", home.display().to_string());
         }
-        let settings: Vec<_> = self.config.settings_files().iter().map(|path| settings_file_json(path)).collect();
-        if !settings.is_empty() {
-            provenance.state("settings_files", settings);
+        if !self.settings_files.is_empty() {
+            provenance.state("settings_files", self.settings_files.clone());
         }
         let (mut elements, mut others): (Vec<ElementSet>, Vec<ElementSet>) = Default::default();
         if let Some(catalogue) = &self.catalogue {
@@ -397,12 +394,6 @@ fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Va
         "min_sun_angle_deg": config.min_sun_angle,
         "min_limb_angle_deg": config.min_limb_angle,
     })
-}
-
-/// Returns the path of a file with settings and its SHA-256, which is null for a stream.
-fn settings_file_json(path: &Path) -> serde_json::Value {
-    let bytes = if input::is_stream(path) { None } else { input::read(path).ok() };
-    json!({ "file": path.display().to_string(), "sha256": bytes.map(|bytes| sha256_hex(&bytes)) })
 }
 
 fn source_json(source: &SourceFile) -> serde_json::Value {

@@ -53,7 +53,10 @@ fn ds9(path: &Path, text: &str) -> Result<String, ImagesError> {
         converted.push_str(if number == 1 { "" } else { "\n" });
         let commented = line.trim_start_matches('#').trim_start();
         let line = if commented.starts_with("vector(") { commented } else { line };
-        let name = line.split_once("text={").and_then(|(_, rest)| rest.split('}').next());
+        let name = [("text={", '}'), ("text=\"", '"'), ("text='", '\'')].into_iter().find_map(|(start, end)| {
+            let (_, rest) = line.split_once(start)?;
+            rest.split(end).next()
+        });
         let mut shape = line.split('#').next().unwrap_or_default().trim();
         if let Some((first, rest)) = shape.split_once(';') {
             // `image;line(...)`, as in files with a system before each shape.
@@ -94,7 +97,7 @@ fn ds9(path: &Path, text: &str) -> Result<String, ImagesError> {
             return Err(invalid(line));
         };
         let name = name.unwrap_or_default().replace([',', '"'], " ");
-        converted += &format!("{name},{a},{b},{c},{d}");
+        converted += &format!("\"{name}\",{a},{b},{c},{d}");
     }
     let columns = match system {
         Some("image") => "id,x1_pix,y1_pix,x2_pix,y2_pix",

@@ -145,8 +145,9 @@ impl StreakTable {
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
             return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
         }
-        let [id, name, image, hdu] = ["id", "name", "image", "hdu"].map(|column| rows.find(column));
-        let id = id.or(name);
+        // In tables of measured streaks, `streak` is the name of the streak and `name` that of its satellite.
+        let [id, streak, name, image, hdu] = ["id", "streak", "name", "image", "hdu"].map(|column| rows.find(column));
+        let id = id.or(streak).or(name);
         let more = also(&rows).map_err(&failed)?;
         let (names, comments_like_rows) = (rows.names().to_vec(), rows.comments_like_rows);
         let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
@@ -165,7 +166,7 @@ impl StreakTable {
         let of_ends =
             FORM_COLUMNS.iter().flat_map(|(_, columns)| columns.iter().flat_map(|column| [column.0, column.1]));
         let known: Vec<&str> =
-            ["id", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
+            ["id", "streak", "name", "image", "hdu"].into_iter().chain(of_ends).chain(also.iter().copied()).collect();
         // A column may have another unit than the one in the known name.
         let stem = |name: &str| name.rsplit_once('_').map(|(stem, _)| stem.to_owned());
         let is_known = |name: &str| {
@@ -224,7 +225,7 @@ impl StreakRow<'_> {
     pub(crate) fn number(&self, column: Option<Bounded>) -> Result<Option<f64>, ImagesError> {
         let Some(Bounded { name, column, range: [least, most] }) = column else { return Ok(None) };
         let text = self.cells.text(column);
-        if text.is_empty() {
+        if self.cells.is_missing(column) {
             return Ok(None);
         }
         if let Some(error) = self.cells.contradiction(column) {
@@ -236,7 +237,7 @@ impl StreakRow<'_> {
         }
     }
 
-    /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the
+    /// Returns the name of the streak: the cell `id`, or `streak` or `name` in a table without this column, or the number of the
     /// row from 1 if it is empty.
     pub fn id(&self, number: usize) -> String {
         match self.text(self.table.id) {
@@ -267,7 +268,7 @@ impl StreakRow<'_> {
     /// Returns true if a cell of an end is not empty.
     pub fn has_ends(&self) -> bool {
         let columns = self.table.forms.iter().flat_map(|form| &form.columns);
-        columns.into_iter().any(|column| !self.cells.text(column.column).is_empty())
+        columns.into_iter().any(|column| !self.cells.is_missing(column.column))
     }
 
     /// Returns the ends of the streak: those of the first form whose four cells have numbers, in the order pixel ends,
@@ -278,7 +279,7 @@ impl StreakRow<'_> {
     pub fn ends(&self) -> Result<StreakEnds, ImagesError> {
         let mut incomplete = None;
         for Form { kind, columns } in &self.table.forms {
-            let empty = columns.iter().filter(|column| self.cells.text(column.column).is_empty());
+            let empty = columns.iter().filter(|column| self.cells.is_missing(column.column));
             match empty.clone().count() {
                 0 => return self.ends_of(*kind, columns),
                 4 => {}

@@ -264,7 +264,7 @@ fn comma_record(line: &str) -> Vec<String> {
 }
 
 /// Splits at one or more blanks. A quoted cell may contain blanks or be empty; quotes in it are doubled.
-fn blank_record(line: &str) -> Vec<String> {
+pub fn blank_record(line: &str) -> Vec<String> {
     let mut cells = Vec::new();
     let mut rest = line.trim_start();
     while !rest.is_empty() {

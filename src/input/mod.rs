@@ -4,6 +4,8 @@ mod ecsv;
 mod file;
 mod table;
 
+#[cfg(feature = "fit")]
+pub(crate) use ecsv::blank_record;
 pub use ecsv::{Ecsv, LineError, TimeColumn, is_ecsv};
 pub use file::{
     LARGEST_INPUT, check_regular, check_size, is_stream, open, read, read_at_most, read_to_string, text_of, toml_error,

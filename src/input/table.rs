@@ -89,7 +89,7 @@ impl TableRow {
         let cell = self.cells.get(index).unwrap_or_default();
         let other = cell.parse::<f64>().ok().map(|number| number * scale).filter(|number| number.is_finite())?;
         let [first, second] = [column.index, index].map(|index| &self.names[index]);
-        self.number(column).filter(|number| !unit.is_same(first, *number, other))?;
+        self.number(column).filter(|number| number.is_finite() && !unit.is_same(first, *number, other))?;
         Some(invalid(format!(
             "line {}: {first} is {} and {second} is {}: they contradict each other; allowed: one of these columns, or equal \
              values",
@@ -241,14 +241,24 @@ impl Iterator for TableRows {
     fn next(&mut self) -> Option<Self::Item> {
         let names = self.names.clone();
         let row = match &mut self.rows {
-            Rows::Csv(rows, text, line, at) => rows.next()?.map_err(csv_error).map(|cells| {
+            Rows::Csv(rows, text, line, at) => {
+                let row = rows.next()?;
+                let position = row.as_ref().map_or_else(csv::Error::position, csv::StringRecord::position);
                 // The position of a row is before the end of the previous line, and before comments.
-                let end = cells.position().map_or(*at, |position| position.byte() as usize).clamp(*at, text.len());
+                let end = position.map_or(*at, |position| position.byte() as usize).clamp(*at, text.len());
                 let start = end + blank_or_comment(&text[end..]);
                 *line += text[*at..start].iter().filter(|byte| **byte == b'\n').count() as u64;
                 *at = start;
-                TableRow { line: *line, cells, names }
-            }),
+                match row {
+                    Ok(cells) => Ok(TableRow { line: *line, cells, names }),
+                    Err(error) => Err(match error.kind() {
+                        csv::ErrorKind::UnequalLengths { expected_len, len, .. } => invalid(format!(
+                            "line {line}: {len} cells, but {expected_len} columns; allowed: one cell for each column"
+                        )),
+                        _ => csv_error(error),
+                    }),
+                }
+            }
             Rows::Ecsv(text, ecsv, read, line, at) => {
                 let (start, end) = *ecsv.rows.get(*read)?;
                 *line += text[*at..start].matches('\n').count() as u64;
@@ -428,6 +438,9 @@ mod tests {
         let exposure = rows.numbers(&["exposure_s"], &SECONDS, "").unwrap();
         let read: Vec<_> = rows.map(|row| row.unwrap().number_in(exposure, [0.0, 1e6]).ok()).collect();
         assert_eq!(read, [Some(60.0), None]);
+        let mut rows = TableRows::new("# c\r\na,b\r\n1,2\r\n# d\r\n3\r\n".to_owned()).unwrap();
+        let error = rows.nth(1).unwrap().unwrap_err().to_string();
+        assert_eq!(error, "line 5: 1 cells, but 2 columns; allowed: one cell for each column");
         // The unit of a column that is only compared may be any.
         let header = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: ra, unit: 'h:m:s', datatype: string}\n\
             # - {name: ra_deg, unit: deg, datatype: float64}\n";

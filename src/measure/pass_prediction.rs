@@ -29,9 +29,7 @@ pub(crate) fn predict_within_passes<'a>(streaks: impl IntoIterator<Item = &'a mu
         else {
             continue;
         };
-        let is_earlier = |(of, epoch, _): &&(NoradId, Epoch, PassResidual)| {
-            *of == id && *epoch < pass.epoch && seconds_between(pass.epoch, *epoch) <= LONGEST_PASS_GAP_S
-        };
+        let is_earlier = |(of, epoch, _): &&(NoradId, Epoch, PassResidual)| *of == id && is_of_pass(*epoch, pass.epoch);
         let earlier = known.iter().rev().filter(is_earlier).take(MOST_OF_A_PASS).map(|(_, _, residual)| *residual);
         let update = PassUpdate::new(earlier.collect());
         pass.of_pass = update.map(|update| {
@@ -39,6 +37,11 @@ pub(crate) fn predict_within_passes<'a>(streaks: impl IntoIterator<Item = &'a mu
             Estimate { value: light.magnitude.0, sigma: light.sigma_mag }
         });
     }
+}
+
+/// Returns true if a streak of the same satellite can be of the same pass as a later one.
+fn is_of_pass(epoch: Epoch, later: Epoch) -> bool {
+    epoch < later && seconds_between(epoch, later) <= LONGEST_PASS_GAP_S
 }
 
 /// Returns the residual of a streak that may correct others.
@@ -56,4 +59,21 @@ fn residual(pass: &MeasuredPass) -> Option<(NoradId, Epoch, PassResidual)> {
         error_mag: more_mag.hypot(magnitude.sigma),
     };
     Some((id, pass.epoch, residual))
+}
+
+#[cfg(test)]
+mod tests {
+    use hifitime::Unit;
+
+    use super::*;
+
+    #[test]
+    fn only_earlier_streaks_within_twenty_minutes_are_of_the_same_pass() {
+        let epoch = Epoch::from_gregorian_utc_at_midnight(2026, 8, 14);
+        for (minutes, is_same) in
+            [(-1.0, false), (0.0, false), (0.1, true), (19.9, true), (21.0, false), (1440.0, false)]
+        {
+            assert_eq!(is_of_pass(epoch, epoch + minutes * Unit::Minute), is_same, "{minutes} min");
+        }
+    }
 }

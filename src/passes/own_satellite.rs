@@ -17,6 +17,8 @@ const SAME_KM: f64 = 10.0;
 /// Largest relative speed of such a satellite, km/s. On neighbouring orbits it is the rate of the orbit, 0.001/s, times
 /// the distance; satellites on other orbits pass with kilometres a second.
 const SAME_KM_S: f64 = 0.1;
+/// Age of an element set up to which its error is below that distance, days.
+const EXACT_DAYS: f64 = 2.0;
 /// Number of times that are tested, and time before and after the request over which they extend, seconds: together
 /// more than half a revolution in a low orbit.
 const TIMES: usize = 9;
@@ -54,12 +56,17 @@ impl Sky {
             })
             .collect();
         let has_number = |index: usize| observer.object().is_of(&self.elements()[index]);
+        // A set is compared at the times at which its own error is small, or else at the time nearest to its epoch.
         let is_same = |index: usize| {
+            let age_s = |epoch: Epoch| seconds_between(self.elements()[index].epoch, epoch).abs();
+            let nearest_s = own.iter().map(|(epoch, ..)| age_s(*epoch)).fold(f64::INFINITY, f64::min);
+            let is_compared =
+                |(epoch, ..): &&(Epoch, Orientation, State<_>)| age_s(*epoch) <= nearest_s.max(EXACT_DAYS * DAY_S);
             let is_near = |(epoch, orientation, state): &(Epoch, Orientation, State<_>)| {
                 self.relative_to(index, *epoch, orientation, state)
                     .is_some_and(|(km, km_s)| km <= SAME_KM && km_s <= SAME_KM_S)
             };
-            !own.is_empty() && own.iter().all(is_near)
+            !own.is_empty() && own.iter().filter(is_compared).all(is_near)
         };
         let is_real = |index: &usize| self.elements()[*index].origin == Origin::Published;
         let by_orbit: Vec<usize> =

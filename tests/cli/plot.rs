@@ -607,7 +607,11 @@ fn verif_the_rate_over_right_ascension_and_declination() {
     let config = path(&folder, "config.toml");
     fs::write(&config, "exposure = \"30s\"\n").unwrap();
     let night: Vec<&str> = arguments.iter().copied().filter(|word| !["--exposure", "30s"].contains(word)).collect();
-    is_the_same_again(&folder, "stars", &[&night[..], FIELD, &["--night", "2026-08-14", "--config", &config]]);
+    drawn(&folder, "configured", &[&night[..], FIELD, &["--night", "2026-08-14", "--config", &config]], 0);
+    // The provenance names the file.
+    let configured = fs::read_to_string(path(&folder, "configured-data.ecsv")).unwrap();
+    let rows = |data: &str| data.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");
+    assert_eq!(rows(&configured), rows(&data));
     let again: &[&str] = &["sky-rate", "--from", &path(&folder, "stars-data.ecsv")];
     is_the_same_again(&folder, "stars", &[again]);
     let x = path(&folder, "x.png");

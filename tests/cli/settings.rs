@@ -288,8 +288,9 @@ fn a_file_of_a_telescope_in_orbit_serves_a_site_and_limits_may_be_text() {
     let folder = TempDir::new().unwrap();
     let verb = [EXPOSURE, SATELLITES, &["--fov", "3deg"]];
     for site in [SITE, &["--site", "Paranal"]] {
-        let text = "limb_height_km = 100\n";
-        assert_eq!(run_with(&[&verb.concat(), site], &config(&folder, text)).0, 0);
+        // No satellite crosses the field: exit status 1.
+        let (code, _, stderr) = run_with(&[&verb.concat(), site], &config(&folder, "limb_height_km = 100\n"));
+        assert_eq!(code, 1, "{stderr}");
     }
     fails(&[&verb.concat()], &config(&folder, "limb_height_km = 100\n"), &["missing"]);
     fails(&[&verb.concat()], &config(&folder, "mpc = 'X05'\nlimb_height_km = 100\n"), &["telescope in orbit for"]);
@@ -309,7 +310,8 @@ fn mask_has_a_table_and_files_of_settings_are_in_the_provenance() {
     let folder = TempDir::new().unwrap();
     let policy = path(&folder, "p.toml");
     fs::write(&policy, "limit_mag = 3\n").unwrap();
-    let verb = [EXPOSURE, SATELLITES, SITE, &["--fov", "3deg"]].concat();
+    let schedule = schedule(&folder);
+    let verb = [&["flag", "--schedule", &schedule, "--fov", "3deg"], SATELLITES, SITE].concat();
     let found = json_with(&[&verb], &config(&folder, "policy = 'p.toml'\n[mask]\ncoverage = 0.9\n"));
     let files = found["provenance"]["settings_files"].as_array().unwrap();
     let names: Vec<&str> = files.iter().filter_map(|file| file["file"].as_str()).collect();

@@ -40,7 +40,12 @@ impl Engine {
         let mut provenance: Option<Provenance> = None;
         let field = self.field()?;
         let mut each = |prepared: &PreparedSky, rows: &[&ScheduledExposure], flags: &mut [Verdict]| {
-            provenance.get_or_insert_with(|| prepared.provenance.clone());
+            provenance.get_or_insert_with(|| {
+                // The satellites may be those of a model with other options.
+                let mut stated = prepared.provenance.clone();
+                stated.state("settings_files", self.setup.settings_json());
+                stated
+            });
             // Constellations that grow differ from night to night.
             let shells = prepared.provenance.get("shells").cloned().unwrap_or_default();
             if periods.last().is_none_or(|last| last["shells"] != shells) {

@@ -50,7 +50,7 @@ class DispatchedVisits:
 
     def with_others(self, owner: Owner, mjd: float) -> set[Key]:
         """Returns the keys of the visits that other copies dispatched recently."""
-        entries = self._in_progress.items()
+        entries = list(self._in_progress.items())
         return {key for key, (by, when) in entries if by is not owner and abs(mjd - when) < EXPIRY_DAY}
 
 

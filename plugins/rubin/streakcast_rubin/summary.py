@@ -145,11 +145,13 @@ def _effects(visits: dict[str, npt.NDArray[Any]]) -> dict[str, float]:
 def _p_bright(base: sqlite3.Connection) -> Optional[dict[str, float]]:
     """Returns the probability of each visit to have a bright streak, for visits with streaks; `None` if it is not known."""
     of_streaks = [row[1] for row in base.execute("PRAGMA table_info(streaks)")]
-    if not {"exposure_id", "p_bright"} <= set(of_streaks):
+    if not {"exposure_id", "probability", "p_bright"} <= set(of_streaks):
         return None
     none_bright: dict[str, float] = {}
-    for visit, p_bright in base.execute("SELECT exposure_id, p_bright FROM streaks"):
-        none_bright[str(visit)] = none_bright.get(str(visit), 1.0) * (1.0 - (np.nan if p_bright is None else p_bright))
+    # `p_bright` is that of a streak, if there is one; near misses are in the table too.
+    for visit, probability, p_bright in base.execute("SELECT exposure_id, probability, p_bright FROM streaks"):
+        bright = np.nan if probability is None or p_bright is None else probability * p_bright
+        none_bright[str(visit)] = none_bright.get(str(visit), 1.0) * (1.0 - bright)
     return {visit: 1.0 - none for visit, none in none_bright.items()}
 
 

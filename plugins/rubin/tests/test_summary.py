@@ -18,8 +18,8 @@ VISITS = [
     (61_780.2, 10.0, -30.0, 30.0, 5.0, "r", "clear", 0, 0.0, 0.0),
     (61_780.3, 80.0, -60.0, 30.0, -13.0, "z", "invalid", None, None, None),
 ]
-#: Streaks: visit, probability of being bright.
-STREAKS = [(1, 0.9), (2, 0.5), (2, 0.2), (5, 0.0)]
+#: Streaks: visit, probability of crossing, probability of being bright if it crosses.
+STREAKS = [(1, 1.0, 0.9), (2, 1.0, 0.5), (2, 0.2, 1.0), (5, 1.0, 0.0)]
 
 
 @pytest.fixture
@@ -37,8 +37,8 @@ def annotated(tmp_path):
         for number, visit in enumerate(VISITS):
             base.execute("INSERT INTO observations VALUES (?, ?, ?, ?, ?, ?, ?)", (number, *visit[:6]))
             base.execute("INSERT INTO streak_flags VALUES (?, ?, ?, ?, ?)", (number, *visit[6:]))
-        base.execute("CREATE TABLE streaks (exposure_id INTEGER, p_bright REAL)")
-        base.executemany("INSERT INTO streaks VALUES (?, ?)", STREAKS)
+        base.execute("CREATE TABLE streaks (exposure_id INTEGER, probability REAL, p_bright REAL)")
+        base.executemany("INSERT INTO streaks VALUES (?, ?, ?)", STREAKS)
     return path
 
 

@@ -22,7 +22,9 @@ const MMT_MARK: &str = "StdMag";
 pub(super) enum Delimiter {
     /// Any number of blanks.
     Blanks,
-    /// A comma, semicolon or tabulator, or the blank of ECSV; cells may be quoted.
+    /// Any number of blanks, as in ECSV; cells may be quoted.
+    QuotedBlanks,
+    /// A comma, semicolon or tabulator; cells may be quoted.
     Byte(u8),
 }
 
@@ -87,7 +89,9 @@ impl Blocks {
             ecsv.check_utc().map_err(invalid)?;
             let scale = |time: TimeColumn<'_>| Some((time.name.to_owned(), time.scale_name?.to_owned()));
             let time_scales = ecsv.time_columns().into_iter().filter_map(scale).collect();
-            let (units, delimiter) = (ecsv.units(), Delimiter::Byte(ecsv.delimiter));
+            let delimiter =
+                if ecsv.delimiter == b' ' { Delimiter::QuotedBlanks } else { Delimiter::Byte(ecsv.delimiter) };
+            let units = ecsv.units();
             let head = Head { header: ecsv.names, delimiter, units, time_scales, norad_id };
             return Ok((head, Self { source, rest: Vec::new(), is_at_end: false }));
         }

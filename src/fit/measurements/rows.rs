@@ -15,6 +15,7 @@ use super::record::{Record, Sighting};
 use crate::elements::{NoradId, parse_iso};
 use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
 use crate::geometry::Site;
+use crate::input::blank_record;
 use crate::photometry::Magnitude;
 use crate::units::{DEGREES, KILOMETRES, MAGNITUDES, Unit};
 
@@ -99,6 +100,16 @@ impl Layout {
                 // Reading from memory cannot fail.
                 while reader.read_byte_record(&mut record).unwrap_or(false) {
                     rows.push(&|index| record.get(index), record.iter());
+                }
+            }
+            Delimiter::QuotedBlanks => {
+                for line in block.split(|byte| *byte == b'\n') {
+                    let line = String::from_utf8_lossy(line);
+                    let cells = if line.starts_with('#') { Vec::new() } else { blank_record(line.trim_end()) };
+                    if !cells.is_empty() {
+                        let cell = |index: usize| cells.get(index).map(String::as_bytes);
+                        rows.push(&cell, cells.iter().map(String::as_bytes));
+                    }
                 }
             }
             Delimiter::Blanks => {
@@ -463,4 +474,54 @@ fn date_and_time(text: &str) -> Option<Epoch> {
         let time = time.trim_start();
         (time.find(':') == Some(1)).then(|| parse_iso(&format!("{date}T0{time}"))).flatten()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::super::blocks::Blocks;
+    use super::*;
+
+    /// Returns the records of ECSV with these units and this row, or the error.
+    fn read(units: [&str; 4], scale: &str, row: &str) -> Result<Vec<Record>, FitError> {
+        let names = ["mag", "alt", "az", "height"];
+        let columns: String = names
+            .iter()
+            .zip(units)
+            .map(|(name, unit)| format!("# - {{name: {name}, unit: {unit}, datatype: float64}}\n"))
+            .collect();
+        let text = format!(
+            "# %ECSV 1.0\n# ---\n# datatype:\n# - {{name: time, datatype: string}}\n{columns}# meta: !!omap\n\
+             # - __serialized_columns__:\n#     time: {{__class__: astropy.time.core.Time, format: isot, scale: {scale}}}\n\
+             time mag alt az height\n{row}\n"
+        );
+        let map = "time=time,time_scale=utc,magnitude=mag,altitude=alt,azimuth=az,height=height";
+        let (head, mut blocks) = Blocks::from_source(Box::new(Cursor::new(text.into_bytes())), "p.ecsv")?;
+        let site = Site::from_mpc("X05").ok();
+        let layout = Layout::new(ColumnMap::from_text(map)?, &head, site, &[], "p.ecsv")?;
+        Ok(layout.parse(&blocks.next().unwrap().unwrap(), 0).records)
+    }
+
+    #[test]
+    fn units_and_scale_of_ecsv_must_be_those_of_the_map() {
+        // Cells may be aligned by several blanks.
+        let row = "2026-08-14T23:36:25  5.5   45.0  120.0 550.0";
+        let stated = ["mag", "deg", "deg", "km"];
+        assert_eq!(read(stated, "utc", row).unwrap()[0].magnitude, Magnitude(5.5));
+        for (units, scale, expected) in [
+            (["s", "deg", "deg", "km"], "utc", "column mag is in 's'; allowed: mag"),
+            (["mag", "rad", "deg", "km"], "utc", "column alt is in 'rad'; allowed: that of the column map (angle_unit"),
+            (["mag", "deg", "hourangle", "km"], "utc", "column az is in 'hourangle'"),
+            (
+                ["mag", "deg", "deg", "m"],
+                "utc",
+                "column height is in 'm'; allowed: that of the column map (height_unit",
+            ),
+            (stated, "tai", "column time is in 'tai'; allowed: utc (time_scale)"),
+        ] {
+            let error = read(units, scale, row).err().unwrap().to_string();
+            assert!(error.starts_with("p.ecsv: ") && error.contains(expected), "{error}");
+        }
+    }
 }

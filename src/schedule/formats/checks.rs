@@ -181,7 +181,7 @@ impl Checks {
 }
 
 /// Returns true for the name of a frame with other axes than ICRS.
-pub(super) fn is_other_frame(name: &str) -> bool {
+fn is_other_frame(name: &str) -> bool {
     let letters: String = name.to_ascii_lowercase().chars().filter(char::is_ascii_alphanumeric).collect();
     OTHER_FRAMES.contains(&&*letters) || letters.ends_with("ecliptic")
 }

@@ -9,7 +9,6 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
 use super::super::error::ScheduleError;
-use super::checks::is_other_frame;
 use super::columns::{Cell, ScheduleFormat, ScheduleRow, display};
 use super::csv_text::cells;
 use super::raw_table::{RawTable, Rows};
@@ -218,13 +217,14 @@ impl VoTableLayout {
     fn note_coordinate_system(&mut self, element: &BytesStart<'_>) {
         let (id, system) = (attribute(element, "ID"), attribute(element, "system").unwrap_or_default());
         let equinox = attribute(element, "equinox").unwrap_or_default();
-        let is_of_date =
-            equinox.trim_start_matches(['J', 'j']).parse::<f64>().map_or(!equinox.is_empty(), |year| year != 2000.0);
-        // The old names of VOTable begin with eq_ or ecl_.
-        let is_other = is_other_frame(system.trim_start_matches("eq_"))
-            || system.to_ascii_lowercase().starts_with("ecl")
-            || is_of_date && !system.eq_ignore_ascii_case("ICRS");
-        if let Some(id) = id.filter(|_| is_other) {
+        let is_j2000 = equinox.trim_start_matches(['J', 'j']).parse() == Ok(2000.0);
+        let is_allowed = match system.to_ascii_uppercase().as_str() {
+            "" | "ICRS" | "ICRF" => true,
+            // The old name in VOTable is eq_FK5.
+            "FK5" | "EQ_FK5" => is_j2000 || equinox.is_empty(),
+            _ => false,
+        };
+        if let Some(id) = id.filter(|_| !is_allowed) {
             let system = Quoted::new(format!("{system} {equinox}").trim()).to_string();
             self.rejected_systems.insert(id, format!("is in the coordinate system {system}; allowed: ICRS"));
         }
@@ -345,6 +345,8 @@ mod tests {
             ("<COOSYS ID=\"t\" system=\"eq_FK5\" equinox=\"J1975\"/>", Some("eq_FK5 J1975; allowed: ICRS")),
             ("<COOSYS ID=\"t\" system=\"FK4\"></COOSYS>", Some("FK4; allowed: ICRS")),
             ("<COOSYS ID=\"t\" system=\"galactic\"/>", Some("galactic; allowed: ICRS")),
+            ("<COOSYS ID=\"t\" system=\"GALACTIC_II\"/>", Some("GALACTIC_II; allowed: ICRS")),
+            ("<COOSYS ID=\"t\" system=\"geo_app\"/>", Some("geo_app; allowed: ICRS")),
             (
                 "<TIMESYS ID=\"t\" timescale=\"UTC\" refposition=\"BARYCENTER\"/>",
                 Some("BARYCENTER; allowed: TOPOCENTER"),

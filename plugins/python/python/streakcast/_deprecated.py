@@ -25,7 +25,8 @@ def _renamed(name: str, method: Callable[Arguments, Result]) -> Callable[Argumen
     @wraps(method)
     def call(*arguments: Arguments.args, **options: Arguments.kwargs) -> Result:
         _warn(name, method.__name__)
-        return method(*arguments, **options)
+        current: Callable[..., Result] = getattr(arguments[0], method.__name__)
+        return current(*arguments[1:], **options)
 
     call.__doc__ = f"Deprecated: use `{method.__name__}`. {method.__doc__}"
     return call

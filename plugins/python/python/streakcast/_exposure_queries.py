@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._results import FIRST_UNJUDGED, VERDICTS, Assessment, ClearWindows
-from ._quantities import aligned, count, directions, number, scalar
+from ._quantities import aligned, check_unmasked, count, directions, number, scalar
 from ._setup import absolute
 from ._site_queries import SiteQueries
 from ._tables import FLAGS, PASSES, is_qtable, table_of, time_of
@@ -424,6 +424,7 @@ class ExposureQueries(SiteQueries):
 
 def _band_names(band: TextLike) -> list[str]:
     """Returns the names of bands: one for all exposures, or one for each."""
+    check_unmasked(band, "band", "allowed: a string, or one for each exposure")
     names = np.ravel(np.asarray(band))
     if names.dtype.kind == "S":
         return [name.decode("ascii", "replace") for name in names]

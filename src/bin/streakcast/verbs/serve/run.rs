@@ -204,7 +204,7 @@ fn skies_of(
         None => Arc::new(inputs.prepare(first, last)?),
     };
     of_schedule.entry(period(first)).or_insert_with(|| Arc::clone(&first_sky));
-    let growing = GrowingSkies { deployment, inputs, first: first_sky, of_schedule, last: Mutex::default() };
+    let growing = GrowingSkies { deployment, inputs, first: first_sky, of_schedule, others: Mutex::default() };
     Ok((with_skies, Skies::Growing(Box::new(growing))))
 }
 

@@ -64,6 +64,9 @@ pub enum Skies {
     Growing(Box<GrowingSkies>),
 }
 
+/// Largest number of skies of other periods that are kept.
+const MOST_OTHER_SKIES: usize = 2;
+
 /// Skies of constellations that grow, by the number of periods that have begun.
 pub struct GrowingSkies {
     pub deployment: Deployment,
@@ -72,8 +75,8 @@ pub struct GrowingSkies {
     pub first: Arc<PreparedSky>,
     /// Skies of the nights of the schedule, or of the night in which the server was started.
     pub of_schedule: BTreeMap<usize, Arc<PreparedSky>>,
-    /// The last sky of another period.
-    pub last: Mutex<Option<OtherSky>>,
+    /// The last skies of other periods.
+    pub others: Mutex<Vec<OtherSky>>,
 }
 
 /// Sky of a period without a night of the schedule. Its satellites are those of the UTC day of the request, so that the
@@ -101,15 +104,25 @@ impl GrowingSkies {
             return Ok(Arc::clone(sky));
         }
         let day_mjd = epoch.to_mjd_utc_days().floor() as i64;
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        match last.as_ref() {
-            Some(other) if (other.period, other.day_mjd) == (period, day_mjd) => Ok(Arc::clone(&other.sky)),
-            _ => {
-                let sky = Arc::new(self.inputs.prepare(epoch, epoch)?);
-                *last = Some(OtherSky { period, day_mjd, sky: Arc::clone(&sky) });
-                Ok(sky)
-            }
+        let find = |others: &[OtherSky]| {
+            let found = others.iter().find(|other| (other.period, other.day_mjd) == (period, day_mjd));
+            found.map(|other| Arc::clone(&other.sky))
+        };
+        let lock = || self.others.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(sky) = find(&lock()) {
+            return Ok(sky);
         }
+        // The lock is not held while a sky is prepared: a waiting pool thread may start another request, which would
+        // wait for the lock.
+        let sky = Arc::new(self.inputs.prepare(epoch, epoch)?);
+        let mut others = lock();
+        if let Some(existing) = find(&others) {
+            return Ok(existing);
+        }
+        others.push(OtherSky { period, day_mjd, sky: Arc::clone(&sky) });
+        let surplus = others.len().saturating_sub(MOST_OTHER_SKIES);
+        others.drain(..surplus);
+        Ok(sky)
     }
 }
 
