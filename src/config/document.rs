@@ -457,11 +457,13 @@ impl Config {
         })?;
         let mut config = Self::from_toml(&text, &shown)?;
         config.check().map_err(|error| {
-            // The key without which the check succeeds, or has another error.
+            // The key without which the check succeeds, or has another error; of several the one that the error names.
             let message = error.to_string();
             let is_invalid =
                 |key: &&str| config.without(key).check().map_or_else(|other| other.to_string() != message, |()| true);
-            let line = config.given().into_iter().find(is_invalid).and_then(|key| input::toml_line(&text, &[key]));
+            let keys: Vec<_> = config.given().into_iter().filter(is_invalid).collect();
+            let named = keys.iter().find(|key| message.contains(&key.replace('_', "-")));
+            let line = named.or(keys.first()).and_then(|key| input::toml_line(&text, &[key]));
             let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
             ConfigError::Toml { path: shown, message: line + &message }
         })?;

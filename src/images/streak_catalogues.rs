@@ -199,14 +199,18 @@ mod tests {
         let text = "image\nline(1,2,3.5,4) # line=0 0 text={one}\n# vector(10,20,5,90) vector=1\n";
         let rows = of(text).unwrap();
         let lines: Vec<&str> = rows.lines().collect();
-        assert_eq!(lines[..4], ["id,x1_pix,y1_pix,x2_pix,y2_pix", "", "", "one,1,2,3.5,4"]);
+        assert_eq!(lines[..4], ["id,x1_pix,y1_pix,x2_pix,y2_pix", "", "", "\"one\",1,2,3.5,4"]);
         let ends: Vec<f64> = lines[4].split(',').skip(1).map(|cell| cell.parse().unwrap()).collect();
         assert!((ends[2] - 10.0).abs() < 1e-9 && (ends[3] - 25.0).abs() < 1e-9, "{rows}");
         let rows = of("fk5\nline(0:40:00,-10:30:00,10.5,-11)\n").unwrap();
         assert!(
-            rows.starts_with("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n") && rows.contains("\n,10,-10.5,10.5,-11"),
+            rows.starts_with("id,ra1_deg,dec1_deg,ra2_deg,dec2_deg\n") && rows.contains("\n\"\",10,-10.5,10.5,-11"),
             "{rows}"
         );
+        for name in ["{#3}", "\"#3\"", "'#3'"] {
+            let rows = of(&format!("image\nline(1,2,3,4) # text={name}\n")).unwrap();
+            assert!(rows.contains("\n\"#3\",1,2,3,4"), "{rows}");
+        }
         for (text, line) in [
             ("image\ncircle(1,2,3)\n", 4),
             ("line(1,2,3,4)\n", 3),

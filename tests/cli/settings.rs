@@ -293,7 +293,11 @@ fn a_file_of_a_telescope_in_orbit_serves_a_site_and_limits_may_be_text() {
         assert_eq!(code, 1, "{stderr}");
     }
     fails(&[&verb.concat()], &config(&folder, "limb_height_km = 100\n"), &["missing"]);
-    fails(&[&verb.concat()], &config(&folder, "mpc = 'X05'\nlimb_height_km = 100\n"), &["telescope in orbit for"]);
+    // The line is that of the key that the error names.
+    let both = "mpc = 'X05'\nlimb_height_km = 100\n";
+    fails(&[&verb.concat()], &config(&folder, both), &["line 2: ", "telescope in orbit for"]);
+    let both = "mpc = 'X05'\nmin_sun_angle = 50\n";
+    fails(&[&verb.concat()], &config(&folder, both), &["line 2: ", "min-sun-angle is a limit of a telescope in orbit"]);
     let schedule = schedule(&folder);
     let flag = ["flag", "--schedule", &schedule, "--fov", "3deg"];
     let limits = |text: &str| {
