@@ -53,6 +53,8 @@ pub struct StreakTable {
     names: Vec<String>,
     forms: Vec<Form>,
     id: Option<Column>,
+    /// Name of the streak in a table of measured streaks, whose column `name` is that of the satellite, if it is known.
+    streak: Option<Column>,
     image: Option<Column>,
     hdu: Option<Column>,
     comments_like_rows: usize,
@@ -145,13 +147,12 @@ impl StreakTable {
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
             return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
         }
-        // In tables of measured streaks, `streak` is the name of the streak and `name` that of its satellite.
-        let [id, streak, name, image, hdu] = ["id", "streak", "name", "image", "hdu"].map(|column| rows.find(column));
-        let id = id.or(streak).or(name);
+        let [id, name, streak, image, hdu] = ["id", "name", "streak", "image", "hdu"].map(|column| rows.find(column));
+        let id = id.or(name);
         let more = also(&rows).map_err(&failed)?;
         let (names, comments_like_rows) = (rows.names().to_vec(), rows.comments_like_rows);
         let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
-        Ok((Self { path: path.to_owned(), names, forms, id, image, hdu, comments_like_rows, rows }, more))
+        Ok((Self { path: path.to_owned(), names, forms, id, streak, image, hdu, comments_like_rows, rows }, more))
     }
 
     /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
@@ -237,13 +238,11 @@ impl StreakRow<'_> {
         }
     }
 
-    /// Returns the name of the streak: the cell `id`, or `streak` or `name` in a table without this column, or the number of the
-    /// row from 1 if it is empty.
+    /// Returns the name of the streak: the cell `id`, or `name` in a table without this column, or the number of the
+    /// row from 1 if it and the cell `streak` are empty.
     pub fn id(&self, number: usize) -> String {
-        match self.text(self.table.id) {
-            "" => number.to_string(),
-            id => id.to_owned(),
-        }
+        let names = [self.table.id, self.table.streak].map(|column| self.text(column));
+        names.into_iter().find(|name| !name.is_empty()).map_or_else(|| number.to_string(), str::to_owned)
     }
 
     /// Returns the name of the file to which the row belongs; `None` for all.

@@ -210,7 +210,7 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
     const ENDS: &str = "x1_pix,y1_pix,x2_pix,y2_pix";
     for (text, words) in [
         (format!("{ENDS},magnitude\n1,2,abc,4,9\n"), "line 2: x2_pix is 'abc'; allowed: -1000000 to 1000000"),
-        (format!("{ENDS},magnitude\n1,2,nan,4,9\n"), "line 2: x2_pix is 'nan'; allowed"),
+        (format!("{ENDS},magnitude\n1,2,nan,4,9\n"), "line 2: x2_pix is missing; allowed"),
         (format!("{ENDS},magnitude\n1,2,3,4,9\n1,2,,4,9\n"), "line 3: x2_pix is missing; allowed: x1_pix, y1_pix"),
         (format!("{ENDS},magnitude\n1,2,3,4\n"), "line: 2"),
         (format!("{ENDS},magnitud\n1,2,3,4,5\n"), "allowed: also magnitude or peak"),
