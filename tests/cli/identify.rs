@@ -317,7 +317,7 @@ fn streaks_of_tables_and_detectors_are_identified() {
         (format!("{names}\n 7 10.00\n"), "line 2: number of cells is 2; allowed: 16"),
         (format!("{names}\n{}\n", cells.replace(&format!("{x1:.2}"), "abc")), "line 2: x1_pix is 'abc'; allowed"),
         ("#ID x_center y_center\n".to_owned(), "column ep1_x of ASTRiDE is missing; allowed"),
-        ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4,5\n".to_owned(), "line: 2"),
+        ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,3,4,5\n".to_owned(), "line 2: 5 cells, but 4 columns"),
         ("x1_pix,y1_pix,x2_pix,y2_pix\n1,2,1e7,4\n".to_owned(), "line 2: x2_pix is '1e7'; allowed"),
         ("x1_pix,y1_pix,x2_pix,y2_pix\n900,2,990,4000\n".to_owned(), "outside of the frame; allowed"),
         ("x1_pix,y1_pix,x2_pix,y2_pix,image\n1,2,3,4,none.fits\n".to_owned(), "none.fits"),
