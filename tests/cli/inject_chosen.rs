@@ -212,7 +212,7 @@ fn verif_invalid_tables_name_file_row_column_and_allowed_values() {
         (format!("{ENDS},magnitude\n1,2,abc,4,9\n"), "line 2: x2_pix is 'abc'; allowed: -1000000 to 1000000"),
         (format!("{ENDS},magnitude\n1,2,nan,4,9\n"), "line 2: x2_pix is missing; allowed"),
         (format!("{ENDS},magnitude\n1,2,3,4,9\n1,2,,4,9\n"), "line 3: x2_pix is missing; allowed: x1_pix, y1_pix"),
-        (format!("{ENDS},magnitude\n1,2,3,4\n"), "line: 2"),
+        (format!("{ENDS},magnitude\n1,2,3,4\n"), "line 2: 4 cells, but 5 columns"),
         (format!("{ENDS},magnitud\n1,2,3,4,5\n"), "allowed: also magnitude or peak"),
         ("x,y,magnitude\n1,2,3\n".to_owned(), "allowed: x1_pix, y1_pix, x2_pix, y2_pix; ra1_deg"),
         (format!("{ENDS},magnitude,peak\n1,2,3,4,9,100\n"), "line 2: peak is '100'; allowed: no peak"),
