@@ -24,7 +24,7 @@ pub struct TableStreak {
     pub streak: IdentifyConfig,
 }
 
-/// Returns the streaks of a table (CSV, ECSV, ASTRiDE, or a catalog of findsat_mrt), and remarks about its columns.
+/// Returns the streaks of a table (CSV, ECSV, ASTRiDE, a catalog of findsat_mrt, or regions of DS9), and remarks about its columns.
 ///
 /// The frame of a row is that of its column `image`, relative to the folder of the table, or else that of `base`. Its
 /// columns `start_utc` and `duration_s`, or else the values of `base`, replace the times in the header of the frame. Ends

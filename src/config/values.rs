@@ -51,7 +51,10 @@ impl<'de> Deserialize<'de> for Quantity {
 /// Deserializes a magnitude limit: a number, a table of numbers by band, or the text of the flag.
 pub(super) fn limit<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<MagnitudeLimit>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged, expecting = "invalid magnitude limit; allowed: a number, or a table of numbers by band")]
+    #[serde(
+        untagged,
+        expecting = "invalid magnitude limit; allowed: a number, a text such as g=7,default=6, or a table of numbers by band"
+    )]
     enum Written {
         Text(String),
         Limit(MagnitudeLimit),

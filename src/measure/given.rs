@@ -70,7 +70,8 @@ pub struct ListedMeasurement {
 }
 
 impl StreakList {
-    /// Reads a table: CSV or ECSV with the ends of streaks, streaks.txt of ASTRiDE, or a catalog of findsat_mrt.
+    /// Reads a table: CSV or ECSV with the ends of streaks, streaks.txt of ASTRiDE, a catalog of findsat_mrt, or
+    /// regions of DS9.
     ///
     /// # Errors
     /// The table cannot be read, or a cell is invalid.

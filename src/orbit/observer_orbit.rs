@@ -119,9 +119,15 @@ impl ObserverOrbit {
         }
     }
 
-    /// Returns the description of the first gap between states in an interval, with its reason; `None` without a gap.
+    /// Returns the description of the first gap between states in an interval, with its reason; `None` if an ephemeris
+    /// covers the interval without a gap.
     pub fn gap_in(&self, interval: [Epoch; 2]) -> Option<String> {
         let Source::Ephemerides(tables) = &self.0 else { return None };
+        let covers =
+            |table: &EphemerisTable| table.covered_around(interval.map(|epoch| table.seconds_at(epoch))).is_some();
+        if tables.iter().any(covers) {
+            return None;
+        }
         tables.iter().find_map(|table| table.gap_in(interval.map(|epoch| table.seconds_at(epoch))))
     }
 

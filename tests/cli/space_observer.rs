@@ -506,13 +506,16 @@ fn gaps_of_the_telescope_have_reasons() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let rows: String = (0..12).map(|turn| format!("{turn},2024-08-14T00:50:00Z,60,{},0\n", 30 * turn)).collect();
     fs::write(path("s.csv"), format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{rows}")).unwrap();
-    let judged = |text: String| {
-        fs::write(path("a.oem"), text).unwrap();
-        let (schedule, ephemeris) = (path("s.csv"), path("a.oem"));
+    let judged_with = |ephemeris: &str| {
+        let schedule = path("s.csv");
         let flag = ["flag", "--schedule", &schedule, "--fov", "5deg", "--format", "json", "--shells", "oneweb"];
-        let (code, stdout, stderr) = run(&[&flag, &["--observer-elements", &ephemeris]]);
+        let (code, stdout, stderr) = run(&[&flag, &["--observer-elements", ephemeris]]);
         assert_eq!(code, 0, "{stderr}");
         (serde_json::from_str::<Value>(&stdout).unwrap()["flags"].to_string(), stderr)
+    };
+    let judged = |text: String| {
+        fs::write(path("a.oem"), text).unwrap();
+        judged_with(&path("a.oem"))
     };
     let is_state = |line: &str| line.starts_with("2024-");
     // Every sixth state.
@@ -521,10 +524,17 @@ fn gaps_of_the_telescope_have_reasons() {
         count += usize::from(is_state(line));
         !is_state(line) || count % 6 == 1
     });
-    let (flags, stderr) = judged(coarse.map(|line| format!("{line}\n")).collect());
+    let coarse: String = coarse.map(|line| format!("{line}\n")).collect();
+    let (flags, stderr) = judged(coarse.clone());
     let reason = "s apart; allowed: ";
     assert!(flags.contains(reason) && flags.contains(", a twentieth of a revolution"), "{flags}");
     assert!(stderr.contains("with gaps: exposures in gaps and outside are invalid (first gap from "), "{stderr}");
+    // Another ephemeris without the gaps covers them.
+    fs::create_dir(path("both")).unwrap();
+    fs::write(path("both/coarse.oem"), &coarse).unwrap();
+    fs::write(path("both/whole.oem"), EPHEMERIS).unwrap();
+    let (flags, stderr) = judged_with(&path("both"));
+    assert!(!flags.contains("gap from") && !stderr.contains("gap"), "{flags} {stderr}");
     // One state is 5 km off. Times of the file are TAI.
     let shifted = |line: &str| match line.split_once(' ') {
         Some((time, cells)) if time.starts_with("2024-08-14T00:50:37") => {

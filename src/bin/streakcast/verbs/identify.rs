@@ -29,8 +29,8 @@ use crate::start::begin;
 pub struct IdentifyArguments {
     #[command(flatten)]
     pub streak: IdentifyConfig,
-    /// Tables of streaks, instead of one streak: CSV or ECSV with their ends, streaks.txt of ASTRiDE, or the catalog of
-    /// acstools.findsat_mrt; the frame of each is its column image, or --image
+    /// Tables of streaks, instead of one streak: CSV or ECSV with their ends, streaks.txt of ASTRiDE, the catalog of
+    /// acstools.findsat_mrt, or regions of DS9; the frame of each is its column image, or --image
     #[cfg(unix)]
     #[arg(long, value_name = "TABLE", num_args = 1..)]
     pub streaks: Vec<PathBuf>,
