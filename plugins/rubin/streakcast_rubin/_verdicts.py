@@ -38,13 +38,20 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
 
 
 class ConditionsCheck:
-    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun."""
+    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun, once
+    for each time of the conditions."""
 
     def __init__(self, hook: Hook, scale: str) -> None:
         self._hook, self._scale = hook, scale
         self._sun_is_checked = False
+        self._checked_mjd: Any = None
 
     def __call__(self, conditions: Any) -> None:
+        mjd = getattr(conditions, "mjd", None)
+        if mjd is not None and np.array_equal(mjd, self._checked_mjd):
+            return
+        self._checked_mjd = mjd
+
         def location() -> tuple[float, float, float]:
             site = conditions.site
             return site.latitude, site.longitude, site.height

@@ -158,21 +158,22 @@ class StreakQueueManager(BaseQueueManager):
                 return None
             indices = indices[has_coordinates]
         visits = queue[indices]
-        openings = self.mount.openings(conditions, visits)
-        reached = np.isfinite(openings.start_mjd)
-        if not reached[0]:
+        opening = self.mount.openings(conditions, visits[:1])
+        if not np.isfinite(opening.start_mjd[0]):
             # The first visit cannot be reached: the default visit of rubin_scheduler is used.
             return None
-        reachable, visits, indices = Openings(*(one[reached] for one in openings)), visits[reached], indices[reached]
-        first = costs_of(model, visits[:1], Openings(*(one[:1] for one in reachable)), self.mjd_scale)
+        first = costs_of(model, visits[:1], opening, self.mjd_scale)
         if not math.isfinite(first.cost_s[0]):
             # Its cost cannot be compared.
             self.hook.note("not_judged", f"the cost of visit {visits['target_id'][0]} is unknown; it is dispatched in the order of the queue")
             return None
         chosen = 0
         if first.cost_s[0] > LEAST_COST_S and indices.size > 1:
-            costs = costs_of(model, visits, reachable, self.mjd_scale)
-            detour_s = detours_s(reachable.slew_s, self.mount.between(now, visits))
+            openings = self.mount.openings(conditions, visits)
+            reached = np.isfinite(openings.start_mjd)
+            openings, visits, indices = Openings(*(column[reached] for column in openings)), visits[reached], indices[reached]
+            costs = costs_of(model, visits, openings, self.mjd_scale)
+            detour_s = detours_s(openings.slew_s, self.mount.between(now, visits))
             self.counts["compared"] += int(indices.size)
             chosen = choose(costs.cost_s, detour_s)
             if chosen > 0:

@@ -416,7 +416,9 @@ class ExposureQueries(SiteQueries):
             shapes = f"ra {ra.shape}, dec {dec.shape}, start {jd1.shape}, exposure {length.shape}, rotation {angle.shape}"
             raise ValueError(f"shapes cannot be broadcast together: {shapes}") from None
         exposures = {
-            name: aligned(np.broadcast_to(part, shape).reshape(-1)) for name, part in zip(names, parts)
+            # The arrays of one visit have the shape already, and broadcasting them takes long.
+            name: aligned((part if part.shape == shape else np.broadcast_to(part, shape)).reshape(-1))
+            for name, part in zip(names, parts)
         }
         bands = [] if band is None else _band_names(band)
         return exposures, bands, shape

@@ -9,6 +9,7 @@ import re
 import threading
 import weakref
 from difflib import get_close_matches
+from functools import lru_cache
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
@@ -218,6 +219,7 @@ class ModelState:
             warn(f"{first} (and {len(others)} similar warnings, with other numbers or dates)" if others else first)
 
 
+@lru_cache(maxsize=256)
 def without_numbers(message: str) -> str:
     """Returns a message without dates, and with one mark for each digit before the decimal point of a number.
 
