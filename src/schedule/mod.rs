@@ -26,6 +26,7 @@
 
 mod annotate;
 mod best_start;
+mod blockers;
 mod error;
 mod flag_request;
 mod formats;

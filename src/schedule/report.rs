@@ -9,6 +9,7 @@ use crate::orbit::LeftOut;
 use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
 
+use super::blockers::{Blockers, blockers};
 use super::flag_request::FlagRequest;
 use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::policy::{Blocking, Policy};
@@ -24,6 +25,8 @@ use super::verdict_rules::{blocks, is_counted, judge_exposure};
 pub(super) const GUARD_S: f64 = 0.002;
 /// Resolution of clear starts, seconds. They are rounded to later times.
 pub(super) const TICK_S: f64 = 0.001;
+/// Guard of starts that are found, seconds: it includes the error of rounding to a millisecond.
+const SEARCH_GUARD_S: f64 = GUARD_S + TICK_S;
 /// Largest number of steps by which a start that fails its check is moved to later times.
 const MOST_STEPS: f64 = 60.0;
 
@@ -315,43 +318,35 @@ fn find_starts(
         .filter(|(row, _)| flags[*row].as_ref().is_some_and(|flag| is_searched(*row, flag.kind)))
         .copied()
         .collect();
-    let long: Vec<Exposure> = searched
-        .iter()
-        .map(|(_, exposure)| {
-            let end = seconds_after(exposure.start, exposure.duration_s);
-            let viewpoint = request.sky.viewpoint();
-            let [start, end] = viewpoint
-                .known_part([exposure.start, end], margin_s, max_delay_s + margin_s)
-                .unwrap_or([exposure.start, end]);
-            Exposure { start, duration_s: seconds_between(start, end), ..(*exposure).clone() }
-        })
-        .collect();
     let options = PassOptions { without_light: blocking == Blocking::Any, ..pass_options(request) };
-    let crossings = request.sky.field_passes(&long, request.field, &options)?;
-    report.left_out.extend(crossings.left_out);
+    let allowance_s = |pass: &Pass| lateness_allowance_s(pass, policy).min(max_delay_s);
+    let blocked = |index: usize, blockers: &Blockers, allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
+        let (row, exposure) = searched[index];
+        let limits = request.limits(band(row), exposure.duration_s);
+        let is_blocking = |pass: &Pass| blocks(pass, &limits, blocking, policy);
+        // The passes of the verdict are added because the search over the longer interval may omit one that only just
+        // enters the field.
+        let now = counted[row]
+            .iter()
+            .filter(|pass| is_blocking(pass))
+            .flat_map(|pass| intervals(pass, exposure, 0.0, allowance_s(pass)));
+        now.chain(blockers.intervals(exposure, is_blocking, allowance_s)).collect()
+    };
+    let has_start = |index: usize, blockers: &Blockers, delay_s: f64| {
+        let (blocked, duration_s) = (blocked(index, blockers, &allowance_s), searched[index].1.duration_s);
+        next_clear_start(&blocked, duration_s, margin_s, SEARCH_GUARD_S, 0.0, delay_s - 2.0 * SEARCH_GUARD_S).is_some()
+    };
     let exposures: Vec<&Exposure> = searched.iter().map(|(_, exposure)| *exposure).collect();
+    let (blockers, left_out) = blockers(&exposures, blocking, max_delay_s, request, &options, has_start)?;
+    report.left_out.extend(left_out);
     let earth = |start, end| request.sky.orientation_over(start, end);
     let watch = request.sky.watch();
     let last_starts = last_starts_s(&exposures, request.sky.viewpoint(), &earth, max_delay_s, watch)?;
     let mut searches = Vec::new();
-    let with_passes = searched.iter().zip(&long).zip(&crossings.by_exposure);
-    for ((((row, exposure), long), passes), last_start_s) in with_passes.zip(last_starts) {
+    for (index, ((row, exposure), last_start_s)) in searched.iter().zip(last_starts).enumerate() {
         watch.check()?;
-        let lead_s = seconds_between(long.start, exposure.start);
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let limits = request.limits(band(*row), exposure.duration_s);
-        let is_blocking = |pass: &&Pass| blocks(pass, &limits, blocking, policy);
-        let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
-            let ahead =
-                passes.iter().filter(is_blocking).flat_map(|pass| intervals(pass, exposure, lead_s, allowance_s(pass)));
-            // The passes of the verdict are added because the search over the longer interval may omit one that only
-            // just enters the field.
-            let now = counted[*row]
-                .iter()
-                .filter(is_blocking)
-                .flat_map(|pass| intervals(pass, exposure, 0.0, allowance_s(pass)));
-            ahead.chain(now).collect()
-        };
+        let blocked = |allowance_s: &dyn Fn(&Pass) -> f64| blocked(index, &blockers[index], allowance_s);
         if flag.kind == VerdictKind::Clear {
             // Margins apply to nominal crossings, without the allowance for early and late satellites.
             let nominal = blocked(&|_| 0.0);
@@ -373,7 +368,6 @@ fn find_starts(
             flag.reasons.push(format!("no {} start is known: {why}", start_name(blocking)));
             continue;
         }
-        let allowance_s = |pass: &Pass| lateness_allowance_s(pass, policy).min(max_delay_s);
         let is_in_orbit = request.sky.viewpoint().site().is_none();
         let search = StartSearch { row: *row, blocking, blocked: blocked(&allowance_s), last_start_s, is_in_orbit };
         search.find(exposure, policy, 0.0, flag);
@@ -384,7 +378,7 @@ fn find_starts(
         }
         searches.push(search);
     }
-    if policy.min_probability.is_some() || policy.max_cost_s.is_some() {
+    if policy.confirms_starts() {
         confirm(searches, above, blocking, &band, &options, request, flags)?;
     }
     Ok(())
@@ -406,11 +400,9 @@ impl StartSearch {
     /// Sets the earliest possible start that is at least `from_s` after the scheduled opening, or adds a reason if
     /// there is none.
     fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
-        // The guard includes the error of rounding to a millisecond.
-        let guard_s = GUARD_S + TICK_S;
         let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
         let rest_s = max_delay_s - from_s;
-        let found = next_clear_start(&self.blocked, exposure.duration_s, margin_s, guard_s, from_s, rest_s);
+        let found = next_clear_start(&self.blocked, exposure.duration_s, margin_s, SEARCH_GUARD_S, from_s, rest_s);
         let delay_s = found.map(|delay_s| (delay_s / TICK_S).ceil() * TICK_S);
         let sets = delay_s.is_some_and(|delay_s| delay_s > self.last_start_s);
         let start = delay_s.filter(|_| !sets).map(|delay_s| (seconds_after(exposure.start, delay_s), delay_s));

@@ -55,13 +55,30 @@ impl Sky {
     /// # Errors
     /// The errors of [`Sky::field_passes`].
     pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, SkyError> {
-        let (by_exposure, left_out) = self.by_exposure(exposures, SearchScope::Nominal, |scene, exposure, seen| {
-            let exposed = ExposedField::new(self, scene, exposure, field)?;
-            let (mut crossings, left_out) = exposed.evaluate(false, seen, |interval| exposed.crossing(interval))?;
-            let entry = |crossing: &FieldCrossing| crossing.chords.first().map_or(0.0, |chord| chord.enter_s);
-            crossings.sort_by(|a, b| entry(a).total_cmp(&entry(b)).then(a.element_index.cmp(&b.element_index)));
-            Ok((crossings, left_out))
-        })?;
+        self.field_crossings_until(exposures, field, |_, _| false)
+    }
+
+    /// Finds crossings as [`Sky::field_crossings`] until there are enough for each exposure: `is_enough` is called with the
+    /// index of an exposure and its crossings in any order, whenever their number has doubled.
+    pub(crate) fn field_crossings_until(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        is_enough: impl Fn(usize, &[FieldCrossing]) -> bool + Sync,
+    ) -> Result<FieldCrossings, SkyError> {
+        let (by_exposure, left_out) =
+            self.by_exposure(exposures, SearchScope::Nominal, |scene, (index, exposure), seen| {
+                let exposed = ExposedField::new(self, scene, exposure, field)?;
+                let (mut crossings, left_out) = exposed.evaluate(
+                    false,
+                    seen,
+                    |interval| exposed.crossing(interval),
+                    |crossings| is_enough(index, crossings),
+                )?;
+                let entry = |crossing: &FieldCrossing| crossing.chords.first().map_or(0.0, |chord| chord.enter_s);
+                crossings.sort_by(|a, b| entry(a).total_cmp(&entry(b)).then(a.element_index.cmp(&b.element_index)));
+                Ok((crossings, left_out))
+            })?;
         Ok(FieldCrossings { by_exposure, left_out })
     }
 }

@@ -57,13 +57,14 @@ impl<'a> ExposedField<'a> {
         })
     }
 
-    /// Evaluates all candidates with the function `of`. Returns the results and the satellites without a position.
-    /// `seen` is a buffer that is reused.
+    /// Evaluates all candidates with the function `of`, or as many as give enough results according to `is_enough`.
+    /// Returns the results and the satellites without a position. `seen` is a buffer that is reused.
     pub fn evaluate<T>(
         &self,
         include_dark: bool,
         seen: &mut Vec<CrossingCandidate>,
         of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
+        is_enough: impl Fn(&[T]) -> bool,
     ) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> {
         let flight = self.flight.as_ref();
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
@@ -72,7 +73,13 @@ impl<'a> ExposedField<'a> {
         {
             self.sky.watch().check()?;
             match of(&interval) {
-                Ok(evaluated) => found.extend(evaluated),
+                Ok(Some(evaluated)) => {
+                    found.push(evaluated);
+                    if found.len().is_power_of_two() && is_enough(&found) {
+                        break;
+                    }
+                }
+                Ok(None) => {}
                 Err(reason) => left_out.push(self.sky.failed(interval.element_index, reason)),
             }
         }

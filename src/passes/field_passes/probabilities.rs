@@ -136,7 +136,7 @@ impl Sky {
         let Some(observer) = self.viewpoint().site() else {
             return self.probabilities_in_flight(exposures, field, include_dark, band);
         };
-        let (by_exposure, _) = self.by_exposure(exposures, SearchScope::Delayed, |scene, exposure, seen| {
+        let (by_exposure, _) = self.by_exposure(exposures, SearchScope::Delayed, |scene, (_, exposure), seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             Ok((exposed.probabilities(observer, band.is_thermal(), seen)?, Vec::new()))
         })?;

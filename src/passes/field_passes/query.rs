@@ -41,10 +41,10 @@ impl Sky {
         options: &PassOptions,
     ) -> Result<Passes, SkyError> {
         let scope = if options.min_probability.is_some() { SearchScope::Delayed } else { SearchScope::Nominal };
-        let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, exposure, seen| {
+        let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, (_, exposure), seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             let (mut passes, left_out) =
-                exposed.evaluate(options.with_shadow(), seen, |interval| exposed.pass(interval, options))?;
+                exposed.evaluate(options.with_shadow(), seen, |interval| exposed.pass(interval, options), |_| false)?;
             passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
             Ok((passes, left_out))
         })?;
@@ -88,13 +88,14 @@ impl Sky {
             .collect()
     }
 
-    /// Evaluates each exposure with the function `of`, on all threads; exposures of one group share a scene. Returns
-    /// the results for each exposure, and the satellites without a position.
+    /// Evaluates each exposure, with its index, with the function `of`, on all threads; exposures of one group share a
+    /// scene. Returns the results for each exposure, and the satellites without a position.
     pub(super) fn by_exposure<T: Send>(
         &self,
         exposures: &[Exposure],
         scope: SearchScope,
-        of: impl Fn(&Scene, &Exposure, &mut Vec<CrossingCandidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> + Sync,
+        of: impl Fn(&Scene, (usize, &Exposure), &mut Vec<CrossingCandidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError>
+        + Sync,
     ) -> Result<(Vec<Vec<T>>, Vec<LeftOut>), SkyError> {
         exposures.iter().try_for_each(Exposure::check)?;
         let mut by_exposure: Vec<Vec<T>> = exposures.iter().map(|_| Vec::new()).collect();
@@ -108,7 +109,7 @@ impl Sky {
                 .par_iter()
                 .map_init(Vec::new, |seen, &index| {
                     self.watch().check()?;
-                    Ok((index, of(&scene, &exposures[index], seen)?))
+                    Ok((index, of(&scene, (index, &exposures[index]), seen)?))
                 })
                 .collect::<Result<Vec<_>, SkyError>>()?;
             for (index, (of_one, without)) in found {
