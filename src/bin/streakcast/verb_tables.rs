@@ -22,10 +22,6 @@ use toml::{Table, Value};
 use crate::failure::usage_message;
 use crate::local_time::local_time;
 
-/// Flags whose value is a name, or a file with the extension `.toml` or `.json`.
-const NAMES_OR_FILES: [&str; 3] = ["shells", "telescope", "model"];
-/// Flags whose value is a file, in addition to those of the type `PathBuf`.
-const FILES: [&str; 2] = ["field", "policy"];
 /// Smallest similarity of two names for a suggestion.
 const SIMILAR: f64 = 0.85;
 
@@ -318,13 +314,10 @@ fn text_of(arg: &Arg, value: &Value, folder: &Path) -> Result<String, String> {
         }
         _ => return Err(format!("is {value}; allowed: a text or a number, as for the flag")),
     };
-    let id = arg.get_id().as_str();
-    let is_file = arg.get_value_hint() == ValueHint::AnyPath || FILES.contains(&id);
-    let is_name_of_file = NAMES_OR_FILES.contains(&id) && (text.ends_with(".toml") || text.ends_with(".json"));
-    if !is_file && !is_name_of_file {
-        return Ok(text);
-    }
-    let (kind, path) = text.split_once('=').filter(|_| is_name_of_file).unwrap_or(("", &text));
-    let path = folder.join(path).display().to_string();
-    Ok(if kind.is_empty() { path } else { format!("{kind}={path}") })
+    Ok(match arg.get_value_hint() {
+        ValueHint::AnyPath => folder.join(text).display().to_string(),
+        // A form of the point spread function, or a file.
+        ValueHint::FilePath if folder.join(&text).is_file() => folder.join(text).display().to_string(),
+        _ => Config::in_folder(arg.get_id().as_str(), &text, folder),
+    })
 }

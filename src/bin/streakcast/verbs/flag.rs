@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::arguments::OutputArguments;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
-use streakcast::config::{Config, RulesConfig};
+use streakcast::config::{Config, FIELD, RequiredInput, RulesConfig, SATELLITES, SITE};
 use streakcast::output::{Section, counted};
 use streakcast::schedule::Shard;
 use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
@@ -13,8 +13,8 @@ use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
 use super::passes::left_out_table;
 use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
+use crate::help::{Help, VerbFlags};
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -38,6 +38,22 @@ pub struct FlagArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+/// Schedule of exposures.
+pub const SCHEDULE: RequiredInput = RequiredInput::new("schedule", &[&["--schedule FILE"]]);
+
+impl VerbFlags for FlagArguments {
+    const HELP: Help = Help {
+        asks: &[&SCHEDULE, &SATELLITES, &SITE, &FIELD],
+        ..Help::new(
+            "flag",
+            [
+                "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin --limit-mag 7",
+                "--schedule night.csv --shells starlink-gen1 --site Paranal --fov 1deg --fail-on avoid",
+            ],
+        )
+    };
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
@@ -95,8 +111,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
             "--include-dark is for a telescope in orbit (--observer-elements): at a site a satellite in shadow is not visible"
         );
     }
-    let has_schedule = typed.schedule.is_some();
-    Required::new(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
+    FlagArguments::HELP.check(&config, &[(&SCHEDULE, typed.schedule.is_some())])?;
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
     let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, None)?;

@@ -2,7 +2,9 @@
 
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, Quantity, TimeRangeConfig, parse_exposure_s, state_scales};
+use streakcast::config::{
+    Config, EXPOSURE, FIELD, Quantity, RequiredInput, SATELLITES, TimeRangeConfig, parse_exposure_s, state_scales,
+};
 use streakcast::forecast::{
     TrailRequest, TrailStatistics, trail_angle_table, trail_histogram_table, trail_statistics, trail_table,
 };
@@ -11,8 +13,8 @@ use streakcast::output::{Section, format_utc};
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
+use crate::help::check;
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -49,6 +51,8 @@ impl OrbitStatisticsArguments {
     }
 }
 
+const SPAN: RequiredInput = RequiredInput::new("span of the exposures", &[&["--start TIME", "--end TIME"]]);
+
 /// Default number of pointings.
 const POINTINGS: usize = 1000;
 /// Default seed.
@@ -74,12 +78,8 @@ const ON_SCREEN: &[Shown] = &[
 
 /// Runs `statistics` for the telescope in orbit of a configuration.
 pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &Config) -> anyhow::Result<Outcome> {
-    Required::new(config)
-        .input(typed.start.is_some() && typed.end.is_some(), "span of the exposures", "--start TIME and --end TIME")
-        .input(config.exposure.duration.is_some(), "exposure time", "--exposure TIME, for example 112.5s")
-        .satellites()
-        .field()
-        .check()?;
+    let has_span = typed.start.is_some() && typed.end.is_some();
+    check(config, &[&EXPOSURE, &SATELLITES, &FIELD], &[(&SPAN, has_span)])?;
     let output = output.open(config)?;
     let range = TimeRangeConfig { night: None, start: typed.start.clone(), end: typed.end.clone() };
     let (start, end) = range.resolve(config)?;

@@ -3,7 +3,10 @@
 use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, ExposureConfig, ObservationPlan, PreparedSky, RulesConfig, state_scales};
+use streakcast::config::{
+    Config, EXPOSURE, ExposureConfig, FIELD, ObservationPlan, POINTING, PreparedSky, RulesConfig, SATELLITES, SITE,
+    START, state_scales,
+};
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
 use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
@@ -12,9 +15,9 @@ use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{FlagRequest, StreakColumns, exposure_table, streak_table};
 
 use crate::failure::Outcome;
+use crate::help::{Help, VerbFlags};
 use crate::notices::Notices;
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, known_to, rounded, shown};
 
 #[derive(Args)]
@@ -39,6 +42,19 @@ pub struct PassesArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+impl VerbFlags for PassesArguments {
+    const HELP: Help = Help {
+        asks: &[&START, &EXPOSURE, &POINTING, &SATELLITES, &SITE, &FIELD],
+        ..Help::new(
+            "passes",
+            [
+                "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 3.5deg",
+                "--start 2024-08-14T03:30:00Z --exposure 2min --ra 18h40m --dec=-30d --elements active.tle --site Paranal --telescope vst",
+            ],
+        )
+    };
 }
 
 const ON_SCREEN: &[Shown] = &[
@@ -122,7 +138,7 @@ pub struct Prediction {
 
 /// Computes the passes of the exposure in the configuration.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
-    Required::new(config).times().pointing().satellites().site().field().check()?;
+    PassesArguments::HELP.check(config, &[])?;
     let notices = crate::start::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;

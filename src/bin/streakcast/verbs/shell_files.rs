@@ -10,6 +10,7 @@ use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use crate::failure::Outcome;
+use crate::help::{Help, VerbFlags};
 use crate::notices::Notices;
 use crate::output::{FORMATS, Output, check, write_bytes};
 use streakcast::elements::{Constellation, Generation};
@@ -22,6 +23,10 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
+impl VerbFlags for CompletionsArguments {
+    const HELP: Help = Help::new("completions", ["bash", "zsh"]);
+}
+
 #[derive(Args)]
 pub struct ManArguments {
     /// Folder, created if it is missing
@@ -30,6 +35,10 @@ pub struct ManArguments {
     /// Suppress the list of written files
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+impl VerbFlags for ManArguments {
+    const HELP: Help = Help::new("man", ["-o man", "-o man --quiet"]);
 }
 
 /// Writes the completions of one shell to standard output.

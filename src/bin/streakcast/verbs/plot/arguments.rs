@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id, parse_night};
 use streakcast::plot::{FileOptions, PictureSize};
 
+use crate::help::{Help, Typed, VerbFlags};
 use crate::local_time::ZoneArguments;
 use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
 
@@ -20,32 +21,38 @@ pub struct PlotArguments {
     pub verb: Option<PlotVerb>,
 }
 
+impl VerbFlags for PlotArguments {
+    const HELP: Help = Help::new("plot", ["--list", "body --model visorsat --sun-latitude-deg 20 -o body.png"]);
+}
+
 #[derive(Subcommand)]
 pub enum PlotVerb {
     /// Plot a timeline of a night: streaked exposures, coloured by the brightest streak
-    Night(Box<PlotNightArguments>),
+    Night(Typed<PlotNightArguments>),
     /// Plot the streaks in a field (gnomonic, north up, east left), with entry, exit and magnitude
-    Field(Box<PlotFieldArguments>),
+    Field(Typed<PlotFieldArguments>),
     /// Plot the magnitude along a track with its error, and the interval inside the field
-    LightCurve(Box<PlotLightCurveArguments>),
+    LightCurve(Typed<PlotLightCurveArguments>),
     /// Plot passes of a forecast over the sky of their site, from rise to set, with times and magnitudes
-    SkyChart(Box<PlotSkyChartArguments>),
+    SkyChart(Typed<PlotSkyChartArguments>),
     /// Plot the expected number of streaks per exposure over the sky of a site
-    SkyRate(Box<PlotSkyRateArguments>),
+    SkyRate(Typed<PlotSkyRateArguments>),
     /// Plot trails per exposure against the Sun's altitude, for a schedule or for a grid over the sky during a night
-    SunAltitude(Box<PlotSunAltitudeArguments>),
+    SunAltitude(Typed<PlotSunAltitudeArguments>),
     /// Plot magnitudes over the sky of a site, for satellites at one height
-    Sky(Box<PlotSkyArguments>),
+    Sky(Typed<PlotSkyArguments>),
     /// Plot magnitudes at 1000 km over the directions around a satellite
-    Body(Box<PlotBodyArguments>),
+    Body(Typed<PlotBodyArguments>),
     /// Plot the posterior of a fit: each parameter, and each pair of parameters
-    Corner(Box<PlotCornerArguments>),
+    Corner(Typed<PlotCornerArguments>),
     /// Plot observed minus computed magnitudes against the angles of the geometry
-    Residuals(Box<PlotResidualsArguments>),
+    Residuals(Typed<PlotResidualsArguments>),
     /// Plot a histogram of observed minus computed magnitudes
-    Histogram(Box<PlotResidualsArguments>),
+    #[command(after_help = Help::new("plot histogram", ["--from pixels.ecsv --model visorsat -o histogram.png", "--from points.ecsv --model fitted.json -o histogram.svg"]).examples())]
+    Histogram(Typed<PlotResidualsArguments>),
     /// Plot observed and computed magnitudes against the phase angle
-    PhaseCurve(Box<PlotResidualsArguments>),
+    #[command(after_help = Help::new("plot phase-curve", ["--from pixels.ecsv --model visorsat -o phase.png", "--from points.ecsv --model fitted.json -o phase.svg"]).examples())]
+    PhaseCurve(Typed<PlotResidualsArguments>),
 }
 
 /// Outputs: pictures and their data.
@@ -109,6 +116,16 @@ pub struct PlotNightArguments {
     pub picture: PictureArguments,
 }
 
+impl VerbFlags for PlotNightArguments {
+    const HELP: Help = Help::new(
+        "plot night",
+        [
+            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o night.png",
+            "--from night-data.ecsv -o night.svg",
+        ],
+    );
+}
+
 #[derive(Args)]
 pub struct PlotFieldArguments {
     /// Input table: output of passes (CSV, ECSV or JSON)
@@ -128,6 +145,16 @@ pub struct PlotFieldArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+impl VerbFlags for PlotFieldArguments {
+    const HELP: Help = Help::new(
+        "plot field",
+        [
+            "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 9deg -o field.png",
+            "--from passes.csv -o field.svg",
+        ],
+    );
 }
 
 #[derive(Args)]
@@ -158,6 +185,16 @@ pub struct PlotLightCurveArguments {
     pub picture: PictureArguments,
 }
 
+impl VerbFlags for PlotLightCurveArguments {
+    const HELP: Help = Help::new(
+        "plot light-curve",
+        [
+            "--start 2024-08-14T00:00:00Z --exposure 30s --ra 210 --dec=-30 --elements active.tle --mpc X05 --fov 9deg -o curve.png",
+            "--from curves.ecsv -o curve.svg",
+        ],
+    );
+}
+
 #[derive(Args)]
 pub struct PlotSkyChartArguments {
     /// Input table: output of forecast (--light-curves, or JSON with --samples N)
@@ -179,6 +216,13 @@ pub struct PlotSkyChartArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+impl VerbFlags for PlotSkyChartArguments {
+    const HELP: Help = Help::new(
+        "plot sky-chart",
+        ["--from curves.ecsv -o chart.png", "--from curves.ecsv --norad 25544 --time-zone Europe/Vienna -o chart.svg"],
+    );
 }
 
 #[derive(Args)]
@@ -230,6 +274,16 @@ pub struct PlotSkyRateArguments {
     pub picture: PictureArguments,
 }
 
+impl VerbFlags for PlotSkyRateArguments {
+    const HELP: Help = Help::new(
+        "plot sky-rate",
+        [
+            "--start 2024-08-14T00:00:00Z --exposure 30s --shells oneweb --mpc X05 --fov 3.5deg --nside 4 --repeats 5 -o rate.png",
+            "--from rate-data.ecsv -o rate.svg",
+        ],
+    );
+}
+
 #[derive(Args)]
 pub struct PlotSunAltitudeArguments {
     /// Schedule with the exposures; a grid over the sky for a night if omitted
@@ -266,6 +320,16 @@ pub struct PlotSunAltitudeArguments {
     pub picture: PictureArguments,
 }
 
+impl VerbFlags for PlotSunAltitudeArguments {
+    const HELP: Help = Help::new(
+        "plot sun-altitude",
+        [
+            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o trails.png",
+            "--from night-data.ecsv -o trails.svg",
+        ],
+    );
+}
+
 #[derive(Args)]
 pub struct PlotSkyArguments {
     #[command(flatten)]
@@ -274,12 +338,32 @@ pub struct PlotSkyArguments {
     pub picture: PictureArguments,
 }
 
+impl VerbFlags for PlotSkyArguments {
+    const HELP: Help = Help::new(
+        "plot sky",
+        [
+            "--model visorsat --sun-altitude-deg=-15 -o sky.png",
+            "--model visorsat --sun-altitude-deg=-15 --site Paranal --no-data -o sky.svg",
+        ],
+    );
+}
+
 #[derive(Args)]
 pub struct PlotBodyArguments {
     #[command(flatten)]
     pub view: BodyViewArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+impl VerbFlags for PlotBodyArguments {
+    const HELP: Help = Help::new(
+        "plot body",
+        [
+            "--model visorsat --sun-latitude-deg 20 -o body.png",
+            "--model visorsat --sun-latitude-deg 20 --no-data -o body.svg",
+        ],
+    );
 }
 
 #[derive(Args)]
@@ -302,6 +386,13 @@ pub struct PlotCornerArguments {
     pub picture: PictureArguments,
 }
 
+impl VerbFlags for PlotCornerArguments {
+    const HELP: Help = Help::new(
+        "plot corner",
+        ["--chains chains.ecsv -o corner.png", "--chains chains.ecsv --parameters c1,c2 -o corner.svg"],
+    );
+}
+
 #[derive(Args)]
 pub struct PlotResidualsArguments {
     /// Input table: output of fit reduce, with or without --raw-points (CSV, ECSV or JSON)
@@ -319,4 +410,14 @@ pub struct PlotResidualsArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+impl VerbFlags for PlotResidualsArguments {
+    const HELP: Help = Help::new(
+        "plot residuals",
+        [
+            "--from pixels.ecsv --model visorsat -o residuals.png",
+            "--from points.ecsv --model fitted.json -o residuals.svg",
+        ],
+    );
 }

@@ -10,12 +10,13 @@ use streakcast::plot::{FARTHEST_FIELD_DEG, FieldChart, FieldStreak, Picture, fie
 
 use super::arguments::PlotFieldArguments;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, check};
 use crate::start::begin;
-use crate::verbs::passes::predict;
+use crate::verbs::passes::{PassesArguments, predict};
 
 use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
-use super::target::{Target, required};
+use super::target::{self, Target};
 
 /// Number of points of the outline of a circle.
 const CIRCLE_POINTS: usize = 180;
@@ -46,7 +47,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
         )?;
         return Ok(outcome(&columns));
     }
-    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
+    check(&config, PassesArguments::HELP.asks, &[target::picture(&typed.picture)])?;
     let target = Target::new(&typed.picture)?;
     let field = config.field_of_view()?;
     check_size(&field)?;
