@@ -217,8 +217,12 @@ fn main() -> ExitCode {
         Verb::Completions(typed) => typed.run(|typed| verbs::shell_files::completions(&typed, command)),
         Verb::Man(typed) => typed.run(|typed| verbs::shell_files::man(&typed, command)),
     };
-    exit_code(outcome.map_err(|error| match local_time::of_matches(&matches) {
-        Some(zone) => local_time::with_offset(error, &zone),
-        None => error,
+    exit_code(outcome.map_err(|error| {
+        let error = match local_time::of_matches(&matches) {
+            Some(zone) => local_time::with_offset(error, &zone),
+            None => error,
+        };
+        let place = words.place_in(&error.to_string()).map(|place| anyhow!("{place}: {error}"));
+        place.unwrap_or(error)
     }))
 }

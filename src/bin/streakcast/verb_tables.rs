@@ -56,6 +56,14 @@ impl Words {
         let place_of = |flag: &str| self.inserted.iter().find(|(inserted, _)| inserted == flag);
         texts.find_map(|name| place_of(flag_of(name)?)).map(|(_, place)| place.as_str())
     }
+
+    /// Returns file, table and line if a message of a verb is about the value of an inserted key, with whose name it
+    /// begins.
+    pub fn place_in(&self, message: &str) -> Option<&str> {
+        let start = ["invalid ", "unknown ", "--"].iter().fold(message, |text, word| text.trim_start_matches(word));
+        let is_named = |flag: &str| start.strip_prefix(flag).is_some_and(|rest| rest.starts_with([' ', ':']));
+        self.inserted.iter().find(|(flag, _)| is_named(flag)).map(|(_, place)| place.as_str())
+    }
 }
 
 /// Adds to the words of the command line the path of the home file, if the verb reads it, and the keys of the verb's
@@ -111,6 +119,8 @@ pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> a
         for (key, value) in table.into_iter().flatten() {
             let Some(arg) = argument(verb, key).filter(|arg| !is_replaced(arg, verb, &given)) else { continue };
             let flag = arg.get_long().unwrap_or_default();
+            let is_off = is_same(flag, &format!("no_{key}"));
+            let value = &value.as_bool().map_or_else(|| value.clone(), |is_on| Value::Boolean(is_on != is_off));
             let place = source.place(&path, Some(key));
             let texts = texts_of(arg, value, file.parent().unwrap_or(Path::new("")));
             for text in texts.map_err(|why| anyhow!("{place}: {key} {why}"))? {
@@ -200,10 +210,13 @@ fn is_same(first: &str, other: &str) -> bool {
     first.replace('-', "_") == other.replace('-', "_")
 }
 
+/// Returns the flag of a key: the flag with its name, or one that switches it off (`--no-earthshine` for `earthshine`).
 fn argument<'a>(verb: &'a Command, key: &str) -> Option<&'a Arg> {
-    let has_name =
-        |arg: &Arg| arg.get_long_and_visible_aliases().unwrap_or_default().iter().any(|name| is_same(name, key));
-    verb.get_arguments().find(|arg| has_name(arg))
+    let with_name = |key: &str| {
+        let names = Arg::get_long_and_visible_aliases;
+        verb.get_arguments().find(|arg| names(arg).unwrap_or_default().iter().any(|name| is_same(name, key)))
+    };
+    with_name(key).or_else(|| with_name(&format!("no_{key}")))
 }
 
 /// Checks that the tables of verbs have only flags of their verb as keys, that no key of a verb is at the top, and that
@@ -308,6 +321,8 @@ fn text_of(arg: &Arg, value: &Value, folder: &Path) -> Result<String, String> {
     let text = match value {
         Value::String(text) => text.clone(),
         Value::Integer(_) | Value::Float(_) | Value::Datetime(_) => value.to_string(),
+        // Other flags with a value reject it.
+        Value::Boolean(_) if arg.is_require_equals_set() => value.to_string(),
         // A limit by band, as g=7,default=6.
         Value::Table(numbers) if numbers.values().all(|number| number.is_float() || number.is_integer()) => {
             numbers.iter().map(|(name, number)| format!("{name}={number}")).collect::<Vec<_>>().join(",")

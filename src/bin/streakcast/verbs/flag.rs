@@ -25,8 +25,8 @@ pub struct FlagArguments {
     #[command(flatten)]
     pub rules: RulesConfig,
     /// For a telescope in orbit, crossings in the Earth's shadow count too, for example in the infrared
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub include_dark: Option<bool>,
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -104,9 +104,9 @@ fn check_judged(totals: &FlagTotals, schedule: &Path) -> anyhow::Result<()> {
 }
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
-    let include_dark = typed.include_dark.then_some(true);
+    let include_dark = typed.include_dark;
     let config = Config { rules: typed.rules, include_dark, ..typed.config }.with_file()?;
-    if typed.include_dark && config.has_viewpoint() && !config.is_in_orbit() {
+    if include_dark == Some(true) && config.has_viewpoint() && !config.is_in_orbit() {
         bail!(
             "--include-dark is for a telescope in orbit (--observer-elements): at a site a satellite in shadow is not visible"
         );

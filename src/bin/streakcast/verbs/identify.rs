@@ -39,8 +39,8 @@ pub struct IdentifyArguments {
     #[arg(long, value_name = "TABLE", num_args = 1..)]
     pub streaks: Vec<PathBuf>,
     /// Include satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub include_dark: Option<bool>,
     /// Largest number of candidates in the output
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub top: usize,
@@ -193,7 +193,7 @@ fn identified(
 ) -> anyhow::Result<Done> {
     let streak = &plan.streak;
     let options = IdentifyOptions {
-        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
+        include_dark: typed.include_dark.or(config.include_dark).unwrap_or(false),
         photometry: config.photometry()?,
     };
     prepared.check_altitude("streak", &plan.exposure())?;
@@ -273,7 +273,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
     }
     // A detector may have found no streak.
     let mut provenance = sky.map_or_else(Provenance::new, |(_, prepared)| prepared.provenance);
-    let include_dark = typed.include_dark || config.include_dark.unwrap_or(false);
+    let include_dark = typed.include_dark.or(config.include_dark).unwrap_or(false);
     let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
     provenance.state("options", json!({ "streaks": tables, "include_dark": include_dark, "top": typed.top }));
     output.write(

@@ -33,8 +33,8 @@ pub struct OrbitStatisticsArguments {
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// For a telescope in orbit, also count satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub include_dark: Option<bool>,
 }
 
 impl OrbitStatisticsArguments {
@@ -45,7 +45,7 @@ impl OrbitStatisticsArguments {
             ("--end", self.end.is_some()),
             ("--pointings", self.pointings.is_some()),
             ("--seed", self.seed.is_some()),
-            ("--include-dark", self.include_dark),
+            ("--include-dark", self.include_dark.is_some()),
         ];
         given.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag))
     }
@@ -96,7 +96,7 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
         exposure_s,
         field: &field,
         limit_mag: config.limit_mag()?,
-        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
+        include_dark: typed.include_dark.or(config.include_dark).unwrap_or(false),
         photometry,
     };
     let found = trail_statistics(&prepared.sky, &request)?;

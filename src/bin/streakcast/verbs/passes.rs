@@ -25,8 +25,8 @@ pub struct PassesArguments {
     #[command(flatten)]
     pub exposure: ExposureConfig,
     /// Include crossings of satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    pub include_dark: Option<bool>,
     /// Report the probability of each crossing to be brighter than this, in the band of --band; all crossings are
     /// listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
@@ -84,7 +84,7 @@ const ON_SCREEN: &[Shown] = &[
 pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let flags = Config {
         exposure: typed.exposure,
-        include_dark: typed.include_dark.then_some(true),
+        include_dark: typed.include_dark,
         rules: RulesConfig {
             limit_mag: typed.limit_mag,
             limit_surface_brightness: typed.limit_surface_brightness,

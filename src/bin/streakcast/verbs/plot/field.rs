@@ -22,7 +22,7 @@ use super::target::{self, Target};
 const CIRCLE_POINTS: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
-    let include_dark = typed.include_dark.then_some(true);
+    let include_dark = typed.include_dark;
     let mut flags = Config { exposure: typed.exposure, include_dark, ..typed.config };
     if typed.from.is_some() {
         // The field of the table has precedence over that of the home file.
