@@ -30,20 +30,9 @@ pub const FIELD_FLAGS: &[&str] = &["fov", "field", "rotation", "min_probability"
 pub const CAMERA_FLAGS: &[&str] = &["fov", "field", "rotation", "telescope", "min_probability"];
 
 impl Help {
-    /// Creates the help of a verb without required inputs.
-    pub const fn new(verb: &'static str, examples: [&'static str; 2]) -> Self {
-        Self { verb, asks: &[], ignores: &[], examples }
-    }
-
-    /// Returns the list of examples.
-    pub fn examples(&self) -> String {
-        let lines = self.examples.map(|example| format!("  streakcast {} {example}", self.verb).trim_end().to_owned());
-        format!("Examples:\n{}", lines.join("\n"))
-    }
-
     /// Adds the help to the command of the verb, which has all its flags.
     fn complete(&self, command: Command) -> Command {
-        let command = command.mut_args(|arg| self.marked(arg)).after_help(self.examples());
+        let command = command.mut_args(|arg| self.marked(arg)).after_help(examples(self.verb, self.examples));
         if self.asks.is_empty() {
             return command;
         }
@@ -57,7 +46,9 @@ impl Help {
         }
         let usage = [vec![first], usage, vec!["[OPTIONS]".to_owned()]].concat();
         let note = "Required flags may also be keys of the configuration file (--config).";
-        command.override_usage(usage.join("\n       ")).after_help(format!("{note}\n\n{}", self.examples()))
+        command
+            .override_usage(usage.join("\n       "))
+            .after_help(format!("{note}\n\n{}", examples(self.verb, self.examples)))
     }
 
     /// Marks an argument as required, in its help text or in its heading, and hides one that has no effect.
@@ -106,6 +97,12 @@ impl Help {
     }
 }
 
+/// Returns the list of examples of a verb.
+pub fn examples(verb: &str, examples: [&str; 2]) -> String {
+    let lines = examples.map(|example| format!("  streakcast {verb} {example}").trim_end().to_owned());
+    format!("Examples:\n{}", lines.join("\n"))
+}
+
 /// Same as [`Help::check`], for `asks` that depend on flags.
 pub fn check(config: &Config, asks: &[&RequiredInput], answers: &[(&RequiredInput, bool)]) -> anyhow::Result<()> {
     let is_answer = |input: &RequiredInput| answers.iter().any(|(answer, _)| answer.name == input.name);
@@ -131,6 +128,24 @@ pub trait VerbFlags: Args {
     /// Help of the verb.
     const HELP: Help;
 }
+
+/// Declares the help of a verb for the type of its flags.
+macro_rules! help {
+    (
+        $flags:ty, $verb:literal $(, asks [$($input:expr),+])? $(, ignores [$($ignored:expr),+])?,
+        $first:literal, $second:literal
+    ) => {
+        impl $crate::help::VerbFlags for $flags {
+            const HELP: $crate::help::Help = $crate::help::Help {
+                verb: $verb,
+                asks: &[$($(&$input),+)?],
+                ignores: &[$($($ignored),+)?],
+                examples: [$first, $second],
+            };
+        }
+    };
+}
+pub(crate) use help;
 
 /// Flags of a verb with its help. Flags that it ignores are rejected.
 pub struct Typed<T> {

@@ -11,7 +11,7 @@ use streakcast::passes::LearnedFile;
 use super::learn::{ResidualArguments, residuals};
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::help;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -32,14 +32,10 @@ pub struct AlarmsArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for AlarmsArguments {
-    const HELP: Help = Help::new(
-        "alarms",
-        [
-            "--photometry tonight.csv --elements history.tle --learned learned.json",
-            "--photometry mmt.csv --height-km 1200 --kind oneweb --learned learned.json --picture alarms.png",
-        ],
-    );
+help! {
+    AlarmsArguments, "alarms",
+    "--photometry tonight.csv --elements history.tle --learned learned.json",
+    "--photometry mmt.csv --height-km 1200 --kind oneweb --learned learned.json --picture alarms.png"
 }
 
 const ON_SCREEN: &[Shown] = &[

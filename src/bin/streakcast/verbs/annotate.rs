@@ -10,7 +10,7 @@ use streakcast::schedule::{Annotation, annotate, flag_table};
 use super::flag::SCHEDULE;
 use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 use crate::output::check_whole;
 
 #[derive(Args)]
@@ -36,17 +36,10 @@ pub struct AnnotateArguments {
 /// Annotated schedule, or frame with streaks.
 pub const OUTPUT: RequiredInput = RequiredInput::new("output file", &[&["-o FILE"]]);
 
-impl VerbFlags for AnnotateArguments {
-    const HELP: Help = Help {
-        asks: &[&SCHEDULE, &OUTPUT, &SATELLITES, &SITE, &FIELD],
-        ..Help::new(
-            "annotate",
-            [
-                "--schedule baseline.db --elements active.tle --mpc X05 --telescope rubin -o annotated.db",
-                "--schedule night.ecsv --shells oneweb --mpc X05 --fov 3.5deg -o annotated.ecsv",
-            ],
-        )
-    };
+help! {
+    AnnotateArguments, "annotate", asks [SCHEDULE, OUTPUT, SATELLITES, SITE, FIELD],
+    "--schedule baseline.db --elements active.tle --mpc X05 --telescope rubin -o annotated.db",
+    "--schedule night.ecsv --shells oneweb --mpc X05 --fov 3.5deg -o annotated.ecsv"
 }
 
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {

@@ -9,7 +9,7 @@ use streakcast::output::{Section, format_utc};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::help::{CAMERA_FLAGS, Help, VerbFlags};
+use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::output::VerbResult;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
@@ -24,18 +24,11 @@ pub struct EphemerisArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for EphemerisArguments {
-    const HELP: Help = Help {
-        asks: &[&SELECTION, &TIMES, &SATELLITES, &SITE],
-        ignores: &[(CAMERA_FLAGS, "has no effect on an ephemeris")],
-        ..Help::new(
-            "ephemeris",
-            [
-                "--name S1 --start 2024-08-14T03:30:00Z --end 2024-08-14T03:31:00Z --step 30s --shells oneweb --mpc X05 --min-altitude 20",
-                "--norad 25544 --times 2024-08-14T03:30:00Z --elements active.tle --site Paranal --format ecsv",
-            ],
-        )
-    };
+help! {
+    EphemerisArguments, "ephemeris", asks [SELECTION, TIMES, SATELLITES, SITE],
+    ignores [(CAMERA_FLAGS, "has no effect on an ephemeris")],
+    "--name S1 --start 2024-08-14T03:30:00Z --end 2024-08-14T03:31:00Z --step 30s --shells oneweb --mpc X05 --min-altitude 20",
+    "--norad 25544 --times 2024-08-14T03:30:00Z --elements active.tle --site Paranal --format ecsv"
 }
 
 const ON_SCREEN: &[Shown] = &[

@@ -13,7 +13,7 @@ use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
 use super::passes::left_out_table;
 use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 use crate::output::VerbResult;
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -43,17 +43,10 @@ pub struct FlagArguments {
 /// Schedule of exposures.
 pub const SCHEDULE: RequiredInput = RequiredInput::new("schedule", &[&["--schedule FILE"]]);
 
-impl VerbFlags for FlagArguments {
-    const HELP: Help = Help {
-        asks: &[&SCHEDULE, &SATELLITES, &SITE, &FIELD],
-        ..Help::new(
-            "flag",
-            [
-                "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin --limit-mag 7",
-                "--schedule night.csv --shells starlink-gen1 --site Paranal --fov 1deg --fail-on avoid",
-            ],
-        )
-    };
+help! {
+    FlagArguments, "flag", asks [SCHEDULE, SATELLITES, SITE, FIELD],
+    "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin --limit-mag 7",
+    "--schedule night.csv --shells starlink-gen1 --site Paranal --fov 1deg --fail-on avoid"
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]

@@ -18,7 +18,7 @@ use streakcast::passes::SkyError;
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::help::{CAMERA_FLAGS, Help, VerbFlags};
+use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::local_time::ZoneArguments;
 use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -56,18 +56,11 @@ const ORBIT_FLAGS: &[&str] =
 const NO_ORBIT: &str = "cannot be used, because a telescope in orbit has no horizon; for satellites in its field use passes, flag or \
                         windows, for numbers statistics";
 
-impl VerbFlags for ForecastArguments {
-    const HELP: Help = Help {
-        asks: &[&SATELLITES, &SITE],
-        ignores: &[(CAMERA_FLAGS, "has no effect on passes over a site"), (ORBIT_FLAGS, NO_ORBIT)],
-        ..Help::new(
-            "forecast",
-            [
-                "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
-                "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics",
-            ],
-        )
-    };
+help! {
+    ForecastArguments, "forecast", asks [SATELLITES, SITE],
+    ignores [(CAMERA_FLAGS, "has no effect on passes over a site"), (ORBIT_FLAGS, NO_ORBIT)],
+    "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
+    "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics"
 }
 
 /// Default number of points of a light curve.

@@ -23,7 +23,7 @@ use super::passes::left_out_table;
 use crate::failure::Outcome;
 #[cfg(unix)]
 use crate::help::check;
-use crate::help::{CAMERA_FLAGS, Help, VerbFlags};
+use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::VerbResult;
 use crate::screen::{Shown, Style, rounded, shown};
@@ -58,18 +58,11 @@ const STREAK_TIMES: RequiredInput = RequiredInput {
 const SITE_OR_FRAME: RequiredInput =
     RequiredInput { mark: Mark::Heading("Site", "; with --image also from the header"), ..SITE };
 
-impl VerbFlags for IdentifyArguments {
-    const HELP: Help = Help {
-        asks: &[&STREAK, &STREAK_TIMES, &SATELLITES, &SITE_OR_FRAME],
-        ignores: &[(CAMERA_FLAGS, "has no effect on the identification of a streak")],
-        ..Help::new(
-            "identify",
-            [
-                "--end 280,-30 --end 280.5,-30.3 --start 2024-08-14T03:30:00Z --exposure 30s --shells oneweb --mpc X05",
-                "--image frame.fits --from-pix 12,940 --to-pix 2030,1105 --elements active.tle --mpc X05",
-            ],
-        )
-    };
+help! {
+    IdentifyArguments, "identify", asks [STREAK, STREAK_TIMES, SATELLITES, SITE_OR_FRAME],
+    ignores [(CAMERA_FLAGS, "has no effect on the identification of a streak")],
+    "--end 280,-30 --end 280.5,-30.3 --start 2024-08-14T03:30:00Z --exposure 30s --shells oneweb --mpc X05",
+    "--image frame.fits --from-pix 12,940 --to-pix 2030,1105 --elements active.tle --mpc X05"
 }
 
 const ON_SCREEN: &[Shown] = &[

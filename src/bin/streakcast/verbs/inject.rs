@@ -14,7 +14,7 @@ use streakcast::streaks::{InjectedFrame, Injections};
 use super::annotate::OUTPUT;
 use crate::failure::Outcome;
 use crate::files::check_distinct;
-use crate::help::{FIELD_FLAGS, Help, VerbFlags};
+use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::{Format, Output, VerbResult, cannot_write, check_whole};
 use crate::output::{check, write_bytes};
@@ -45,18 +45,11 @@ pub struct InjectArguments {
 
 const FRAMES: RequiredInput = RequiredInput::new("frames", &[&["--image FILE..."], &["--synthetic FILE"]]);
 
-impl VerbFlags for InjectArguments {
-    const HELP: Help = Help {
-        asks: &[&OUTPUT, &FRAMES],
-        ignores: &[(FIELD_FLAGS, "has no effect on inject, where the frame is the field")],
-        ..Help::new(
-            "inject",
-            [
-                "--image frame.fits --random-streaks 3 --magnitude 5,8 --seeing 1.2arcsec -o streaks.fits --truth streaks.csv",
-                "--image frame.fits --elements active.tle --mpc X05 --telescope rubin -o streaks.fits",
-            ],
-        )
-    };
+help! {
+    InjectArguments, "inject", asks [OUTPUT, FRAMES],
+    ignores [(FIELD_FLAGS, "has no effect on inject, where the frame is the field")],
+    "--image frame.fits --random-streaks 3 --magnitude 5,8 --seeing 1.2arcsec -o streaks.fits --truth streaks.csv",
+    "--image frame.fits --elements active.tle --mpc X05 --telescope rubin -o streaks.fits"
 }
 
 /// Paths of all output files.

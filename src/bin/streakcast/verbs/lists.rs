@@ -11,7 +11,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -27,9 +27,7 @@ pub struct ListArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for ListArguments {
-    const HELP: Help = Help::new("sites", ["", "rubin --format json"]);
-}
+help! { ListArguments, "sites", "", "rubin --format json" }
 
 #[derive(Args)]
 pub struct ShellArguments {
@@ -43,9 +41,7 @@ pub struct ShellArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for ShellArguments {
-    const HELP: Help = Help::new("shells", ["", "starlink --format csv"]);
-}
+help! { ShellArguments, "shells", "", "starlink --format csv" }
 
 const SITES_ON_SCREEN: &[Shown] = &[
     shown("mpc_code", "MPC"),

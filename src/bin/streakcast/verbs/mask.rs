@@ -10,7 +10,7 @@ use streakcast::output::Section;
 use super::measure::SITE_OF_FRAME;
 use crate::failure::Outcome;
 use crate::files::check_distinct;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 use crate::output::{Output, VerbResult, check, check_whole, write_bytes};
 use crate::screen::Style;
 use crate::start::begin;
@@ -39,18 +39,11 @@ const OUTPUT: RequiredInput = RequiredInput {
     ..RequiredInput::new("output", &[&["-o FILE"], &["--polygons FILE"], &["--regions FILE"]])
 };
 
-impl VerbFlags for MaskArguments {
-    const HELP: Help = Help {
-        asks: &[&FRAMES, &OUTPUT, &SATELLITES, &SITE_OF_FRAME],
-        ignores: &[(&["fov", "field", "rotation"], "has no effect on mask, where the frame is the field")],
-        ..Help::new(
-            "mask",
-            [
-                "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec -o mask.fits --regions mask.reg",
-                "visit.fits --elements active.tle --mpc X05 --telescope rubin --into MASK --bit STREAK -o masked.fits",
-            ],
-        )
-    };
+help! {
+    MaskArguments, "mask", asks [FRAMES, OUTPUT, SATELLITES, SITE_OF_FRAME],
+    ignores [(&["fov", "field", "rotation"], "has no effect on mask, where the frame is the field")],
+    "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec -o mask.fits --regions mask.reg",
+    "visit.fits --elements active.tle --mpc X05 --telescope rubin --into MASK --bit STREAK -o masked.fits"
 }
 
 pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {

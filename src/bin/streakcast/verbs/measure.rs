@@ -15,7 +15,7 @@ use streakcast::output::{Provenance, Section, Table, counted};
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
-use crate::help::{FIELD_FLAGS, Help, VerbFlags};
+use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::write_bytes;
 use crate::output::{FORMATS, Output, VerbResult};
@@ -48,18 +48,11 @@ pub struct MeasureArguments {
 pub const SITE_OF_FRAME: RequiredInput =
     RequiredInput { mark: Mark::Heading("Site", ", or the header"), is_given: |_| true, ..SITE };
 
-impl VerbFlags for MeasureArguments {
-    const HELP: Help = Help {
-        asks: &[&FRAMES, &SATELLITES, &SITE_OF_FRAME],
-        ignores: &[(FIELD_FLAGS, "has no effect on measure, where the frame is the field")],
-        ..Help::new(
-            "measure",
-            [
-                "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec",
-                "night/a.fits night/b.fits --elements active.tle --mpc X05 --zero-point 27.1 --format fit -o photometry.csv",
-            ],
-        )
-    };
+help! {
+    MeasureArguments, "measure", asks [FRAMES, SATELLITES, SITE_OF_FRAME],
+    ignores [(FIELD_FLAGS, "has no effect on measure, where the frame is the field")],
+    "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec",
+    "night/a.fits night/b.fits --elements active.tle --mpc X05 --zero-point 27.1 --format fit -o photometry.csv"
 }
 
 const ON_SCREEN: &[Shown] = &[

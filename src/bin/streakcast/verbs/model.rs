@@ -11,7 +11,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{ModelFile, ModelLibrary};
 
 use crate::failure::Outcome;
-use crate::help::{Help, Typed, VerbFlags};
+use crate::help::{Typed, help};
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -22,9 +22,7 @@ pub struct ModelArguments {
     pub verb: ModelVerb,
 }
 
-impl VerbFlags for ModelArguments {
-    const HELP: Help = Help::new("model", ["list", "show visorsat"]);
-}
+help! { ModelArguments, "model", "list", "show visorsat" }
 
 #[derive(Subcommand)]
 pub enum ModelVerb {
@@ -52,9 +50,7 @@ pub struct ModelCheckArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for ModelCheckArguments {
-    const HELP: Help = Help::new("model check", ["", "visorsat-mine.json --data photometry"]);
-}
+help! { ModelCheckArguments, "model check", "", "visorsat-mine.json --data photometry" }
 
 #[derive(Args)]
 pub struct ModelListArguments {
@@ -68,9 +64,7 @@ pub struct ModelListArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for ModelListArguments {
-    const HELP: Help = Help::new("model list", ["", "--config streakcast.toml --format csv"]);
-}
+help! { ModelListArguments, "model list", "", "--config streakcast.toml --format csv" }
 
 #[derive(Args)]
 pub struct ModelShowArguments {
@@ -80,9 +74,7 @@ pub struct ModelShowArguments {
     pub list: ModelListArguments,
 }
 
-impl VerbFlags for ModelShowArguments {
-    const HELP: Help = Help::new("model show", ["visorsat", "visorsat --format table"]);
-}
+help! { ModelShowArguments, "model show", "visorsat", "visorsat --format table" }
 
 #[derive(Args)]
 pub struct ModelPressureArguments {
@@ -106,11 +98,10 @@ pub struct ModelPressureArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for ModelPressureArguments {
-    const HELP: Help = Help::new(
-        "model pressure",
-        ["starlink-v1.5 --mass-kg 295", "v2mini-panels --mass-kg 575 --sun-latitude-deg -20 0 20 --format csv"],
-    );
+help! {
+    ModelPressureArguments, "model pressure",
+    "starlink-v1.5 --mass-kg 295",
+    "v2mini-panels --mass-kg 575 --sun-latitude-deg -20 0 20 --format csv"
 }
 
 const ON_SCREEN: &[Shown] = &[

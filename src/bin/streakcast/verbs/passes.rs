@@ -15,7 +15,7 @@ use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{FlagRequest, StreakColumns, exposure_table, streak_table};
 
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::VerbResult;
 use crate::screen::{Shown, Style, known_to, rounded, shown};
@@ -44,17 +44,10 @@ pub struct PassesArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for PassesArguments {
-    const HELP: Help = Help {
-        asks: &[&START, &EXPOSURE, &POINTING, &SATELLITES, &SITE, &FIELD],
-        ..Help::new(
-            "passes",
-            [
-                "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 3.5deg",
-                "--start 2024-08-14T03:30:00Z --exposure 2min --ra 18h40m --dec=-30d --elements active.tle --site Paranal --telescope vst",
-            ],
-        )
-    };
+help! {
+    PassesArguments, "passes", asks [START, EXPOSURE, POINTING, SATELLITES, SITE, FIELD],
+    "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 3.5deg",
+    "--start 2024-08-14T03:30:00Z --exposure 2min --ra 18h40m --dec=-30d --elements active.tle --site Paranal --telescope vst"
 }
 
 const ON_SCREEN: &[Shown] = &[

@@ -10,7 +10,7 @@ use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{FORMATS, Output, check, write_bytes};
 use streakcast::elements::{Constellation, Generation};
@@ -23,9 +23,7 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
-impl VerbFlags for CompletionsArguments {
-    const HELP: Help = Help::new("completions", ["bash", "zsh"]);
-}
+help! { CompletionsArguments, "completions", "bash", "zsh" }
 
 #[derive(Args)]
 pub struct ManArguments {
@@ -37,9 +35,7 @@ pub struct ManArguments {
     pub quiet: bool,
 }
 
-impl VerbFlags for ManArguments {
-    const HELP: Help = Help::new("man", ["-o man", "-o man --quiet"]);
-}
+help! { ManArguments, "man", "-o man", "-o man --quiet" }
 
 /// Writes the completions of one shell to standard output.
 pub fn completions(typed: &CompletionsArguments, mut command: Command) -> anyhow::Result<Outcome> {

@@ -19,7 +19,7 @@ use streakcast::schedule::MagnitudeLimit;
 use super::orbit_statistics::{self, OrbitStatisticsArguments};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
@@ -60,18 +60,11 @@ pub struct StatisticsArguments {
 
 const NIGHT: RequiredInput = RequiredInput::new("night", &[&["--night DATE"]]);
 
-impl VerbFlags for StatisticsArguments {
-    const HELP: Help = Help {
-        asks: &[&NIGHT, &SATELLITES, &SITE],
-        ignores: &[(&["rotation", "min_probability"], "has no effect on statistics")],
-        ..Help::new(
-            "statistics",
-            [
-                "--night 2024-06-21 --shells oneweb --mpc X05 --sun-altitude-deg=-12,-18 --moments 3",
-                "--night 2024-03-20 2024-06-21 --elements active.tle --site Paranal --fov 1deg --exposure 60s",
-            ],
-        )
-    };
+help! {
+    StatisticsArguments, "statistics", asks [NIGHT, SATELLITES, SITE],
+    ignores [(&["rotation", "min_probability"], "has no effect on statistics")],
+    "--night 2024-06-21 --shells oneweb --mpc X05 --sun-altitude-deg=-12,-18 --moments 3",
+    "--night 2024-03-20 2024-06-21 --elements active.tle --site Paranal --fov 1deg --exposure 60s"
 }
 
 /// Default field of view: that of Rubin Observatory.

@@ -26,7 +26,7 @@ use streakcast::schedule::{
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -74,17 +74,10 @@ const TARGETS: RequiredInput =
     RequiredInput::new("targets", &[&["--targets FILE"], &["--target NAME"], &["--ra ANGLE", "--dec ANGLE"]]);
 const SPAN_IN_ORBIT: RequiredInput = RequiredInput::new("time range", &[&["--start TIME", "--end TIME"]]);
 
-impl VerbFlags for WindowsArguments {
-    const HELP: Help = Help {
-        asks: &[&TARGETS, &SATELLITES, &SITE, &FIELD],
-        ..Help::new(
-            "windows",
-            [
-                "--targets targets.csv --night 2024-08-13 --elements active.tle --mpc X05 --fov 1deg --limit-mag 7",
-                "--targets targets.csv --night 2024-08-13 --shells oneweb --mpc X05 --fov 1deg --format astroq",
-            ],
-        )
-    };
+help! {
+    WindowsArguments, "windows", asks [TARGETS, SATELLITES, SITE, FIELD],
+    "--targets targets.csv --night 2024-08-13 --elements active.tle --mpc X05 --fov 1deg --limit-mag 7",
+    "--targets targets.csv --night 2024-08-13 --shells oneweb --mpc X05 --fov 1deg --format astroq"
 }
 
 /// Default lowest altitude of targets at a site, degrees.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use crate::help::{Help, Typed, VerbFlags};
+use crate::help::{Typed, help};
 
 #[derive(Args)]
 pub struct FetchArguments {
@@ -12,9 +12,7 @@ pub struct FetchArguments {
     pub source: FetchSource,
 }
 
-impl VerbFlags for FetchArguments {
-    const HELP: Help = Help::new("fetch", ["celestrak --group active", "satchecker --epoch 2024-08-14T00:30:00Z"]);
-}
+help! { FetchArguments, "fetch", "celestrak --group active", "satchecker --epoch 2024-08-14T00:30:00Z" }
 
 #[derive(Subcommand)]
 pub enum FetchSource {
@@ -46,9 +44,10 @@ pub struct CelestrakArguments {
     pub common: CommonFetchArguments,
 }
 
-impl VerbFlags for CelestrakArguments {
-    const HELP: Help =
-        Help::new("fetch celestrak", ["--group starlink", "--group active --elements-format json --cache elements"]);
+help! {
+    CelestrakArguments, "fetch celestrak",
+    "--group starlink",
+    "--group active --elements-format json --cache elements"
 }
 
 #[derive(Args)]
@@ -67,9 +66,7 @@ pub struct SupgpArguments {
     pub common: CommonFetchArguments,
 }
 
-impl VerbFlags for SupgpArguments {
-    const HELP: Help = Help::new("fetch supgp", ["--file starlink", "--file oneweb --cache elements"]);
-}
+help! { SupgpArguments, "fetch supgp", "--file starlink", "--file oneweb --cache elements" }
 
 #[derive(Args)]
 pub struct SpaceTrackArguments {
@@ -90,11 +87,10 @@ pub struct SpaceTrackArguments {
     pub common: CommonFetchArguments,
 }
 
-impl VerbFlags for SpaceTrackArguments {
-    const HELP: Help = Help::new(
-        "fetch space-track",
-        ["--credentials account.txt", "--identity-env ST_USER --password-env ST_PASSWORD"],
-    );
+help! {
+    SpaceTrackArguments, "fetch space-track",
+    "--credentials account.txt",
+    "--identity-env ST_USER --password-env ST_PASSWORD"
 }
 
 #[derive(Args)]
@@ -108,11 +104,10 @@ pub struct SatcheckerArguments {
     pub common: CommonFetchArguments,
 }
 
-impl VerbFlags for SatcheckerArguments {
-    const HELP: Help = Help::new(
-        "fetch satchecker",
-        ["--epoch 2024-08-14T00:30:00Z", "--epoch 2024-08-14T00:30:00Z --cache elements"],
-    );
+help! {
+    SatcheckerArguments, "fetch satchecker",
+    "--epoch 2024-08-14T00:30:00Z",
+    "--epoch 2024-08-14T00:30:00Z --cache elements"
 }
 
 #[derive(Args)]
@@ -130,11 +125,10 @@ pub struct StarlinkEphemeridesArguments {
     pub common: CommonFetchArguments,
 }
 
-impl VerbFlags for StarlinkEphemeridesArguments {
-    const HELP: Help = Help::new(
-        "fetch starlink-ephemerides",
-        ["--candidates verdicts.csv", "--norad 48430,44713 --cache ephemerides"],
-    );
+help! {
+    StarlinkEphemeridesArguments, "fetch starlink-ephemerides",
+    "--candidates verdicts.csv",
+    "--norad 48430,44713 --cache ephemerides"
 }
 
 /// Files of earlier days.

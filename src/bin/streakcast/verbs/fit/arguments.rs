@@ -7,7 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use streakcast::config::SiteConfig;
 
 use crate::arguments::OutputArguments;
-use crate::help::{Help, Typed, VerbFlags};
+use crate::help::{Typed, help};
 
 #[derive(Args)]
 pub struct FitArguments {
@@ -15,14 +15,10 @@ pub struct FitArguments {
     pub verb: FitVerb,
 }
 
-impl VerbFlags for FitArguments {
-    const HELP: Help = Help::new(
-        "fit",
-        [
-            "reduce --photometry pomenis.csv --height-km 550 -o pixels.ecsv",
-            "run --photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json",
-        ],
-    );
+help! {
+    FitArguments, "fit",
+    "reduce --photometry pomenis.csv --height-km 550 -o pixels.ecsv",
+    "run --photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json"
 }
 
 #[derive(Subcommand)]
@@ -246,14 +242,10 @@ pub struct FitRunArguments {
     pub report: Option<PathBuf>,
 }
 
-impl VerbFlags for FitRunArguments {
-    const HELP: Help = Help::new(
-        "fit run",
-        [
-            "--photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json --report fit.html",
-            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.ecsv -o fitted.json",
-        ],
-    );
+help! {
+    FitRunArguments, "fit run",
+    "--photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json --report fit.html",
+    "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.ecsv -o fitted.json"
 }
 
 #[derive(Args)]
@@ -270,14 +262,10 @@ pub struct FitCompareArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for FitCompareArguments {
-    const HELP: Help = Help::new(
-        "fit compare",
-        [
-            "--photometry pomenis.csv --height-km 550 --model starlink-v1.5",
-            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --folds 10",
-        ],
-    );
+help! {
+    FitCompareArguments, "fit compare",
+    "--photometry pomenis.csv --height-km 550 --model starlink-v1.5",
+    "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --folds 10"
 }
 
 #[derive(Args)]
@@ -297,14 +285,10 @@ pub struct FitReduceArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for FitReduceArguments {
-    const HELP: Help = Help::new(
-        "fit reduce",
-        [
-            "--photometry pomenis.csv --height-km 550 -o pixels.ecsv",
-            "--photometry mmt.csv --elements history.tle --raw-points -o points.ecsv",
-        ],
-    );
+help! {
+    FitReduceArguments, "fit reduce",
+    "--photometry pomenis.csv --height-km 550 -o pixels.ecsv",
+    "--photometry mmt.csv --elements history.tle --raw-points -o points.ecsv"
 }
 
 #[derive(Args)]
@@ -333,12 +317,8 @@ pub struct FitIdentifyArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for FitIdentifyArguments {
-    const HELP: Help = Help::new(
-        "fit identify",
-        [
-            "--photometry pomenis.csv --elements history.tle -o identified.csv",
-            "--photometry slingshot.csv --elements history.tle --site Paranal --max-offset-s 60 -o identified.csv",
-        ],
-    );
+help! {
+    FitIdentifyArguments, "fit identify",
+    "--photometry pomenis.csv --elements history.tle -o identified.csv",
+    "--photometry slingshot.csv --elements history.tle --site Paranal --max-offset-s 60 -o identified.csv"
 }

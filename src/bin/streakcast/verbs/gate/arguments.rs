@@ -19,7 +19,7 @@ use streakcast::schedule::{Blocking, MagnitudeLimit};
 use super::clock::Clock;
 use super::deadline::within;
 use super::indi::Address;
-use crate::help::{Help, VerbFlags};
+use crate::help::{VerbFlags, help};
 
 #[derive(Clone, Args)]
 pub struct GateArguments {
@@ -104,17 +104,10 @@ const GATE_EXPOSURE: RequiredInput = RequiredInput {
     ..RequiredInput::new("exposure time", &[&["--exposure TIME"], &["--stdin ekos"]])
 };
 
-impl VerbFlags for GateArguments {
-    const HELP: Help = Help {
-        asks: &[&GATE_POINTING, &GATE_EXPOSURE, &SATELLITES, &SITE, &FIELD],
-        ..Help::new(
-            "gate",
-            [
-                "--ra 280 --dec=-30 --exposure 30s --shells oneweb --mpc X05 --fov 1deg --now 2024-08-14T03:30:00Z",
-                "--stdin ekos --indi localhost --elements active.tle --fov 1deg --limit-mag 7 --status-file gate.json",
-            ],
-        )
-    };
+help! {
+    GateArguments, "gate", asks [GATE_POINTING, GATE_EXPOSURE, SATELLITES, SITE, FIELD],
+    "--ra 280 --dec=-30 --exposure 30s --shells oneweb --mpc X05 --fov 1deg --now 2024-08-14T03:30:00Z",
+    "--stdin ekos --indi localhost --elements active.tle --fov 1deg --limit-mag 7 --status-file gate.json"
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]

@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use clap::{Args, Subcommand};
 use streakcast::config::{Config, LightConfig, RunConfig, SiteConfig};
 
-use crate::help::{Help, Typed, VerbFlags};
+use crate::help::{Typed, help};
 
 #[derive(Args)]
 pub struct MapArguments {
@@ -14,14 +14,10 @@ pub struct MapArguments {
     pub verb: MapVerb,
 }
 
-impl VerbFlags for MapArguments {
-    const HELP: Help = Help::new(
-        "map",
-        [
-            "sky --model starlink-v1.5 --sun-altitude-deg=-15 --step-deg 5",
-            "body --model visorsat --sun-latitude-deg 20 --step-deg 5",
-        ],
-    );
+help! {
+    MapArguments, "map",
+    "sky --model starlink-v1.5 --sun-altitude-deg=-15 --step-deg 5",
+    "body --model visorsat --sun-latitude-deg 20 --step-deg 5"
 }
 
 #[derive(Subcommand)]
@@ -90,14 +86,10 @@ pub struct MapBodyArguments {
     pub output: MapOutputArguments,
 }
 
-impl VerbFlags for MapBodyArguments {
-    const HELP: Help = Help::new(
-        "map body",
-        [
-            "--model visorsat --sun-latitude-deg 20 --step-deg 5",
-            "--model visorsat --sun-latitude-deg 20 --picture body.png",
-        ],
-    );
+help! {
+    MapBodyArguments, "map body",
+    "--model visorsat --sun-latitude-deg 20 --step-deg 5",
+    "--model visorsat --sun-latitude-deg 20 --picture body.png"
 }
 
 /// Parameters of a map over the sky of a site.
@@ -135,14 +127,10 @@ pub struct MapSkyArguments {
     pub output: MapOutputArguments,
 }
 
-impl VerbFlags for MapSkyArguments {
-    const HELP: Help = Help::new(
-        "map sky",
-        [
-            "--model visorsat --sun-altitude-deg=-15 --step-deg 5",
-            "--model visorsat --sun-altitude-deg=-15 --site Paranal --picture sky.png",
-        ],
-    );
+help! {
+    MapSkyArguments, "map sky",
+    "--model visorsat --sun-altitude-deg=-15 --step-deg 5",
+    "--model visorsat --sun-altitude-deg=-15 --site Paranal --picture sky.png"
 }
 
 /// Format of the pictures.
@@ -167,9 +155,7 @@ pub struct MapPaperArguments {
     pub light: LightArguments,
 }
 
-impl VerbFlags for MapPaperArguments {
-    const HELP: Help = Help::new("map paper", ["-o figures", "-o figures --format svg"]);
-}
+help! { MapPaperArguments, "map paper", "-o figures", "-o figures --format svg" }
 
 impl LightArguments {
     /// Returns the configuration of these flags and a site, with omitted keys taken from the configuration file.

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id, parse_night};
 use streakcast::plot::{FileOptions, PictureSize};
 
-use crate::help::{Help, Typed, VerbFlags};
+use crate::help::{Typed, examples, help};
 use crate::local_time::ZoneArguments;
 use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
 
@@ -21,9 +21,7 @@ pub struct PlotArguments {
     pub verb: Option<PlotVerb>,
 }
 
-impl VerbFlags for PlotArguments {
-    const HELP: Help = Help::new("plot", ["--list", "body --model visorsat --sun-latitude-deg 20 -o body.png"]);
-}
+help! { PlotArguments, "plot", "--list", "body --model visorsat --sun-latitude-deg 20 -o body.png" }
 
 #[derive(Subcommand)]
 pub enum PlotVerb {
@@ -48,10 +46,10 @@ pub enum PlotVerb {
     /// Plot observed minus computed magnitudes against the angles of the geometry
     Residuals(Typed<PlotResidualsArguments>),
     /// Plot a histogram of observed minus computed magnitudes
-    #[command(after_help = Help::new("plot histogram", ["--from pixels.ecsv --model visorsat -o histogram.png", "--from points.ecsv --model fitted.json -o histogram.svg"]).examples())]
+    #[command(after_help = examples("plot histogram", ["--from pixels.ecsv --model visorsat -o histogram.png", "--from points.ecsv --model fitted.json -o histogram.svg"]))]
     Histogram(Typed<PlotResidualsArguments>),
     /// Plot observed and computed magnitudes against the phase angle
-    #[command(after_help = Help::new("plot phase-curve", ["--from pixels.ecsv --model visorsat -o phase.png", "--from points.ecsv --model fitted.json -o phase.svg"]).examples())]
+    #[command(after_help = examples("plot phase-curve", ["--from pixels.ecsv --model visorsat -o phase.png", "--from points.ecsv --model fitted.json -o phase.svg"]))]
     PhaseCurve(Typed<PlotResidualsArguments>),
 }
 
@@ -116,14 +114,10 @@ pub struct PlotNightArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotNightArguments {
-    const HELP: Help = Help::new(
-        "plot night",
-        [
-            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o night.png",
-            "--from night-data.ecsv -o night.svg",
-        ],
-    );
+help! {
+    PlotNightArguments, "plot night",
+    "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o night.png",
+    "--from night-data.ecsv -o night.svg"
 }
 
 #[derive(Args)]
@@ -147,14 +141,10 @@ pub struct PlotFieldArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotFieldArguments {
-    const HELP: Help = Help::new(
-        "plot field",
-        [
-            "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 9deg -o field.png",
-            "--from passes.csv -o field.svg",
-        ],
-    );
+help! {
+    PlotFieldArguments, "plot field",
+    "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 9deg -o field.png",
+    "--from passes.csv -o field.svg"
 }
 
 #[derive(Args)]
@@ -185,14 +175,10 @@ pub struct PlotLightCurveArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotLightCurveArguments {
-    const HELP: Help = Help::new(
-        "plot light-curve",
-        [
-            "--start 2024-08-14T00:00:00Z --exposure 30s --ra 210 --dec=-30 --elements active.tle --mpc X05 --fov 9deg -o curve.png",
-            "--from curves.ecsv -o curve.svg",
-        ],
-    );
+help! {
+    PlotLightCurveArguments, "plot light-curve",
+    "--start 2024-08-14T00:00:00Z --exposure 30s --ra 210 --dec=-30 --elements active.tle --mpc X05 --fov 9deg -o curve.png",
+    "--from curves.ecsv -o curve.svg"
 }
 
 #[derive(Args)]
@@ -218,11 +204,10 @@ pub struct PlotSkyChartArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotSkyChartArguments {
-    const HELP: Help = Help::new(
-        "plot sky-chart",
-        ["--from curves.ecsv -o chart.png", "--from curves.ecsv --norad 25544 --time-zone Europe/Vienna -o chart.svg"],
-    );
+help! {
+    PlotSkyChartArguments, "plot sky-chart",
+    "--from curves.ecsv -o chart.png",
+    "--from curves.ecsv --norad 25544 --time-zone Europe/Vienna -o chart.svg"
 }
 
 #[derive(Args)]
@@ -274,14 +259,10 @@ pub struct PlotSkyRateArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotSkyRateArguments {
-    const HELP: Help = Help::new(
-        "plot sky-rate",
-        [
-            "--start 2024-08-14T00:00:00Z --exposure 30s --shells oneweb --mpc X05 --fov 3.5deg --nside 4 --repeats 5 -o rate.png",
-            "--from rate-data.ecsv -o rate.svg",
-        ],
-    );
+help! {
+    PlotSkyRateArguments, "plot sky-rate",
+    "--start 2024-08-14T00:00:00Z --exposure 30s --shells oneweb --mpc X05 --fov 3.5deg --nside 4 --repeats 5 -o rate.png",
+    "--from rate-data.ecsv -o rate.svg"
 }
 
 #[derive(Args)]
@@ -320,14 +301,10 @@ pub struct PlotSunAltitudeArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotSunAltitudeArguments {
-    const HELP: Help = Help::new(
-        "plot sun-altitude",
-        [
-            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o trails.png",
-            "--from night-data.ecsv -o trails.svg",
-        ],
-    );
+help! {
+    PlotSunAltitudeArguments, "plot sun-altitude",
+    "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o trails.png",
+    "--from night-data.ecsv -o trails.svg"
 }
 
 #[derive(Args)]
@@ -338,14 +315,10 @@ pub struct PlotSkyArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotSkyArguments {
-    const HELP: Help = Help::new(
-        "plot sky",
-        [
-            "--model visorsat --sun-altitude-deg=-15 -o sky.png",
-            "--model visorsat --sun-altitude-deg=-15 --site Paranal --no-data -o sky.svg",
-        ],
-    );
+help! {
+    PlotSkyArguments, "plot sky",
+    "--model visorsat --sun-altitude-deg=-15 -o sky.png",
+    "--model visorsat --sun-altitude-deg=-15 --site Paranal --no-data -o sky.svg"
 }
 
 #[derive(Args)]
@@ -356,14 +329,10 @@ pub struct PlotBodyArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotBodyArguments {
-    const HELP: Help = Help::new(
-        "plot body",
-        [
-            "--model visorsat --sun-latitude-deg 20 -o body.png",
-            "--model visorsat --sun-latitude-deg 20 --no-data -o body.svg",
-        ],
-    );
+help! {
+    PlotBodyArguments, "plot body",
+    "--model visorsat --sun-latitude-deg 20 -o body.png",
+    "--model visorsat --sun-latitude-deg 20 --no-data -o body.svg"
 }
 
 #[derive(Args)]
@@ -386,11 +355,10 @@ pub struct PlotCornerArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotCornerArguments {
-    const HELP: Help = Help::new(
-        "plot corner",
-        ["--chains chains.ecsv -o corner.png", "--chains chains.ecsv --parameters c1,c2 -o corner.svg"],
-    );
+help! {
+    PlotCornerArguments, "plot corner",
+    "--chains chains.ecsv -o corner.png",
+    "--chains chains.ecsv --parameters c1,c2 -o corner.svg"
 }
 
 #[derive(Args)]
@@ -412,12 +380,8 @@ pub struct PlotResidualsArguments {
     pub picture: PictureArguments,
 }
 
-impl VerbFlags for PlotResidualsArguments {
-    const HELP: Help = Help::new(
-        "plot residuals",
-        [
-            "--from pixels.ecsv --model visorsat -o residuals.png",
-            "--from points.ecsv --model fitted.json -o residuals.svg",
-        ],
-    );
+help! {
+    PlotResidualsArguments, "plot residuals",
+    "--from pixels.ecsv --model visorsat -o residuals.png",
+    "--from points.ecsv --model fitted.json -o residuals.svg"
 }

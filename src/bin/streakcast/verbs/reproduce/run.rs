@@ -24,7 +24,7 @@ use streakcast::schedule::{Schedule, night_of};
 use super::lu2024::{self, Lu2024Arguments};
 
 use crate::failure::Outcome;
-use crate::help::{Help, VerbFlags};
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -66,9 +66,7 @@ pub struct ReproduceArguments {
     pub output: OutputArguments,
 }
 
-impl VerbFlags for ReproduceArguments {
-    const HELP: Help = Help::new("reproduce", ["bassa2022", "hu2022 --schedule baseline.db --time-scale utc"]);
-}
+help! { ReproduceArguments, "reproduce", "bassa2022", "hu2022 --schedule baseline.db --time-scale utc" }
 
 const ON_SCREEN: &[Shown] = &[
     shown("quantity", "quantity"),

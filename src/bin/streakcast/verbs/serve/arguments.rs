@@ -7,7 +7,7 @@ use clap::Args;
 
 use streakcast::config::{Config, FIELD, RulesConfig, SATELLITES, SITE};
 
-use crate::help::{Help, VerbFlags};
+use crate::help::help;
 use crate::local_time::ZoneArguments;
 
 #[derive(Args)]
@@ -36,17 +36,10 @@ pub struct ServeArguments {
     pub config: Config,
 }
 
-impl VerbFlags for ServeArguments {
-    const HELP: Help = Help {
-        asks: &[&SATELLITES, &SITE, &FIELD],
-        ..Help::new(
-            "serve",
-            [
-                "--elements active.tle --mpc X05 --telescope rubin",
-                "--schedule night.csv --shells oneweb --mpc X05 --fov 3.5deg --bind 0.0.0.0:8642 --token-file token.txt",
-            ],
-        )
-    };
+help! {
+    ServeArguments, "serve", asks [SATELLITES, SITE, FIELD],
+    "--elements active.tle --mpc X05 --telescope rubin",
+    "--schedule night.csv --shells oneweb --mpc X05 --fov 3.5deg --bind 0.0.0.0:8642 --token-file token.txt"
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
