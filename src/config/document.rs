@@ -46,7 +46,7 @@ pub struct Config {
     )]
     pub shells: Vec<NameOrFile>,
     /// Accept element sets with a wrong checksum
-    #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", help_heading = "Satellites"))]
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Satellites"))]
     pub accept_bad_checksums: Option<bool>,
     /// Table of standard magnitudes in the format of McCants' qs.mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
@@ -121,7 +121,7 @@ pub struct Config {
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Camera"))]
     pub extinction: Option<f64>,
     /// Correct magnitudes for the Sun's distance of the day (up to 0.04 mag) instead of 1 au
-    #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", help_heading = "Camera"))]
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Camera"))]
     pub sun_distance: Option<bool>,
     /// Include near misses with at least this probability of a crossing, above 0, at most 1; in verdicts also the
     /// probability of a bright crossing that gives avoid (0.5 if omitted)
@@ -223,7 +223,7 @@ pub struct LightConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "SYSTEM"))]
     pub mag_system: Option<String>,
     /// Only sunlight on the panels of models: ignore earthshine and the diffuse body
-    #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", value_parser = parse_opposite))]
+    #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0, default_missing_value = "true", value_parser = parse_opposite))]
     pub earthshine: Option<bool>,
 }
 
@@ -240,12 +240,12 @@ pub struct RunConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Run"))]
     pub threads: Option<usize>,
     /// Suppress warnings, summaries and progress
-    #[cfg_attr(feature = "cli", arg(long, short, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", help_heading = "Run"))]
+    #[cfg_attr(feature = "cli", arg(long, short, num_args = 0, default_missing_value = "true", help_heading = "Run"))]
     pub quiet: Option<bool>,
     /// List all element sets that cannot be propagated, with reasons
     #[cfg_attr(
         feature = "cli",
-        arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", conflicts_with = "quiet", help_heading = "Run")
+        arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "quiet", help_heading = "Run")
     )]
     pub verbose: Option<bool>,
 }

@@ -148,7 +148,7 @@ pub struct ForecastConfig {
     #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Filters"))]
     pub selection: SelectionConfig,
     /// Include passes in the Earth's shadow and by daylight
-    #[cfg_attr(feature = "cli", arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false", help_heading = "Filters"))]
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Filters"))]
     pub include_dark: Option<bool>,
     /// Points along each pass from rise to set; 61 for light curves if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Output"))]

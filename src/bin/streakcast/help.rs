@@ -1,11 +1,12 @@
 //! Help of the verbs. Each verb declares beside its flags which inputs it requires, which shared flags it ignores, and two
 //! examples; the usage line, the notes in the help and the checks follow from this.
 
+use std::ffi::OsString;
 use std::ops::Deref;
 
 use anyhow::anyhow;
 use clap::parser::ValueSource;
-use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, Id};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, Id};
 use streakcast::config::{Config, Mark, RequiredInput, SATELLITES, SITE};
 
 use crate::failure::Outcome;
@@ -201,6 +202,22 @@ impl<T: VerbFlags> FromArgMatches for Typed<T> {
 pub fn complete(command: Command) -> Command {
     // Lines are not wrapped, so that examples can be copied.
     with_negative_numbers(command).term_width(0)
+}
+
+/// Returns the command for these words. In it, a flag of a setting that is true or false may have a value
+/// (`--quiet=false`), which the help omits.
+pub fn parser(command: Command, words: &[OsString]) -> Command {
+    fn with_values(command: Command) -> Command {
+        let is_switch = |arg: &Arg| {
+            matches!(arg.get_action(), ArgAction::Set) && arg.get_num_args().is_some_and(|count| !count.takes_values())
+        };
+        let command =
+            command.mut_args(|arg| if is_switch(&arg) { arg.num_args(0..=1).require_equals(true) } else { arg });
+        command.mut_subcommands(with_values)
+    }
+    let has_value =
+        |word: &OsString| word.to_str().is_some_and(|word| word.ends_with("=true") || word.ends_with("=false"));
+    if words.iter().any(has_value) { with_values(command) } else { command }
 }
 
 /// Accepts negative numbers as values of all flags.

@@ -149,8 +149,10 @@ fn main() -> ExitCode {
         }
         Err(error) => return exit_code(Err(error)),
     };
-    let parse =
-        |words: &Words| command.clone().try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now()));
+    let parse = |words: &Words| {
+        help::parser(command.clone(), &words.words)
+            .try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now()))
+    };
     let matches = match parse(&words) {
         Err(error) if is_gate && words.place_of(&error).is_some() => {
             file_error = Some(anyhow!(usage_message(&error, command.clone(), words.place_of(&error))));

@@ -20,6 +20,7 @@ use streakcast::input::{is_stream, read_to_string, toml_line};
 use toml::{Table, Value};
 
 use crate::failure::usage_message;
+use crate::help::parser;
 use crate::local_time::local_time;
 
 /// Smallest similarity of two names for a suggestion.
@@ -157,7 +158,7 @@ pub fn value_errors(root: &Command, file: &Path) -> anyhow::Result<Vec<String>> 
         words.extend(["--config".into(), file.as_os_str().to_owned()]);
         let words = insert(root, words, None)?;
         // Missing flags and the like are not errors of the file.
-        if let Err(error) = root.clone().try_get_matches_from(words.words.iter())
+        if let Err(error) = parser(root.clone(), &words.words).try_get_matches_from(&words.words)
             && let Some(place) = words.place_of(&error)
         {
             let message = usage_message(&error, root.clone(), Some(place));
@@ -309,6 +310,7 @@ fn texts_of(arg: &Arg, value: &Value, folder: &Path) -> Result<Vec<Option<String
         return match value {
             Value::Boolean(true) => Ok(vec![None]),
             Value::Boolean(false) if matches!(arg.get_action(), ArgAction::SetTrue) => Ok(Vec::new()),
+            Value::Boolean(false) => Ok(vec![Some("false".to_owned())]),
             _ => Err(format!("is {value}; allowed: true")),
         };
     }
@@ -321,8 +323,6 @@ fn text_of(arg: &Arg, value: &Value, folder: &Path) -> Result<String, String> {
     let text = match value {
         Value::String(text) => text.clone(),
         Value::Integer(_) | Value::Float(_) | Value::Datetime(_) => value.to_string(),
-        // Other flags with a value reject it.
-        Value::Boolean(_) if arg.is_require_equals_set() => value.to_string(),
         // A limit by band, as g=7,default=6.
         Value::Table(numbers) if numbers.values().all(|number| number.is_float() || number.is_integer()) => {
             numbers.iter().map(|(name, number)| format!("{name}={number}")).collect::<Vec<_>>().join(",")

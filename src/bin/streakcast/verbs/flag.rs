@@ -25,7 +25,7 @@ pub struct FlagArguments {
     #[command(flatten)]
     pub rules: RulesConfig,
     /// For a telescope in orbit, crossings in the Earth's shadow count too, for example in the infrared
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    #[arg(long, num_args = 0, default_missing_value = "true")]
     pub include_dark: Option<bool>,
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]

@@ -39,7 +39,7 @@ pub struct IdentifyArguments {
     #[arg(long, value_name = "TABLE", num_args = 1..)]
     pub streaks: Vec<PathBuf>,
     /// Include satellites in the Earth's shadow
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    #[arg(long, num_args = 0, default_missing_value = "true")]
     pub include_dark: Option<bool>,
     /// Largest number of candidates in the output
     #[arg(long, value_name = "N", default_value_t = 10)]

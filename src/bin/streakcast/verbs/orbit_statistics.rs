@@ -33,7 +33,7 @@ pub struct OrbitStatisticsArguments {
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// For a telescope in orbit, also count satellites in the Earth's shadow
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    #[arg(long, num_args = 0, default_missing_value = "true")]
     pub include_dark: Option<bool>,
 }
 

@@ -25,7 +25,7 @@ pub struct PassesArguments {
     #[command(flatten)]
     pub exposure: ExposureConfig,
     /// Include crossings of satellites in the Earth's shadow
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    #[arg(long, num_args = 0, default_missing_value = "true")]
     pub include_dark: Option<bool>,
     /// Report the probability of each crossing to be brighter than this, in the band of --band; all crossings are
     /// listed

@@ -128,7 +128,7 @@ pub struct PlotFieldArguments {
     #[command(flatten)]
     pub exposure: ExposureConfig,
     /// Include crossings of satellites in the Earth's shadow
-    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true", value_name = "true|false")]
+    #[arg(long, num_args = 0, default_missing_value = "true")]
     pub include_dark: Option<bool>,
     /// Draw only streaks with a peak brighter than this
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
