@@ -343,6 +343,7 @@ impl Config {
             source,
         })?;
         let mut config = Self::from_toml(&text, &shown)?;
+        config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.check().map_err(|error| {
             // The key without which the check succeeds, or has another error; of several the one that the error names.
             let message = error.to_string();
@@ -354,7 +355,6 @@ impl Config {
             let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
             ConfigError::Toml { path: shown, message: line + &message }
         })?;
-        config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.default_time_scale = config.time_scale.take();
         Ok(config)
     }

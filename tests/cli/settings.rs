@@ -329,9 +329,9 @@ fn mask_has_a_table_and_files_of_settings_are_in_the_provenance() {
 fn switches_are_undone_by_the_layers_above() {
     let folder = TempDir::new().unwrap();
     let stated = |text: &str, more: &[&str]| {
-        let verb: &[&[&str]] = &[EXPOSURE, SATELLITES, SITE, &["--fov", "1deg"], more];
-        let options = &json_with(verb, &config(&folder, text))["provenance"]["options"];
-        (options["earthshine"].as_str().unwrap().to_owned(), options["include_dark"].as_bool().unwrap())
+        let verb: &[&[&str]] = &[EXPOSURE, SATELLITES, SITE, &["--fov", "9deg"], more];
+        let stated = &json_with(verb, &config(&folder, text))["provenance"];
+        (stated["earthshine"].as_str().unwrap().to_owned(), stated["options"]["include_dark"].as_bool().unwrap())
     };
     let of = |earthshine: &str, include_dark: bool| (earthshine.to_owned(), include_dark);
     let file = "earthshine = false\ninclude_dark = true\n";
@@ -408,7 +408,7 @@ fn all_paths_are_relative_to_their_file() {
     fails(verb, &config(&folder, file), &[&path(&folder, "no-such.json")]);
 }
 
-/// Errors in a list of targets call it targets.
+/// A list of targets is read as a schedule, but its errors do not call it one.
 #[test]
 fn errors_of_targets_do_not_call_them_a_schedule() {
     let folder = TempDir::new().unwrap();
@@ -419,6 +419,6 @@ fn errors_of_targets_do_not_call_them_a_schedule() {
     {
         fs::write(&targets, text).unwrap();
         let (code, _, stderr) = run(&[windows, SATELLITES, SITE, NIGHT]);
-        assert!(code == 2 && stderr.starts_with("error: targets ") && stderr.contains(error), "{stderr}");
+        assert!(code == 2 && stderr.starts_with("error: target list ") && stderr.contains(error), "{stderr}");
     }
 }

@@ -299,7 +299,8 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_duration = streak.exposure.is_some() || config.exposure.duration.is_some();
     let answers = [
         (&STREAK, has_streak),
-        (&STREAK_TIMES, has_times || has_start && has_duration),
+        // One without the other is another error.
+        (&STREAK_TIMES, has_times || has_start || has_duration),
         (&SITE, streak.image.is_some() || config.has_viewpoint()),
     ];
     IdentifyArguments::HELP.check(config, &answers)

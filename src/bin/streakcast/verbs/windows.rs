@@ -143,7 +143,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         (Some(path), _) => {
             // The reader is that of schedules, whose errors begin with this word.
             let list = read_targets(path, duration_s, plan.rotation_rad)
-                .map_err(|error| anyhow!(error.to_string().replacen("schedule", "targets", 1)))?;
+                .map_err(|error| anyhow!(error.to_string().replacen("schedule", "target list", 1)))?;
             notices.warn(comments_warning(list.comments_like_rows).as_slice());
             (list.targets, path.display().to_string())
         }
