@@ -329,8 +329,10 @@ fn mask_has_a_table_and_files_of_settings_are_in_the_provenance() {
 fn switches_are_undone_by_the_layers_above() {
     let folder = TempDir::new().unwrap();
     let stated = |text: &str, more: &[&str]| {
-        let verb: &[&[&str]] = &[EXPOSURE, SATELLITES, SITE, &["--fov", "9deg"], more];
-        let stated = &json_with(verb, &config(&folder, text))["provenance"];
+        let verb: &[&[&str]] = &[EXPOSURE, SATELLITES, SITE, &["--fov", "1deg", "--format", "json"], more];
+        let (code, stdout, stderr) = run_with(verb, &config(&folder, text));
+        assert!(code < 2, "{stderr}");
+        let stated = &serde_json::from_str::<Value>(&stdout).unwrap()["provenance"];
         (stated["earthshine"].as_str().unwrap().to_owned(), stated["options"]["include_dark"].as_bool().unwrap())
     };
     let of = |earthshine: &str, include_dark: bool| (earthshine.to_owned(), include_dark);
