@@ -20,8 +20,6 @@ use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleErr
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
 
-/// Accepted ways to specify a pointing, for error messages.
-
 /// Field, telescope, policy and photometry for the verdicts of exposures.
 #[derive(Clone, Debug)]
 pub struct ObservationPlan {
