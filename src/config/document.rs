@@ -10,8 +10,8 @@ use super::coordinates::{height, latitude, longitude};
 use super::coordinates::{parse_height_m, parse_latitude_deg, parse_longitude_deg};
 use super::error::ConfigError;
 use super::values::{
-    FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice,
-    TelescopeChoice, is_file_name, is_response_file, limit, model_assignments, one_or_many,
+    FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrFile, NameOrTable, PolicyChoice, Quantity,
+    SiteChoice, TelescopeChoice, limit, model_assignments, one_or_many,
 };
 use crate::elements::{Constellation, sha256_hex};
 use crate::input;
@@ -44,7 +44,7 @@ pub struct Config {
         feature = "cli",
         arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',', help_heading = "Satellites")
     )]
-    pub shells: Vec<String>,
+    pub shells: Vec<NameOrFile>,
     /// Accept element sets with a wrong checksum
     #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Satellites"))]
     pub accept_bad_checksums: Option<bool>,
@@ -218,12 +218,12 @@ pub struct LightConfig {
     /// Passband of the magnitudes: B V R I u g r i z y G J H K W1 W2; V if omitted; or
     /// a file of a response curve with the columns wavelength_um and response (AB)
     #[cfg_attr(feature = "cli", arg(long, value_name = "BAND"))]
-    pub band: Option<String>,
+    pub band: Option<NameOrFile>,
     /// Zero point of the magnitudes: Vega or AB; the usual one of the band if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "SYSTEM"))]
     pub mag_system: Option<String>,
     /// Only sunlight on the panels of models: ignore earthshine and the diffuse body
-    #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0, default_missing_value = "false"))]
+    #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0, default_missing_value = "true", value_parser = parse_opposite))]
     pub earthshine: Option<bool>,
 }
 
@@ -316,99 +316,6 @@ pub struct RulesConfig {
     pub max_delay: Option<Quantity>,
 }
 
-/// Keys of a configuration that answer one question, and the keys that also answer it. They are taken together: of
-/// several layers, the topmost that has any of them answers the question alone.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub struct Question {
-    /// Keys that only answer this question.
-    pub keys: &'static [&'static str],
-    /// Keys that answer this question in addition to their own: a telescope has a field of view, a policy has limits.
-    pub others: &'static [&'static str],
-}
-
-impl Question {
-    /// Returns true if any of these keys answers the question.
-    pub fn is_answered_by(&self, keys: &[&str]) -> bool {
-        self.keys.iter().chain(self.others).any(|key| keys.contains(key))
-    }
-}
-
-/// Returns the key of a field.
-macro_rules! key {
-    (site.named) => {
-        "site"
-    };
-    (exposure.duration) => {
-        "exposure"
-    };
-    ($key:ident) => {
-        stringify!($key)
-    };
-    ($group:ident.$key:ident) => {
-        stringify!($key)
-    };
-}
-
-/// Declares all keys by their fields, those of one question in brackets; after `or` a field that also answers it.
-macro_rules! questions {
-    ($([$($key:ident$(.$inner:ident)?),+] $(or $other:ident$(.$part:ident)?)?),+ $(,)?) => {
-        impl Config {
-            /// Questions that the keys answer.
-            pub const QUESTIONS: &'static [Question] = &[$(Question {
-                keys: &[$(key!($key$(.$inner)?)),+],
-                others: &[$(key!($other$(.$part)?))?],
-            }),+];
-
-            /// Returns the keys that are given.
-            pub fn given(&self) -> Vec<&'static str> {
-                // The time scale of a file is in another field than that of a flag.
-                let mut given: Vec<&str> = self.default_time_scale.iter().map(|_| "time_scale").collect();
-                $($(if !is_omitted(&self.$key$(.$inner)?) {
-                    given.push(key!($key$(.$inner)?));
-                })+)+
-                given
-            }
-
-            /// Returns this configuration without a key.
-            fn without(&self, omitted: &str) -> Config {
-                let mut rest = self.clone();
-                $($(if omitted == key!($key$(.$inner)?) {
-                    rest.$key$(.$inner)? = Default::default();
-                })+)+
-                rest
-            }
-
-            /// Returns this configuration, with `base` for all questions that it does not answer. For example, `mpc`
-            /// replaces the coordinates of `base`.
-            pub fn over(mut self, base: Config) -> Config {
-                self = self.at_height_of(&base);
-                let base = if self.site.is_given() { base.without_limits() } else { base };
-                let given = self.given();
-                let mut questions = Self::QUESTIONS.iter();
-                $(if questions.next().is_some_and(|question| !question.is_answered_by(&given)) {
-                    $(self.$key$(.$inner)? = base.$key$(.$inner)?;)+
-                })+
-                self.default_time_scale = self.default_time_scale.or(base.default_time_scale);
-                self
-            }
-        }
-    };
-}
-
-questions! {
-    [elements, shells], [accept_bad_checksums], [qs_mag], [model], [models], [learned], [measured], [drag], [shadow],
-    [site.named, site.mpc, site.lat, site.lon, site.height, observer_elements, observer_norad, limb_height_km],
-    [max_zenith_angle], [min_sun_angle], [min_limb_angle],
-    [fov, field] or telescope, [telescope], [bright_share] or telescope, [rotation],
-    [light.band], [light.mag_system], [light.earthshine], [extinction], [sun_distance],
-    [rules.policy], [rules.limit_mag] or rules.policy, [rules.limit_surface_brightness] or rules.policy,
-    [min_probability] or rules.policy,
-    [rules.blocking] or rules.policy, [rules.max_delay] or rules.policy,
-    [time_scale], [time_zone], [eop], [run.threads], [run.quiet, run.verbose],
-    [exposure.start], [exposure.duration], [exposure.target, exposure.ra, exposure.dec],
-    [include_dark], [samples], [format],
-}
-
 /// Verbs of the command line that have a table in a configuration file.
 #[rustfmt::skip]
 const VERBS: [&str; 18] = [
@@ -423,26 +330,6 @@ const LARGEST_BYTES: u64 = 1_000_000;
 const MAX_THREADS: usize = 1024;
 
 impl Config {
-    /// Returns the configuration with the site of `base` if only its height is given.
-    fn at_height_of(mut self, base: &Config) -> Self {
-        const SITE: [&str; 7] = ["site", "mpc", "lat", "lon", "observer_elements", "observer_norad", "limb_height_km"];
-        let given = self.given();
-        if self.site.height.is_some() && !SITE.iter().any(|key| given.contains(key)) {
-            self.site = SiteConfig { height: self.site.height, ..base.site.clone() };
-        }
-        self
-    }
-
-    /// Returns the configuration without the limits of a telescope in orbit, which do not apply to a site.
-    pub(super) fn without_limits(self) -> Self {
-        Self { max_zenith_angle: None, min_sun_angle: None, min_limb_angle: None, ..self }
-    }
-
-    /// Returns the accepted keys of a configuration file, except for the tables of verbs.
-    pub fn keys() -> impl Iterator<Item = &'static str> {
-        Self::QUESTIONS.iter().flat_map(|question| question.keys).copied()
-    }
-
     /// Reads a configuration file. Relative paths in it are relative to the folder of the file.
     ///
     /// # Errors
@@ -456,6 +343,7 @@ impl Config {
             source,
         })?;
         let mut config = Self::from_toml(&text, &shown)?;
+        config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.check().map_err(|error| {
             // The key without which the check succeeds, or has another error; of several the one that the error names.
             let message = error.to_string();
@@ -467,7 +355,6 @@ impl Config {
             let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
             ConfigError::Toml { path: shown, message: line + &message }
         })?;
-        config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.default_time_scale = config.time_scale.take();
         Ok(config)
     }
@@ -556,11 +443,11 @@ impl Config {
             self.site()?;
         }
         if let Some(NameOrTable::Name(name)) = &self.telescope
-            && !is_file_name(name)
+            && !name.is_file()
         {
             self.telescope()?;
         }
-        for name in self.shells.iter().filter(|name| !is_file_name(name)) {
+        for name in self.shells.iter().filter(|name| !name.is_file()) {
             Constellation::by_name(name)?;
         }
         // Model files may have further names.
@@ -650,7 +537,7 @@ impl Config {
     pub fn files(&self) -> Vec<PathBuf> {
         // `visit_paths` requires a mutable reference.
         let (mut copy, mut files) = (self.clone(), Vec::new());
-        copy.visit_paths(|path| files.push(path.clone()));
+        copy.visit_paths(&mut |path| files.push(path.clone()));
         files
     }
 
@@ -668,10 +555,10 @@ impl Config {
 
     /// Returns the configuration without the values that are read from files, so that it can be checked without them.
     pub fn without_files(&self) -> Config {
-        let is_file = |telescope: &TelescopeChoice| matches!(telescope, NameOrTable::Name(name) if is_file_name(name));
+        let is_file = |telescope: &TelescopeChoice| matches!(telescope, NameOrTable::Name(name) if name.is_file());
         Config {
             elements: Vec::new(),
-            shells: self.shells.iter().filter(|name| !is_file_name(name)).cloned().collect(),
+            shells: self.shells.iter().filter(|name| !name.is_file()).cloned().collect(),
             eop: None,
             observer_elements: None,
             qs_mag: None,
@@ -681,50 +568,31 @@ impl Config {
             field: None,
             telescope: self.telescope.clone().filter(|telescope| !is_file(telescope)),
             rules: RulesConfig { policy: None, ..self.rules.clone() },
-            light: LightConfig {
-                band: self.light.band.clone().filter(|band| !is_response_file(band)),
-                ..self.light.clone()
-            },
+            light: LightConfig { band: self.light.band.clone().filter(|band| !band.is_file()), ..self.light.clone() },
             ..self.clone()
         }
     }
 
-    fn start_paths_from(&mut self, folder: &Path) {
-        self.visit_paths(|path| *path = folder.join(&*path));
+    /// Returns the text of a value of `key`, with the path in it relative to `folder`.
+    pub fn in_folder(key: &str, text: &str, folder: &Path) -> String {
+        let config = Config::deserialize(toml::Table::from_iter([(key.to_owned(), text.into())]));
+        let files = config.map_or_else(|_| Vec::new(), |config| config.files());
+        let of_path = |path: &PathBuf| {
+            let before = text.strip_suffix(path.to_str()?)?;
+            Some(format!("{before}{}", folder.join(path).display()))
+        };
+        files.first().and_then(of_path).unwrap_or_else(|| text.to_owned())
     }
 
-    fn visit_paths(&mut self, mut visit: impl FnMut(&mut PathBuf)) {
-        self.elements.iter_mut().chain(&mut self.measured).for_each(&mut visit);
-        [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag, &mut self.learned]
-            .into_iter()
-            .flatten()
-            .for_each(&mut visit);
-        if let Some(NameOrTable::Name(path)) = &mut self.field {
-            visit(path);
-        }
-        if let Some(NameOrTable::Name(path)) = &mut self.rules.policy {
-            visit(path);
-        }
-        self.model.iter_mut().filter_map(ModelAssignment::file_mut).for_each(&mut visit);
-        if let Some(models) = &mut self.models {
-            models.files.iter_mut().chain(&mut models.qs_mag).for_each(&mut visit);
-        }
-        let telescope = match &mut self.telescope {
-            Some(NameOrTable::Name(name)) => Some(name),
-            _ => None,
-        };
-        let response = self.light.band.iter_mut().filter(|band| is_response_file(band));
-        let names = self.shells.iter_mut().chain(telescope).filter(|name| is_file_name(name));
-        for name in names.chain(response) {
-            let mut path = PathBuf::from(&*name);
-            visit(&mut path);
-            *name = path.display().to_string();
-        }
+    fn start_paths_from(&mut self, folder: &Path) {
+        self.visit_paths(&mut |path| *path = folder.join(&*path));
     }
 }
 
-fn is_omitted<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
+/// Reads the value of a flag that switches something off.
+#[cfg(feature = "cli")]
+fn parse_opposite(text: &str) -> Result<bool, String> {
+    text.parse().map(|is_off: bool| !is_off).map_err(|_| "allowed: true, false".to_owned())
 }
 
 /// Reads a NORAD catalogue number from the command line.
@@ -749,10 +617,10 @@ mod tests {
             "t.toml",
         )
         .unwrap();
-        assert_eq!(config.shells, ["starlink-gen1"]);
+        assert_eq!(config.shells, ["starlink-gen1".to_owned().into()]);
         assert_eq!(config.rules.limit_mag, Some(MagnitudeLimit::All(7.0)));
         assert_eq!(config.exposure.ra.as_ref().unwrap().as_str(), "188.5");
-        assert_eq!(config.telescope, Some(NameOrTable::Name("rubin".into())));
+        assert_eq!(config.telescope, Some("rubin".to_owned().into()));
         let mpc =
             |table: &SiteChoice| matches!(table, NameOrTable::Table(table) if table.mpc.as_deref() == Some("X05"));
         assert!(config.site.named.as_ref().is_some_and(mpc));
@@ -773,46 +641,6 @@ mod tests {
         }
         // Plugins pass JSON.
         assert!(serde_json::from_str::<Config>(r#"{"limitmag": 7}"#).is_err());
-    }
-
-    #[test]
-    fn every_listed_key_is_a_key() {
-        // No key accepts a table inside a list, so every key of `Config` gives an error about the type of its value. A
-        // listed key that `Config` lacks gives the error of an unknown key.
-        for key in Config::keys() {
-            let error = Config::from_toml(&format!("{key} = [[{{}}]]"), "t.toml").expect_err(key).to_string();
-            assert!(!error.contains("unknown"), "{key}: {error}");
-        }
-    }
-
-    #[cfg(feature = "cli")]
-    #[test]
-    fn every_flag_is_a_listed_key() {
-        use clap::Args;
-        let flags = Config::augment_args(clap::Command::new("all"));
-        let flags = ExposureConfig::augment_args(RulesConfig::augment_args(flags));
-        for flag in flags.get_arguments().filter_map(clap::Arg::get_long) {
-            let key = flag.trim_start_matches("no-").replace('-', "_");
-            assert!(["config", "home"].contains(&key.as_str()) || Config::keys().any(|known| known == key), "{key}");
-        }
-    }
-
-    #[test]
-    fn values_that_belong_together_are_taken_together() {
-        let base = Config {
-            site: SiteConfig { lat: Some(1.0), lon: Some(2.0), height: Some(3.0), ..SiteConfig::default() },
-            fov: Some(Quantity("1deg".into())),
-            ..Config::default()
-        };
-        let flags = Config {
-            site: SiteConfig { mpc: Some("X05".into()), ..SiteConfig::default() },
-            rules: RulesConfig { limit_mag: Some(MagnitudeLimit::All(6.0)), ..RulesConfig::default() },
-            ..Config::default()
-        };
-        let both = flags.over(base);
-        assert_eq!((both.site.lat, both.site.height, both.site.mpc.as_deref()), (None, None, Some("X05")));
-        assert_eq!(both.rules.limit_mag, Some(MagnitudeLimit::All(6.0)));
-        assert!(both.fov.is_some());
     }
 
     /// The home file lies below the configuration file. Its site is not that of a frame with another one.
@@ -847,8 +675,8 @@ mod tests {
         let config = Config::read(&path).unwrap();
         assert_eq!(config.elements, [folder.path().join("a.tle")]);
         let mine = folder.path().join("mine.toml").display().to_string();
-        assert_eq!(config.telescope, Some(NameOrTable::Name(mine)));
-        assert_eq!(config.shells, ["oneweb"]);
+        assert_eq!(config.telescope, Some(mine.into()));
+        assert_eq!(config.shells, ["oneweb".to_owned().into()]);
         assert_eq!(config.files().len(), 2);
     }
 }

@@ -9,6 +9,7 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::forecast::SelectionConfig;
 use super::inputs::read_text;
+use super::required::TIMES;
 use super::values::parse_duration_s;
 use crate::forecast::EphemerisRequest;
 use crate::frames::{parse_moment, seconds_after, seconds_between};
@@ -96,8 +97,7 @@ impl EphemerisConfig {
             _ => Vec::new(),
         };
         if epochs.is_empty() {
-            let message = "missing times; specify --times TIME..., --times-file FILE, or --start, --end and --step";
-            return Err(ConfigError::invalid(message));
+            return Err(ConfigError::invalid(TIMES.missing().to_string()));
         }
         Ok(epochs)
     }

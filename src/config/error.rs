@@ -73,6 +73,14 @@ pub enum ConfigError {
         /// Flags that set it.
         allowed: &'static str,
     },
+    /// A required input is missing.
+    #[error("missing {name}; specify {flags}")]
+    MissingInput {
+        /// Name of the input.
+        name: &'static str,
+        /// Flags that give it.
+        flags: String,
+    },
     /// Two options exclude each other.
     #[error("{first} and {second} exclude each other; specify one of them")]
     Both {

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use super::document::Config;
 use super::error::ConfigError;
+use super::required::STREAK;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
@@ -22,10 +23,6 @@ const POSITION_SIGMA_ARCSEC: f64 = 5.0;
 /// Default position error (one sigma) of an end measured by eye in a frame, pixels.
 #[cfg(all(feature = "fits", unix))]
 pub(super) const POSITION_SIGMA_PIX: f64 = 3.0;
-
-/// Accepted ways to specify a streak, for error messages.
-pub const STREAK_FORMS: &str =
-    "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
 
 /// Measured streak, in addition to [`Config`]: two ends, a position and an angle, two pixels of a frame, or regions.
 ///
@@ -164,14 +161,14 @@ impl IdentifyConfig {
         forms.retain(|(_, is_given)| *is_given);
         let forms: Vec<&'static str> = forms.into_iter().map(|(form, _)| form).collect();
         let (source, (line, sigma_arcsec)) = match (forms.as_slice(), &self.region) {
-            ([], _) => return Err(ConfigError::invalid(format!("missing streak; specify {STREAK_FORMS}"))),
+            ([], _) => return Err(ConfigError::invalid(STREAK.missing().to_string())),
             (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
             (["--region"], Some(path)) => ("--region", in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
-                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {STREAK_FORMS}")));
+                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {}", STREAK.words)));
             }
         };
         let (start, duration_s, timing) = self.timing(config)?;

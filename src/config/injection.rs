@@ -181,7 +181,7 @@ pub struct InjectionConfig {
     pub seeing: Option<String>,
     /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double; or a file: an image (.fits), or the set of
     /// PSFEx (.psf), instead of seeing, defocus and size
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", default_value = "moffat", help_heading = "Streaks"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", default_value = "moffat", value_hint = clap::ValueHint::FilePath, help_heading = "Streaks"))]
     pub psf: String,
     /// Oversampling of the image of --psf: number of its pixels along a pixel of the frame; OVERSAMP in its header, or
     /// else 1, if omitted

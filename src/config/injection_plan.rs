@@ -10,6 +10,7 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
+use super::required::{INJECTED_STREAKS, SEEING};
 use super::values::{Numbers, parse_angle_deg, parse_exposure_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, ImagesError, PsfFile, Telescope};
@@ -139,9 +140,7 @@ impl InjectionConfig {
         let modulation = self.modulation()?;
         let random = self.random()?;
         if !self.is_without_satellites() && !config.has_satellites() {
-            return Err(ConfigError::invalid(
-                "missing streaks; specify --elements FILE..., --shells NAME, --random-streaks N --magnitude MAG, or --streaks TABLE",
-            ));
+            return Err(ConfigError::invalid(INJECTED_STREAKS.missing().to_string()));
         }
         self.check_idle()?;
         if random.is_some() && self.streaks.is_some() {
@@ -384,11 +383,7 @@ impl InjectionConfig {
         let seeing_arcsec = match (&self.seeing, telescope) {
             (Some(text), _) => arcsec("seeing", text)?,
             (None, Some(telescope)) => telescope.seeing_arcsec,
-            (None, None) => {
-                return Err(ConfigError::invalid(
-                    "missing seeing; specify --seeing 1.2arcsec, or --telescope NAME, which also sets the defocus",
-                ));
-            }
+            (None, None) => return Err(ConfigError::invalid(SEEING.missing().to_string())),
         };
         Ok(Optics {
             form: seeing_form(&self.psf)?,

@@ -7,7 +7,8 @@ use hifitime::Epoch;
 
 use super::document::Config;
 use super::error::ConfigError;
-use super::values::{ModelSource, is_file_name};
+use super::required::SATELLITES;
+use super::values::ModelSource;
 use crate::elements::{
     Constellation, Deployment, DeploymentFile, Generation, Keep, ReadOptions, Satellites, SourceFile,
 };
@@ -53,9 +54,7 @@ impl Config {
         let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
         let deployment = self.deployment()?;
         if catalogue.is_none() && deployment.is_empty() {
-            let allowed =
-                "--elements FILE..., or --shells starlink-gen1 (simulated, no download; see streakcast shells)";
-            return Err(ConfigError::Missing { what: "satellites", allowed });
+            return Err(SATELLITES.missing());
         }
         let choice = self.model_choice()?;
         let (config, settings_files) = (self.clone(), self.settings_json());
@@ -126,8 +125,8 @@ impl Config {
     pub fn deployment(&self) -> Result<Deployment, ConfigError> {
         let (mut bundled, mut files): (Vec<Constellation>, _) = (Vec::new(), Vec::new());
         for name in &self.shells {
-            if is_file_name(name) {
-                files.push(parse_file("shells", Path::new(name), |text| DeploymentFile::from_toml(text, name))?);
+            if name.is_file() {
+                files.push(parse_file("shells", Path::new(&**name), |text| DeploymentFile::from_toml(text, name))?);
             } else {
                 // A constellation and a set that contains it, or two such sets, have it once.
                 for constellation in Constellation::by_name_or_set(name)? {

@@ -12,6 +12,7 @@ use super::error::ConfigError;
 use super::injection_plan::SkyOf;
 use super::measure::{MeasureConfig, photometry, with_site};
 use super::prepared::{PreparedSky, state_scales};
+use super::required::FRAMES;
 use super::values::parse_angle_deg;
 use super::warnings::first_of;
 use crate::elements::NoradId;
@@ -198,7 +199,7 @@ impl MaskConfig {
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
         ) else {
-            return Err(ConfigError::invalid("missing frames; specify FRAME..., FITS files"));
+            return Err(ConfigError::invalid(FRAMES.missing().to_string()));
         };
         let measured = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
         let measured: Vec<MeasuredStreak> = measured.concat();

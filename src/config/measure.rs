@@ -10,6 +10,7 @@ use super::error::ConfigError;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
 use super::measured_tables::{MeasuredTables, identify_listed};
 use super::prepared::state_scales;
+use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
 use crate::frames::{parse_moment, seconds_after};
 use crate::geometry::Site;
@@ -142,7 +143,7 @@ impl MeasureConfig {
         let (config, remark) = if has_sky { with_site(config, &frames)? } else { (config.clone(), None) };
         let of_all = match (first.zip(last), sky) {
             (None, _) if self.streaks.is_empty() => {
-                return Err(ConfigError::invalid("missing frames; specify FRAME..., FITS files"));
+                return Err(ConfigError::invalid(FRAMES.missing().to_string()));
             }
             (None, _) => None,
             (Some(_), _) if !has_sky => None,

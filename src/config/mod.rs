@@ -30,7 +30,10 @@ mod measure;
 #[cfg(all(feature = "fits", unix))]
 mod measured_tables;
 mod observation;
+mod paths;
 mod prepared;
+mod questions;
+mod required;
 mod response_file;
 mod site;
 mod values;
@@ -39,7 +42,7 @@ mod warnings;
 pub use coordinates::{parse_coordinates, parse_height_m, parse_latitude_deg, parse_longitude_deg};
 #[cfg(feature = "cli")]
 pub use document::norad_id;
-pub use document::{Config, ExposureConfig, HomeConfig, LightConfig, Question, RulesConfig, RunConfig, SiteConfig};
+pub use document::{Config, ExposureConfig, HomeConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
 pub use doubtful_site::doubtful_site;
 pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
@@ -47,7 +50,7 @@ pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, parse_night
 pub use health::{
     AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,
 };
-pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
+pub use identify::{IdentifyConfig, IdentifyPlan};
 #[cfg(all(feature = "fits", unix))]
 pub use identify_table::{TableStreak, streaks_of_table};
 #[cfg(all(feature = "fits", unix))]
@@ -61,8 +64,14 @@ pub use mask::{MaskConfig, MaskedFrame, Masks};
 pub use measure::{MeasureConfig, Measurements};
 pub use observation::{MOST_SAMPLES, ObservationPlan};
 pub use prepared::{PreparedSky, state_scales};
+pub use questions::Question;
+pub use required::{
+    EXPOSURE, FIELD, FRAMES, INJECTED_STREAKS, Mark, POINTING, RequiredInput, SATELLITES, SEEING, SELECTION, SITE,
+    START, STREAK, TIMES,
+};
 pub use values::{
-    FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, Numbers, PolicyChoice, Quantity, SiteChoice,
-    SiteTable, TelescopeChoice, parse_angle_deg, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale,
+    FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrFile, NameOrTable, Numbers, PolicyChoice, Quantity,
+    SiteChoice, SiteTable, TelescopeChoice, parse_angle_deg, parse_duration_s, parse_exposure_s, parse_size_deg,
+    parse_time_scale,
 };
 pub use warnings::OLD_ELEMENTS_DAYS;

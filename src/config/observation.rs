@@ -8,11 +8,9 @@ use serde_json::{Value, json};
 use super::document::{Config, ExposureConfig, RulesConfig};
 use super::error::ConfigError;
 use super::inputs::{parse_file, read_text};
+use super::required::{EXPOSURE, FIELD, POINTING, START};
 use super::response_file::read_response;
-use super::values::{
-    NameOrTable, Quantity, in_range, is_file_name, is_response_file, parse_duration_s, parse_exposure_s,
-    parse_size_deg, parse_time_scale,
-};
+use super::values::{NameOrTable, in_range, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale};
 use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
@@ -21,10 +19,6 @@ use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleErr
 
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
-
-const FIELDS: &str = "--fov 3.5deg or 1.5x1.0deg, --field FILE, or a telescope with --telescope";
-/// Accepted ways to specify a pointing, for error messages.
-const POINTINGS: &str = "--ra and --dec, or --target NAME, for example M31";
 
 /// Field, telescope, policy and photometry for the verdicts of exposures.
 #[derive(Clone, Debug)]
@@ -85,7 +79,7 @@ impl Config {
             (None, Some(NameOrTable::Table(table))) => field_of_table(table),
             (None, None) => match self.telescope()? {
                 Some(telescope) => field_of_telescope(&telescope),
-                None => Err(ConfigError::Missing { what: "field of view", allowed: FIELDS }),
+                None => Err(FIELD.missing()),
             },
         }
     }
@@ -143,8 +137,8 @@ impl Config {
     fn own_telescope(&self) -> Result<Option<Telescope>, ConfigError> {
         Ok(match &self.telescope {
             None => None,
-            Some(NameOrTable::Name(name)) if is_file_name(name) => {
-                Some(Telescope::from_toml(&read_text("telescope", Path::new(name))?, name)?)
+            Some(NameOrTable::Name(name)) if name.is_file() => {
+                Some(Telescope::from_toml(&read_text("telescope", Path::new(&**name))?, name)?)
             }
             Some(NameOrTable::Name(name)) => Some(Telescope::by_name(name)?),
             Some(NameOrTable::Table(telescope)) => Some(telescope.as_ref().clone()),
@@ -237,9 +231,9 @@ impl Config {
     /// The band or system is unknown, a response file is invalid or has no Vega magnitudes, or the extinction is out of
     /// range.
     pub fn photometry(&self) -> Result<PhotometryOptions, ConfigError> {
-        let band: Band = match self.light.band.as_deref() {
-            Some(path) if is_response_file(path) => Band::Response(read_response(Path::new(path))?),
-            name => name.unwrap_or("V").parse()?,
+        let band: Band = match &self.light.band {
+            Some(path) if path.is_file() => Band::Response(read_response(Path::new(&**path))?),
+            name => name.as_deref().unwrap_or("V").parse()?,
         };
         let system = self.light.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
         if matches!(band, Band::Response(_)) && system != MagSystem::Ab {
@@ -333,25 +327,17 @@ impl Config {
     /// Start, exposure time, right ascension, declination or rotation is missing or out of range, or the start is
     /// outside the planetary ephemeris.
     pub fn one_exposure(&self) -> Result<Exposure, ConfigError> {
-        fn given<'a>(
-            value: &'a Option<Quantity>,
-            what: &'static str,
-            allowed: &'static str,
-        ) -> Result<&'a str, ConfigError> {
-            value.as_ref().map(Quantity::as_str).ok_or(ConfigError::Missing { what, allowed })
-        }
-        let exposure = &self.exposure;
-        let start = given(&exposure.start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")?;
-        let duration = given(&exposure.duration, "exposure time", "--exposure TIME, for example 30s")?;
-        let start = parse_moment(start, self.time_scale()?)?;
+        let start = self.exposure.start.as_ref().ok_or_else(|| START.missing())?;
+        let duration = self.exposure.duration.as_ref().ok_or_else(|| EXPOSURE.missing())?;
+        let start = parse_moment(start.as_str(), self.time_scale()?)?;
         if !is_covered(start) {
             return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());
         }
         Ok(Exposure {
             id: "1".to_owned(),
             start,
-            duration_s: parse_exposure_s(duration)?,
-            pointing: self.pointing()?.ok_or(ConfigError::Missing { what: "pointing", allowed: POINTINGS })?,
+            duration_s: parse_exposure_s(duration.as_str())?,
+            pointing: self.pointing()?.ok_or_else(|| POINTING.missing())?,
             rotation_rad: self.rotation_rad()?,
         })
     }
@@ -502,7 +488,7 @@ mod tests {
         );
         assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
         assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
-        assert!(message(config("").field_of_view()).contains("missing field of view; specify --fov 3.5deg"));
+        assert!(message(config("").field_of_view()).contains("missing field of view; specify --fov ANGLE"));
         assert!(message(config("fov = 3.5").field_of_view()).contains("without a unit"));
     }
 }

@@ -529,7 +529,7 @@ mod tests {
     #[test]
     fn a_constellation_that_is_named_twice_counts_once() {
         let start = utc("2024-08-14T00:30:00Z");
-        let config = Config { shells: vec!["oneweb".to_owned(), "OneWeb".to_owned()], ..shells("") };
+        let config = Config { shells: ["oneweb", "OneWeb"].map(|name| name.to_owned().into()).to_vec(), ..shells("") };
         assert_eq!(config.prepare(start, start).unwrap().sky.elements().len(), 6372);
     }
 
@@ -554,7 +554,10 @@ mod tests {
         let start = utc("2024-08-14T00:30:00Z");
         let config = Config::from_toml("mpc = 'X05'", "t.toml").unwrap();
         let message = config.prepare(start, start).unwrap_err().to_string();
-        assert!(message.contains("--elements") && message.contains("--shells starlink-gen1"), "{message}");
+        assert!(
+            message.contains("--elements") && message.contains("--shells NAME, for example starlink-gen1"),
+            "{message}"
+        );
     }
 
     const GOOD: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\

@@ -6,6 +6,7 @@ use hifitime::Epoch;
 
 use super::document::{Config, SiteConfig};
 use super::error::ConfigError;
+use super::required::{RequiredInput, SITE};
 use super::values::{NameOrTable, SiteTable, in_range};
 use crate::elements::{EphemerisObject, Keep, NoradId, Satellites};
 use crate::frames::{EopTable, Orientation};
@@ -13,8 +14,6 @@ use crate::geometry::{EarthLimb, GeometryError, Observer, PointingLimits, Site};
 #[cfg(all(feature = "fits", unix))]
 use crate::images::SITE_KEYWORDS;
 use crate::passes::{OrbitingObserver, Viewpoint};
-
-const SITES: &str = "--site NAME, --mpc CODE, or --lat and --lon";
 
 impl Config {
     /// Returns the site.
@@ -140,7 +139,8 @@ impl Config {
         let Some(site) = site else {
             if !self.has_viewpoint() {
                 return Err(ConfigError::invalid(format!(
-                    "missing site; specify {SITES} (the header of {frames} lacks it: {SITE_KEYWORDS})"
+                    "{} (the header of {frames} lacks it: {SITE_KEYWORDS})",
+                    SITE.missing()
                 )));
             }
             let remark = format!("warning: the header of {frames} has no site; that of the home file is used");
@@ -254,8 +254,8 @@ fn site_of(table: &SiteTable) -> Result<Site, ConfigError> {
             Ok(Site::new_deg(name, *latitude, *longitude, height.unwrap_or(0.0))?)
         }
         (None, Some(name), (None, None, None)) => site_of_name(name),
-        (None, None, (None, None, None)) => Err(ConfigError::Missing { what: "site", allowed: SITES }),
-        (None, ..) => Err(ConfigError::Missing { what: "complete coordinates of the site", allowed: SITES }),
+        (None, None, (None, None, None)) => Err(SITE.missing()),
+        (None, ..) => Err(RequiredInput { name: "complete coordinates of the site", ..SITE }.missing()),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
+use std::ops::Deref;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -92,12 +93,39 @@ pub enum NameOrTable<N, T> {
     Table(T),
 }
 
+/// Name in a bundled table, or the path of a file: a text with a separator of folders, or a dot before a letter.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(transparent)]
+pub struct NameOrFile(String);
+
+impl NameOrFile {
+    /// Returns true for the path of a file.
+    pub fn is_file(&self) -> bool {
+        let is_extension = |end: &str| end.starts_with(|c: char| c.is_ascii_alphabetic());
+        self.contains(std::path::is_separator) || self.split('.').skip(1).any(is_extension)
+    }
+}
+
+impl Deref for NameOrFile {
+    type Target = str;
+
+    fn deref(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<String> for NameOrFile {
+    fn from(text: String) -> Self {
+        Self(text)
+    }
+}
+
 /// Site: a name in the bundled table, or a table `[site]`.
 pub type SiteChoice = NameOrTable<String, SiteTable>;
 /// Field of view: a JSON file, or a table `[field]` with the keys of such a file or the key of one shape.
 pub type FieldChoice = NameOrTable<PathBuf, toml::Table>;
 /// Telescope: a preset name or a TOML file, or a table `[telescope]` with all keys of such a file.
-pub type TelescopeChoice = NameOrTable<String, Box<Telescope>>;
+pub type TelescopeChoice = NameOrTable<NameOrFile, Box<Telescope>>;
 /// Policy: a TOML file, or a table `[policy]`.
 pub type PolicyChoice = NameOrTable<PathBuf, Policy>;
 
@@ -122,9 +150,9 @@ impl<'de, N: From<String>, T: DeserializeOwned> Deserialize<'de> for NameOrTable
     }
 }
 
-impl<T> From<String> for NameOrTable<String, T> {
+impl<N: From<String>, T> From<String> for NameOrTable<N, T> {
     fn from(name: String) -> Self {
-        Self::Name(name)
+        Self::Name(name.into())
     }
 }
 
@@ -180,16 +208,6 @@ pub enum ModelSource {
     File(PathBuf),
 }
 
-impl ModelAssignment {
-    /// Returns the path if the model is a file.
-    pub(super) fn file_mut(&mut self) -> Option<&mut PathBuf> {
-        match &mut self.model {
-            ModelSource::File(path) => Some(path),
-            ModelSource::Name(_) => None,
-        }
-    }
-}
-
 impl FromStr for ModelAssignment {
     type Err = String;
 
@@ -241,16 +259,6 @@ impl Numbers {
             _ => Err(format!("invalid list; allowed: {count} numbers separated by commas, without blanks")),
         }
     }
-}
-
-/// Returns true if the text is the path of a TOML file, false if it is the name of a preset.
-pub(super) fn is_file_name(name: &str) -> bool {
-    name.ends_with(".toml")
-}
-
-/// Returns true for the file of a response curve instead of the name of a band.
-pub(super) fn is_response_file(band: &str) -> bool {
-    band.contains(['.', '/', '\\'])
 }
 
 const DURATION_UNITS: &[(&str, f64)] =

@@ -238,7 +238,7 @@ mod tests {
     #[test]
     fn errors_contain_what_is_allowed() {
         for (text, expected) in [
-            ("[[period]]\nfrom = '2027-01-01'\nshells = {}", "invalid type"),
+            ("[[period]]\nfrom = '2027-01-01'\nshells = {}", "invalid value"),
             ("[[period]]\nfrom = 2027-01-01T12:00:00\nshells = {}", "allowed: from = 2027-01-01"),
             (
                 "[[period]]\nfrom = 2027-01-01\nshells = { oneweb = 1.5 }",

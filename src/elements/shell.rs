@@ -616,7 +616,7 @@ mod tests {
         assert!(
             shell("altitude_km = 550, inclination_deg = 53, planes = 0, satellites_per_plane = 1").contains("planes")
         );
-        assert!(shell("altitude = 550").contains("unknown field `altitude`"));
+        assert!(shell("altitude = 550").contains("unknown key 'altitude'"));
         let good = "inclination_deg = 53, planes = 1, satellites_per_plane = 1";
         assert!(shell(&format!("altitude_km = [], {good}")).contains("a list of numbers, at least one"));
         let both = format!("altitude_km = 550, node_local_time_h = 18, node_offset_deg = 77, {good}");

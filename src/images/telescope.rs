@@ -288,8 +288,8 @@ V = 6.0
             ("outer_radius_m = 0.5", "outer_radius_m = -0.5", &["outer_radius_m is -0.5", "0.001 to 100"][..]),
             ("inner_radius_m = 0.2", "inner_radius_m = 0.6", &["inner_radius_m is 0.6", "0 to 0.5"]),
             ("seeing_arcsec = 1.5", "seeing_arcsec = nan", &["seeing_arcsec is NaN"]),
-            ("seeing_arcsec = 1.5", "seing_arcsec = 1.5", &["unknown field `seing_arcsec`"]),
-            ("seeing_arcsec = 1.5", "", &["missing field `seeing_arcsec`"]),
+            ("seeing_arcsec = 1.5", "seing_arcsec = 1.5", &["unknown key 'seing_arcsec'"]),
+            ("seeing_arcsec = 1.5", "", &["missing key 'seeing_arcsec'"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "circle_deg = 0", &["field.circle_deg is 0"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "polygon_deg = [[0, 0]]", &["corners", "3 to"]),
             (
@@ -299,7 +299,7 @@ V = 6.0
             ),
             ("V = 6.0", "V = 99.0", &["bright_mag is 99"]),
             ("[bright_mag]\nV = 6.0", "bright_mag = 'bright'", &["invalid magnitude limit"]),
-            ("[bright_mag]", "[limits.V]", &["unknown field `limits`"]),
+            ("[bright_mag]", "[limits.V]", &["unknown key 'limits'"]),
         ] {
             let text = OWN.replace(from, to);
             assert_ne!(text, OWN);

@@ -142,14 +142,43 @@ fn too_large(limit: u64) -> io::Error {
 
 /// Formats an error in a TOML text as one line with the line number.
 pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
-    let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+    let what = in_words(&error.message().split_whitespace().collect::<Vec<_>>().join(" "));
     match error.span() {
         Some(span) => {
-            let line = text.get(..span.start.min(text.len())).map_or(1, |before| before.matches('\n').count() + 1);
-            format!("line {line}: {what}{}", decimal_comma(text.lines().nth(line - 1).unwrap_or_default()))
+            let number = text.get(..span.start.min(text.len())).map_or(1, |before| before.matches('\n').count() + 1);
+            let line = text.lines().nth(number - 1).unwrap_or_default();
+            let hint = match what.as_str() {
+                "duplicate key" => format!(" '{}'; allowed: once", line.split('=').next().unwrap_or_default().trim()),
+                _ => decimal_comma(line),
+            };
+            format!("line {number}: {what}{hint}")
         }
         None => what,
     }
+}
+
+/// Returns the message of a parser of TOML as an error of this crate, which states what is given and what is allowed.
+fn in_words(message: &str) -> String {
+    let Some((what, expected)) = message.rsplit_once(", expected ") else {
+        return message.replace("missing field", "missing key").replace('`', "'");
+    };
+    let given = what.strip_prefix("invalid type: ").or_else(|| what.strip_prefix("invalid value: "));
+    let what = match given {
+        // The value is in quotes after its type.
+        Some(given) => format!("invalid value {}", given.find(['"', '`']).map_or(given, |start| &given[start..])),
+        None if what.contains("must be quoted") => "invalid value".to_owned(),
+        None => what.replace("unknown field", "unknown key").replace("unknown variant", "unknown value"),
+    };
+    let is_integer =
+        |name: &str| name.strip_prefix(['u', 'i']).is_some_and(|end| end == "size" || end.parse::<u8>().is_ok());
+    let allowed = match expected {
+        "f64" | "f32" => "a number",
+        "a string" | "literal string" => "a text in quotes",
+        "a boolean" => "true, false",
+        integer if is_integer(integer) => "a whole number",
+        others => others.strip_prefix("one of ").unwrap_or(others),
+    };
+    format!("{}; allowed: {}", what.replace('`', "'"), allowed.replace('`', ""))
 }
 
 /// Returns a hint if the value in a line of TOML is a number with a decimal comma.
@@ -199,6 +228,23 @@ mod tests {
         for text in ["a = 1, 2", "a = b,c"] {
             assert!(!error(text).contains("decimal point"), "{}", error(text));
         }
+    }
+
+    #[test]
+    fn messages_state_what_is_allowed() {
+        for (message, expected) in [
+            ("invalid type: string \"x\", expected f64", "invalid value \"x\"; allowed: a number"),
+            ("invalid value: integer `-1`, expected usize", "invalid value '-1'; allowed: a whole number"),
+            ("invalid type: map, expected a string", "invalid value map; allowed: a text in quotes"),
+            ("unknown field `a`, expected one of `b`, `c`", "unknown key 'a'; allowed: b, c"),
+            ("unknown variant `a`, expected `b` or `c`", "unknown value 'a'; allowed: b or c"),
+            ("missing field `a`", "missing key 'a'"),
+        ] {
+            assert_eq!(in_words(message), expected);
+        }
+        let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text);
+        assert_eq!(error("a = 1\nb = 2\na = 3"), "line 3: duplicate key 'a'; allowed: once");
+        assert!(error("a = x").ends_with("invalid value; allowed: a text in quotes"), "{}", error("a = x"));
     }
 
     #[test]

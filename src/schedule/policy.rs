@@ -272,13 +272,13 @@ mod tests {
     #[test]
     fn invalid_policies_are_errors_on_one_line() {
         for (text, part) in [
-            ("limit = 7", "line 1: unknown field `limit`"),
+            ("limit = 7", "line 1: unknown key 'limit'"),
             ("limit_mag = 'bright'", "line 1"),
             ("max_cost_s = 0", "max_cost_s is 0; allowed: above 0, at most 86400 s"),
             ("max_cost_s = nan", "max_cost_s is NaN"),
             ("limit_surface_brightness = 61", "limit_surface_brightness is 61; allowed: -30 to 60 mag/arcsec2"),
-            ("max_lost_fraction = 0.1", "unknown field `max_lost_fraction`"),
-            ("saturation_mag = 4", "unknown field `saturation_mag`"),
+            ("max_lost_fraction = 0.1", "unknown key 'max_lost_fraction'"),
+            ("saturation_mag = 4", "unknown key 'saturation_mag'"),
             ("\nmin_probability = 0", "min_probability is 0; allowed"),
             ("margin_s = -1", "margin_s is -1"),
             ("max_delay_s = nan", "max_delay_s is NaN"),

@@ -329,7 +329,7 @@ fn unknown_arguments() {
     fails(&[POINTING, SITE, SHELLS, &["--config", &config]], &["c.toml", "limitmag"]);
     let policy = file(&folder, "p.toml", b"limit = 7\n");
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
-    fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown field `limit`", "limit_mag"]);
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown key 'limit'", "limit_mag"]);
     let (_, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
     assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
     #[cfg(unix)]
@@ -349,7 +349,7 @@ fn unknown_arguments() {
             "-o",
             "x.fits",
         ]],
-        &["s.toml: line 2: unknown field `row`, expected one of `columns`"],
+        &["s.toml: line 2: unknown key 'row'; allowed: columns"],
     );
     let policy = file(&folder, "r.toml", b"margin_s = -1\n");
     fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1; allowed: 0 to 3600 s"]);
@@ -599,7 +599,7 @@ fn limits_of_the_cost_need_a_telescope() {
         &["bright-share is -1; allowed: 0 to 100"],
     );
     let policy = file(&folder, "q.toml", b"saturation_mag = 4\n");
-    fails(&[&flag(&schedule), &["--policy", &policy]], &["unknown field `saturation_mag`", "max_cost_s"]);
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["unknown key 'saturation_mag'", "max_cost_s"]);
     fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
 }
 

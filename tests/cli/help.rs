@@ -100,6 +100,7 @@ fn required_flags_are_marked() {
     }
     assert!(help(&["map", "sky"]).contains("negative below the horizon) (required)\n"));
     assert!(help(&["windows"]).contains("for example 2024-08-14; tonight if omitted\n"));
+    assert!(help(&["windows"]).contains("(--targets <FILE> | --target <NAME> | --ra <ANGLE> --dec <ANGLE>)\n"));
     assert!(!help(&["doctor"]).contains("required"));
     assert!(!help(&["serve"]).contains("any target (required)"));
 }
@@ -115,6 +116,19 @@ fn rejected_flags_are_not_listed() {
     assert!(!help(&["forecast"]).contains("--observer-norad") && help(&["passes"]).contains("--observer-norad"));
     assert!(help(&["flag"]).contains("--rotation"));
     assert!(!help(&["mask"]).contains("--rotation") && help(&["mask"]).contains("--min-probability"));
+}
+
+/// A flag that a verb ignores is an error, but not the key of a configuration file, which is for other verbs.
+#[test]
+fn ignored_flags_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("obs.toml"), "fov = '1deg'\nshells = 'oneweb'\nmpc = 'X05'\n").unwrap();
+    let (code, _, stderr) = run(&["forecast", "--night", "2024-08-14", "--fov", "1deg"], folder.path());
+    let error = "error: --fov has no effect on passes over a site; allowed: the command without it\n";
+    assert_eq!((code, stderr.as_str()), (2, error));
+    let span = ["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-14T00:01:00Z", "--config", "obs.toml"];
+    let (code, _, stderr) = run(&[&["forecast"], &span[..]].concat(), folder.path());
+    assert!(code < 2, "{stderr}");
 }
 
 /// Checks that one error lists all of these inputs.
@@ -135,25 +149,35 @@ fn all_missing_inputs_are_in_one_error() {
     let sky = ["satellites (--elements FILE or --shells NAME", "site (--site NAME, --mpc CODE, or --lat and --lon)"];
     let field = "field of view (--fov ANGLE, --field FILE or --telescope NAME)";
     let exposure =
-        ["start of the exposure (--start TIME", "exposure time (--exposure TIME", "right ascension", "declination"];
+        ["start of the exposure (--start TIME", "exposure time (--exposure TIME", "pointing (--target NAME, or "];
     misses("passes", &[&sky[..], &[field], &exposure].concat());
     misses("passes --mpc X05 --shells oneweb --start 2024-08-14T03:30:00Z", &[field, exposure[1], exposure[2]]);
     misses("flag", &[&sky[..], &[field, "schedule (--schedule FILE)"]].concat());
     misses("serve", &[&sky[..], &[field]].concat());
     misses("annotate", &[&sky[..], &[field, "schedule (--schedule FILE)", "output file (-o FILE)"]].concat());
-    let targets = "targets (--targets FILE, --target NAME, or --ra ANGLE and --dec ANGLE)";
+    let targets = "targets (--targets FILE, --target NAME, or --ra and --dec)";
     misses("windows", &[&sky[..], &[field, targets]].concat());
     misses("forecast", &sky);
-    misses("ephemeris", &[&sky[..], &["selection of satellites (--norad ID", "times (--times TIME..., "]].concat());
+    misses(
+        "ephemeris",
+        &[&sky[..], &["selection of satellites (--norad ID", "times (--times TIME, --times-file FILE, or "]].concat(),
+    );
     misses("statistics", &[&sky[..], &["night (--night DATE)"]].concat());
     misses("gate", &[&sky[..], &[field, "pointing (--ra and --dec", exposure[1]]].concat());
-    misses("identify", &[&sky[..], &["streak (--end RA,DEC twice; ", exposure[0], exposure[1]]].concat());
+    misses(
+        "identify",
+        &[
+            &sky[..],
+            &["streak (--end RA,DEC twice; ", "times of the streak (--start and --exposure, or --times TIME TIME"],
+        ]
+        .concat(),
+    );
     misses("inject", &["frames (--image FILE or --synthetic FILE)", "output file (-o FILE)", "streaks (", "seeing ("]);
     misses("mask", &[sky[0], "frames (FRAME..., FITS files)", "output (-o FILE, --polygons FILE or --regions FILE)"]);
     misses("plot field", &[&sky[..], &[field, "picture (-o FILE)"], &exposure].concat());
     misses(
         "plot night",
-        &[&sky[..], &[field, "picture (-o FILE)", "schedule (--schedule FILE, or --from FILE)"]].concat(),
+        &[&sky[..], &[field, "picture (-o FILE)", "schedule (--schedule FILE or --from FILE)"]].concat(),
     );
     misses("plot sky-rate", &[&sky[..], &[field, "picture (-o FILE)", exposure[0], exposure[1]]].concat());
     // The error for a single missing input lists its flags.

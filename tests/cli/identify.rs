@@ -107,7 +107,10 @@ fn invalid_streaks_give_one_line() {
             with(&["--end", "1,2", "--end", "2,3", "--ra", "1", "--dec", "2", "--position-angle", "3"]),
             "exclude each other",
         ),
-        (vec!["--end", "1,2", "--end", "2,3"], "missing: start of the exposure"),
+        (
+            vec!["--end", "1,2", "--end", "2,3"],
+            "missing times of the streak; specify --start and --exposure, or --times",
+        ),
         (vec!["--end", "1,2", "--end", "2,3", "--start", "2026-08-14T23:29:05Z"], "missing exposure time"),
         (
             vec!["--end", "1,2", "--end", "2,3", "--times", "2026-08-14T23:29:05Z", "2026-08-14T23:29:05Z"],

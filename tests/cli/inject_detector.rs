@@ -95,10 +95,10 @@ fn verif_a_detector_is_read_from_each_form_of_file() {
         assert!(injected(&detector) == expected);
     }
     for (text, more, message) in [
-        ("[detector]\ngain = 2\n", "0", "detector.toml: line 2: unknown field `gain`"),
-        ("gain = 2\n", "0", "line 1: unknown field `gain`"),
+        ("[detector]\ngain = 2\n", "0", "detector.toml: line 2: unknown key 'gain'"),
+        ("gain = 2\n", "0", "line 1: unknown key 'gain'"),
         ("[detector]\ngain_e_adu = 0\n", "0", "detector: gain_e_adu is 0; allowed: 0.000001 to 1000000"),
-        ("bias_adu = 3\n[detector]\n", "0", "detector.toml: line 1: unknown field `bias_adu`"),
+        ("bias_adu = 3\n[detector]\n", "0", "detector.toml: line 1: unknown key 'bias_adu'"),
         ("[detector]\ngain_e_adu = 2\n", "2", "--gain and gain_e_adu in the file of --detector exclude each other"),
     ] {
         fs::write(&detector, text).unwrap();

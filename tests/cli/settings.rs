@@ -323,3 +323,104 @@ fn mask_has_a_table_and_files_of_settings_are_in_the_provenance() {
     assert_eq!(files[1]["sha256"].as_str().unwrap().len(), 64);
     assert_eq!(json(&[&verb])["provenance"].get("settings_files"), None);
 }
+
+/// A key that is false in a file, or true, is undone by the layers above: the table of a verb, and the flag.
+#[test]
+fn switches_are_undone_by_the_layers_above() {
+    let folder = TempDir::new().unwrap();
+    let stated = |text: &str, more: &[&str]| {
+        let verb: &[&[&str]] = &[EXPOSURE, SATELLITES, SITE, &["--fov", "1deg", "--format", "json"], more];
+        let (code, stdout, stderr) = run_with(verb, &config(&folder, text));
+        assert!(code < 2, "{stderr}");
+        let stated = &serde_json::from_str::<Value>(&stdout).unwrap()["provenance"];
+        (stated["earthshine"].as_str().unwrap().to_owned(), stated["options"]["include_dark"].as_bool().unwrap())
+    };
+    let of = |earthshine: &str, include_dark: bool| (earthshine.to_owned(), include_dark);
+    let file = "earthshine = false\ninclude_dark = true\n";
+    assert_eq!(stated(file, &[]), of("off", true));
+    assert_eq!(stated(file, &["--no-earthshine=false", "--include-dark=false"]), of("computed", false));
+    let table = format!("{file}[passes]\nearthshine = true\ninclude_dark = false\n");
+    assert_eq!(stated(&table, &[]), of("computed", false));
+    assert_eq!(stated(&table, &["--no-earthshine", "--include-dark"]), of("off", true));
+    assert_eq!(stated("[passes]\nno_earthshine = true\n", &[]), of("off", false));
+}
+
+/// A value in a table of a verb that only the verb checks has its file and line as well.
+#[test]
+fn errors_in_values_of_tables_have_file_and_line() {
+    let folder = TempDir::new().unwrap();
+    let windows: &[&str] = &["windows", "--target", "M31", "--night", "2024-08-14", "--fov", "1deg"];
+    let forecast: &[&str] = &["forecast", "--start", "2024-08-14T00:00:00Z", "--end", "2024-08-14T00:01:00Z"];
+    for (verb, text, error) in [
+        (windows, "[windows]\nexposure = '30'", "[windows], line 2: exposure is 30, without a unit"),
+        (windows, "exposure = '30s'\n[windows]\nmin_altitude = 95", "[windows], line 3: min-altitude is 95 deg"),
+        (
+            forecast,
+            "[forecast]\nmax_mag = 'x'",
+            "[forecast], line 2: invalid value 'x' for '--max-mag <MAG>': allowed: a number",
+        ),
+        (forecast, "[forecast]\ngeneration = 'x'", "[forecast], line 2: unknown generation 'x'"),
+    ] {
+        fails(&[verb, SATELLITES, SITE], &config(&folder, text), &["configuration", "obs.toml, ", error]);
+    }
+    // The same value on the command line has no place in a file.
+    let flag: &[&str] = &["--exposure", "30"];
+    let (code, _, stderr) =
+        run_with(&[windows, SATELLITES, SITE, flag], &config(&folder, "[windows]\nexposure = '30'"));
+    assert!(code == 2 && stderr.starts_with("error: exposure is 30"), "{stderr}");
+}
+
+/// Errors of the parser of TOML state what is allowed, without the words of a programming language.
+#[test]
+fn errors_of_the_parser_state_what_is_allowed() {
+    let folder = TempDir::new().unwrap();
+    for (text, error) in [
+        ("rotation = 'x'", "line 1: rotation: invalid value \"x\"; allowed: a number"),
+        ("samples = -1", "line 1: samples: invalid value '-1'; allowed: a whole number"),
+        ("quiet = 'yes'", "line 1: quiet: invalid value \"yes\"; allowed: true, false"),
+        ("band = 5", "line 1: band: invalid value '5'; allowed: a text in quotes"),
+        ("[site]\nlatitude = 3", "site: unknown key 'latitude'; allowed: name, mpc, latitude_deg"),
+        ("band = 'g'\nband = 'r'", "line 2: duplicate key 'band'; allowed: once"),
+    ] {
+        fails(&[EXPOSURE, SATELLITES], &config(&folder, text), &["configuration", "obs.toml", error]);
+    }
+    let (code, _, stderr) = run(&[EXPOSURE, SATELLITES, SITE, &["--threads", "99999999999999999999"]]);
+    assert!(code == 2 && stderr.contains("'--threads <N>': allowed: a smaller number"), "{stderr}");
+    let (code, _, stderr) = run(&[&["flag", "--fail-on", "x"]]);
+    assert!(code == 2 && stderr.contains("allowed: streaked, avoid"), "{stderr}");
+}
+
+/// Paths in tables are relative to the folder of their file, for every kind of setting that may be a file.
+#[test]
+fn all_paths_are_relative_to_their_file() {
+    let folder = TempDir::new().unwrap();
+    let verb: &[&[&str]] = &[EXPOSURE, SATELLITES, SITE];
+    for setting in [
+        "band = 'no-such.csv'",
+        "telescope = 'no-such.toml'",
+        "shells = 'no-such.toml'",
+        "model = 'oneweb=no-such.json'",
+    ] {
+        for text in [format!("fov = '1deg'\n{setting}\n"), format!("fov = '1deg'\n[passes]\n{setting}\n")] {
+            let verb: &[&[&str]] = if setting.starts_with("shells") { &[EXPOSURE, SITE] } else { verb };
+            fails(verb, &config(&folder, &text), &[&folder.path().join("no-such").display().to_string()]);
+        }
+    }
+    let file = "[field]\nfile = 'no-such.json'\n";
+    fails(verb, &config(&folder, file), &[&path(&folder, "no-such.json")]);
+}
+
+/// A list of targets is read as a schedule, but its errors do not call it one.
+#[test]
+fn errors_of_targets_do_not_call_them_a_schedule() {
+    let folder = TempDir::new().unwrap();
+    let targets = path(&folder, "targets.csv");
+    let windows: &[&str] = &["windows", "--fov", "1deg", "--exposure", "30s", "--targets", &targets];
+    for (text, error) in
+        [("name,dec_deg\na,3\n", "missing ra_deg"), ("", "is empty"), ("name,ra_deg,dec_deg\n", "no exposures")]
+    {
+        fs::write(&targets, text).unwrap();
+        let (code, _, stderr) = run(&[windows, SATELLITES, SITE, NIGHT]);
+        assert!(code == 2 && stderr.starts_with("error: target list ") && stderr.contains(error), "{stderr}");
+    }
+}

@@ -146,7 +146,9 @@ impl Engine {
             let field = match setup.field_of_view() {
                 Ok(field) => Ok(field),
                 // Forecasts need no field; the other methods report the missing field when they are called.
-                Err(error @ ConfigError::Missing { .. }) => Err(failure::as_arguments(&error.to_string())),
+                Err(error @ (ConfigError::Missing { .. } | ConfigError::MissingInput { .. })) => {
+                    Err(failure::as_arguments(&error.to_string()))
+                }
                 Err(error) => return Err(failure::setup(error)),
             };
             Ok(Self {

@@ -62,10 +62,15 @@ pub fn usage_message(error: &clap::Error, command: Command, place: Option<&str>)
         .collect();
     let mut message = message.join("; ").replace(":; ", ": ");
     // Errors of Rust's own parsers of numbers.
-    for (error, allowed) in
-        [("invalid float literal", "a number"), ("invalid digit found in string", "a whole number of 0 or more")]
-    {
+    for (error, allowed) in [
+        ("invalid float literal", "a number"),
+        ("invalid digit found in string", "a whole number of 0 or more"),
+        ("number too large to fit in target type", "a smaller number"),
+    ] {
         message = message.replace(error, &format!("allowed: {allowed}"));
+    }
+    if let Some((start, values)) = message.split_once("[possible values: ") {
+        message = format!("{start}allowed: {}", values.replacen(']', "", 1));
     }
     let (verb, path) = innermost(command);
     // clap lists only names that are similar to the unknown one.

@@ -1,429 +1,223 @@
-//! Help of the verbs: required flags in the usage line, and two examples each.
+//! Help of the verbs. Each verb declares beside its flags which inputs it requires, which shared flags it ignores, and two
+//! examples; the usage line, the notes in the help and the checks follow from this.
 
-use clap::{Arg, Command};
+use std::ffi::OsString;
+use std::ops::Deref;
 
-/// Flags of which one, or one set, is required, on the command line or in the configuration file.
-struct Group {
-    /// Help heading of the flags; empty if they have no heading.
-    heading: &'static str,
-    /// Help heading that also states which flags are required.
-    marked_heading: &'static str,
-    /// Ids of the flags without a heading.
-    ids: &'static [&'static str],
-    /// Alternatives as written in the usage line.
-    usage: &'static str,
-    /// Alternatives in words, appended to the help of the flags in `ids`.
-    rule: &'static str,
-}
+use anyhow::anyhow;
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, Id};
+use streakcast::config::{Config, Mark, RequiredInput, SATELLITES, SITE};
 
-const SATELLITES: Group = Group {
-    heading: "Satellites",
-    marked_heading: "Satellites (required: --elements or --shells)",
-    ids: &[],
-    usage: "(--elements <FILE>... | --shells <NAME>...)",
-    rule: "",
-};
-const SITE: Group = Group {
-    heading: "Site",
-    marked_heading: "Site (required: --site, --mpc, or --lat and --lon)",
-    ids: &[],
-    usage: "(--site <NAME> | --mpc <CODE> | --lat <DEG> --lon <DEG>)",
-    rule: "",
-};
-const SITE_OR_FRAME: Group = Group {
-    marked_heading: "Site (required: --site, --mpc, or --lat and --lon; with --image also from the header)",
-    ..SITE
-};
-const SITE_OF_FRAME: Group =
-    Group { marked_heading: "Site (required: --site, --mpc, or --lat and --lon, or the header)", ..SITE };
-const MEASURED_FRAMES: Group = Group { heading: "", marked_heading: "", ids: &[], usage: "<FRAME>...", rule: "" };
-const MASKED_FRAMES: Group =
-    Group { usage: "<FRAME>... (-o <FILE> | --polygons <FILE> | --regions <FILE>)", ..MEASURED_FRAMES };
-const FIELD: Group = Group {
-    heading: "Camera",
-    marked_heading: "Camera (required: --fov, --field or --telescope)",
-    ids: &[],
-    usage: "(--fov <ANGLE> | --field <FILE> | --telescope <NAME>)",
-    rule: "",
-};
-const TIMES: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &["times", "times_file", "start", "end", "step"],
-    usage: "(--times <TIME>... | --times-file <FILE> | --start <TIME> --end <TIME> --step <TIME>)",
-    rule: "--times, --times-file, or --start, --end and --step",
-};
-const SELECTION: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &["norad", "name", "generation"],
-    usage: "(--norad <ID>... | --name <TEXT>... | --generation <KIND>...)",
-    rule: "--norad, --name or --generation",
-};
-const FRAMES: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &["image", "synthetic"],
-    usage: "(--image <FILE>... | --synthetic <FILE>)",
-    rule: "--image or --synthetic",
-};
-const POINTING: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &["target", "ra", "dec"],
-    usage: "(--target <NAME> | --ra <ANGLE> --dec <ANGLE>)",
-    rule: "--target, or --ra and --dec",
-};
-const GATE_POINTING: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &[],
-    usage: "(--ra <ANGLE> --dec <ANGLE> | --targets <FILE> --target <NAME> | --indi <HOST:PORT>)",
-    rule: "",
-};
-const GATE_EXPOSURE: Group = Group {
-    heading: "",
-    marked_heading: "",
-    ids: &["exposure"],
-    usage: "(--exposure <TIME> | --stdin ekos)",
-    rule: "this or --stdin",
-};
-const STREAK: Group = Group {
-    heading: "Streak",
-    marked_heading: "Streak (required: position and times)",
-    ids: &[],
-    usage: "(--end <RA,DEC> --end <RA,DEC> | --ra <ANGLE> --dec <ANGLE> --position-angle <DEG> |\n        \
-            --image <FILE> --from-pix <X,Y> --to-pix <X,Y> | --region <FILE>)\n       \
-            (--start <TIME> --exposure <TIME> | --times <TIME> <TIME>)",
-    rule: "",
-};
+use crate::failure::Outcome;
 
-/// Additional help of a verb.
-struct VerbHelp {
+/// Help of a verb.
+#[derive(Copy, Clone)]
+pub struct Help {
     /// Names of the verb and of its subcommand, separated by blanks.
-    path: &'static str,
-    /// Ids of flags that are always required.
-    flags: &'static [&'static str],
-    groups: &'static [Group],
-    examples: [&'static str; 2],
+    pub verb: &'static str,
+    /// Inputs that are required, on the command line or in a configuration file.
+    pub asks: &'static [&'static RequiredInput],
+    /// Ids of shared flags that the verb cannot use, with the reason: the help omits them, and giving them is an error. Keys
+    /// of the same name in a configuration file are accepted, because other verbs use them.
+    pub ignores: &'static [(&'static [&'static str], &'static str)],
+    /// Two commands without the name of the verb.
+    pub examples: [&'static str; 2],
 }
 
-const fn verb(path: &'static str, examples: [&'static str; 2]) -> VerbHelp {
-    VerbHelp { path, flags: &[], groups: &[], examples }
+/// Shared flags of the field of view.
+pub const FIELD_FLAGS: &[&str] = &["fov", "field", "rotation", "min_probability"];
+/// Shared flags of a camera.
+pub const CAMERA_FLAGS: &[&str] = &["fov", "field", "rotation", "telescope", "min_probability"];
+
+impl Help {
+    /// Adds the help to the command of the verb, which has all its flags.
+    fn complete(&self, command: Command) -> Command {
+        let command = command.mut_args(|arg| self.marked(arg)).after_help(examples(self.verb, self.examples));
+        if self.asks.is_empty() {
+            return command;
+        }
+        let (mut first, mut usage) = (format!("streakcast {}", self.verb), Vec::new());
+        for input in self.asks {
+            if input.is_one_flag() {
+                first += &format!(" {}", input.usage());
+            } else {
+                usage.push(input.usage());
+            }
+        }
+        let usage = [vec![first], usage, vec!["[OPTIONS]".to_owned()]].concat();
+        let note = "Required flags may also be keys of the configuration file (--config).";
+        command
+            .override_usage(usage.join("\n       "))
+            .after_help(format!("{note}\n\n{}", examples(self.verb, self.examples)))
+    }
+
+    /// Marks an argument as required, in its help text or in its heading, and hides one that has no effect.
+    fn marked(&self, arg: Arg) -> Arg {
+        let hide = self.ignores.iter().any(|(ids, _)| ids.contains(&arg.get_id().as_str()));
+        let arg = if hide { arg.hide(true) } else { arg };
+        let (long, short) = (arg.get_long().map(|long| format!("--{long}")), arg.get_short().map(|c| format!("-{c}")));
+        let is_of = |input: &&&RequiredInput| {
+            let mut flags = input.ways.concat().into_iter().filter_map(|flag| flag.split(' ').next());
+            input.mark == Mark::Flags && flags.any(|flag| [long.as_deref(), short.as_deref()].contains(&Some(flag)))
+        };
+        let note = match self.asks.iter().find(is_of) {
+            Some(input) if !input.is_one_flag() => format!(" (required: {})", input.names()),
+            None if !arg.is_required_set() => {
+                let marked = self.asks.iter().find_map(|input| match input.mark {
+                    Mark::Heading(heading, more) if arg.get_help_heading() == Some(heading) => {
+                        let names = if input.words.is_empty() { input.names() } else { String::new() };
+                        Some(format!("{heading} (required: {names}{more})"))
+                    }
+                    _ => None,
+                });
+                // Headings must be static. Each run of the program builds a few of them.
+                return marked.map_or(arg.clone(), |heading| arg.help_heading(&*heading.leak()));
+            }
+            _ => " (required)".to_owned(),
+        };
+        let text = arg.get_help().map(ToString::to_string).unwrap_or_default();
+        arg.help(text + &note)
+    }
+
+    /// Returns the error for a flag on the command line that the verb ignores.
+    fn rejected(&self, matches: &ArgMatches) -> Option<String> {
+        let is_typed = |id: &&&str| matches.value_source(id) == Some(ValueSource::CommandLine);
+        self.ignores.iter().find_map(|(ids, why)| {
+            let flag = ids.iter().find(is_typed)?.replace('_', "-");
+            Some(format!("--{flag} {why}; allowed: the command without it"))
+        })
+    }
+
+    /// Checks that all required inputs are given; `answers` has those that the configuration does not determine.
+    ///
+    /// # Errors
+    /// One error that lists all missing inputs.
+    pub fn check(&self, config: &Config, answers: &[(&RequiredInput, bool)]) -> anyhow::Result<()> {
+        check(config, self.asks, answers)
+    }
 }
 
-const SKY: &[Group] = &[SATELLITES, SITE];
-const CAMERA_AND_SKY: &[Group] = &[SATELLITES, SITE, FIELD];
+/// Returns the list of examples of a verb.
+pub fn examples(verb: &str, examples: [&str; 2]) -> String {
+    let lines = examples.map(|example| format!("  streakcast {verb} {example}").trim_end().to_owned());
+    format!("Examples:\n{}", lines.join("\n"))
+}
 
-const VERBS: &[VerbHelp] = &[
-    VerbHelp {
-        path: "passes",
-        flags: &["start", "exposure"],
-        groups: &[POINTING, SATELLITES, SITE, FIELD],
-        examples: [
-            "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 3.5deg",
-            "--start 2024-08-14T03:30:00Z --exposure 2min --ra 18h40m --dec=-30d --elements active.tle --site Paranal --telescope vst",
-        ],
-    },
-    VerbHelp {
-        path: "flag",
-        flags: &["schedule"],
-        groups: CAMERA_AND_SKY,
-        examples: [
-            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin --limit-mag 7",
-            "--schedule night.csv --shells starlink-gen1 --site Paranal --fov 1deg --fail-on avoid",
-        ],
-    },
-    VerbHelp {
-        path: "annotate",
-        flags: &["schedule", "output"],
-        groups: CAMERA_AND_SKY,
-        examples: [
-            "--schedule baseline.db --elements active.tle --mpc X05 --telescope rubin -o annotated.db",
-            "--schedule night.ecsv --shells oneweb --mpc X05 --fov 3.5deg -o annotated.ecsv",
-        ],
-    },
-    VerbHelp {
-        path: "windows",
-        flags: &["targets"],
-        groups: CAMERA_AND_SKY,
-        examples: [
-            "--targets targets.csv --night 2024-08-13 --elements active.tle --mpc X05 --fov 1deg --limit-mag 7",
-            "--targets targets.csv --night 2024-08-13 --shells oneweb --mpc X05 --fov 1deg --format astroq",
-        ],
-    },
-    VerbHelp {
-        path: "forecast",
-        flags: &[],
-        groups: SKY,
-        examples: [
-            "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
-            "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics",
-        ],
-    },
-    VerbHelp {
-        path: "ephemeris",
-        flags: &[],
-        groups: &[SELECTION, TIMES, SATELLITES, SITE],
-        examples: [
-            "--name S1 --start 2024-08-14T03:30:00Z --end 2024-08-14T03:31:00Z --step 30s --shells oneweb --mpc X05 --min-altitude 20",
-            "--norad 25544 --times 2024-08-14T03:30:00Z --elements active.tle --site Paranal --format ecsv",
-        ],
-    },
-    VerbHelp {
-        path: "gate",
-        flags: &[],
-        groups: &[GATE_POINTING, GATE_EXPOSURE, SATELLITES, SITE, FIELD],
-        examples: [
-            "--ra 280 --dec=-30 --exposure 30s --shells oneweb --mpc X05 --fov 1deg --now 2024-08-14T03:30:00Z",
-            "--stdin ekos --indi localhost --elements active.tle --fov 1deg --limit-mag 7 --status-file gate.json",
-        ],
-    },
-    VerbHelp {
-        path: "identify",
-        flags: &[],
-        groups: &[STREAK, SATELLITES, SITE_OR_FRAME],
-        examples: [
-            "--end 280,-30 --end 280.5,-30.3 --start 2024-08-14T03:30:00Z --exposure 30s --shells oneweb --mpc X05",
-            "--image frame.fits --from-pix 12,940 --to-pix 2030,1105 --elements active.tle --mpc X05",
-        ],
-    },
-    verb(
-        "map",
-        [
-            "sky --model starlink-v1.5 --sun-altitude-deg=-15 --step-deg 5",
-            "body --model visorsat --sun-latitude-deg 20 --step-deg 5",
-        ],
-    ),
-    verb(
-        "map body",
-        [
-            "--model visorsat --sun-latitude-deg 20 --step-deg 5",
-            "--model visorsat --sun-latitude-deg 20 --picture body.png",
-        ],
-    ),
-    verb(
-        "map sky",
-        [
-            "--model visorsat --sun-altitude-deg=-15 --step-deg 5",
-            "--model visorsat --sun-altitude-deg=-15 --site Paranal --picture sky.png",
-        ],
-    ),
-    verb("map paper", ["-o figures", "-o figures --format svg"]),
-    verb("plot", ["--list", "body --model visorsat --sun-latitude-deg 20 -o body.png"]),
-    VerbHelp {
-        path: "plot night",
-        flags: &[],
-        groups: &[],
-        examples: [
-            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o night.png",
-            "--from night-data.ecsv -o night.svg",
-        ],
-    },
-    verb(
-        "plot field",
-        [
-            "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 9deg -o field.png",
-            "--from passes.csv -o field.svg",
-        ],
-    ),
-    verb(
-        "plot light-curve",
-        [
-            "--start 2024-08-14T00:00:00Z --exposure 30s --ra 210 --dec=-30 --elements active.tle --mpc X05 --fov 9deg -o curve.png",
-            "--from curves.ecsv -o curve.svg",
-        ],
-    ),
-    verb(
-        "plot sky-chart",
-        ["--from curves.ecsv -o chart.png", "--from curves.ecsv --norad 25544 --time-zone Europe/Vienna -o chart.svg"],
-    ),
-    verb(
-        "plot sky-rate",
-        [
-            "--start 2024-08-14T00:00:00Z --exposure 30s --shells oneweb --mpc X05 --fov 3.5deg --nside 4 --repeats 5 -o rate.png",
-            "--from rate-data.ecsv -o rate.svg",
-        ],
-    ),
-    verb(
-        "plot sun-altitude",
-        [
-            "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o trails.png",
-            "--from night-data.ecsv -o trails.svg",
-        ],
-    ),
-    verb(
-        "plot sky",
-        [
-            "--model visorsat --sun-altitude-deg=-15 -o sky.png",
-            "--model visorsat --sun-altitude-deg=-15 --site Paranal --no-data -o sky.svg",
-        ],
-    ),
-    verb(
-        "plot body",
-        [
-            "--model visorsat --sun-latitude-deg 20 -o body.png",
-            "--model visorsat --sun-latitude-deg 20 --no-data -o body.svg",
-        ],
-    ),
-    verb(
-        "plot corner",
-        ["--chains chains.ecsv -o corner.png", "--chains chains.ecsv --parameters c1,c2 -o corner.svg"],
-    ),
-    verb(
-        "plot residuals",
-        [
-            "--from pixels.ecsv --model visorsat -o residuals.png",
-            "--from points.ecsv --model fitted.json -o residuals.svg",
-        ],
-    ),
-    verb(
-        "plot histogram",
-        [
-            "--from pixels.ecsv --model visorsat -o histogram.png",
-            "--from points.ecsv --model fitted.json -o histogram.svg",
-        ],
-    ),
-    verb(
-        "plot phase-curve",
-        ["--from pixels.ecsv --model visorsat -o phase.png", "--from points.ecsv --model fitted.json -o phase.svg"],
-    ),
-    VerbHelp {
-        path: "inject",
-        flags: &["output"],
-        groups: &[FRAMES],
-        examples: [
-            "--image frame.fits --random-streaks 3 --magnitude 5,8 --seeing 1.2arcsec -o streaks.fits --truth streaks.csv",
-            "--image frame.fits --elements active.tle --mpc X05 --telescope rubin -o streaks.fits",
-        ],
-    },
-    VerbHelp {
-        path: "measure",
-        flags: &[],
-        groups: &[MEASURED_FRAMES, SATELLITES, SITE_OF_FRAME],
-        examples: [
-            "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec",
-            "night/a.fits night/b.fits --elements active.tle --mpc X05 --zero-point 27.1 --format fit -o photometry.csv",
-        ],
-    },
-    VerbHelp {
-        path: "mask",
-        flags: &[],
-        groups: &[MASKED_FRAMES, SATELLITES, SITE_OF_FRAME],
-        examples: [
-            "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec -o mask.fits --regions mask.reg",
-            "visit.fits --elements active.tle --mpc X05 --telescope rubin --into MASK --bit STREAK -o masked.fits",
-        ],
-    },
-    verb("fetch", ["celestrak --group active", "satchecker --epoch 2024-08-14T00:30:00Z"]),
-    verb("fetch celestrak", ["--group starlink", "--group active --elements-format json --cache elements"]),
-    verb("fetch supgp", ["--file starlink", "--file oneweb --cache elements"]),
-    verb("fetch space-track", ["--credentials account.txt", "--identity-env ST_USER --password-env ST_PASSWORD"]),
-    verb("fetch starlink-ephemerides", ["--candidates verdicts.csv", "--norad 48430,44713 --cache ephemerides"]),
-    verb("fetch satchecker", ["--epoch 2024-08-14T00:30:00Z", "--epoch 2024-08-14T00:30:00Z --cache elements"]),
-    verb(
-        "fit",
-        [
-            "reduce --photometry pomenis.csv --height-km 550 -o pixels.ecsv",
-            "run --photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json",
-        ],
-    ),
-    verb(
-        "fit run",
-        [
-            "--photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json --report fit.html",
-            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.ecsv -o fitted.json",
-        ],
-    ),
-    verb(
-        "fit compare",
-        [
-            "--photometry pomenis.csv --height-km 550 --model starlink-v1.5",
-            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --folds 10",
-        ],
-    ),
-    verb(
-        "fit reduce",
-        [
-            "--photometry pomenis.csv --height-km 550 -o pixels.ecsv",
-            "--photometry mmt.csv --elements history.tle --raw-points -o points.ecsv",
-        ],
-    ),
-    verb(
-        "fit identify",
-        [
-            "--photometry pomenis.csv --elements history.tle -o identified.csv",
-            "--photometry slingshot.csv --elements history.tle --site Paranal --max-offset-s 60 -o identified.csv",
-        ],
-    ),
-    verb(
-        "learn",
-        [
-            "--photometry photometry.csv --elements history.tle -o learned.json",
-            "--photometry mmt.csv --height-km 1200 --kind oneweb -o learned.json --leave-pass-out 0,1,2",
-        ],
-    ),
-    verb(
-        "alarms",
-        [
-            "--photometry tonight.csv --elements history.tle --learned learned.json",
-            "--photometry mmt.csv --height-km 1200 --kind oneweb --learned learned.json --picture alarms.png",
-        ],
-    ),
-    VerbHelp {
-        path: "serve",
-        flags: &[],
-        groups: CAMERA_AND_SKY,
-        examples: [
-            "--elements active.tle --mpc X05 --telescope rubin",
-            "--schedule night.csv --shells oneweb --mpc X05 --fov 3.5deg --bind 0.0.0.0:8642 --token-file token.txt",
-        ],
-    },
-    VerbHelp {
-        path: "statistics",
-        flags: &["night"],
-        groups: SKY,
-        examples: [
-            "--night 2024-06-21 --shells oneweb --mpc X05 --sun-altitude-deg=-12,-18 --moments 3",
-            "--night 2024-03-20 2024-06-21 --elements active.tle --site Paranal --fov 1deg --exposure 60s",
-        ],
-    },
-    verb("reproduce", ["bassa2022", "hu2022 --schedule baseline.db --time-scale utc"]),
-    verb("model", ["list", "show visorsat"]),
-    verb("model list", ["", "--config streakcast.toml --format csv"]),
-    verb("model show", ["visorsat", "visorsat --format table"]),
-    verb(
-        "model pressure",
-        ["starlink-v1.5 --mass-kg 295", "v2mini-panels --mass-kg 575 --sun-latitude-deg -20 0 20 --format csv"],
-    ),
-    verb("model check", ["", "visorsat-mine.json --data photometry"]),
-    verb(
-        "doctor",
-        [
-            "--shells oneweb --mpc X05 --now 2026-11-25T00:00:00Z",
-            "--elements active.tle --mpc X05 --telescope rubin --strict",
-        ],
-    ),
-    verb(
-        "setup",
-        [
-            "--place Vienna --camera 1.5x1.0deg --limit-mag 7",
-            "--place=-30.24,-70.75,2663 --elements active.tle --force",
-        ],
-    ),
-    verb("sites", ["", "rubin --format json"]),
-    verb("shells", ["", "starlink --format csv"]),
-    verb("completions", ["bash", "zsh"]),
-    verb("man", ["-o man", "-o man --quiet"]),
-];
+/// Same as [`Help::check`], for `asks` that depend on flags.
+pub fn check(config: &Config, asks: &[&RequiredInput], answers: &[(&RequiredInput, bool)]) -> anyhow::Result<()> {
+    let is_answer = |input: &RequiredInput| answers.iter().any(|(answer, _)| answer.name == input.name);
+    let others = asks.iter().filter(|input| !is_answer(input)).map(|input| (*input, (input.is_given)(config)));
+    let all = answers.iter().copied().chain(others);
+    let missing: Vec<&RequiredInput> = all.filter(|(_, is_given)| !is_given).map(|(input, _)| input).collect();
+    // A home file can have these.
+    let is_of_home = missing.iter().any(|input| [SATELLITES.name, SITE.name].contains(&input.name));
+    let setup = if is_of_home { "; streakcast setup writes them once into a home file" } else { "" };
+    match missing.as_slice() {
+        [] => Ok(()),
+        [input] => Err(anyhow!("{}{setup}", input.missing())),
+        several => {
+            let listed: Vec<String> =
+                several.iter().map(|input| format!("{} ({})", input.name, input.flags())).collect();
+            Err(anyhow!("missing: {}{setup}", listed.join(", ")))
+        }
+    }
+}
 
-/// Adds required flags and examples to the help of all verbs.
+/// Flags of a verb.
+pub trait VerbFlags: Args {
+    /// Help of the verb.
+    const HELP: Help;
+}
+
+/// Declares the help of a verb for the type of its flags.
+macro_rules! help {
+    (
+        $flags:ty, $verb:literal $(, asks [$($input:expr),+])? $(, ignores [$($ignored:expr),+])?,
+        $first:literal, $second:literal
+    ) => {
+        impl $crate::help::VerbFlags for $flags {
+            const HELP: $crate::help::Help = $crate::help::Help {
+                verb: $verb,
+                asks: &[$($(&$input),+)?],
+                ignores: &[$($($ignored),+)?],
+                examples: [$first, $second],
+            };
+        }
+    };
+}
+pub(crate) use help;
+
+/// Flags of a verb with its help. Flags that it ignores are rejected.
+pub struct Typed<T> {
+    flags: Box<T>,
+    rejected: Option<String>,
+}
+
+impl<T> Typed<T> {
+    /// Runs the verb.
+    ///
+    /// # Errors
+    /// A flag is given that the verb ignores, or the verb returns an error.
+    pub fn run(self, verb: impl FnOnce(T) -> anyhow::Result<Outcome>) -> anyhow::Result<Outcome> {
+        self.rejected.map_or_else(|| verb(*self.flags), |message| Err(anyhow!(message)))
+    }
+}
+
+impl<T> Deref for Typed<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.flags
+    }
+}
+
+impl<T: VerbFlags> Args for Typed<T> {
+    fn group_id() -> Option<Id> {
+        T::group_id()
+    }
+
+    fn augment_args(command: Command) -> Command {
+        T::HELP.complete(T::augment_args(command))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        T::HELP.complete(T::augment_args_for_update(command))
+    }
+}
+
+impl<T: VerbFlags> FromArgMatches for Typed<T> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let rejected = T::HELP.rejected(matches);
+        Ok(Self { flags: Box::new(T::from_arg_matches(matches)?), rejected })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// Adds to all verbs what their flags have in common.
 pub fn complete(command: Command) -> Command {
     // Lines are not wrapped, so that examples can be copied.
-    VERBS.iter().fold(with_negative_numbers(command).term_width(0), |command, help| {
-        let names: Vec<&str> = help.path.split(' ').collect();
-        at(command, &names, help)
-    })
+    with_negative_numbers(command).term_width(0)
+}
+
+/// Returns the command for these words. In it, a flag of a setting that is true or false may have a value
+/// (`--quiet=false`), which the help omits.
+pub fn parser(command: Command, words: &[OsString]) -> Command {
+    fn with_values(command: Command) -> Command {
+        let is_switch = |arg: &Arg| {
+            matches!(arg.get_action(), ArgAction::Set) && arg.get_num_args().is_some_and(|count| !count.takes_values())
+        };
+        let command =
+            command.mut_args(|arg| if is_switch(&arg) { arg.num_args(0..=1).require_equals(true) } else { arg });
+        command.mut_subcommands(with_values)
+    }
+    let has_value =
+        |word: &OsString| word.to_str().is_some_and(|word| word.ends_with("=true") || word.ends_with("=false"));
+    if words.iter().any(has_value) { with_values(command) } else { command }
 }
 
 /// Accepts negative numbers as values of all flags.
@@ -434,56 +228,4 @@ fn with_negative_numbers(command: Command) -> Command {
         if arg.get_long().is_some() && takes_values { arg.allow_negative_numbers(true) } else { arg }
     });
     command.mut_subcommands(with_negative_numbers)
-}
-
-/// Adds the help to the subcommand with these names, if it is part of this build.
-fn at(command: Command, names: &[&str], help: &VerbHelp) -> Command {
-    match names {
-        [] => with_help(command, help),
-        [name, rest @ ..] if command.find_subcommand(name).is_some() => {
-            command.mut_subcommand(name, |inner| at(inner, rest, help))
-        }
-        _ => command,
-    }
-}
-
-fn with_help(command: Command, help: &VerbHelp) -> Command {
-    let examples = help.examples.map(|example| format!("  streakcast {} {example}", help.path).trim_end().to_owned());
-    let mut after = format!("Examples:\n{}", examples.join("\n"));
-    let mut usage = vec![format!("streakcast {}", help.path)];
-    for id in help.flags {
-        let arg = command.get_arguments().find(|arg| arg.get_id() == id);
-        usage[0] += &arg.map(usage_of).unwrap_or_default();
-    }
-    let has_groups = !help.groups.is_empty();
-    usage.extend(help.groups.iter().map(|group| group.usage.to_owned()));
-    usage.push("[OPTIONS]".to_owned());
-    if has_groups {
-        after = format!("Required flags may also be keys of the configuration file (--config).\n\n{after}");
-    }
-    let command = command.after_help(after).mut_args(|arg| with_note(arg, help));
-    if has_groups { command.override_usage(usage.join("\n       ")) } else { command }
-}
-
-/// Marks an argument as required, in its help text or in its heading.
-fn with_note(arg: Arg, help: &VerbHelp) -> Arg {
-    let id = arg.get_id().as_str();
-    let is_required = arg.is_required_set() || help.flags.contains(&id);
-    let group = help.groups.iter().find(|group| group.ids.contains(&id));
-    let note =
-        group.map(|group| format!(" (required: {})", group.rule)).or(is_required.then(|| " (required)".to_owned()));
-    if let Some(note) = note {
-        let text = arg.get_help().map(ToString::to_string).unwrap_or_default();
-        return arg.help(text + &note);
-    }
-    match help.groups.iter().find(|group| arg.get_help_heading() == Some(group.heading)) {
-        Some(group) => arg.help_heading(group.marked_heading),
-        None => arg,
-    }
-}
-
-/// Returns a flag as in a usage line, with a blank before it.
-fn usage_of(arg: &Arg) -> String {
-    let value = arg.get_value_names().and_then(|names| names.first()).map(|name| format!(" <{name}>"));
-    format!(" --{}{}", arg.get_long().unwrap_or_default(), value.unwrap_or_default())
 }

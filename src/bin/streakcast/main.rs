@@ -10,8 +10,6 @@ mod home;
 mod local_time;
 mod notices;
 mod output;
-mod rejected;
-mod required;
 mod screen;
 mod signals;
 mod start;
@@ -25,6 +23,7 @@ use anyhow::anyhow;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{exit_code, report_usage, usage_message};
+use help::Typed;
 use verb_tables::Words;
 use verbs::alarms::AlarmsArguments;
 use verbs::annotate::AnnotateArguments;
@@ -68,76 +67,76 @@ enum Verb {
     /// List the satellites that cross the field during one exposure, with times, tracks and magnitudes
     ///
     /// The exit status is 1 if no satellite crosses.
-    Passes(Box<PassesArguments>),
+    Passes(Typed<PassesArguments>),
     /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
-    Flag(Box<FlagArguments>),
+    Flag(Typed<FlagArguments>),
     /// Write a copy of the schedule file with verdicts and streaks added and all other cells unchanged
-    Annotate(Box<AnnotateArguments>),
+    Annotate(Typed<AnnotateArguments>),
     /// Find time windows in which targets can be exposed without a crossing above the limits
-    Windows(Box<WindowsArguments>),
+    Windows(Typed<WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
-    Forecast(Box<ForecastArguments>),
+    Forecast(Typed<ForecastArguments>),
     /// Compute positions, rates, brightness and along-track errors of chosen satellites at given times
     ///
     /// The exit status is 1 if there is no position.
-    Ephemeris(Box<EphemerisArguments>),
+    Ephemeris(Typed<EphemerisArguments>),
     /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
-    Gate(Box<GateArguments>),
+    Gate(Typed<GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
     ///
     /// The exit status is 1 if there is no candidate, or none that fits.
-    Identify(Box<IdentifyArguments>),
+    Identify(Typed<IdentifyArguments>),
     /// Map magnitudes over the sky of a site or over the directions around a satellite
-    Map(MapArguments),
+    Map(Typed<MapArguments>),
     /// Plot nights, fields, light curves, skies and fits as PNG or SVG, with data files
-    Plot(Box<PlotArguments>),
+    Plot(Typed<PlotArguments>),
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
     #[cfg(unix)]
-    Inject(Box<InjectArguments>),
+    Inject(Typed<InjectArguments>),
     /// Measure the streaks of predicted satellites in frames: magnitude, lateness, offset, or upper limits
     ///
     /// The exit status is 1 if no streak is predicted.
     #[cfg(unix)]
-    Measure(Box<MeasureArguments>),
+    Measure(Typed<MeasureArguments>),
     /// Mask the streaks of satellites in frames: mask files, bits of mask planes, regions, polygons on the sky
     #[cfg(unix)]
-    Mask(Box<MaskArguments>),
+    Mask(Typed<MaskArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
-    Fetch(Box<FetchArguments>),
+    Fetch(Typed<FetchArguments>),
     /// Fit a brightness model to photometry
-    Fit(Box<FitArguments>),
+    Fit(Typed<FitArguments>),
     /// Learn from measurements how satellites and kinds differ from their brightness models, for --learned
-    Learn(Box<LearnArguments>),
+    Learn(Typed<LearnArguments>),
     /// List passes with improbable or periodic brightness, and satellites with trends, compared with learned magnitudes
-    Alarms(Box<AlarmsArguments>),
+    Alarms(Typed<AlarmsArguments>),
     /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
-    Serve(Box<ServeArguments>),
+    Serve(Typed<ServeArguments>),
     /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure
-    Statistics(Box<StatisticsArguments>),
+    Statistics(Typed<StatisticsArguments>),
     /// Compare published counts of satellites with computed ones
-    Reproduce(ReproduceArguments),
+    Reproduce(Typed<ReproduceArguments>),
     /// List, show and check brightness models
-    Model(ModelArguments),
+    Model(Typed<ModelArguments>),
     /// Ask for site, time zone, element sets, camera and limit, and write the home file with the answers
-    Setup(SetupArguments),
+    Setup(Typed<SetupArguments>),
     /// Check the setup: element ages, Earth orientation, clock, site, models, cache
-    Doctor(Box<DoctorArguments>),
+    Doctor(Typed<DoctorArguments>),
     /// List the observatories by name and MPC code
     ///
     /// The exit status is 1 if a search finds nothing.
-    Sites(ListArguments),
+    Sites(Typed<ListArguments>),
     /// List the simulated constellations for --shells, bundled or of a file
     ///
     /// The exit status is 1 if a search finds nothing.
-    Shells(ShellArguments),
+    Shells(Typed<ShellArguments>),
     /// Write the completions of a shell to standard output
-    Completions(CompletionsArguments),
+    Completions(Typed<CompletionsArguments>),
     /// Write the manual pages into a folder
-    Man(ManArguments),
+    Man(Typed<ManArguments>),
 }
 
 fn main() -> ExitCode {
-    let command = rejected::hide(help::complete(Arguments::command()));
+    let command = help::complete(Arguments::command());
     let typed: Vec<OsString> = std::env::args_os().collect();
     // Errors in a file are faults of the gate, which may not stop an exposure.
     let is_gate = typed.get(1).is_some_and(|verb| verb == "gate");
@@ -150,8 +149,10 @@ fn main() -> ExitCode {
         }
         Err(error) => return exit_code(Err(error)),
     };
-    let parse =
-        |words: &Words| command.clone().try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now()));
+    let parse = |words: &Words| {
+        help::parser(command.clone(), &words.words)
+            .try_get_matches_from(clock::expand(words.words.iter().cloned(), clock::now()))
+    };
     let matches = match parse(&words) {
         Err(error) if is_gate && words.place_of(&error).is_some() => {
             file_error = Some(anyhow!(usage_message(&error, command.clone(), words.place_of(&error))));
@@ -164,7 +165,7 @@ fn main() -> ExitCode {
         Ok(matches) => matches,
         Err(error) => return report_usage(&error, command, words.place_of(&error)),
     };
-    if let Err(error) = rejected::check(&matches).and_then(|()| files::check(&command, &matches)) {
+    if let Err(error) = files::check(&command, &matches) {
         return exit_code(Err(error));
     }
     let mut arguments = match Arguments::from_arg_matches(&matches) {
@@ -187,39 +188,43 @@ fn main() -> ExitCode {
         signals::remove_files_at_end();
     }
     let outcome = match arguments.verb {
-        Verb::Passes(typed) => verbs::passes::run(*typed),
-        Verb::Flag(typed) => verbs::flag::run(*typed),
-        Verb::Annotate(typed) => verbs::annotate::run(*typed),
-        Verb::Windows(typed) => verbs::windows::run(*typed),
-        Verb::Forecast(typed) => verbs::forecast::run(*typed),
-        Verb::Ephemeris(typed) => verbs::ephemeris::run(*typed),
-        Verb::Gate(typed) => verbs::gate::run(*typed, file_error),
-        Verb::Identify(typed) => verbs::identify::run(*typed),
-        Verb::Map(typed) => verbs::map::run(typed),
-        Verb::Plot(typed) => verbs::plot::run(*typed),
+        Verb::Passes(typed) => typed.run(verbs::passes::run),
+        Verb::Flag(typed) => typed.run(verbs::flag::run),
+        Verb::Annotate(typed) => typed.run(verbs::annotate::run),
+        Verb::Windows(typed) => typed.run(verbs::windows::run),
+        Verb::Forecast(typed) => typed.run(verbs::forecast::run),
+        Verb::Ephemeris(typed) => typed.run(verbs::ephemeris::run),
+        Verb::Gate(typed) => typed.run(|typed| verbs::gate::run(typed, file_error)),
+        Verb::Identify(typed) => typed.run(verbs::identify::run),
+        Verb::Map(typed) => typed.run(verbs::map::run),
+        Verb::Plot(typed) => typed.run(verbs::plot::run),
         #[cfg(unix)]
-        Verb::Inject(typed) => verbs::inject::run(*typed),
+        Verb::Inject(typed) => typed.run(verbs::inject::run),
         #[cfg(unix)]
-        Verb::Measure(typed) => verbs::measure::run(*typed),
+        Verb::Measure(typed) => typed.run(verbs::measure::run),
         #[cfg(unix)]
-        Verb::Mask(typed) => verbs::mask::run(*typed),
-        Verb::Fetch(typed) => verbs::fetch::run(&typed),
-        Verb::Fit(typed) => verbs::fit::run(*typed),
-        Verb::Learn(typed) => verbs::learn::run(*typed),
-        Verb::Alarms(typed) => verbs::alarms::run(*typed),
-        Verb::Serve(typed) => verbs::serve::run(*typed),
-        Verb::Model(typed) => verbs::model::run(typed),
-        Verb::Setup(typed) => verbs::setup::run(typed),
-        Verb::Doctor(typed) => verbs::doctor::run(*typed, &command),
-        Verb::Statistics(typed) => verbs::statistics::run(*typed),
-        Verb::Reproduce(typed) => verbs::reproduce::run(typed),
-        Verb::Sites(typed) => verbs::lists::sites(&typed),
-        Verb::Shells(typed) => verbs::lists::shells(&typed),
-        Verb::Completions(typed) => verbs::shell_files::completions(&typed, command),
-        Verb::Man(typed) => verbs::shell_files::man(&typed, command),
+        Verb::Mask(typed) => typed.run(verbs::mask::run),
+        Verb::Fetch(typed) => typed.run(|typed| verbs::fetch::run(&typed)),
+        Verb::Fit(typed) => typed.run(verbs::fit::run),
+        Verb::Learn(typed) => typed.run(verbs::learn::run),
+        Verb::Alarms(typed) => typed.run(verbs::alarms::run),
+        Verb::Serve(typed) => typed.run(verbs::serve::run),
+        Verb::Model(typed) => typed.run(verbs::model::run),
+        Verb::Setup(typed) => typed.run(verbs::setup::run),
+        Verb::Doctor(typed) => typed.run(|typed| verbs::doctor::run(typed, &command)),
+        Verb::Statistics(typed) => typed.run(verbs::statistics::run),
+        Verb::Reproduce(typed) => typed.run(verbs::reproduce::run),
+        Verb::Sites(typed) => typed.run(|typed| verbs::lists::sites(&typed)),
+        Verb::Shells(typed) => typed.run(|typed| verbs::lists::shells(&typed)),
+        Verb::Completions(typed) => typed.run(|typed| verbs::shell_files::completions(&typed, command)),
+        Verb::Man(typed) => typed.run(|typed| verbs::shell_files::man(&typed, command)),
     };
-    exit_code(outcome.map_err(|error| match local_time::of_matches(&matches) {
-        Some(zone) => local_time::with_offset(error, &zone),
-        None => error,
+    exit_code(outcome.map_err(|error| {
+        let error = match local_time::of_matches(&matches) {
+            Some(zone) => local_time::with_offset(error, &zone),
+            None => error,
+        };
+        let place = words.place_in(&error.to_string()).map(|place| anyhow!("{place}: {error}"));
+        place.unwrap_or(error)
     }))
 }

@@ -20,12 +20,9 @@ use streakcast::input::{is_stream, read_to_string, toml_line};
 use toml::{Table, Value};
 
 use crate::failure::usage_message;
+use crate::help::parser;
 use crate::local_time::local_time;
 
-/// Flags whose value is a name, or a file with the extension `.toml` or `.json`.
-const NAMES_OR_FILES: [&str; 3] = ["shells", "telescope", "model"];
-/// Flags whose value is a file, in addition to those of the type `PathBuf`.
-const FILES: [&str; 2] = ["field", "policy"];
 /// Smallest similarity of two names for a suggestion.
 const SIMILAR: f64 = 0.85;
 
@@ -59,6 +56,14 @@ impl Words {
         });
         let place_of = |flag: &str| self.inserted.iter().find(|(inserted, _)| inserted == flag);
         texts.find_map(|name| place_of(flag_of(name)?)).map(|(_, place)| place.as_str())
+    }
+
+    /// Returns file, table and line if a message of a verb is about the value of an inserted key, with whose name it
+    /// begins.
+    pub fn place_in(&self, message: &str) -> Option<&str> {
+        let start = ["invalid ", "unknown ", "--"].iter().fold(message, |text, word| text.trim_start_matches(word));
+        let is_named = |flag: &str| start.strip_prefix(flag).is_some_and(|rest| rest.starts_with([' ', ':']));
+        self.inserted.iter().find(|(flag, _)| is_named(flag)).map(|(_, place)| place.as_str())
     }
 }
 
@@ -115,6 +120,8 @@ pub fn insert(command: &Command, words: Vec<OsString>, home: Option<&Path>) -> a
         for (key, value) in table.into_iter().flatten() {
             let Some(arg) = argument(verb, key).filter(|arg| !is_replaced(arg, verb, &given)) else { continue };
             let flag = arg.get_long().unwrap_or_default();
+            let is_off = is_same(flag, &format!("no_{key}"));
+            let value = &value.as_bool().map_or_else(|| value.clone(), |is_on| Value::Boolean(is_on != is_off));
             let place = source.place(&path, Some(key));
             let texts = texts_of(arg, value, file.parent().unwrap_or(Path::new("")));
             for text in texts.map_err(|why| anyhow!("{place}: {key} {why}"))? {
@@ -151,7 +158,7 @@ pub fn value_errors(root: &Command, file: &Path) -> anyhow::Result<Vec<String>> 
         words.extend(["--config".into(), file.as_os_str().to_owned()]);
         let words = insert(root, words, None)?;
         // Missing flags and the like are not errors of the file.
-        if let Err(error) = root.clone().try_get_matches_from(words.words.iter())
+        if let Err(error) = parser(root.clone(), &words.words).try_get_matches_from(&words.words)
             && let Some(place) = words.place_of(&error)
         {
             let message = usage_message(&error, root.clone(), Some(place));
@@ -204,10 +211,13 @@ fn is_same(first: &str, other: &str) -> bool {
     first.replace('-', "_") == other.replace('-', "_")
 }
 
+/// Returns the flag of a key: the flag with its name, or one that switches it off (`--no-earthshine` for `earthshine`).
 fn argument<'a>(verb: &'a Command, key: &str) -> Option<&'a Arg> {
-    let has_name =
-        |arg: &Arg| arg.get_long_and_visible_aliases().unwrap_or_default().iter().any(|name| is_same(name, key));
-    verb.get_arguments().find(|arg| has_name(arg))
+    let with_name = |key: &str| {
+        let names = Arg::get_long_and_visible_aliases;
+        verb.get_arguments().find(|arg| names(arg).unwrap_or_default().iter().any(|name| is_same(name, key)))
+    };
+    with_name(key).or_else(|| with_name(&format!("no_{key}")))
 }
 
 /// Checks that the tables of verbs have only flags of their verb as keys, that no key of a verb is at the top, and that
@@ -300,6 +310,7 @@ fn texts_of(arg: &Arg, value: &Value, folder: &Path) -> Result<Vec<Option<String
         return match value {
             Value::Boolean(true) => Ok(vec![None]),
             Value::Boolean(false) if matches!(arg.get_action(), ArgAction::SetTrue) => Ok(Vec::new()),
+            Value::Boolean(false) => Ok(vec![Some("false".to_owned())]),
             _ => Err(format!("is {value}; allowed: true")),
         };
     }
@@ -318,13 +329,10 @@ fn text_of(arg: &Arg, value: &Value, folder: &Path) -> Result<String, String> {
         }
         _ => return Err(format!("is {value}; allowed: a text or a number, as for the flag")),
     };
-    let id = arg.get_id().as_str();
-    let is_file = arg.get_value_hint() == ValueHint::AnyPath || FILES.contains(&id);
-    let is_name_of_file = NAMES_OR_FILES.contains(&id) && (text.ends_with(".toml") || text.ends_with(".json"));
-    if !is_file && !is_name_of_file {
-        return Ok(text);
-    }
-    let (kind, path) = text.split_once('=').filter(|_| is_name_of_file).unwrap_or(("", &text));
-    let path = folder.join(path).display().to_string();
-    Ok(if kind.is_empty() { path } else { format!("{kind}={path}") })
+    Ok(match arg.get_value_hint() {
+        ValueHint::AnyPath => folder.join(text).display().to_string(),
+        // A form of the point spread function, or a file.
+        ValueHint::FilePath if folder.join(&text).is_file() => folder.join(text).display().to_string(),
+        _ => Config::in_folder(arg.get_id().as_str(), &text, folder),
+    })
 }

@@ -11,6 +11,7 @@ use streakcast::passes::LearnedFile;
 use super::learn::{ResidualArguments, residuals};
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -29,6 +30,12 @@ pub struct AlarmsArguments {
     pub picture: Option<PathBuf>,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    AlarmsArguments, "alarms",
+    "--photometry tonight.csv --elements history.tle --learned learned.json",
+    "--photometry mmt.csv --height-km 1200 --kind oneweb --learned learned.json --picture alarms.png"
 }
 
 const ON_SCREEN: &[Shown] = &[

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use streakcast::config::{Config, RulesConfig};
+use streakcast::config::{Config, FIELD, RequiredInput, RulesConfig, SATELLITES, SITE};
 use streakcast::schedule::Shard;
 use streakcast::schedule::{Annotation, annotate, flag_table};
 
+use super::flag::SCHEDULE;
 use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, help};
 use crate::output::check_whole;
-use crate::required::Required;
 
 #[derive(Args)]
 pub struct AnnotateArguments {
@@ -32,15 +33,19 @@ pub struct AnnotateArguments {
     pub config: Config,
 }
 
+/// Annotated schedule, or frame with streaks.
+pub const OUTPUT: RequiredInput = RequiredInput::new("output file", &[&["-o FILE"]]);
+
+help! {
+    AnnotateArguments, "annotate", asks [SCHEDULE, OUTPUT, SATELLITES, SITE, FIELD],
+    "--schedule baseline.db --elements active.tle --mpc X05 --telescope rubin -o annotated.db",
+    "--schedule night.ecsv --shells oneweb --mpc X05 --fov 3.5deg -o annotated.ecsv"
+}
+
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
-    Required::new(&config)
-        .input(typed.schedule.is_some(), "schedule", "--schedule FILE")
-        .input(typed.output.is_some(), "output file", "-o FILE")
-        .satellites()
-        .site()
-        .field()
-        .check()?;
+    let answers = [(&SCHEDULE, typed.schedule.is_some()), (&OUTPUT, typed.output.is_some())];
+    AnnotateArguments::HELP.check(&config, &answers)?;
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
     // The output is checked before the computation, which may be long.
     check_whole(&output)?;

@@ -19,6 +19,7 @@ use streakcast::schedule::{AgeEffect, VerdictKind};
 use super::schedule_verdicts::PreparedSchedule;
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::output::{Output, VerbResult};
 use crate::screen::Style;
 use crate::start::begin;
@@ -45,6 +46,12 @@ pub struct DoctorArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    DoctorArguments, "doctor",
+    "--shells oneweb --mpc X05 --now 2026-11-25T00:00:00Z",
+    "--elements active.tle --mpc X05 --telescope rubin --strict"
 }
 
 /// Length of the longest bar of the histogram, characters.

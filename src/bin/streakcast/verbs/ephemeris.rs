@@ -3,14 +3,14 @@
 use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, EphemerisConfig, PreparedSky, state_scales};
+use streakcast::config::{Config, EphemerisConfig, PreparedSky, SATELLITES, SELECTION, SITE, TIMES, state_scales};
 use streakcast::forecast::{EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
 use streakcast::output::{Section, format_utc};
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
+use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -22,6 +22,13 @@ pub struct EphemerisArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    EphemerisArguments, "ephemeris", asks [SELECTION, TIMES, SATELLITES, SITE],
+    ignores [(CAMERA_FLAGS, "has no effect on an ephemeris")],
+    "--name S1 --start 2024-08-14T03:30:00Z --end 2024-08-14T03:31:00Z --step 30s --shells oneweb --mpc X05 --min-altitude 20",
+    "--norad 25544 --times 2024-08-14T03:30:00Z --elements active.tle --site Paranal --format ecsv"
 }
 
 const ON_SCREEN: &[Shown] = &[
@@ -47,12 +54,7 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.with_file()?;
     let EphemerisConfig { times, times_file, start, selection, .. } = &typed.ephemeris;
     let has_times = !times.is_empty() || times_file.is_some() || start.is_some();
-    Required::new(&config)
-        .input(selection.is_given(), "selection of satellites", "--norad ID, --name TEXT or --generation KIND")
-        .input(has_times, "times", "--times TIME..., --times-file FILE, or --start, --end and --step")
-        .satellites()
-        .site()
-        .check()?;
+    EphemerisArguments::HELP.check(&config, &[(&SELECTION, selection.is_given()), (&TIMES, has_times)])?;
     let request = typed.ephemeris.resolve(&config)?;
     let output = typed.output.open(&config)?;
     let notices = begin(&config)?;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::arguments::OutputArguments;
 use anyhow::{anyhow, bail};
 use clap::{Args, ValueEnum};
-use streakcast::config::{Config, RulesConfig};
+use streakcast::config::{Config, FIELD, RequiredInput, RulesConfig, SATELLITES, SITE};
 use streakcast::output::{Section, counted};
 use streakcast::schedule::Shard;
 use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
@@ -13,8 +13,8 @@ use streakcast::schedule::{FlagTotals, VerdictKind, flag_table_with_exposures};
 use super::passes::left_out_table;
 use super::schedule_verdicts::PreparedSchedule;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, help};
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -25,8 +25,8 @@ pub struct FlagArguments {
     #[command(flatten)]
     pub rules: RulesConfig,
     /// For a telescope in orbit, crossings in the Earth's shadow count too, for example in the infrared
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0, default_missing_value = "true")]
+    pub include_dark: Option<bool>,
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -38,6 +38,15 @@ pub struct FlagArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+/// Schedule of exposures.
+pub const SCHEDULE: RequiredInput = RequiredInput::new("schedule", &[&["--schedule FILE"]]);
+
+help! {
+    FlagArguments, "flag", asks [SCHEDULE, SATELLITES, SITE, FIELD],
+    "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin --limit-mag 7",
+    "--schedule night.csv --shells starlink-gen1 --site Paranal --fov 1deg --fail-on avoid"
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
@@ -88,15 +97,14 @@ fn check_judged(totals: &FlagTotals, schedule: &Path) -> anyhow::Result<()> {
 }
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
-    let include_dark = typed.include_dark.then_some(true);
+    let include_dark = typed.include_dark;
     let config = Config { rules: typed.rules, include_dark, ..typed.config }.with_file()?;
-    if typed.include_dark && config.has_viewpoint() && !config.is_in_orbit() {
+    if include_dark == Some(true) && config.has_viewpoint() && !config.is_in_orbit() {
         bail!(
             "--include-dark is for a telescope in orbit (--observer-elements): at a site a satellite in shadow is not visible"
         );
     }
-    let has_schedule = typed.schedule.is_some();
-    Required::new(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
+    FlagArguments::HELP.check(&config, &[(&SCHEDULE, typed.schedule.is_some())])?;
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
     let prepared = PreparedSchedule::read(&config, &schedule, typed.shard, None)?;

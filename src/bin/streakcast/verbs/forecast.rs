@@ -7,7 +7,7 @@ use crate::clock::{TONIGHT, set_night, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, ForecastConfig, PreparedSky, parse_duration_s, state_scales};
+use streakcast::config::{Config, ForecastConfig, PreparedSky, SATELLITES, SITE, parse_duration_s, state_scales};
 use streakcast::forecast::{
     AngleType, EmptyNight, Forecast, ForecastRequest, PassColumns, calendar, forecast, light_curve_table, night_table,
     pass_table, readable_table, score_report, tdm,
@@ -18,9 +18,9 @@ use streakcast::passes::SkyError;
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
+use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::local_time::ZoneArguments;
 use crate::output::{EXTENSIONS, FORMATS, Output, VerbResult};
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -48,6 +48,19 @@ pub struct ForecastArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+/// Shared flags of a telescope in orbit.
+const ORBIT_FLAGS: &[&str] =
+    &["observer_elements", "observer_norad", "limb_height_km", "max_zenith_angle", "min_sun_angle", "min_limb_angle"];
+const NO_ORBIT: &str = "cannot be used, because a telescope in orbit has no horizon; for satellites in its field use passes, flag or \
+                        windows, for numbers statistics";
+
+help! {
+    ForecastArguments, "forecast", asks [SATELLITES, SITE],
+    ignores [(CAMERA_FLAGS, "has no effect on passes over a site"), (ORBIT_FLAGS, NO_ORBIT)],
+    "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
+    "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics"
 }
 
 /// Default number of points of a light curve.
@@ -109,7 +122,7 @@ impl Document {
 
 pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
-    Required::new(&config).satellites().site().check()?;
+    ForecastArguments::HELP.check(&config, &[])?;
     typed.forecast.range = typed.forecast.range.or_night(TONIGHT);
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::additional).transpose()?;

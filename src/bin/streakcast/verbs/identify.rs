@@ -9,7 +9,9 @@ use clap::Args;
 use serde_json::json;
 #[cfg(unix)]
 use streakcast::config::streaks_of_table;
-use streakcast::config::{Config, IdentifyConfig, IdentifyPlan, PreparedSky, STREAK_FORMS, state_scales};
+use streakcast::config::{
+    Config, IdentifyConfig, IdentifyPlan, Mark, PreparedSky, RequiredInput, SATELLITES, SITE, STREAK, state_scales,
+};
 use streakcast::frames::seconds_after;
 use streakcast::identify::{
     CandidateRow, Identified, IdentifyOptions, Offset, candidate_table, identify_streak, streak_table,
@@ -19,9 +21,11 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counte
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
+#[cfg(unix)]
+use crate::help::check;
+use crate::help::{CAMERA_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -35,8 +39,8 @@ pub struct IdentifyArguments {
     #[arg(long, value_name = "TABLE", num_args = 1..)]
     pub streaks: Vec<PathBuf>,
     /// Include satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0, default_missing_value = "true")]
+    pub include_dark: Option<bool>,
     /// Largest number of candidates in the output
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub top: usize,
@@ -44,6 +48,21 @@ pub struct IdentifyArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+const STREAK_TIMES: RequiredInput = RequiredInput {
+    example: "--start 2024-08-14T00:30:00Z --exposure 30s",
+    mark: Mark::Usage,
+    ..RequiredInput::new("times of the streak", &[&["--start TIME", "--exposure TIME"], &["--times TIME TIME"]])
+};
+const SITE_OR_FRAME: RequiredInput =
+    RequiredInput { mark: Mark::Heading("Site", "; with --image also from the header"), ..SITE };
+
+help! {
+    IdentifyArguments, "identify", asks [STREAK, STREAK_TIMES, SATELLITES, SITE_OR_FRAME],
+    ignores [(CAMERA_FLAGS, "has no effect on the identification of a streak")],
+    "--end 280,-30 --end 280.5,-30.3 --start 2024-08-14T03:30:00Z --exposure 30s --shells oneweb --mpc X05",
+    "--image frame.fits --from-pix 12,940 --to-pix 2030,1105 --elements active.tle --mpc X05"
 }
 
 const ON_SCREEN: &[Shown] = &[
@@ -167,7 +186,7 @@ fn identified(
 ) -> anyhow::Result<Done> {
     let streak = &plan.streak;
     let options = IdentifyOptions {
-        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
+        include_dark: typed.include_dark.or(config.include_dark).unwrap_or(false),
         photometry: config.photometry()?,
     };
     prepared.check_altitude("streak", &plan.exposure())?;
@@ -179,7 +198,7 @@ fn identified(
 /// Identifies the streaks of tables. The table of candidates has the name and the frame of each streak in front.
 #[cfg(unix)]
 fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outcome> {
-    Required::new(config).satellites().check()?;
+    check(config, &[&SATELLITES], &[])?;
     let output = typed.output.clone().open(config)?;
     let notices = begin(config)?;
     let mut candidates = candidate_table(std::iter::empty());
@@ -247,7 +266,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
     }
     // A detector may have found no streak.
     let mut provenance = sky.map_or_else(Provenance::new, |(_, prepared)| prepared.provenance);
-    let include_dark = typed.include_dark || config.include_dark.unwrap_or(false);
+    let include_dark = typed.include_dark.or(config.include_dark).unwrap_or(false);
     let tables: Vec<String> = typed.streaks.iter().map(|path| path.display().to_string()).collect();
     provenance.state("options", json!({ "streaks": tables, "include_dark": include_dark, "top": typed.top }));
     output.write(
@@ -276,14 +295,15 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_streak = has_position || has_pixels || !streak.end.is_empty() || streak.region.is_some();
     // The header of a frame may contain the times.
     let has_times = !streak.times.is_empty() || streak.image.is_some();
-    let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
-    let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();
-    let required = Required::new(config)
-        .input(has_streak, "streak", STREAK_FORMS)
-        .input(has_start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z, or --times")
-        .input(has_duration, "exposure time", "--exposure TIME, for example 30s, or --times")
-        .satellites();
-    if streak.image.is_some() { required.check() } else { required.site().check() }
+    let has_start = streak.start.is_some() || config.exposure.start.is_some();
+    let has_duration = streak.exposure.is_some() || config.exposure.duration.is_some();
+    let answers = [
+        (&STREAK, has_streak),
+        // One without the other is another error.
+        (&STREAK_TIMES, has_times || has_start || has_duration),
+        (&SITE, streak.image.is_some() || config.has_viewpoint()),
+    ];
+    IdentifyArguments::HELP.check(config, &answers)
 }
 
 fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky) {

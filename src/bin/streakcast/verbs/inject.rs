@@ -7,16 +7,17 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use clap::Args;
 use streakcast::Watch;
-use streakcast::config::{Config, InjectionConfig, inject_frames};
+use streakcast::config::{Config, INJECTED_STREAKS, InjectionConfig, RequiredInput, SEEING, inject_frames};
 use streakcast::output::{Section, Table};
 use streakcast::streaks::{InjectedFrame, Injections};
 
+use super::annotate::OUTPUT;
 use crate::failure::Outcome;
 use crate::files::check_distinct;
+use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::{Format, Output, VerbResult, cannot_write, check_whole};
 use crate::output::{check, write_bytes};
-use crate::required::Required;
 use crate::screen::Style;
 
 #[derive(Args)]
@@ -40,6 +41,15 @@ pub struct InjectArguments {
     pub preview_marked: Option<PathBuf>,
     #[command(flatten)]
     pub config: Config,
+}
+
+const FRAMES: RequiredInput = RequiredInput::new("frames", &[&["--image FILE..."], &["--synthetic FILE"]]);
+
+help! {
+    InjectArguments, "inject", asks [OUTPUT, FRAMES],
+    ignores [(FIELD_FLAGS, "has no effect on inject, where the frame is the field")],
+    "--image frame.fits --random-streaks 3 --magnitude 5,8 --seeing 1.2arcsec -o streaks.fits --truth streaks.csv",
+    "--image frame.fits --elements active.tle --mpc X05 --telescope rubin -o streaks.fits"
 }
 
 /// Paths of all output files.
@@ -162,24 +172,15 @@ pub fn frame_outputs(output: &Path, images: &[PathBuf], count: usize) -> anyhow:
 pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     let injection = &typed.injection;
-    Required::new(&config)
-        .input(
-            !injection.image.is_empty() || injection.synthetic.is_some(),
-            "frames",
-            "--image FILE or --synthetic FILE",
-        )
-        .input(typed.output.is_some(), "output file", "-o FILE")
-        .input(
-            injection.is_without_satellites() || config.has_satellites() || injection.magnitude.is_some(),
-            "streaks",
-            "--elements FILE, --shells NAME, --random-streaks N with --magnitude MAG, or --streaks TABLE",
-        )
-        .input(
-            injection.seeing.is_some() || config.telescope.is_some() || injection.has_psf_file(),
-            "seeing",
-            "--seeing ANGLE, --telescope NAME or --psf FILE",
-        )
-        .check()?;
+    let has_streaks = injection.is_without_satellites() || config.has_satellites() || injection.magnitude.is_some();
+    let has_seeing = injection.seeing.is_some() || config.telescope.is_some() || injection.has_psf_file();
+    let answers = [
+        (&FRAMES, !injection.image.is_empty() || injection.synthetic.is_some()),
+        (&OUTPUT, typed.output.is_some()),
+        (&INJECTED_STREAKS, has_streaks),
+        (&SEEING, has_seeing),
+    ];
+    InjectArguments::HELP.check(&config, &answers)?;
     let notices = crate::start::begin(&config)?;
     let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
     reject_unused(&typed)?;

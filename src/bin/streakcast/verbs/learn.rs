@@ -17,6 +17,7 @@ use streakcast::photometry::Earthshine;
 
 use super::fit::{PhotometryArguments, config_of, history_of_flags, measured, state_photometry};
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -55,6 +56,12 @@ pub struct LearnArguments {
     /// Learned file (JSON), for --learned
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: PathBuf,
+}
+
+help! {
+    LearnArguments, "learn",
+    "--photometry photometry.csv --elements history.tle -o learned.json",
+    "--photometry mmt.csv --height-km 1200 --kind oneweb -o learned.json --leave-pass-out 0,1,2"
 }
 
 const KINDS_ON_SCREEN: &[Shown] = &[

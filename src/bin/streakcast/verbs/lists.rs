@@ -11,6 +11,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -26,6 +27,8 @@ pub struct ListArguments {
     pub output: OutputArguments,
 }
 
+help! { ListArguments, "sites", "", "rubin --format json" }
+
 #[derive(Args)]
 pub struct ShellArguments {
     /// List only constellations with this text in their name, or those of a TOML file
@@ -37,6 +40,8 @@ pub struct ShellArguments {
     #[command(flatten)]
     pub output: OutputArguments,
 }
+
+help! { ShellArguments, "shells", "", "starlink --format csv" }
 
 const SITES_ON_SCREEN: &[Shown] = &[
     shown("mpc_code", "MPC"),
@@ -110,7 +115,7 @@ fn listed(table: &Table, search: &Option<String>, notices: &Notices, what: &str,
 pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
     let search = typed.search.as_deref().unwrap_or("");
     let is_file = search.ends_with(".toml");
-    let config = Config { shells: Vec::from_iter(is_file.then(|| search.to_owned())), ..Config::default() };
+    let config = Config { shells: Vec::from_iter(is_file.then(|| search.to_owned().into())), ..Config::default() };
     let deployment = config.deployment()?;
     let (all, sets) = match is_file {
         true => (deployment.always().iter().chain(deployment.own_growing()).cloned().collect(), Vec::new()),

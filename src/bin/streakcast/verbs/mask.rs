@@ -4,13 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use streakcast::Watch;
-use streakcast::config::{Config, MaskConfig};
+use streakcast::config::{Config, FRAMES, Mark, MaskConfig, RequiredInput, SATELLITES};
 use streakcast::output::Section;
 
+use super::measure::SITE_OF_FRAME;
 use crate::failure::Outcome;
 use crate::files::check_distinct;
+use crate::help::{VerbFlags, help};
 use crate::output::{Output, VerbResult, check, check_whole, write_bytes};
-use crate::required::Required;
 use crate::screen::Style;
 use crate::start::begin;
 
@@ -33,14 +34,22 @@ pub struct MaskArguments {
     pub config: Config,
 }
 
+const OUTPUT: RequiredInput = RequiredInput {
+    mark: Mark::Usage,
+    ..RequiredInput::new("output", &[&["-o FILE"], &["--polygons FILE"], &["--regions FILE"]])
+};
+
+help! {
+    MaskArguments, "mask", asks [FRAMES, OUTPUT, SATELLITES, SITE_OF_FRAME],
+    ignores [(&["fov", "field", "rotation"], "has no effect on mask, where the frame is the field")],
+    "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec -o mask.fits --regions mask.reg",
+    "visit.fits --elements active.tle --mpc X05 --telescope rubin --into MASK --bit STREAK -o masked.fits"
+}
+
 pub fn run(typed: MaskArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     let has_output = typed.output.is_some() || typed.polygons.is_some() || typed.regions.is_some();
-    Required::new(&config)
-        .input(!typed.mask.image.is_empty(), "frames", "FRAME..., FITS files")
-        .input(has_output, "output", "-o FILE, --polygons FILE or --regions FILE")
-        .satellites()
-        .check()?;
+    MaskArguments::HELP.check(&config, &[(&FRAMES, !typed.mask.image.is_empty()), (&OUTPUT, has_output)])?;
     let outputs = match &typed.output {
         Some(output) => frame_outputs(output, &typed.mask.image, typed.mask.image.len())?,
         None => Vec::new(),

@@ -6,7 +6,7 @@ use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
 use streakcast::Watch;
-use streakcast::config::{Config, MeasureConfig, Measurements};
+use streakcast::config::{Config, FRAMES, Mark, MeasureConfig, Measurements, RequiredInput, SATELLITES, SITE};
 use streakcast::measure::MeasuredPass;
 use streakcast::measure::{ScoreObserver, score_table};
 use streakcast::output::format_utc;
@@ -15,10 +15,10 @@ use streakcast::output::{Provenance, Section, Table, counted};
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
+use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::write_bytes;
 use crate::output::{FORMATS, Output, VerbResult};
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -42,6 +42,17 @@ pub struct MeasureArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+/// Site for frames whose header has none.
+pub const SITE_OF_FRAME: RequiredInput =
+    RequiredInput { mark: Mark::Heading("Site", ", or the header"), is_given: |_| true, ..SITE };
+
+help! {
+    MeasureArguments, "measure", asks [FRAMES, SATELLITES, SITE_OF_FRAME],
+    ignores [(FIELD_FLAGS, "has no effect on measure, where the frame is the field")],
+    "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec",
+    "night/a.fits night/b.fits --elements active.tle --mpc X05 --zero-point 27.1 --format fit -o photometry.csv"
 }
 
 const ON_SCREEN: &[Shown] = &[
@@ -94,14 +105,9 @@ enum Upload {
 pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
     let has_tables = !typed.measure.streaks.is_empty();
-    if has_tables {
-        // Rows of a table may name their frames.
-        Required::new(&config).check()?;
-    } else {
-        Required::new(&config)
-            .input(!typed.measure.image.is_empty(), "frames", "FRAME..., FITS files")
-            .satellites()
-            .check()?;
+    // Rows of a table may name their frames.
+    if !has_tables {
+        MeasureArguments::HELP.check(&config, &[(&FRAMES, !typed.measure.image.is_empty())])?;
     }
     let upload = match typed.output.format.as_deref() {
         Some("score") => Some(Upload::Score),

@@ -11,6 +11,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{ModelFile, ModelLibrary};
 
 use crate::failure::Outcome;
+use crate::help::{Typed, help};
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -21,16 +22,18 @@ pub struct ModelArguments {
     pub verb: ModelVerb,
 }
 
+help! { ModelArguments, "model", "list", "show visorsat" }
+
 #[derive(Subcommand)]
 pub enum ModelVerb {
     /// List all models by name
-    List(ModelListArguments),
+    List(Typed<ModelListArguments>),
     /// Show the file of a model, with coefficients, covariance and provenance
-    Show(ModelShowArguments),
+    Show(Typed<ModelShowArguments>),
     /// Compute the acceleration of a satellite by the pressure of sunlight, from the panels of its model
-    Pressure(ModelPressureArguments),
+    Pressure(Typed<ModelPressureArguments>),
     /// Validate models and compare them with published means, phase curves and photometry
-    Check(ModelCheckArguments),
+    Check(Typed<ModelCheckArguments>),
 }
 
 #[derive(Args)]
@@ -47,6 +50,8 @@ pub struct ModelCheckArguments {
     pub output: OutputArguments,
 }
 
+help! { ModelCheckArguments, "model check", "", "visorsat-mine.json --data photometry" }
+
 #[derive(Args)]
 pub struct ModelListArguments {
     /// Configuration file with additional models
@@ -59,6 +64,8 @@ pub struct ModelListArguments {
     pub output: OutputArguments,
 }
 
+help! { ModelListArguments, "model list", "", "--config streakcast.toml --format csv" }
+
 #[derive(Args)]
 pub struct ModelShowArguments {
     /// Name or alias of the model
@@ -66,6 +73,8 @@ pub struct ModelShowArguments {
     #[command(flatten)]
     pub list: ModelListArguments,
 }
+
+help! { ModelShowArguments, "model show", "visorsat", "visorsat --format table" }
 
 #[derive(Args)]
 pub struct ModelPressureArguments {
@@ -89,6 +98,12 @@ pub struct ModelPressureArguments {
     pub output: OutputArguments,
 }
 
+help! {
+    ModelPressureArguments, "model pressure",
+    "starlink-v1.5 --mass-kg 295",
+    "v2mini-panels --mass-kg 575 --sun-latitude-deg -20 0 20 --format csv"
+}
+
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
     shown("kind", "kind"),
@@ -101,10 +116,10 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: ModelArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
-        ModelVerb::List(typed) => list(typed),
-        ModelVerb::Show(typed) => show(typed),
-        ModelVerb::Pressure(typed) => super::model_pressure::pressure(typed),
-        ModelVerb::Check(typed) => super::model_check::check(typed),
+        ModelVerb::List(typed) => typed.run(list),
+        ModelVerb::Show(typed) => typed.run(show),
+        ModelVerb::Pressure(typed) => typed.run(super::model_pressure::pressure),
+        ModelVerb::Check(typed) => typed.run(super::model_check::check),
     }
 }
 

@@ -2,7 +2,9 @@
 
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, Quantity, TimeRangeConfig, parse_exposure_s, state_scales};
+use streakcast::config::{
+    Config, EXPOSURE, FIELD, Quantity, RequiredInput, SATELLITES, TimeRangeConfig, parse_exposure_s, state_scales,
+};
 use streakcast::forecast::{
     TrailRequest, TrailStatistics, trail_angle_table, trail_histogram_table, trail_statistics, trail_table,
 };
@@ -11,8 +13,8 @@ use streakcast::output::{Section, format_utc};
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
+use crate::help::check;
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -31,8 +33,8 @@ pub struct OrbitStatisticsArguments {
     #[arg(long, value_name = "N")]
     pub seed: Option<u64>,
     /// For a telescope in orbit, also count satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0, default_missing_value = "true")]
+    pub include_dark: Option<bool>,
 }
 
 impl OrbitStatisticsArguments {
@@ -43,11 +45,13 @@ impl OrbitStatisticsArguments {
             ("--end", self.end.is_some()),
             ("--pointings", self.pointings.is_some()),
             ("--seed", self.seed.is_some()),
-            ("--include-dark", self.include_dark),
+            ("--include-dark", self.include_dark.is_some()),
         ];
         given.into_iter().find_map(|(flag, is_given)| is_given.then_some(flag))
     }
 }
+
+const SPAN: RequiredInput = RequiredInput::new("span of the exposures", &[&["--start TIME", "--end TIME"]]);
 
 /// Default number of pointings.
 const POINTINGS: usize = 1000;
@@ -74,12 +78,8 @@ const ON_SCREEN: &[Shown] = &[
 
 /// Runs `statistics` for the telescope in orbit of a configuration.
 pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &Config) -> anyhow::Result<Outcome> {
-    Required::new(config)
-        .input(typed.start.is_some() && typed.end.is_some(), "span of the exposures", "--start TIME and --end TIME")
-        .input(config.exposure.duration.is_some(), "exposure time", "--exposure TIME, for example 112.5s")
-        .satellites()
-        .field()
-        .check()?;
+    let has_span = typed.start.is_some() && typed.end.is_some();
+    check(config, &[&EXPOSURE, &SATELLITES, &FIELD], &[(&SPAN, has_span)])?;
     let output = output.open(config)?;
     let range = TimeRangeConfig { night: None, start: typed.start.clone(), end: typed.end.clone() };
     let (start, end) = range.resolve(config)?;
@@ -96,7 +96,7 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
         exposure_s,
         field: &field,
         limit_mag: config.limit_mag()?,
-        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
+        include_dark: typed.include_dark.or(config.include_dark).unwrap_or(false),
         photometry,
     };
     let found = trail_statistics(&prepared.sky, &request)?;

@@ -3,7 +3,10 @@
 use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, ExposureConfig, ObservationPlan, PreparedSky, RulesConfig, state_scales};
+use streakcast::config::{
+    Config, EXPOSURE, ExposureConfig, FIELD, ObservationPlan, POINTING, PreparedSky, RulesConfig, SATELLITES, SITE,
+    START, state_scales,
+};
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
 use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
@@ -12,9 +15,9 @@ use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{FlagRequest, StreakColumns, exposure_table, streak_table};
 
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::VerbResult;
-use crate::required::Required;
 use crate::screen::{Shown, Style, known_to, rounded, shown};
 
 #[derive(Args)]
@@ -22,8 +25,8 @@ pub struct PassesArguments {
     #[command(flatten)]
     pub exposure: ExposureConfig,
     /// Include crossings of satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0, default_missing_value = "true")]
+    pub include_dark: Option<bool>,
     /// Report the probability of each crossing to be brighter than this, in the band of --band; all crossings are
     /// listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
@@ -39,6 +42,12 @@ pub struct PassesArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    PassesArguments, "passes", asks [START, EXPOSURE, POINTING, SATELLITES, SITE, FIELD],
+    "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 3.5deg",
+    "--start 2024-08-14T03:30:00Z --exposure 2min --ra 18h40m --dec=-30d --elements active.tle --site Paranal --telescope vst"
 }
 
 const ON_SCREEN: &[Shown] = &[
@@ -68,7 +77,7 @@ const ON_SCREEN: &[Shown] = &[
 pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let flags = Config {
         exposure: typed.exposure,
-        include_dark: typed.include_dark.then_some(true),
+        include_dark: typed.include_dark,
         rules: RulesConfig {
             limit_mag: typed.limit_mag,
             limit_surface_brightness: typed.limit_surface_brightness,
@@ -122,7 +131,7 @@ pub struct Prediction {
 
 /// Computes the passes of the exposure in the configuration.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
-    Required::new(config).times().pointing().satellites().site().field().check()?;
+    PassesArguments::HELP.check(config, &[])?;
     let notices = crate::start::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;

@@ -10,6 +10,7 @@ use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{FORMATS, Output, check, write_bytes};
 use streakcast::elements::{Constellation, Generation};
@@ -22,6 +23,8 @@ pub struct CompletionsArguments {
     pub shell: Shell,
 }
 
+help! { CompletionsArguments, "completions", "bash", "zsh" }
+
 #[derive(Args)]
 pub struct ManArguments {
     /// Folder, created if it is missing
@@ -31,6 +34,8 @@ pub struct ManArguments {
     #[arg(long, short)]
     pub quiet: bool,
 }
+
+help! { ManArguments, "man", "-o man", "-o man --quiet" }
 
 /// Writes the completions of one shell to standard output.
 pub fn completions(typed: &CompletionsArguments, mut command: Command) -> anyhow::Result<Outcome> {

@@ -9,8 +9,8 @@ use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
 use streakcast::config::{
-    Config, ExposureConfig, Quantity, RulesConfig, SiteConfig, parse_duration_s, parse_exposure_s, parse_night,
-    parse_size_deg, state_scales, time_range,
+    Config, ExposureConfig, Quantity, RequiredInput, RulesConfig, SATELLITES, SITE, SiteConfig, parse_duration_s,
+    parse_exposure_s, parse_night, parse_size_deg, state_scales, time_range,
 };
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Provenance, Section, format_utc};
@@ -19,8 +19,8 @@ use streakcast::schedule::MagnitudeLimit;
 use super::orbit_statistics::{self, OrbitStatisticsArguments};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, help};
 use crate::output::{Output, VerbResult};
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -56,6 +56,15 @@ pub struct StatisticsArguments {
     pub config: Config,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+const NIGHT: RequiredInput = RequiredInput::new("night", &[&["--night DATE"]]);
+
+help! {
+    StatisticsArguments, "statistics", asks [NIGHT, SATELLITES, SITE],
+    ignores [(&["rotation", "min_probability"], "has no effect on statistics")],
+    "--night 2024-06-21 --shells oneweb --mpc X05 --sun-altitude-deg=-12,-18 --moments 3",
+    "--night 2024-03-20 2024-06-21 --elements active.tle --site Paranal --fov 1deg --exposure 60s"
 }
 
 /// Default field of view: that of Rubin Observatory.
@@ -119,8 +128,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             "{flag} is for a telescope in orbit (--observer-elements); allowed for a site: --night, --moments, --spread"
         );
     }
-    let has_night = !typed.night.is_empty();
-    Required::new(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
+    StatisticsArguments::HELP.check(&config, &[(&NIGHT, !typed.night.is_empty())])?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     let has_shape = config.field.is_some() || config.telescope.is_some();
     let fov = config.fov.as_ref().map(Quantity::as_str).or((!has_shape).then_some(FIELD));

@@ -9,7 +9,8 @@ use clap::Args;
 use hifitime::{Epoch, TimeScale, Unit};
 use serde_json::json;
 use streakcast::config::{
-    Config, ExposureConfig, Quantity, RulesConfig, TimeRangeConfig, parse_duration_s, parse_exposure_s, state_scales,
+    Config, EXPOSURE, ExposureConfig, FIELD, Quantity, RequiredInput, RulesConfig, SATELLITES, SITE, TimeRangeConfig,
+    parse_duration_s, parse_exposure_s, state_scales,
 };
 use streakcast::forecast::Night;
 use streakcast::frames::{Direction, Gcrs};
@@ -25,9 +26,9 @@ use streakcast::schedule::{
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, help};
 use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
-use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::start::begin;
 
@@ -69,6 +70,16 @@ pub struct WindowsArguments {
     pub output: OutputArguments,
 }
 
+const TARGETS: RequiredInput =
+    RequiredInput::new("targets", &[&["--targets FILE"], &["--target NAME"], &["--ra ANGLE", "--dec ANGLE"]]);
+const SPAN_IN_ORBIT: RequiredInput = RequiredInput::new("time range", &[&["--start TIME", "--end TIME"]]);
+
+help! {
+    WindowsArguments, "windows", asks [TARGETS, SATELLITES, SITE, FIELD],
+    "--targets targets.csv --night 2024-08-13 --elements active.tle --mpc X05 --fov 1deg --limit-mag 7",
+    "--targets targets.csv --night 2024-08-13 --shells oneweb --mpc X05 --fov 1deg --format astroq"
+}
+
 /// Default lowest altitude of targets at a site, degrees.
 const LOWEST_TARGET_DEG: f64 = 20.0;
 /// Default highest altitude of the Sun at a site, degrees.
@@ -99,22 +110,13 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("--night is for a site; allowed for a telescope in orbit: --start TIME and --end TIME"));
     }
     let mut range = if in_orbit { typed.range } else { typed.range.or_night(TONIGHT) };
-    Required::new(&config)
-        .input(
-            typed.targets.is_some() || pointing.is_some(),
-            "targets",
-            "--targets FILE, --target NAME, or --ra ANGLE and --dec ANGLE",
-        )
-        .input(
-            pointing.is_none() || typed.exposure.is_some() || config.exposure.duration.is_some(),
-            "exposure time",
-            "--exposure TIME, for example 30s",
-        )
-        .input(!in_orbit || range.start.is_some(), "time range", "--start TIME and --end TIME")
-        .satellites()
-        .site()
-        .field()
-        .check()?;
+    let has_exposure = pointing.is_none() || typed.exposure.is_some() || config.exposure.duration.is_some();
+    let answers = [
+        (&TARGETS, typed.targets.is_some() || pointing.is_some()),
+        (&EXPOSURE, has_exposure),
+        (&SPAN_IN_ORBIT, !in_orbit || range.start.is_some()),
+    ];
+    WindowsArguments::HELP.check(&config, &answers)?;
     let shape = typed.output.format.as_deref().and_then(SchedulerFormat::by_name);
     let output = match shape {
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
@@ -139,7 +141,9 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let duration_s = exposure.as_deref().map(parse_exposure_s).transpose()?;
     let (listed, targets_of) = match (&typed.targets, pointing.zip(duration_s)) {
         (Some(path), _) => {
-            let list = read_targets(path, duration_s, plan.rotation_rad)?;
+            // The reader is that of schedules, whose errors begin with this word.
+            let list = read_targets(path, duration_s, plan.rotation_rad)
+                .map_err(|error| anyhow!(error.to_string().replacen("schedule", "target list", 1)))?;
             notices.warn(comments_warning(list.comments_like_rows).as_slice());
             (list.targets, path.display().to_string())
         }

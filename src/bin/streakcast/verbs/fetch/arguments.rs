@@ -4,24 +4,28 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
+use crate::help::{Typed, help};
+
 #[derive(Args)]
 pub struct FetchArguments {
     #[command(subcommand)]
     pub source: FetchSource,
 }
 
+help! { FetchArguments, "fetch", "celestrak --group active", "satchecker --epoch 2024-08-14T00:30:00Z" }
+
 #[derive(Subcommand)]
 pub enum FetchSource {
     /// Download a group of element sets (GP) from CelesTrak, for example starlink or active
-    Celestrak(CelestrakArguments),
+    Celestrak(Typed<CelestrakArguments>),
     /// Download supplemental element sets (SupGP, from ephemerides of operators) from CelesTrak, for example oneweb
-    Supgp(SupgpArguments),
+    Supgp(Typed<SupgpArguments>),
     /// Download the whole catalogue of Space-Track; requires an account
-    SpaceTrack(SpaceTrackArguments),
+    SpaceTrack(Typed<SpaceTrackArguments>),
     /// Download the element sets of SatChecker closest to a time
-    Satchecker(SatcheckerArguments),
+    Satchecker(Typed<SatcheckerArguments>),
     /// Download the newest public ephemerides of chosen Starlinks, for example the candidates of a schedule
-    StarlinkEphemerides(StarlinkEphemeridesArguments),
+    StarlinkEphemerides(Typed<StarlinkEphemeridesArguments>),
 }
 
 #[derive(Args)]
@@ -40,6 +44,12 @@ pub struct CelestrakArguments {
     pub common: CommonFetchArguments,
 }
 
+help! {
+    CelestrakArguments, "fetch celestrak",
+    "--group starlink",
+    "--group active --elements-format json --cache elements"
+}
+
 #[derive(Args)]
 pub struct SupgpArguments {
     /// Name of the file
@@ -55,6 +65,8 @@ pub struct SupgpArguments {
     #[command(flatten)]
     pub common: CommonFetchArguments,
 }
+
+help! { SupgpArguments, "fetch supgp", "--file starlink", "--file oneweb --cache elements" }
 
 #[derive(Args)]
 pub struct SpaceTrackArguments {
@@ -75,6 +87,12 @@ pub struct SpaceTrackArguments {
     pub common: CommonFetchArguments,
 }
 
+help! {
+    SpaceTrackArguments, "fetch space-track",
+    "--credentials account.txt",
+    "--identity-env ST_USER --password-env ST_PASSWORD"
+}
+
 #[derive(Args)]
 pub struct SatcheckerArguments {
     /// Time of the elements, for example 2024-08-14T00:30:00Z
@@ -84,6 +102,12 @@ pub struct SatcheckerArguments {
     pub checks: RecordCheckArguments,
     #[command(flatten)]
     pub common: CommonFetchArguments,
+}
+
+help! {
+    SatcheckerArguments, "fetch satchecker",
+    "--epoch 2024-08-14T00:30:00Z",
+    "--epoch 2024-08-14T00:30:00Z --cache elements"
 }
 
 #[derive(Args)]
@@ -99,6 +123,12 @@ pub struct StarlinkEphemeridesArguments {
     pub max_satellites: usize,
     #[command(flatten)]
     pub common: CommonFetchArguments,
+}
+
+help! {
+    StarlinkEphemeridesArguments, "fetch starlink-ephemerides",
+    "--candidates verdicts.csv",
+    "--norad 48430,44713 --cache ephemerides"
 }
 
 /// Files of earlier days.

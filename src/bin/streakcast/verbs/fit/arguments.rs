@@ -7,6 +7,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use streakcast::config::SiteConfig;
 
 use crate::arguments::OutputArguments;
+use crate::help::{Typed, help};
 
 #[derive(Args)]
 pub struct FitArguments {
@@ -14,16 +15,22 @@ pub struct FitArguments {
     pub verb: FitVerb,
 }
 
+help! {
+    FitArguments, "fit",
+    "reduce --photometry pomenis.csv --height-km 550 -o pixels.ecsv",
+    "run --photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json"
+}
+
 #[derive(Subcommand)]
 pub enum FitVerb {
     /// Fit a model to photometry, with covariance, report and pictures
-    Run(Box<FitRunArguments>),
+    Run(Typed<FitRunArguments>),
     /// Compare forms of the model on held-out points, with the tests of Lu (2024): panel offset, sail gloss, earthshine
-    Compare(Box<FitCompareArguments>),
+    Compare(Typed<FitCompareArguments>),
     /// Reduce photometry to pixels of the body frame, or to single points
-    Reduce(Box<FitReduceArguments>),
+    Reduce(Typed<FitReduceArguments>),
     /// Identify the satellite of each track by range, phase and time offset, for --identified
-    Identify(Box<FitIdentifyArguments>),
+    Identify(Typed<FitIdentifyArguments>),
 }
 
 /// Tables of photometry, and the site of the observer.
@@ -235,6 +242,12 @@ pub struct FitRunArguments {
     pub report: Option<PathBuf>,
 }
 
+help! {
+    FitRunArguments, "fit run",
+    "--photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json --report fit.html",
+    "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.ecsv -o fitted.json"
+}
+
 #[derive(Args)]
 pub struct FitCompareArguments {
     #[command(flatten)]
@@ -247,6 +260,12 @@ pub struct FitCompareArguments {
     pub form: FormArguments,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    FitCompareArguments, "fit compare",
+    "--photometry pomenis.csv --height-km 550 --model starlink-v1.5",
+    "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --folds 10"
 }
 
 #[derive(Args)]
@@ -264,6 +283,12 @@ pub struct FitReduceArguments {
     pub picture: Option<PathBuf>,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    FitReduceArguments, "fit reduce",
+    "--photometry pomenis.csv --height-km 550 -o pixels.ecsv",
+    "--photometry mmt.csv --elements history.tle --raw-points -o points.ecsv"
 }
 
 #[derive(Args)]
@@ -290,4 +315,10 @@ pub struct FitIdentifyArguments {
     pub least_lead: f64,
     #[command(flatten)]
     pub output: OutputArguments,
+}
+
+help! {
+    FitIdentifyArguments, "fit identify",
+    "--photometry pomenis.csv --elements history.tle -o identified.csv",
+    "--photometry slingshot.csv --elements history.tle --site Paranal --max-offset-s 60 -o identified.csv"
 }

@@ -23,10 +23,10 @@ use crate::output::{Output, check};
 
 pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
-        FitVerb::Run(typed) => fit(&typed),
-        FitVerb::Compare(typed) => super::compare::compare(*typed),
-        FitVerb::Reduce(typed) => super::reduce::reduce(*typed),
-        FitVerb::Identify(typed) => super::reduce::identify(*typed),
+        FitVerb::Run(typed) => typed.run(|typed| fit(&typed)),
+        FitVerb::Compare(typed) => typed.run(super::compare::compare),
+        FitVerb::Reduce(typed) => typed.run(super::reduce::reduce),
+        FitVerb::Identify(typed) => typed.run(super::reduce::identify),
     }
 }
 

@@ -8,8 +8,8 @@ use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use hifitime::TimeScale;
 use streakcast::config::{
-    Config, ExposureConfig, ObservationPlan, PolicyChoice, Quantity, RulesConfig, SiteConfig, parse_duration_s,
-    parse_exposure_s,
+    Config, ExposureConfig, FIELD, Mark, ObservationPlan, PolicyChoice, Quantity, RequiredInput, RulesConfig,
+    SATELLITES, SITE, SiteConfig, parse_duration_s, parse_exposure_s,
 };
 use streakcast::frames::{Direction, Gcrs, parse_moment};
 use streakcast::geometry::Site;
@@ -19,7 +19,7 @@ use streakcast::schedule::{Blocking, MagnitudeLimit};
 use super::clock::Clock;
 use super::deadline::within;
 use super::indi::Address;
-use crate::required::Required;
+use crate::help::{VerbFlags, help};
 
 #[derive(Clone, Args)]
 pub struct GateArguments {
@@ -84,6 +84,30 @@ pub struct GateArguments {
     pub now: Option<String>,
     #[command(flatten)]
     pub config: Config,
+}
+
+const GATE_POINTING: RequiredInput = RequiredInput {
+    mark: Mark::Usage,
+    ..RequiredInput::new(
+        "pointing",
+        &[
+            &["--ra ANGLE", "--dec ANGLE"],
+            &["--target NAME"],
+            &["--targets FILE", "--target NAME"],
+            &["--targets FILE", "--stdin ekos"],
+            &["--indi HOST:PORT"],
+        ],
+    )
+};
+const GATE_EXPOSURE: RequiredInput = RequiredInput {
+    example: "--exposure 300s",
+    ..RequiredInput::new("exposure time", &[&["--exposure TIME"], &["--stdin ekos"]])
+};
+
+help! {
+    GateArguments, "gate", asks [GATE_POINTING, GATE_EXPOSURE, SATELLITES, SITE, FIELD],
+    "--ra 280 --dec=-30 --exposure 30s --shells oneweb --mpc X05 --fov 1deg --now 2024-08-14T03:30:00Z",
+    "--stdin ekos --indi localhost --elements active.tle --fov 1deg --limit-mag 7 --status-file gate.json"
 }
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
@@ -187,21 +211,13 @@ impl Flags {
     fn check_required(&self, config: &Config) -> anyhow::Result<()> {
         let has_name = self.targets.is_some() && (self.target.is_some() || self.stdin.is_some());
         let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();
-        let required = Required::new(config)
-            .input(
-                has_pointing || has_name || self.indi.is_some(),
-                "pointing",
-                "--ra and --dec, --target M31, --targets with --target or --stdin ekos, or --indi localhost",
-            )
-            .input(
-                config.exposure.duration.is_some() || self.stdin.is_some(),
-                "exposure time",
-                "--exposure TIME, for example 300s, or --stdin ekos",
-            )
-            .satellites()
-            .field();
-        // The site may come from an INDI server.
-        if self.indi.is_some() { required } else { required.site() }.check()
+        let answers = [
+            (&GATE_POINTING, has_pointing || has_name || self.indi.is_some()),
+            (&GATE_EXPOSURE, config.exposure.duration.is_some() || self.stdin.is_some()),
+            // The site may come from an INDI server.
+            (&SITE, self.indi.is_some() || config.has_viewpoint()),
+        ];
+        GateArguments::HELP.check(config, &answers)
     }
 }
 

@@ -6,20 +6,28 @@ use clap::ValueEnum;
 use clap::{Args, Subcommand};
 use streakcast::config::{Config, LightConfig, RunConfig, SiteConfig};
 
+use crate::help::{Typed, help};
+
 #[derive(Args)]
 pub struct MapArguments {
     #[command(subcommand)]
     pub verb: MapVerb,
 }
 
+help! {
+    MapArguments, "map",
+    "sky --model starlink-v1.5 --sun-altitude-deg=-15 --step-deg 5",
+    "body --model visorsat --sun-latitude-deg 20 --step-deg 5"
+}
+
 #[derive(Subcommand)]
 pub enum MapVerb {
     /// Map the magnitude at 1000 km over the directions below a satellite
-    Body(Box<MapBodyArguments>),
+    Body(Typed<MapBodyArguments>),
     /// Map the apparent magnitude over the sky of a site, for satellites at one height
-    Sky(Box<MapSkyArguments>),
+    Sky(Typed<MapSkyArguments>),
     /// Draw the twelve maps of figures 6 to 9 of Lu (2024) as four pictures
-    Paper(Box<MapPaperArguments>),
+    Paper(Typed<MapPaperArguments>),
 }
 
 /// Options of the magnitudes and of the run.
@@ -78,6 +86,12 @@ pub struct MapBodyArguments {
     pub output: MapOutputArguments,
 }
 
+help! {
+    MapBodyArguments, "map body",
+    "--model visorsat --sun-latitude-deg 20 --step-deg 5",
+    "--model visorsat --sun-latitude-deg 20 --picture body.png"
+}
+
 /// Parameters of a map over the sky of a site.
 #[derive(Args)]
 pub struct SkyViewArguments {
@@ -113,6 +127,12 @@ pub struct MapSkyArguments {
     pub output: MapOutputArguments,
 }
 
+help! {
+    MapSkyArguments, "map sky",
+    "--model visorsat --sun-altitude-deg=-15 --step-deg 5",
+    "--model visorsat --sun-altitude-deg=-15 --site Paranal --picture sky.png"
+}
+
 /// Format of the pictures.
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum PictureName {
@@ -134,6 +154,8 @@ pub struct MapPaperArguments {
     #[command(flatten)]
     pub light: LightArguments,
 }
+
+help! { MapPaperArguments, "map paper", "-o figures", "-o figures --format svg" }
 
 impl LightArguments {
     /// Returns the configuration of these flags and a site, with omitted keys taken from the configuration file.

@@ -39,9 +39,9 @@ const SKY_ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: MapArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
-        MapVerb::Body(typed) => body(*typed),
-        MapVerb::Sky(typed) => sky(*typed),
-        MapVerb::Paper(typed) => pictures::paper(*typed),
+        MapVerb::Body(typed) => typed.run(body),
+        MapVerb::Sky(typed) => typed.run(sky),
+        MapVerb::Paper(typed) => typed.run(pictures::paper),
     }
 }
 

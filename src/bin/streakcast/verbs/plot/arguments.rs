@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use streakcast::config::{Config, ExposureConfig, LightConfig, Quantity, RulesConfig, norad_id, parse_night};
 use streakcast::plot::{FileOptions, PictureSize};
 
+use crate::help::{Typed, examples, help};
 use crate::local_time::ZoneArguments;
 use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
 
@@ -20,32 +21,36 @@ pub struct PlotArguments {
     pub verb: Option<PlotVerb>,
 }
 
+help! { PlotArguments, "plot", "--list", "body --model visorsat --sun-latitude-deg 20 -o body.png" }
+
 #[derive(Subcommand)]
 pub enum PlotVerb {
     /// Plot a timeline of a night: streaked exposures, coloured by the brightest streak
-    Night(Box<PlotNightArguments>),
+    Night(Typed<PlotNightArguments>),
     /// Plot the streaks in a field (gnomonic, north up, east left), with entry, exit and magnitude
-    Field(Box<PlotFieldArguments>),
+    Field(Typed<PlotFieldArguments>),
     /// Plot the magnitude along a track with its error, and the interval inside the field
-    LightCurve(Box<PlotLightCurveArguments>),
+    LightCurve(Typed<PlotLightCurveArguments>),
     /// Plot passes of a forecast over the sky of their site, from rise to set, with times and magnitudes
-    SkyChart(Box<PlotSkyChartArguments>),
+    SkyChart(Typed<PlotSkyChartArguments>),
     /// Plot the expected number of streaks per exposure over the sky of a site
-    SkyRate(Box<PlotSkyRateArguments>),
+    SkyRate(Typed<PlotSkyRateArguments>),
     /// Plot trails per exposure against the Sun's altitude, for a schedule or for a grid over the sky during a night
-    SunAltitude(Box<PlotSunAltitudeArguments>),
+    SunAltitude(Typed<PlotSunAltitudeArguments>),
     /// Plot magnitudes over the sky of a site, for satellites at one height
-    Sky(Box<PlotSkyArguments>),
+    Sky(Typed<PlotSkyArguments>),
     /// Plot magnitudes at 1000 km over the directions around a satellite
-    Body(Box<PlotBodyArguments>),
+    Body(Typed<PlotBodyArguments>),
     /// Plot the posterior of a fit: each parameter, and each pair of parameters
-    Corner(Box<PlotCornerArguments>),
+    Corner(Typed<PlotCornerArguments>),
     /// Plot observed minus computed magnitudes against the angles of the geometry
-    Residuals(Box<PlotResidualsArguments>),
+    Residuals(Typed<PlotResidualsArguments>),
     /// Plot a histogram of observed minus computed magnitudes
-    Histogram(Box<PlotResidualsArguments>),
+    #[command(after_help = examples("plot histogram", ["--from pixels.ecsv --model visorsat -o histogram.png", "--from points.ecsv --model fitted.json -o histogram.svg"]))]
+    Histogram(Typed<PlotResidualsArguments>),
     /// Plot observed and computed magnitudes against the phase angle
-    PhaseCurve(Box<PlotResidualsArguments>),
+    #[command(after_help = examples("plot phase-curve", ["--from pixels.ecsv --model visorsat -o phase.png", "--from points.ecsv --model fitted.json -o phase.svg"]))]
+    PhaseCurve(Typed<PlotResidualsArguments>),
 }
 
 /// Outputs: pictures and their data.
@@ -109,6 +114,12 @@ pub struct PlotNightArguments {
     pub picture: PictureArguments,
 }
 
+help! {
+    PlotNightArguments, "plot night",
+    "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o night.png",
+    "--from night-data.ecsv -o night.svg"
+}
+
 #[derive(Args)]
 pub struct PlotFieldArguments {
     /// Input table: output of passes (CSV, ECSV or JSON)
@@ -117,8 +128,8 @@ pub struct PlotFieldArguments {
     #[command(flatten)]
     pub exposure: ExposureConfig,
     /// Include crossings of satellites in the Earth's shadow
-    #[arg(long)]
-    pub include_dark: bool,
+    #[arg(long, num_args = 0, default_missing_value = "true")]
+    pub include_dark: Option<bool>,
     /// Draw only streaks with a peak brighter than this
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<f64>,
@@ -128,6 +139,12 @@ pub struct PlotFieldArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+help! {
+    PlotFieldArguments, "plot field",
+    "--start 2024-08-14T03:30:00Z --exposure 30s --ra 280 --dec=-30 --shells oneweb --mpc X05 --fov 9deg -o field.png",
+    "--from passes.csv -o field.svg"
 }
 
 #[derive(Args)]
@@ -158,6 +175,12 @@ pub struct PlotLightCurveArguments {
     pub picture: PictureArguments,
 }
 
+help! {
+    PlotLightCurveArguments, "plot light-curve",
+    "--start 2024-08-14T00:00:00Z --exposure 30s --ra 210 --dec=-30 --elements active.tle --mpc X05 --fov 9deg -o curve.png",
+    "--from curves.ecsv -o curve.svg"
+}
+
 #[derive(Args)]
 pub struct PlotSkyChartArguments {
     /// Input table: output of forecast (--light-curves, or JSON with --samples N)
@@ -179,6 +202,12 @@ pub struct PlotSkyChartArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+help! {
+    PlotSkyChartArguments, "plot sky-chart",
+    "--from curves.ecsv -o chart.png",
+    "--from curves.ecsv --norad 25544 --time-zone Europe/Vienna -o chart.svg"
 }
 
 #[derive(Args)]
@@ -230,6 +259,12 @@ pub struct PlotSkyRateArguments {
     pub picture: PictureArguments,
 }
 
+help! {
+    PlotSkyRateArguments, "plot sky-rate",
+    "--start 2024-08-14T00:00:00Z --exposure 30s --shells oneweb --mpc X05 --fov 3.5deg --nside 4 --repeats 5 -o rate.png",
+    "--from rate-data.ecsv -o rate.svg"
+}
+
 #[derive(Args)]
 pub struct PlotSunAltitudeArguments {
     /// Schedule with the exposures; a grid over the sky for a night if omitted
@@ -266,6 +301,12 @@ pub struct PlotSunAltitudeArguments {
     pub picture: PictureArguments,
 }
 
+help! {
+    PlotSunAltitudeArguments, "plot sun-altitude",
+    "--schedule night.csv --elements active.tle --mpc X05 --telescope rubin -o trails.png",
+    "--from night-data.ecsv -o trails.svg"
+}
+
 #[derive(Args)]
 pub struct PlotSkyArguments {
     #[command(flatten)]
@@ -274,12 +315,24 @@ pub struct PlotSkyArguments {
     pub picture: PictureArguments,
 }
 
+help! {
+    PlotSkyArguments, "plot sky",
+    "--model visorsat --sun-altitude-deg=-15 -o sky.png",
+    "--model visorsat --sun-altitude-deg=-15 --site Paranal --no-data -o sky.svg"
+}
+
 #[derive(Args)]
 pub struct PlotBodyArguments {
     #[command(flatten)]
     pub view: BodyViewArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+help! {
+    PlotBodyArguments, "plot body",
+    "--model visorsat --sun-latitude-deg 20 -o body.png",
+    "--model visorsat --sun-latitude-deg 20 --no-data -o body.svg"
 }
 
 #[derive(Args)]
@@ -302,6 +355,12 @@ pub struct PlotCornerArguments {
     pub picture: PictureArguments,
 }
 
+help! {
+    PlotCornerArguments, "plot corner",
+    "--chains chains.ecsv -o corner.png",
+    "--chains chains.ecsv --parameters c1,c2 -o corner.svg"
+}
+
 #[derive(Args)]
 pub struct PlotResidualsArguments {
     /// Input table: output of fit reduce, with or without --raw-points (CSV, ECSV or JSON)
@@ -319,4 +378,10 @@ pub struct PlotResidualsArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
+}
+
+help! {
+    PlotResidualsArguments, "plot residuals",
+    "--from pixels.ecsv --model visorsat -o residuals.png",
+    "--from points.ecsv --model fitted.json -o residuals.svg"
 }

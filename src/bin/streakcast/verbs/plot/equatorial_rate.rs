@@ -6,7 +6,9 @@ use std::collections::BTreeSet;
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Config, Quantity, parse_duration_s, parse_exposure_s, state_scales, time_range};
+use streakcast::config::{
+    Config, EXPOSURE, Quantity, SITE, parse_duration_s, parse_exposure_s, state_scales, time_range,
+};
 use streakcast::frames::{Direction, Horizontal, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_cell, ring_centre_rad};
 use streakcast::output::{Column, Kind, Provenance, Table};
@@ -53,7 +55,7 @@ pub fn compute(
     notices: &Notices,
 ) -> anyhow::Result<(Table, Provenance)> {
     let exposure = config.exposure.duration.as_ref().map(Quantity::as_str);
-    let exposure = exposure.ok_or_else(|| anyhow!("missing exposure time; specify --exposure 30s"))?;
+    let exposure = exposure.ok_or_else(|| EXPOSURE.missing())?;
     let duration_s = parse_exposure_s(exposure)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
@@ -95,11 +97,7 @@ pub fn compute(
             limit_mag: typed.limit_mag,
         };
         let counts = prepared.sky.streak_counts(&request)?;
-        let observer = prepared
-            .sky
-            .viewpoint()
-            .site()
-            .ok_or_else(|| anyhow!("missing site; specify --site, --mpc, or --lat and --lon"))?;
+        let observer = prepared.sky.viewpoint().site().ok_or_else(|| SITE.missing())?;
         for (moment, all) in moments.iter().zip(&counts.by_moment) {
             let from_horizon =
                 observer.state(&prepared.sky.orientation_over(*moment, *moment).at_s(0.0)).horizon.inverse();

@@ -10,18 +10,19 @@ use streakcast::plot::{FARTHEST_FIELD_DEG, FieldChart, FieldStreak, Picture, fie
 
 use super::arguments::PlotFieldArguments;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, check};
 use crate::start::begin;
-use crate::verbs::passes::predict;
+use crate::verbs::passes::{PassesArguments, predict};
 
 use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
-use super::target::{Target, required};
+use super::target::{self, Target};
 
 /// Number of points of the outline of a circle.
 const CIRCLE_POINTS: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
-    let include_dark = typed.include_dark.then_some(true);
+    let include_dark = typed.include_dark;
     let mut flags = Config { exposure: typed.exposure, include_dark, ..typed.config };
     if typed.from.is_some() {
         // The field of the table has precedence over that of the home file.
@@ -46,7 +47,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
         )?;
         return Ok(outcome(&columns));
     }
-    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
+    check(&config, PassesArguments::HELP.asks, &[target::picture(&typed.picture)])?;
     let target = Target::new(&typed.picture)?;
     let field = config.field_of_view()?;
     check_size(&field)?;

@@ -12,14 +12,15 @@ use streakcast::plot::{LightCurve, Picture, light_curve};
 
 use super::arguments::PlotLightCurveArguments;
 use crate::failure::Outcome;
+use crate::help::{VerbFlags, check};
 use crate::start::begin;
 use crate::verbs::map::site_of;
-use crate::verbs::passes::{Prediction, predict};
+use crate::verbs::passes::{PassesArguments, Prediction, predict};
 
 use super::clock::Clock;
 use super::columns::Columns;
 use super::curves::{Curve, SECTIONS, SYNTHETIC, curves, shells_caption};
-use super::target::{Target, required};
+use super::target::{self, Target};
 
 /// Number of points along a track.
 const POINTS: usize = 400;
@@ -78,7 +79,7 @@ pub fn run(mut typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let clock = Clock::new(typed.zone.or_of(&config)?, site.as_ref());
-    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
+    check(&config, PassesArguments::HELP.asks, &[target::picture(&typed.picture)])?;
     typed.limit_mag = typed.limit_mag.or(config.limit_mag()?);
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;

@@ -1,28 +1,29 @@
 //! `plot night`: plots a timeline of a night with its streaked exposures.
 
-use streakcast::config::Config;
+use streakcast::config::{Config, FIELD, RequiredInput, SATELLITES, SITE};
 use streakcast::geometry::Observer;
 use streakcast::output::counted;
 use streakcast::plot::{NightTimeline, Picture, night_timeline};
 
 use super::arguments::PlotNightArguments;
 use crate::failure::Outcome;
+use crate::help::check;
 use crate::start::begin;
 use crate::verbs::map::site_of;
 
 use super::clock::{Clock, sun_over};
 use super::columns::{Columns, place_and_time};
 use super::exposures::{Nights, compute, of_flags};
-use super::target::{Target, required};
+use super::target::{self, Target};
+
+const SCHEDULE: RequiredInput = RequiredInput::new("schedule", &[&["--schedule FILE"], &["--from FILE"]]);
 
 pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     let flags = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_configuration_file()?;
     let config = flags.clone().with_home_file()?;
     if typed.from.is_none() {
-        let has_schedule = typed.schedule.is_some();
-        let inputs =
-            required(&config, &typed.picture).input(has_schedule, "schedule", "--schedule FILE, or --from FILE");
-        inputs.satellites().site().field().check()?;
+        let answers = [target::picture(&typed.picture), (&SCHEDULE, typed.schedule.is_some())];
+        check(&config, &[&SATELLITES, &SITE, &FIELD], &answers)?;
     }
     let notices = begin(&config)?;
     let target = match &typed.from {
@@ -50,7 +51,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
                 Some((exposures.table, exposures.provenance)),
             )
         }
-        (None, None) => anyhow::bail!("missing schedule; specify --schedule FILE or --from FILE"),
+        (None, None) => return Err(SCHEDULE.missing().into()),
     };
     if site.is_none() {
         notices.warn(&["no site is given, and the table has none: twilight and local time are not drawn; specify --site, --mpc, or --lat and --lon"

@@ -13,18 +13,20 @@ use crate::verbs::map::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
 
 pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
-        Some(PlotVerb::Night(typed)) => super::night::run(*typed),
-        Some(PlotVerb::Field(typed)) => super::field::run(*typed),
-        Some(PlotVerb::LightCurve(typed)) => super::light_curve::run(*typed),
-        Some(PlotVerb::SkyChart(typed)) => super::sky_chart::run(*typed),
-        Some(PlotVerb::SkyRate(typed)) => super::sky_rate::run(*typed),
-        Some(PlotVerb::SunAltitude(typed)) => super::sun_altitude::run(*typed),
-        Some(PlotVerb::Sky(typed)) => sky(*typed),
-        Some(PlotVerb::Body(typed)) => body(*typed),
-        Some(PlotVerb::Corner(typed)) => super::corner::corner_plot(*typed),
-        Some(PlotVerb::Residuals(typed)) => super::residuals::residual_plot(*typed, Chart::Panels),
-        Some(PlotVerb::Histogram(typed)) => super::residuals::residual_plot(*typed, Chart::Histogram),
-        Some(PlotVerb::PhaseCurve(typed)) => super::residuals::residual_plot(*typed, Chart::PhaseCurve),
+        Some(PlotVerb::Night(typed)) => typed.run(super::night::run),
+        Some(PlotVerb::Field(typed)) => typed.run(super::field::run),
+        Some(PlotVerb::LightCurve(typed)) => typed.run(super::light_curve::run),
+        Some(PlotVerb::SkyChart(typed)) => typed.run(super::sky_chart::run),
+        Some(PlotVerb::SkyRate(typed)) => typed.run(super::sky_rate::run),
+        Some(PlotVerb::SunAltitude(typed)) => typed.run(super::sun_altitude::run),
+        Some(PlotVerb::Sky(typed)) => typed.run(sky),
+        Some(PlotVerb::Body(typed)) => typed.run(body),
+        Some(PlotVerb::Corner(typed)) => typed.run(super::corner::corner_plot),
+        Some(PlotVerb::Residuals(typed)) => typed.run(|typed| super::residuals::residual_plot(typed, Chart::Panels)),
+        Some(PlotVerb::Histogram(typed)) => typed.run(|typed| super::residuals::residual_plot(typed, Chart::Histogram)),
+        Some(PlotVerb::PhaseCurve(typed)) => {
+            typed.run(|typed| super::residuals::residual_plot(typed, Chart::PhaseCurve))
+        }
         None => list(),
     }
 }

@@ -3,7 +3,9 @@
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Config, ExposureConfig, PreparedSky, parse_duration_s, parse_exposure_s};
+use streakcast::config::{
+    Config, EXPOSURE, ExposureConfig, FIELD, PreparedSky, SATELLITES, SITE, START, parse_duration_s, parse_exposure_s,
+};
 use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, Horizontal, mjd_utc, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
@@ -13,12 +15,13 @@ use streakcast::plot::{Picture, SkyRate, sky_rate};
 
 use super::arguments::PlotSkyRateArguments;
 use crate::failure::Outcome;
+use crate::help::check;
 use crate::start::begin;
 
 use super::columns::Columns;
 use super::equatorial_rate;
 use super::equatorial_rate::{BRIGHT, Rates, STREAKS, missing_statement};
-use super::target::{Target, required};
+use super::target::{self, Target};
 
 /// Verb that writes the tables of this map, for errors.
 const WRITER: &str = "plot sky-rate";
@@ -55,8 +58,8 @@ pub fn run(mut typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&drawn, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
-    let inputs = required(&config, &typed.picture).satellites().site().field();
-    if typed.equatorial { inputs } else { inputs.times() }.check()?;
+    let times = if typed.equatorial { &[][..] } else { &[&START, &EXPOSURE] };
+    check(&config, &[&[&SATELLITES, &SITE, &FIELD], times].concat(), &[target::picture(&typed.picture)])?;
     typed.limit_mag = typed.limit_mag.or(config.limit_mag()?);
     let target = Target::new(&typed.picture)?;
     if !(1..=MAX_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
@@ -124,11 +127,10 @@ pub fn run(mut typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
 
 /// Returns start and exposure time for the exposures of a grid.
 pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
-    let missing = |what: &str| anyhow!("missing {what}; specify --start 2024-08-14T00:30:00Z --exposure 30s");
     let ExposureConfig { start, duration, .. } = &config.exposure;
-    let start = start.as_ref().ok_or_else(|| missing("start"))?;
+    let start = start.as_ref().ok_or_else(|| START.missing())?;
     let start = parse_moment(start.as_str(), config.time_scale()?)?;
-    let duration = duration.as_ref().ok_or_else(|| missing("exposure time"))?;
+    let duration = duration.as_ref().ok_or_else(|| EXPOSURE.missing())?;
     Ok((start, parse_exposure_s(duration.as_str())?))
 }
 

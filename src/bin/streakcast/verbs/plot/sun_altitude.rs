@@ -1,9 +1,11 @@
 //! `plot sun-altitude`: plots trails per exposure against the Sun's altitude, for a schedule or a grid over the sky.
 
-use anyhow::{anyhow, bail};
+use anyhow::bail;
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Config, ExposureConfig, parse_duration_s, state_scales};
+use streakcast::config::{
+    Config, EXPOSURE, ExposureConfig, FIELD, SATELLITES, SITE, START, parse_duration_s, state_scales,
+};
 use streakcast::frames::seconds_after;
 use streakcast::output::{Column, Kind, Provenance, Table};
 use streakcast::passes::CountRequest;
@@ -11,6 +13,7 @@ use streakcast::plot::{Picture, SunAltitude, sun_altitude};
 
 use super::arguments::PlotSunAltitudeArguments;
 use crate::failure::Outcome;
+use crate::help::check;
 use crate::notices::Notices;
 use crate::start::begin;
 use crate::verbs::map::site_of;
@@ -18,7 +21,7 @@ use crate::verbs::map::site_of;
 use super::columns::Columns;
 use super::exposures::compute;
 use super::sky_rate::{cells_above, start_and_length};
-use super::target::{Target, required};
+use super::target::{self, Target};
 
 /// HEALPix resolution of the grid. Cells are 14.7° wide, and 48 cells are above 30°.
 const NSIDE: u32 = 4;
@@ -65,13 +68,12 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&drawn, &columns.provenance(), &notices)?;
         return Ok(Outcome::Done);
     }
-    let inputs = required(&config, &typed.picture).satellites().site().field();
-    if typed.schedule.is_some() { inputs } else { inputs.times() }.check()?;
+    let times = if typed.schedule.is_some() { &[][..] } else { &[&START, &EXPOSURE] };
+    check(&config, &[&[&SATELLITES, &SITE, &FIELD], times].concat(), &[target::picture(&typed.picture)])?;
     let target = Target::new(&typed.picture)?;
     let (table, provenance) = match &typed.schedule {
         Some(schedule) => {
-            let site =
-                site_of(&config)?.ok_or_else(|| anyhow!("missing site; specify --site, --mpc, or --lat and --lon"))?;
+            let site = site_of(&config)?.ok_or_else(|| SITE.missing())?;
             let exposures = compute(&config, schedule, Some(&site), &config.eop_table()?)?;
             (exposures.table, exposures.provenance)
         }

@@ -5,14 +5,13 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
-use streakcast::config::Config;
+use streakcast::config::RequiredInput;
 use streakcast::output::{Provenance, Section, Table};
 use streakcast::plot::{FileOptions, Picture, PictureFormat};
 
 use super::arguments::PictureArguments;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult, check, write_bytes};
-use crate::required::Required;
 use crate::screen::Style;
 
 /// Output files. They are checked before the computation.
@@ -41,7 +40,7 @@ impl Target {
 
     fn with_data(typed: &PictureArguments, has_data: bool) -> anyhow::Result<Self> {
         if typed.output.is_empty() {
-            bail!("missing picture; specify -o FILE");
+            return Err(PICTURE.missing().into());
         }
         let mut pictures: Vec<(PathBuf, PictureFormat)> = Vec::new();
         for path in &typed.output {
@@ -115,16 +114,18 @@ pub fn data_path(picture: &Path) -> PathBuf {
     picture.with_file_name(format!("{stem}-data.ecsv"))
 }
 
-/// Returns a check of required inputs, of which a picture is the first.
-pub fn required<'a>(config: &'a Config, typed: &PictureArguments) -> Required<'a> {
-    Required::new(config).input(!typed.output.is_empty(), "picture", "-o FILE")
+const PICTURE: RequiredInput = RequiredInput::new("picture", &[&["-o FILE"]]);
+
+/// Returns the required input of all plots, and whether it is given.
+pub fn picture(typed: &PictureArguments) -> (&'static RequiredInput, bool) {
+    (&PICTURE, !typed.output.is_empty())
 }
 
 /// Returns the path of the picture, for plots that write only one.
 pub fn only(typed: &PictureArguments) -> anyhow::Result<PathBuf> {
     match typed.output.as_slice() {
         [path] => Ok(path.clone()),
-        [] => Err(anyhow!("missing picture; specify -o FILE")),
+        [] => Err(PICTURE.missing().into()),
         _ => Err(anyhow!("-o is given more than once; allowed: once, because this plot writes one picture")),
     }
 }

@@ -24,6 +24,7 @@ use streakcast::schedule::{Schedule, night_of};
 use super::lu2024::{self, Lu2024Arguments};
 
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, Style, rounded, shown};
@@ -64,6 +65,8 @@ pub struct ReproduceArguments {
     #[command(flatten)]
     pub output: OutputArguments,
 }
+
+help! { ReproduceArguments, "reproduce", "bassa2022", "hu2022 --schedule baseline.db --time-scale utc" }
 
 const ON_SCREEN: &[Shown] = &[
     shown("quantity", "quantity"),
@@ -212,7 +215,7 @@ fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::
     let rows: Vec<Vec<Reproduced>> = HU2022
         .iter()
         .map(|(name, _)| {
-            let with_shells = Config { shells: vec![(*name).to_owned()], ..config.clone() };
+            let with_shells = Config { shells: vec![(*name).to_owned().into()], ..config.clone() };
             let prepared = with_shells.prepare(first, last)?;
             Ok(hu2022(name, &prepared.sky, exposures, &field, is_first_visits, &assumed)?)
         })

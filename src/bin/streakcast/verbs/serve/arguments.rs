@@ -5,8 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use streakcast::config::{Config, RulesConfig};
+use streakcast::config::{Config, FIELD, RulesConfig, SATELLITES, SITE};
 
+use crate::help::help;
 use crate::local_time::ZoneArguments;
 
 #[derive(Args)]
@@ -33,6 +34,12 @@ pub struct ServeArguments {
     pub rules: RulesConfig,
     #[command(flatten)]
     pub config: Config,
+}
+
+help! {
+    ServeArguments, "serve", asks [SATELLITES, SITE, FIELD],
+    "--elements active.tle --mpc X05 --telescope rubin",
+    "--schedule night.csv --shells oneweb --mpc X05 --fov 3.5deg --bind 0.0.0.0:8642 --token-file token.txt"
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {

@@ -24,9 +24,9 @@ use super::workers::{ResponseCache, WorkerPool};
 use crate::clock;
 use crate::failure::Outcome;
 use crate::files::readable_by_others;
+use crate::help::VerbFlags;
 use crate::local_time::LocalTime;
 use crate::notices::Notices;
-use crate::required::Required;
 use crate::start::begin;
 use crate::verbs::schedule_verdicts::{self, Part, RowJudge};
 
@@ -37,7 +37,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let time_zone = typed.zone.or_of(&config)?;
     let token = Token::from_arguments(&typed)?;
-    Required::new(&config).satellites().site().field().check()?;
+    ServeArguments::HELP.check(&config, &[])?;
     let notices = begin(&config)?;
     notices.warn(&typed.token_file.as_deref().and_then(|path| readable_by_others("token", path)));
     let plan = config.observation()?;

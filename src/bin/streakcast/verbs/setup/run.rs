@@ -15,6 +15,7 @@ use super::towns::{Town, Towns};
 use crate::cache::cache_folder;
 use crate::clock::{now, zone_remark};
 use crate::failure::Outcome;
+use crate::help::help;
 use crate::home;
 use crate::local_time::local_time;
 use crate::notices::Notices;
@@ -50,6 +51,12 @@ pub struct SetupArguments {
     /// Suppress everything except errors on standard error
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+help! {
+    SetupArguments, "setup",
+    "--place Vienna --camera 1.5x1.0deg --limit-mag 7",
+    "--place=-30.24,-70.75,2663 --elements active.tle --force"
 }
 
 /// Exposure time without the flag; without a camera it is not written into the home file.
