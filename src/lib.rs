@@ -74,7 +74,7 @@ mod units;
 mod watch;
 
 pub use elements::Satellites;
-pub use error::Error;
+pub use error::{Error, ErrorKind};
 pub use geometry::Site;
 pub use hifitime;
 pub use passes::{Exposure, Field, Pass, Sky};
