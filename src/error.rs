@@ -1,6 +1,5 @@
 //! The error type of the crate, its constructors and its places.
 
-use std::borrow::Cow;
 use std::error::Error as StdError;
 use std::fmt::{self, Display};
 use std::path::{Path, PathBuf};
@@ -53,8 +52,10 @@ pub struct Error(Arc<Inner>);
 struct Inner {
     kind: ErrorKind,
     place: Place,
-    problem: Problem,
-    allowed: Option<Cow<'static, str>>,
+    sentence: Sentence,
+    what: Option<String>,
+    given: Option<Quoted>,
+    allowed: Option<String>,
     source: Option<Arc<dyn StdError + Send + Sync>>,
 }
 
@@ -67,86 +68,98 @@ struct Place {
     hdu: Option<usize>,
 }
 
-/// Sentence of an error without its place and the accepted values.
+/// Sentence of an error, between its place and the accepted values.
 #[derive(Clone)]
-enum Problem {
-    Is { what: Cow<'static, str>, given: Quoted },
-    Unknown { what: Cow<'static, str>, given: Quoted },
-    Missing { what: Cow<'static, str> },
+enum Sentence {
+    /// `WHAT is GIVEN`
+    Is,
+    /// `unknown WHAT "GIVEN"`
+    Unknown,
+    /// `invalid WHAT 'GIVEN'`
+    Malformed,
+    /// `missing WHAT`
+    Missing,
     /// Sentence whose subject is the file of the place.
     OfFile(String),
     Text(String),
 }
 
+/// Constructors. Each adds `; allowed: ALLOWED` to its message, or `; specify ALLOWED` if a value is missing.
 impl Error {
-    fn from_parts(kind: ErrorKind, problem: Problem) -> Self {
-        Self(Arc::new(Inner { kind, place: Place::default(), problem, allowed: None, source: None }))
+    fn of_value(kind: ErrorKind, sentence: Sentence, what: impl Into<String>) -> Self {
+        let mut error = Self::of_sentence(kind, sentence);
+        error.inner().what = Some(what.into());
+        error
+    }
+
+    fn of_sentence(kind: ErrorKind, sentence: Sentence) -> Self {
+        let place = Place::default();
+        Self(Arc::new(Inner { kind, place, sentence, what: None, given: None, allowed: None, source: None }))
     }
 
     /// Creates an error from a sentence.
-    pub(crate) fn new(kind: ErrorKind, problem: impl Into<String>) -> Self {
-        Self::from_parts(kind, Problem::Text(problem.into()))
+    pub(crate) fn new(kind: ErrorKind, sentence: impl Into<String>) -> Self {
+        Self::of_sentence(kind, Sentence::Text(sentence.into()))
     }
 
-    /// Creates the error `WHAT is GIVEN; allowed: ALLOWED`.
-    pub(crate) fn invalid(
-        what: impl Into<Cow<'static, str>>,
-        given: impl Display,
-        allowed: impl Into<Cow<'static, str>>,
-    ) -> Self {
+    /// Creates the error `WHAT is GIVEN`.
+    pub(crate) fn invalid(what: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
         let given = Quoted::statement(&given.to_string());
-        Self::from_parts(ErrorKind::Invalid, Problem::Is { what: what.into(), given }).allowing(allowed)
+        Self::of_value(ErrorKind::Invalid, Sentence::Is, what).with_given(given).allowing(allowed)
     }
 
-    /// Creates the error `unknown WHAT "GIVEN"; allowed: ALLOWED`.
-    pub(crate) fn unknown(
-        what: impl Into<Cow<'static, str>>,
-        given: &str,
-        allowed: impl Into<Cow<'static, str>>,
-    ) -> Self {
-        let given = Quoted::new(given);
-        Self::from_parts(ErrorKind::Invalid, Problem::Unknown { what: what.into(), given }).allowing(allowed)
+    /// Creates the error `unknown WHAT "GIVEN"`.
+    pub(crate) fn unknown(what: impl Into<String>, given: &str, allowed: impl Into<String>) -> Self {
+        let error = Self::of_value(ErrorKind::Invalid, Sentence::Unknown, what);
+        error.with_given(Quoted::new(given)).allowing(allowed)
     }
 
-    /// Creates the error `missing WHAT; specify ALLOWED`.
-    pub(crate) fn missing(what: impl Into<Cow<'static, str>>, allowed: impl Into<Cow<'static, str>>) -> Self {
-        Self::from_parts(ErrorKind::Missing, Problem::Missing { what: what.into() }).allowing(allowed)
+    /// Creates the error `invalid WHAT 'GIVEN'`, of a text in an invalid form.
+    pub(crate) fn malformed(what: impl Into<String>, given: &str, allowed: impl Into<String>) -> Self {
+        let error = Self::of_value(ErrorKind::Invalid, Sentence::Malformed, what);
+        error.with_given(Quoted::new(given)).allowing(allowed)
     }
 
-    /// Creates the error of a file whose content is invalid.
-    pub(crate) fn format(problem: impl Into<String>) -> Self {
-        Self::new(ErrorKind::Format, problem)
+    /// Creates the error `missing WHAT`.
+    pub(crate) fn missing(what: impl Into<String>, allowed: impl Into<String>) -> Self {
+        Self::of_value(ErrorKind::Missing, Sentence::Missing, what).allowing(allowed)
     }
 
-    /// Creates the error `PURPOSE PATH PROBLEM`, of a file whose content is invalid, such as `schedule x.csv is empty`.
-    pub(crate) fn about_file(purpose: &str, path: impl Into<PathBuf>, problem: impl Into<String>) -> Self {
-        Self::from_parts(ErrorKind::Format, Problem::OfFile(problem.into())).in_file(purpose, path)
+    /// Creates the error of invalid content of a file.
+    pub(crate) fn format(sentence: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Format, sentence)
     }
 
-    /// Creates the error `cannot ACTION PATH: SOURCE`.
-    pub(crate) fn cannot(action: &str, path: impl Into<PathBuf>, source: std::io::Error) -> Self {
-        Self::caused(ErrorKind::File, source).in_file(&format!("cannot {action}"), path)
+    /// Creates the error `PURPOSE PATH PREDICATE`, of a file whose content is invalid, such as `schedule x.csv is empty`.
+    pub(crate) fn about_file(purpose: &str, path: impl Into<PathBuf>, predicate: impl Into<String>) -> Self {
+        Self::of_sentence(ErrorKind::Format, Sentence::OfFile(predicate.into())).in_file(purpose, path)
     }
 
-    /// Creates the error of another library, which remains its source.
+    /// Creates an error with the message of another one, which is its source.
     pub(crate) fn caused(kind: ErrorKind, source: impl StdError + Send + Sync + 'static) -> Self {
         let mut error = Self::new(kind, source.to_string());
         error.inner().source = Some(Arc::new(source));
         error
     }
 
+    /// Creates an error with the message of the operating system or of a reader of tables, which is its source.
+    pub(crate) fn system(source: std::io::Error) -> Self {
+        let is_content = source.kind() == std::io::ErrorKind::InvalidData;
+        Self::caused(if is_content { ErrorKind::Format } else { ErrorKind::File }, source)
+    }
+
+    /// Creates the error `cannot ACTION PATH: SOURCE`.
+    pub(crate) fn cannot(action: &str, path: impl Into<PathBuf>, source: std::io::Error) -> Self {
+        Self::system(source).in_file(&format!("cannot {action}"), path)
+    }
+
     /// Returns a function that converts an error of the operating system to the error `PATH: SOURCE`.
     pub(crate) fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
-        move |source| Self::caused(ErrorKind::File, source).in_file("", path)
+        move |source| Self::system(source).in_file("", path)
     }
 
     /// Rejects a number that is outside a range or not finite.
-    pub(crate) fn check_range(
-        what: impl Into<Cow<'static, str>>,
-        given: f64,
-        least: f64,
-        greatest: f64,
-    ) -> Result<(), Self> {
+    pub(crate) fn check_range(what: impl Into<String>, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
         if (least..=greatest).contains(&given) {
             return Ok(());
         }
@@ -158,42 +171,81 @@ impl Error {
     }
 
     /// Adds the accepted values.
-    pub(crate) fn allowing(mut self, allowed: impl Into<Cow<'static, str>>) -> Self {
+    pub(crate) fn allowing(mut self, allowed: impl Into<String>) -> Self {
         self.inner().allowed = Some(allowed.into());
         self
     }
 
-    /// Puts a place before the message. Places that are added later enclose it.
-    pub(crate) fn at(mut self, place: impl Display) -> Self {
-        let inner = &mut self.inner().place.text;
-        *inner = if inner.is_empty() { place.to_string() } else { format!("{place}: {inner}") };
+    /// Adds the given value, which the sentence contains in another form.
+    pub(crate) fn with_given(mut self, given: Quoted) -> Self {
+        self.inner().given = Some(given);
         self
     }
 
-    /// Puts the file before the message, after a word for its purpose such as `schedule`, which may be empty.
+    /// Puts a place before the message. Places that are added later enclose it. An error that names a file is returned
+    /// unchanged.
+    pub(crate) fn at(mut self, place: impl Display) -> Self {
+        if self.file().is_none() {
+            let own = &mut self.inner().place.text;
+            *own = if own.is_empty() { place.to_string() } else { format!("{place}: {own}") };
+        }
+        self
+    }
+
+    /// Puts a file before the message, after a word for its purpose such as `schedule`, which may be empty. An error
+    /// that names a file is returned unchanged.
     pub(crate) fn in_file(self, purpose: &str, path: impl Into<PathBuf>) -> Self {
         let path = path.into();
-        let blank = if purpose.is_empty() { "" } else { " " };
-        let mut error = self.at(format_args!("{purpose}{blank}{}", path.display()));
-        error.inner().place.file = Some(path);
+        self.located(named(purpose, &path), path, None)
+    }
+
+    /// Puts a file, with its purpose, and the number of a line, from 1, before the message.
+    pub(crate) fn in_line(self, purpose: &str, path: impl Into<PathBuf>, line: usize) -> Self {
+        let path = path.into();
+        let joint = if purpose.is_empty() { ": " } else { ", " };
+        self.located(format_args!("{}{joint}line {line}", named(purpose, &path)), path, Some(line))
+    }
+
+    /// Puts a file and the number of an HDU, from 0, before the message.
+    #[cfg(all(feature = "fits", unix))]
+    pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {
+        if self.file().is_some() {
+            return self;
+        }
+        let mut error = self.located(format_args!("{}: HDU {hdu}", path.display()), path, None);
+        error.inner().place.hdu = Some(hdu);
         error
     }
 
-    /// Puts the file and the number of the line, from 1, before the message.
-    pub(crate) fn in_line(self, path: impl Into<PathBuf>, line: usize) -> Self {
-        let mut error = self.at(format_args!("line {line}"));
-        error.inner().place.line = Some(line);
-        error.in_file("", path)
+    /// Puts a place before the message, and states its file and line. An error that names a file is returned unchanged.
+    pub(crate) fn located(self, place: impl Display, path: impl Into<PathBuf>, line: Option<usize>) -> Self {
+        if self.file().is_some() { self } else { self.within(place, path, line) }
     }
 
-    /// Puts the file and the number of the HDU, from 0, before the message.
+    /// Puts the place in a configuration before the message, which may name another file that is mentioned there.
+    pub(crate) fn within(mut self, place: impl Display, path: impl Into<PathBuf>, line: Option<usize>) -> Self {
+        let own = &mut self.inner().place;
+        own.text = if own.text.is_empty() { place.to_string() } else { format!("{place}: {}", own.text) };
+        if own.file.is_none() {
+            (own.file, own.line) = (Some(path.into()), line);
+        }
+        self
+    }
+
+    /// Replaces the file that the message names, for example a temporary one by that of the user.
     #[cfg(all(feature = "fits", unix))]
-    pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {
-        let mut error = self.at(format_args!("HDU {hdu}"));
-        error.inner().place.hdu = Some(hdu);
-        error.in_file("", path)
+    pub(crate) fn of_file(mut self, path: &Path) -> Self {
+        self.inner().place = Place::default();
+        self.in_file("", path)
     }
+}
 
+/// Returns a file and the word for its purpose as text.
+fn named(purpose: &str, path: &Path) -> String {
+    if purpose.is_empty() { path.display().to_string() } else { format!("{purpose} {}", path.display()) }
+}
+
+impl Error {
     /// Returns the kind of the error.
     pub fn kind(&self) -> ErrorKind {
         self.0.kind
@@ -201,18 +253,12 @@ impl Error {
 
     /// Returns the name of the value that is wrong or missing, if the error is about one value.
     pub fn what(&self) -> Option<&str> {
-        match &self.0.problem {
-            Problem::Is { what, .. } | Problem::Unknown { what, .. } | Problem::Missing { what } => Some(what),
-            Problem::OfFile(_) | Problem::Text(_) => None,
-        }
+        self.0.what.as_deref()
     }
 
     /// Returns the given value, shortened and escaped.
     pub fn given(&self) -> Option<&str> {
-        match &self.0.problem {
-            Problem::Is { given, .. } | Problem::Unknown { given, .. } => Some(given.as_str()),
-            Problem::Missing { .. } | Problem::OfFile(_) | Problem::Text(_) => None,
-        }
+        self.0.given.as_ref().map(Quoted::as_str)
     }
 
     /// Returns the accepted values.
@@ -243,20 +289,22 @@ impl Error {
 
 impl Display for Error {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Inner { place, problem, allowed, .. } = &*self.0;
-        let joint = match problem {
-            _ if place.text.is_empty() => "",
-            Problem::OfFile(_) => " ",
+        let (what, given) = (self.what().unwrap_or_default(), self.given().unwrap_or_default());
+        let sentence = match &self.0.sentence {
+            Sentence::Is => format!("{what} is {given}"),
+            Sentence::Unknown => format!("unknown {what} \"{given}\""),
+            Sentence::Malformed => format!("invalid {what} '{given}'"),
+            Sentence::Missing => format!("missing {what}"),
+            Sentence::OfFile(text) | Sentence::Text(text) => text.clone(),
+        };
+        let joint = match self.0.sentence {
+            _ if self.place().is_empty() => "",
+            Sentence::OfFile(_) => " ",
             _ => ": ",
         };
-        let (problem, allowed_follows) = match problem {
-            Problem::Is { what, given } => (format!("{what} is {given}"), "allowed:"),
-            Problem::Unknown { what, given } => (format!("unknown {what} {given:?}"), "allowed:"),
-            Problem::Missing { what } => (format!("missing {what}"), "specify"),
-            Problem::OfFile(text) | Problem::Text(text) => (text.clone(), "allowed:"),
-        };
-        let allowed = allowed.as_ref().map_or_else(String::new, |allowed| format!("; {allowed_follows} {allowed}"));
-        formatter.write_str(&bounded(&printable(&format!("{}{joint}{problem}{allowed}", place.text))))
+        let verb = if matches!(self.0.sentence, Sentence::Missing) { "specify" } else { "allowed:" };
+        let allowed = self.allowed().map_or_else(String::new, |allowed| format!("; {verb} {allowed}"));
+        formatter.write_str(&bounded(&printable(&format!("{}{joint}{sentence}{allowed}", self.place()))))
     }
 }
 
@@ -272,55 +320,27 @@ impl StdError for Error {
     }
 }
 
-/// Converts the errors of modules that have their own type.
-macro_rules! from_module {
-    ($($(#[$cfg:meta])* $error:path,)*) => {
-        $($(#[$cfg])* impl From<$error> for Error {
-            fn from(error: $error) -> Self {
-                Self::caused(ErrorKind::Invalid, error)
-            }
-        })*
-    };
-}
-
-from_module! {
-    crate::config::ConfigError,
-    crate::elements::ElementsError,
-    #[cfg(feature = "fit")]
-    crate::fit::FitError,
-    crate::forecast::ForecastError,
-    crate::frames::FramesError,
-    crate::geometry::GeometryError,
-    crate::identify::IdentifyError,
-    crate::images::ImagesError,
-    crate::learn::LearnError,
-    crate::maps::MapError,
-    crate::measure::MeasureError,
-    crate::orbit::OrbitError,
-    crate::passes::LearnedError,
-    crate::passes::SkyError,
-    crate::photometry::PhotometryError,
-    #[cfg(feature = "plot")]
-    crate::plot::PlotError,
-    crate::schedule::ScheduleError,
-    crate::streaks::StreaksError,
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn messages_have_place_value_and_accepted_values() {
-        let error = Error::invalid("ra_deg", 400.0, "0 to 360 deg").in_line("a.csv", 3);
+        let error = Error::invalid("ra_deg", 400.0, "0 to 360 deg").in_line("", "a.csv", 3);
         assert_eq!(error.to_string(), "a.csv: line 3: ra_deg is 400; allowed: 0 to 360 deg");
         assert_eq!((error.kind(), error.what(), error.given()), (ErrorKind::Invalid, Some("ra_deg"), Some("400")));
-        assert_eq!((error.allowed(), error.file(), error.line()), (Some("0 to 360 deg"), Some("a.csv".as_ref()), Some(3)));
+        assert_eq!(
+            (error.allowed(), error.file(), error.line()),
+            (Some("0 to 360 deg"), Some("a.csv".as_ref()), Some(3))
+        );
         let inner = Error::invalid("PSF", "x", "a FITS image").at("extension PSF").at("psf.fits");
         assert_eq!((inner.place(), inner.file()), ("psf.fits: extension PSF", None));
         assert_eq!(Error::missing("site", "--mpc").to_string(), "missing site; specify --mpc");
         let unknown = Error::unknown("band", "Q\n", "B or V");
-        assert_eq!((unknown.to_string().as_str(), unknown.given()), ("unknown band \"Q\\n\"; allowed: B or V", Some("Q\\n")));
+        assert_eq!(
+            (unknown.to_string().as_str(), unknown.given()),
+            ("unknown band \"Q\\n\"; allowed: B or V", Some("Q\\n"))
+        );
         let empty = Error::about_file("schedule", "a.csv", "is empty").allowing("one row");
         assert_eq!(empty.to_string(), "schedule a.csv is empty; allowed: one row");
         assert_eq!((empty.kind(), empty.what(), empty.given()), (ErrorKind::Format, None, None));

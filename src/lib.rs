@@ -79,4 +79,4 @@ pub use geometry::Site;
 pub use hifitime;
 pub use passes::{Exposure, Field, Pass, Sky};
 pub use schedule::{Policy, Verdict};
-pub use watch::{Interrupted, Watch};
+pub use watch::Watch;

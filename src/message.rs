@@ -20,8 +20,8 @@ pub struct Quoted(String);
 
 impl Quoted {
     /// Shortens and escapes a value.
-    pub fn new(value: &str) -> Self {
-        Self(shortened(value, LONGEST_VALUE))
+    pub fn new(value: impl AsRef<str>) -> Self {
+        Self(shortened(value.as_ref(), LONGEST_VALUE))
     }
 
     /// Shortens and escapes a statement about values, which is longer than one of them.

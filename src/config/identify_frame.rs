@@ -4,28 +4,27 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
-use super::error::ConfigError;
+use super::error::request;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
 use crate::images::{ExposureTime, FrameFile, FrameImages, Header, PixelPosition, Wcs, site_from_headers};
 
 /// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
-pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
+pub(super) fn pixel(text: &str) -> Result<PixelPosition, Error> {
     let numbers = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
     numbers
         .filter(|(x, y): &(f64, f64)| x.is_finite() && y.is_finite())
         .map(|(x, y)| PixelPosition::from_fits(x, y))
         .ok_or_else(|| {
-            ConfigError::invalid(format!(
-                "invalid pixel '{text}'; allowed: X,Y counted from 1, for example 1024.5,2048"
-            ))
+            request(format!("invalid pixel '{text}'")).allowing("X,Y counted from 1, for example 1024.5,2048")
         })
 }
 
 /// Opens a frame, and returns it with `hdu`. Without `hdu` it returns the only image that is not a mask, a weight map
 /// or a variance.
-fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
-    let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
+fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), Error> {
+    let file = FrameFile::open(path)?;
     let images = if hdu.is_some() { FrameImages::default() } else { file.frame_images()? };
     let shown = path.display();
     let hdu = match (hdu, images.frames.as_slice()) {
@@ -33,18 +32,14 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
         (None, [only]) => *only,
         (None, []) => {
             let (given, allowed) = images.no_frame();
-            return Err(ConfigError::invalid(format!(
-                "{shown}: number of images of two axes is {given}; allowed: {allowed}"
-            )));
+            return Err(request(format!("{shown}: number of images of two axes is {given}")).allowing(allowed));
         }
         (None, several) => {
             let (count, first, last) = (several.len(), several[0], several[several.len() - 1]);
-            return Err(ConfigError::invalid(format!(
-                "{shown} contains {count} images; specify one with --hdu {first} to {last}"
-            )));
+            return Err(request(format!("{shown} contains {count} images; specify one with --hdu {first} to {last}")));
         }
     };
-    file.image_size(hdu).map_err(ConfigError::Frame)?;
+    file.image_size(hdu)?;
     Ok((file, hdu))
 }
 
@@ -54,7 +49,7 @@ pub(super) fn clipped(
     path: &Path,
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
-) -> Result<[PixelPosition; 2], ConfigError> {
+) -> Result<[PixelPosition; 2], Error> {
     let (file, hdu) = image(path, hdu)?;
     let [rows, columns] = file.image_size(hdu)?;
     let [from, to] = pixels;
@@ -86,9 +81,9 @@ pub(super) fn ends(
     path: &Path,
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
-) -> Result<([Direction<Gcrs>; 2], f64), ConfigError> {
+) -> Result<([Direction<Gcrs>; 2], f64), Error> {
     let (file, hdu) = image(path, hdu)?;
-    let fail = |error: String| ConfigError::invalid(format!("{}: HDU {hdu}: {error}", path.display()));
+    let fail = |error: String| request(format!("{}: HDU {hdu}: {error}", path.display()));
     let [rows, columns] = file.image_size(hdu)?;
     let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| fail(error.to_string()))?;
     let sky_position = |pixel: PixelPosition| {
@@ -119,13 +114,13 @@ pub(super) fn exposure(
     hdu: Option<usize>,
     start: Option<Epoch>,
     duration_s: Option<f64>,
-) -> Result<(Epoch, f64), ConfigError> {
+) -> Result<(Epoch, f64), Error> {
     if let (Some(start), Some(duration_s)) = (start, duration_s) {
         return Ok((start, duration_s));
     }
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{}: {error}", path.display()));
+    let fail = |error: &dyn std::fmt::Display| request(format!("{}: {error}", path.display()));
     let duration_s =
         duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(|error| fail(&error))?;
     let start = start
@@ -135,8 +130,8 @@ pub(super) fn exposure(
 }
 
 /// Returns the site in the header of a frame; `None` if it has none.
-pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<Site>, ConfigError> {
+pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<Site>, Error> {
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    site_from_headers(&headers).map_err(|error| ConfigError::Frame(error.at(path.display())))
+    site_from_headers(&headers).map_err(|error| error.at(path.display()))
 }

@@ -6,17 +6,18 @@ use std::collections::HashSet;
 
 use hifitime::{Epoch, TimeScale};
 
-use super::error::ForecastError;
 use super::pass_table::PassRow;
 use super::request::{ForecastRequest, PassOrder};
 use super::selection::Selection;
+use super::selection::empty_selection;
 use crate::constants::DAY_S;
 use crate::elements::ElementSet;
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
-use crate::passes::{BrightnessLimit, Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
+use crate::passes::{BrightnessLimit, Sky, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
 
 /// Sampling interval of the Sun's altitude, seconds; the altitude changes by at most 0.25° in this time.
@@ -44,9 +45,8 @@ impl Night {
     ///
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit.
-    pub fn over(sky: &Sky, start: Epoch, end: Epoch, max_sun_altitude_rad: Option<f64>) -> Result<Self, SkyError> {
-        let observer =
-            sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
+    pub fn over(sky: &Sky, start: Epoch, end: Epoch, max_sun_altitude_rad: Option<f64>) -> Result<Self, Error> {
+        let observer = sky.viewpoint().required_site()?;
         let (orientation, sun) = (sky.orientation_over(start, end), SunTable::new(start, end));
         let span_s = seconds_between(start, end).max(0.0);
         let altitude_rad = |time_s: f64| observer.sun_altitude_rad(&orientation, &sun, time_s);
@@ -107,12 +107,12 @@ const UNCERTAIN_S: f64 = 60.0;
 /// # Errors
 /// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the planetary
 /// ephemerides.
-pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, ForecastError> {
+pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, Error> {
     request.check()?;
     let satellites = sky.elements().len();
     let selected = selection.among(sky.elements());
     if selected.is_empty() {
-        return Err(ForecastError::EmptySelection { satellites, selection: selection.description() });
+        return Err(empty_selection(satellites, &selection.description()));
     }
     let night = Night::over(sky, request.start, request.end, request.max_sun_altitude_rad)?;
     let mut found = sky.visible_passes(

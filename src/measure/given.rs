@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::error::MeasureError;
 use super::frame::{FrameMeasurements, FrameOptions, MeasuredPass, measure_predictions};
 use super::measurement::{Flag, PredictedStreak};
 use super::predict::{KnownSatellite, Prediction};
 use super::streak::LEAST_LENGTH_PIX;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{PixelPosition, StreakEnds, StreakTable};
 use crate::photometry::SIZE_SIGMA;
@@ -75,7 +75,7 @@ impl StreakList {
     ///
     /// # Errors
     /// The table cannot be read, or a cell is invalid.
-    pub fn read(path: &Path) -> Result<Self, MeasureError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let (table, (columns, id, name, norad_id)) = StreakTable::read(path, |rows| {
             Ok((GivenColumns::find(rows)?, rows.find("id"), rows.find("name"), rows.find("norad_id")))
         })?;
@@ -138,7 +138,7 @@ pub fn measure_listed(
     place_sigma_arcsec: Option<f64>,
     options: &FrameOptions<'_>,
     watch: &Watch,
-) -> Result<(Vec<ListedMeasurement>, FrameMeasurements), MeasureError> {
+) -> Result<(Vec<ListedMeasurement>, FrameMeasurements), Error> {
     let mut predicted: Vec<Prediction> = Vec::new();
     // Index of the streak of each prediction, and the reasons why others have none.
     let (mut owners, mut reasons) = (Vec::new(), vec![Flag::Outside; streaks.len()]);
@@ -204,7 +204,7 @@ fn placed(
     number: usize,
     place_sigma_arcsec: Option<f64>,
     options: &FrameOptions<'_>,
-) -> Result<Result<Prediction, Flag>, MeasureError> {
+) -> Result<Result<Prediction, Flag>, Error> {
     let chip = &frame.chips[number].chip;
     // A light of this magnitude has a rate of 1 in the unit of the frame per second.
     let Some((unit_mag, (centre, _))) = chip.scale.magnitude(1.0).zip(chip.circle()) else {
@@ -262,7 +262,7 @@ fn placed(
 }
 
 /// Returns a path that is longer by `pix` at both ends, along its direction there.
-fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, MeasureError> {
+fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, Error> {
     /// Smallest extension, pixels. The times of nodes differ by more than their rounding.
     const LEAST_PIX: f64 = 1e-3;
     let pix = pix.max(LEAST_PIX);

@@ -6,13 +6,14 @@
 
 use nalgebra::Vector3;
 
-use super::error::SkyError;
+use super::error;
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{Chord, ObserverMotion, SightLine, TrackPoint};
 use crate::constants::DAY_S;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, Orientation, Position, seconds_after, seconds_between};
 use crate::geometry::aspect;
 use crate::orbit::{OrbitArc, OrbitError, OrbitUncertainty, Propagator, State};
@@ -53,18 +54,17 @@ impl Sky {
     /// Computes the data that the tracks of all delayed satellites in one exposure share.
     ///
     /// # Errors
-    /// [`SkyError`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
+    /// [`Error`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
     /// ephemeris, or if the elements of a telescope in orbit give no position.
     #[doc(hidden)]
-    pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, SkyError> {
+    pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, Error> {
         exposure.check()?;
         let start = seconds_after(exposure.start, -MARGIN_S);
         let scene = self.scene_without_windows(start, exposure.duration_s + 2.0 * MARGIN_S);
         let flight = self.flight(&scene, exposure)?;
         let mid_s = MARGIN_S + 0.5 * exposure.duration_s;
         let orientation = scene.orientation.at_s(mid_s);
-        let motion =
-            self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or(SkyError::NoEphemeris { epoch: start })?;
+        let motion = self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or(error::no_ephemeris(start))?;
         Ok(ExposureInterval { sky: self, scene, orientation, motion, duration_s: exposure.duration_s })
     }
 }

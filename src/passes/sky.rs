@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
-use super::error::SkyError;
+use super::error;
 use super::exposure::Exposure;
 use super::measured::MeasuredPasses;
 use super::models::{ModelChoice, Priors};
@@ -17,6 +17,7 @@ use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
+use crate::error::Error;
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel, SunTable};
 use crate::orbit::{
@@ -353,8 +354,8 @@ impl Sky {
     }
 
     /// Returns the observer at a site, for queries that require a horizon.
-    pub(super) fn site_observer(&self) -> Result<&Observer, SkyError> {
-        self.viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint.name() })
+    pub(super) fn site_observer(&self) -> Result<&Observer, Error> {
+        self.viewpoint.required_site()
     }
 
     pub(super) fn predictabilities(&self) -> &PredictabilityCache {
@@ -377,9 +378,9 @@ impl Sky {
 
     /// Returns the orbital arc of a telescope in orbit during an exposure, extended on both sides by the margin of
     /// tracks. `None` for a site.
-    pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, SkyError> {
+    pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, Error> {
         let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
-        let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
+        let failed = |reason| error::no_observer(&observer.name(), &reason);
         let opened_s = seconds_between(scene.start, exposure.start);
         let orientation = scene.orientation.at_s(opened_s + 0.5 * exposure.duration_s);
         let interval = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
@@ -410,7 +411,7 @@ impl Sky {
     }
 
     /// Returns a scene with Sun, Earth orientation and search windows.
-    pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Result<Scene, SkyError> {
+    pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Result<Scene, Error> {
         let mut scene = self.scene_without_windows(start, span_s);
         let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
             SearchScope::Nominal => Reach::default(),

@@ -8,6 +8,7 @@ use hifitime::Epoch;
 use super::field::Field;
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, EopTable, Gcrs, Orientation, Position, seconds_after, seconds_between};
 use crate::geometry::{EarthLimb, Observer, PointingAngles, PointingLimits, Site};
 use crate::orbit::{DragModel, ObserverOrbit, OrbitClass, OrbitError, State, elements_of_age, uncertainty};
@@ -246,6 +247,18 @@ impl Viewpoint {
             Self::Site(observer) => Some(observer),
             Self::Orbit(_) => None,
         }
+    }
+
+    /// Returns the site, for queries that require a horizon.
+    ///
+    /// # Errors
+    /// The observer is in orbit.
+    #[doc(hidden)]
+    pub fn required_site(&self) -> Result<&Observer, Error> {
+        self.site().ok_or_else(|| {
+            let sentence = format!("observer {} is in orbit and has no horizon", self.name());
+            Error::new(ErrorKind::Invalid, sentence).allowing("a site")
+        })
     }
 
     /// Returns the telescope in orbit; `None` for a site.

@@ -9,13 +9,14 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::above_horizon::{AboveHorizon, HorizonSearch, Sample, Treatment};
-use super::error::{SkyError, check_epoch};
+use super::error::check_epoch;
 use super::evaluator::{PassEvaluator, magnitude_of, times};
 use super::intervals::intervals_where;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{ObserverMotion, SightLine, TrackPoint};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError, PositionSource};
@@ -188,7 +189,7 @@ impl Sky {
         &self,
         request: &VisibleRequest,
         is_selected: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<VisiblePasses, SkyError> {
+    ) -> Result<VisiblePasses, Error> {
         check_epoch(request.start)?;
         check_epoch(request.end)?;
         let observer = self.site_observer()?;
@@ -212,7 +213,7 @@ impl Sky {
             }
             Ok((kept, failed))
         };
-        let all = selected.par_iter().with_min_len(TOGETHER).map(of_one).collect::<Result<Vec<_>, SkyError>>()?;
+        let all = selected.par_iter().with_min_len(TOGETHER).map(of_one).collect::<Result<Vec<_>, Error>>()?;
         let mut visible = VisiblePasses {
             satellites: selected.len(),
             expected_brighter: request.limit.map(|_| 0.0),

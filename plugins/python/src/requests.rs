@@ -5,10 +5,10 @@ use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::Watch;
-use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
+use streakcast::config::{Config, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
-    EphemerisRow, ForecastError, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris,
-    ephemeris_table, forecast as compute_forecast, night_table, pass_table,
+    EphemerisRow, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris, ephemeris_table,
+    forecast as compute_forecast, night_table, pass_table,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
@@ -17,6 +17,7 @@ use streakcast::output::{Column, Kind, Table};
 use crate::columns::columns;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
+use streakcast::Error;
 
 /// Column for the night of each pass.
 const NIGHT: Column =
@@ -167,14 +168,12 @@ pub fn identify<'py>(
     Ok(result)
 }
 
-/// Converts an error of the library, with the names of Python arguments.
-fn exception(error: ConfigError) -> PyErr {
-    match error {
-        error if !error.is_of_request() => failure::setup(error),
-        ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
-            let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
-            failure::request(format!("{name} is {given}{unit}; allowed: {allowed}"))
-        }
-        other => failure::request(failure::as_arguments(&other.to_string())),
-    }
+/// Converts an error of the library, with the name of the Python argument.
+fn exception(error: Error) -> PyErr {
+    let text = error.to_string();
+    failure::request(match error.what() {
+        Some("sun-altitude-deg") => text.replacen("sun-altitude-deg", "max_sun_altitude", 1),
+        Some(what) if !what.contains(' ') => text.replacen(what, &what.replace('-', "_"), 1),
+        _ => text,
+    })
 }

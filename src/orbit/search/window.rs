@@ -29,9 +29,10 @@ use super::super::state::State;
 use super::kepler::Phase;
 use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;
+use crate::error::Error;
 use crate::frames::{Teme, seconds_between};
 use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
-use crate::watch::{Interrupted, Watch};
+use crate::watch::Watch;
 
 /// Longest interval of one window, seconds. During six hours an orbit's node moves by at most 2.5°, and above 250 km
 /// drag changes the mean longitude by less than the margin.
@@ -147,7 +148,7 @@ impl Window {
         unknown: &(dyn Fn(usize) -> Option<OrbitError> + Sync),
         reach: &(dyn Fn(usize) -> Reach + Sync),
         watch: &Watch,
-    ) -> Result<Self, Interrupted> {
+    ) -> Result<Self, Error> {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<Kind> = (0..index.len())
             .into_par_iter()
@@ -173,7 +174,7 @@ impl Window {
                     _ => Kind::Always,
                 })
             })
-            .collect::<Result<_, Interrupted>>()?;
+            .collect::<Result<_, Error>>()?;
 
         let mut window = Self { start, span_s, chunks: Vec::new(), always: Vec::new(), left_out: Vec::new() };
         let mut entries = Vec::with_capacity(made.len());

@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 
 use super::super::candidates::{ABERRATION_MARGIN_RAD, CandidateInterval};
 use super::super::crossing::cross;
-use super::super::error::SkyError;
 use super::super::exposure::Exposure;
 use super::super::field::{Field, FieldOnSky};
 use super::super::scene::SearchScope;
@@ -13,6 +12,7 @@ use super::super::sky::Sky;
 use super::super::track::{Chord, ObserverMotion, SightLine};
 use super::exposed_field::{ExposedField, NearSatellite};
 use crate::constants::WGS72_MU_KM3_S2;
+use crate::error::Error;
 use crate::frames::Gcrs;
 use crate::orbit::{Beam, LeftOut, OrbitError, State};
 
@@ -54,7 +54,7 @@ impl Sky {
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
-    pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, SkyError> {
+    pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, Error> {
         let (by_exposure, left_out) = self.by_exposure(exposures, SearchScope::Nominal, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
             let (mut crossings, left_out) = exposed.evaluate(false, seen, |interval| exposed.crossing(interval))?;

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use super::super::candidates::CandidateInterval;
-use super::super::error::SkyError;
 use super::super::evaluator::PassEvaluator;
 use super::super::exposure::Exposure;
 use super::super::field::{Field, FieldOnSky};
 use super::super::scene::Scene;
 use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, SightLine};
+use crate::error::Error;
 use crate::frames::{Orientation, seconds_after, seconds_between};
 use crate::orbit::{CrossingCandidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
 use crate::photometry::PhotometryOptions;
@@ -44,7 +44,7 @@ impl NearSatellite<'_> {
 }
 
 impl<'a> ExposedField<'a> {
-    pub fn new(sky: &'a Sky, scene: &'a Scene, exposure: &'a Exposure, field: &'a Field) -> Result<Self, SkyError> {
+    pub fn new(sky: &'a Sky, scene: &'a Scene, exposure: &'a Exposure, field: &'a Field) -> Result<Self, Error> {
         let opened_s = seconds_between(scene.start, exposure.start);
         Ok(Self {
             sky,
@@ -64,7 +64,7 @@ impl<'a> ExposedField<'a> {
         include_dark: bool,
         seen: &mut Vec<CrossingCandidate>,
         of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
-    ) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> {
+    ) -> Result<(Vec<T>, Vec<LeftOut>), Error> {
         let flight = self.flight.as_ref();
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
         for interval in
