@@ -6,7 +6,7 @@ use crate::common::mutated::Reader;
 use crate::simulated_photometry::{Simulation, SimulationOptions, simulate, write_mmt_csv};
 use std::collections::HashMap;
 use std::io::{Cursor, Write};
-use streakcast::ErrorKind;
+use streakcast::{Error, ErrorKind};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
