@@ -8,7 +8,7 @@ use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::Watch;
+use streakcast::{ErrorKind, Watch};
 use streakcast::config::{Config, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;

@@ -11,7 +11,6 @@ use streakcast::streaks::Injections;
 use crate::columns::columns;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
-use streakcast::Error;
 
 /// Adds streaks to the file in the request, and writes the result to `output`. Returns `summary`, `truth`, `points`,
 /// `trails`, `bits`, `labels` (names and texts of files), `remarks` and `warnings`.
