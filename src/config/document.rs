@@ -14,7 +14,7 @@ use super::values::{
     TelescopeChoice, is_file_name, is_response_file, limit, model_assignments, one_or_many,
 };
 use crate::elements::{Constellation, sha256_hex};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::input;
 use crate::schedule::MagnitudeLimit;
 
@@ -450,8 +450,7 @@ impl Config {
     /// The file cannot be read, is not TOML, or has an unknown key, an invalid value, or keys that exclude each other.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let shown = path.display().to_string();
-        Self::check_size(path)
-            .map_err(|message| Error::new(ErrorKind::Invalid, message).in_file("configuration", path))?;
+        Self::check_size(path).map_err(|message| Error::format(message).in_file("configuration", path))?;
         let text = input::read_to_string(path).map_err(|source| error::unreadable("configuration", path, source))?;
         let mut config = Self::from_toml(&text, &shown)?;
         config.check().map_err(|error| {
@@ -488,7 +487,7 @@ impl Config {
     /// # Errors
     /// The text is not TOML, a key is unknown, or a value is invalid.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
-        let error = |message: String| Error::new(ErrorKind::Invalid, message).in_file("configuration", origin);
+        let error = |message: String| Error::format(message).in_file("configuration", origin);
         let of_toml = |error: &toml::de::Error| input::toml_error(error, text);
         let line_of =
             |key: &str| input::toml_line(text, &[key]).map(|line| format!("line {line}: ")).unwrap_or_default();
@@ -579,10 +578,9 @@ impl Config {
     /// The number is 0 or above 1024: more threads take minutes to start.
     pub fn threads(&self) -> Result<Option<usize>, Error> {
         match self.run.threads {
-            Some(threads) if !(1..=MAX_THREADS).contains(&threads) => Err(Error::new(
-                ErrorKind::Invalid,
-                format!("{}", format!("threads is {threads}; allowed: 1 to {MAX_THREADS}")),
-            )),
+            Some(threads) if !(1..=MAX_THREADS).contains(&threads) => {
+                Err(Error::invalid("threads", threads, format!("1 to {MAX_THREADS}")))
+            }
             threads => Ok(threads),
         }
     }

@@ -83,8 +83,7 @@ impl EphemerisConfig {
                 let text = read_text("times", path)?;
                 let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
                 let read = |(number, line): (usize, &str)| {
-                    parse_moment(line, scale)
-                        .map_err(|error| request(format!("times {}, line {number}: {error}", path.display())))
+                    parse_moment(line, scale).map_err(|error| error.in_line("times", path, number))
                 };
                 let is_time = |(_, line): &(usize, &str)| !line.is_empty() && !line.starts_with('#');
                 lines.filter(is_time).map(read).collect::<Result<_, _>>()?

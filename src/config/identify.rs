@@ -232,7 +232,7 @@ impl IdentifyConfig {
             let (ra, dec) = text.split_once(',').ok_or_else(|| {
                 request(format!("invalid end '{text}'")).allowing("RA,DEC, for example 188.5,-30.5 or 12h34m,-30d30m")
             })?;
-            direction(ra.trim(), dec.trim())
+            parse_direction(ra.trim(), dec.trim())
         };
         Ok(Line::Ends([end(first)?, end(other)?]))
     }
@@ -242,7 +242,7 @@ impl IdentifyConfig {
             return Err(request("incomplete middle of the streak; specify --ra, --dec and --position-angle"));
         };
         let length_deg = self.length.as_deref().map(|length| parse_angle_deg("length", length)).transpose()?;
-        Ok(Line::Middle { position: direction(ra, dec)?, angle_deg, length_deg })
+        Ok(Line::Middle { position: parse_direction(ra, dec)?, angle_deg, length_deg })
     }
 
     #[cfg(not(all(feature = "fits", unix)))]
@@ -310,16 +310,11 @@ impl IdentifyConfig {
     }
 }
 
-fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, Error> {
-    parse_direction(ra, dec)
-}
-
 /// Returns the line through regions drawn around a streak, and the position error (one sigma) of its ends, arcsec.
 fn in_regions(path: &Path) -> Result<(Line, f64), Error> {
-    let shown = path.display().to_string();
-    let fail = |error: &dyn std::fmt::Display| request(format!("{shown}: {error}"));
-    let text = input::read_to_string(path).map_err(|error| fail(&error))?;
-    let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
+    let text = input::read_to_string(path).map_err(Error::io(path))?;
+    let line =
+        fit_line(&parse_regions(&path.display().to_string(), &text)?).map_err(|error| error.in_file("", path))?;
     // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of them
     // scatter about the streak.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;

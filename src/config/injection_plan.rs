@@ -48,7 +48,7 @@ pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, Error> + Syn
 /// configuration; if that has no site, the site is taken from the headers.
 ///
 /// # Errors
-/// [`Error`]. On an error no partial output file remains.
+/// The request, the configuration or a frame is invalid. On an error no partial output file remains.
 pub fn inject_frames(
     injection: &InjectionConfig,
     config: &Config,
@@ -273,11 +273,12 @@ impl InjectionConfig {
         let schedule = Schedule::read(path, &config.schedule_options()?)?;
         let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
         let found = found.ok_or_else(|| {
-            request(format!("{} has no exposure_id {row:?}", path.display())).allowing("an exposure_id of the schedule")
+            Error::about_file("", path, format!("has no exposure_id {row:?}"))
+                .allowing("an exposure_id of the schedule")
         })?;
         match &found.exposure {
             Ok(exposure) => Ok(Some(exposure.clone())),
-            Err(reason) => Err(request(format!("{}: exposure {row}: {reason}", path.display()))),
+            Err(reason) => Err(Error::format(reason.clone()).at(format_args!("exposure {row}")).in_file("", path)),
         }
     }
 
@@ -441,7 +442,7 @@ fn arcsec(what: &'static str, text: &str) -> Result<f64, Error> {
 }
 
 fn text_of(what: &str, path: &Path) -> Result<String, Error> {
-    input::read_to_string(path).map_err(|error| request(format!("{what} {}: {error}", path.display())))
+    input::read_to_string(path).map_err(|source| error::unreadable(what, path, source))
 }
 
 /// Largest size of a satellite, m.
@@ -483,15 +484,15 @@ fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), Error> {
     }
     let text = text_of("detector", path)?;
     let shown = path.display().to_string();
-    let failed = |error: Error| request(format!("detector {shown}: {error}"));
+    let failed = |error: Error| error.in_file("detector", path);
     // Errors of syntax are reported by the parsers below, with their lines.
     let keys: toml::Table = toml::from_str(&text).unwrap_or_default();
     let table = keys.get("detector");
     let detector = match table {
         None => Detector::from_toml(&text).map_err(failed)?,
         Some(_) if keys.len() == 1 => {
-            let DetectorFile { detector } = toml::from_str(&text)
-                .map_err(|error| request(format!("detector {shown}: {}", input::toml_error(&error, &text))))?;
+            let DetectorFile { detector } =
+                toml::from_str(&text).map_err(|error| failed(Error::format(input::toml_error(&error, &text))))?;
             detector.validate().map_err(failed)?;
             detector
         }

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::error;
-use super::error::request;
 use super::inputs::read_text;
 use crate::error::Error;
 use crate::input::TableRows;
@@ -32,7 +31,8 @@ pub(super) fn read_response(path: &Path) -> Result<ResponseBand, Error> {
         curve.push((wavelength_um, row.number_in(response, [0.0, f64::MAX]).map_err(failed)?));
     }
     ResponseBand::from_curve(&curve).ok_or_else(|| {
-        request(format!("{what} {}: too few rows, or no response is positive", path.display()))
+        Error::format("too few rows, or no response is positive")
+            .in_file(what, path)
             .allowing("two rows or more, with positive responses")
     })
 }

@@ -6,7 +6,7 @@ use hifitime::Epoch;
 use toml::value::Datetime;
 
 use super::element_set::NoradId;
-use super::shell::{Constellation, PeriodEntry, ShellFile};
+use super::shell::{Constellation, PeriodEntry, ShellFile, in_constellations};
 use crate::error::{Error, ErrorKind};
 use crate::message::Quoted;
 
@@ -82,7 +82,7 @@ impl Deployment {
                 if let Some(other) = places.get(&constellation.first_id).filter(|other| **other != here) {
                     let message =
                         format!("constellation {} is specified {other} and {here}; allowed: once", constellation.name);
-                    return Err(Error::format(format!("constellation file: {message}")));
+                    return Err(in_constellations(message));
                 }
                 places.insert(constellation.first_id, here.clone());
             }
@@ -145,7 +145,7 @@ impl Deployment {
 fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<Vec<DeploymentPeriod>, Error> {
     if entries.len() > MOST_PERIODS {
         let message = format!("{} periods; allowed: at most {MOST_PERIODS}", entries.len());
-        return Err(Error::format(format!("constellation file: {message}")));
+        return Err(in_constellations(message));
     }
     let mut all: Vec<DeploymentPeriod> = Vec::with_capacity(entries.len());
     for entry in entries {
@@ -155,7 +155,7 @@ fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<V
                 "period from {} is after that from {}; allowed: periods in time order, each from another date",
                 period.from, before.from
             );
-            return Err(Error::format(format!("constellation file: {message}")));
+            return Err(in_constellations(message));
         }
         all.push(period);
     }
@@ -164,7 +164,7 @@ fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<V
 
 fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod, Error> {
     let from = entry.from.to_string();
-    let wrong = |what: String| Error::format(format!("constellation file: {}", format!("period from {from}: {what}")));
+    let wrong = |what: String| in_constellations(format!("period from {from}: {what}"));
     let date = match entry.from {
         Datetime { date: Some(date), time: None, offset: None } if (1957..2100).contains(&date.year) => date,
         _ => return Err(wrong("allowed: from = 2027-01-01, a date without quotation marks, 1957 to 2099".to_owned())),

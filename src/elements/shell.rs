@@ -488,7 +488,7 @@ impl ShellFile {
         let file = parse(text, FIRST_OWN_ID, 1)?;
         if file.constellations.is_empty() && file.periods.is_empty() {
             let message = "the file has neither [[constellation]] nor [[period]]; allowed: at least one of them";
-            return Err(Error::format(format!("constellation file: {message}")));
+            return Err(in_constellations(message));
         }
         Ok(file)
     }
@@ -497,18 +497,17 @@ impl ShellFile {
 /// Reads constellations, sets and periods. Catalogue numbers begin at `first_id`, those of each constellation at a
 /// multiple of `block` after it.
 fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, Error> {
-    let file: File = toml::from_str(text)
-        .map_err(|error| Error::format(format!("constellation file: {}", crate::input::toml_error(&error, text))))?;
+    let file: File = toml::from_str(text).map_err(|error| in_constellations(crate::input::toml_error(&error, text)))?;
     let count = file.constellation.len();
     if count > MOST_CONSTELLATIONS {
         let message = format!("{count} constellations; allowed: at most {MOST_CONSTELLATIONS}");
-        return Err(Error::format(format!("constellation file: {message}")));
+        return Err(in_constellations(message));
     }
     let (mut all, mut used) = (Vec::with_capacity(count), 0);
     for mut entry in file.constellation {
         if all.iter().any(|other: &Constellation| other.name == entry.name) {
             let message = format!("constellation {:?} is twice in the file; allowed: different names", entry.name);
-            return Err(Error::format(format!("constellation file: {message}")));
+            return Err(in_constellations(message));
         }
         if let Some(name) = entry.shells_of.take() {
             entry.shell = midway(&all, &name, &entry)?;
@@ -525,9 +524,7 @@ fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, Error> {
 
 /// Returns the shells of the constellation `name`, with planes midway between.
 fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells>, Error> {
-    let wrong = |what: String| {
-        Error::format(format!("constellation file: {}", format!("constellation {:?}: {what}", entry.name)))
-    };
+    let wrong = |what: String| in_constellations(format!("constellation {:?}: {what}", entry.name));
     if !entry.shell.is_empty() {
         return Err(wrong("shell and shells_of exclude each other; specify one of them".to_owned()));
     }
@@ -595,6 +592,11 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, Error> {
     let shells = entry.shell.iter().flat_map(Shells::each).collect();
     let first_id = NoradId(first_id);
     Ok(Constellation { name: entry.name, source: entry.source, shells, first_id, deployed_fraction: 1.0 })
+}
+
+/// Returns the error of invalid text of a file of constellations.
+pub(super) fn in_constellations(problem: impl Into<String>) -> Error {
+    Error::format(problem).at("constellation file")
 }
 
 /// All constellations together have too many satellites.

@@ -87,8 +87,8 @@ impl HeldOutPoint {
 ///
 /// # Errors
 /// * the errors of [`Problem`];
-/// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
-/// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if there is no point for which all forms give a magnitude.
+/// * [`TooFewData`](ErrorKind::TooFewData) for fewer than two folds, for fewer groups than folds, and if there is no
+///   point for which all forms give a magnitude.
 pub fn compare_forms(
     forms: &[CompetingForm],
     points: &[FitPoint],

@@ -41,9 +41,9 @@ const CHUNK: usize = 1 << 16;
 /// depend on the number of threads.
 ///
 /// # Errors
-/// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
-/// * [`FitError::Setting`] for invalid options;
-/// * [`FitError::NoMinimum`] if a descent does not reach a finite cost;
+/// * [`TooFewData`](ErrorKind::TooFewData) unless there are more sets than free parameters and at least as many groups as sets;
+/// * invalid options;
+/// * a descent does not reach a finite cost;
 /// * the errors of [`Problem::new`] if the remaining tracks give too few pixels.
 pub fn jackknife(
     form: &dyn Form,
@@ -114,7 +114,7 @@ impl<'a> TrackSets<'a> {
     /// Reduces the measurements of the sets that `selected` accepts.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for invalid options.
+    /// Invalid options.
     pub fn reduced(&self, options: ReduceOptions, selected: impl Fn(usize) -> bool) -> Result<Reduction, Error> {
         let mut reducer = Reducer::new(options)?;
         let is_selected = |point: &&Measurement| selected(self.set_of_group[point.group as usize]);

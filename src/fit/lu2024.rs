@@ -71,7 +71,7 @@ impl Lu2024Truth {
     /// Creates a satellite with sizes and coefficients of a two-panel model file.
     ///
     /// # Errors
-    /// [`Error`] if the file has no two panels.
+    /// The file has no two panels.
     pub fn new(base: &ModelFile) -> Result<Self, Error> {
         let mut file = base.clone();
         file.covariance = None;

@@ -42,7 +42,7 @@ pub struct ModelDescription {
 /// median of the residuals is 0. Sigma is the half width about the median that contains 68.3 % of the weight.
 ///
 /// # Errors
-/// [`Error`] if a number is outside the limits of model files.
+/// A number is outside the limits of model files.
 pub fn model_file(
     base: &ModelFile,
     fit: &Fit,

@@ -98,7 +98,7 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
 /// after every step and may save the chain.
 ///
 /// # Errors
-/// [`FitError::Walkers`] for an invalid number of walkers, and any error that `each` returns.
+/// An invalid number of walkers, and any error that `each` returns.
 pub fn draw(
     objective: &Objective,
     fit: &Fit,
@@ -192,7 +192,7 @@ const META: &str = "# meta: ";
 /// Writes a chain to an ECSV file, with as many digits as the numbers have.
 ///
 /// # Errors
-/// [`FitError::ChainFile`] for any error of the operating system; an older file is then unchanged.
+/// An error of the operating system; an older file is then unchanged.
 pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), Error> {
     let failed = |error: io::Error| Error::system(error).in_file("chains", path);
     let file = AtomicFile::new(path).map_err(failed)?;
@@ -235,7 +235,7 @@ fn columns(about: &ChainAbout) -> Vec<&str> {
 /// Reads a chain from a file of [`write_chain`].
 ///
 /// # Errors
-/// [`FitError::ChainFile`] if the file is missing, truncated or invalid.
+/// The file is missing, truncated or invalid.
 pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), Error> {
     let failed = |problem: String| Error::new(ErrorKind::File, problem).in_file("chains", path);
     let text = input::read_to_string(path).map_err(|error| failed(error.to_string()))?;

@@ -123,7 +123,7 @@ pub struct Simulation {
 /// `each_night` is called after every night, from any thread.
 ///
 /// # Errors
-/// [`FitError::Setting`] if a night is outside the years of the time scales.
+/// A night is outside the years of the time scales.
 pub fn simulate(
     law: &MagnitudeLaw<'_>,
     site: &Site,

@@ -75,7 +75,8 @@ impl Problem {
     /// Checks the points, drops those for which the form gives no magnitude, and prepares the form.
     ///
     /// # Errors
-    /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::NoPoints`], [`FitError::TooFew`].
+    /// A parameter is unknown, a magnitude or its error is invalid, or there are too few points
+    /// ([`TooFewData`](ErrorKind::TooFewData)).
     pub fn new(form: &dyn Form, points: &[FitPoint], settings: &FitSettings) -> Result<Self, Error> {
         let mut parameters = form.parameters();
         let names: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
@@ -177,7 +178,7 @@ impl Problem {
     /// Minimises the cost from every starting point that the form proposes, and returns the best minimum.
     ///
     /// # Errors
-    /// [`FitError::NoMinimum`] if no descent reaches a finite cost.
+    /// No descent reaches a finite cost.
     pub fn solve(&self) -> Result<Fit, Error> {
         let starts = self.objective().starts();
         let mut ends: Vec<Minimum> = starts.iter().map(|start| self.descend(start)).collect();

@@ -105,7 +105,7 @@ const MISSIONS: [Mission; 4] = [
 /// SPHEREx.
 ///
 /// # Errors
-/// [`ForecastError::NoOrbit`] if an element set is missing; otherwise the errors of [`trail_statistics`].
+/// An element set is missing; otherwise the errors of [`trail_statistics`].
 pub fn borlaff2026(
     sky: &Sky,
     start: Epoch,

@@ -29,7 +29,7 @@ impl EphemerisRequest {
     /// Returns the earliest and the latest time.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] if there are no times.
+    /// There are no times.
     pub fn span(&self) -> Result<(Epoch, Epoch), Error> {
         let times = || self.times.iter().copied();
         let none = || Error::invalid("number of times", format_args!("{}", 0.0), "1 or more");
@@ -50,8 +50,7 @@ pub struct Ephemeris {
 /// Computes the topocentric positions of the selected satellites.
 ///
 /// # Errors
-/// [`ForecastError::EmptySelection`] if no satellite is selected; [`ForecastError::Sky`] if a lowest altitude is given
-/// for an observer in orbit; the errors of [`Sky::ephemeris`].
+/// No satellite is selected; a lowest altitude is given for an observer in orbit; the errors of [`Sky::ephemeris`].
 pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, Error> {
     let selected = request.selection.among(sky.elements());
     let is_selected = |index: &usize| selected.contains(&sky.elements()[*index]);

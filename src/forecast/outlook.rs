@@ -44,7 +44,7 @@ impl Night {
     /// Finds the dark intervals from `start` to `end` at the site of a sky. `end` must not be before `start`.
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit.
+    /// The observer is in orbit.
     pub fn over(sky: &Sky, start: Epoch, end: Epoch, max_sun_altitude_rad: Option<f64>) -> Result<Self, Error> {
         let observer = sky.viewpoint().required_site()?;
         let (orientation, sun) = (sky.orientation_over(start, end), SunTable::new(start, end));

@@ -86,7 +86,7 @@ impl ForecastRequest {
     /// Checks the ranges of all numbers.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] for the first number that is out of range.
+    /// The first number that is out of range.
     pub fn check(&self) -> Result<(), Error> {
         let days = seconds_between(self.start, self.end) / DAY_S;
         // Values are rounded to 1e-9 deg, because the conversion to radians and back changes the last digits.

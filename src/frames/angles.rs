@@ -135,7 +135,7 @@ fn parse(text: &str) -> Option<Angle> {
 /// [`parse_declination_deg`] do.
 ///
 /// # Errors
-/// [`FramesError::BadAngle`] for another form or a value out of range.
+/// A text has another form, or a value is out of range.
 pub fn parse_direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, Error> {
     Ok(Direction::from_lon_lat_rad(
         parse_right_ascension_deg(ra)?.to_radians(),

@@ -17,7 +17,7 @@ const MOST_SIMILAR: usize = 4;
 /// Galaxy`); case, blanks and punctuation are ignored. Centres of extended objects are good to some arcminutes.
 ///
 /// # Errors
-/// [`FramesError::UnknownObject`] for a name outside the table, with the names that begin with it.
+/// The name is not in the table; the error lists the names that begin with it.
 pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, Error> {
     let key = key_of(name);
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());

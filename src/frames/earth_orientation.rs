@@ -12,7 +12,7 @@ use hifitime::Epoch;
 
 use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
 use crate::constants::DAY_S;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::message::Quoted;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
@@ -132,11 +132,9 @@ impl EopTable {
             }
             let number = |column: &'static str, from: usize, to: usize| -> Result<f64, Error> {
                 let bad = || {
-                    Error::new(
-                        ErrorKind::Invalid,
-                        format!("finals2000A line {line_number}: {column} is {:?}", Quoted::new(field(from, to))),
-                    )
-                    .allowing("a number")
+                    let given = Quoted::new(field(from, to));
+                    Error::invalid(column, format_args!("{given:?}"), "a number")
+                        .at(format_args!("finals2000A line {line_number}"))
                 };
                 field(from, to).parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(bad)
             };

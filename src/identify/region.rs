@@ -22,15 +22,12 @@ const ALLOWED: &str = "allowed: polygon, box, line and vector in fk5 or icrs";
 /// Parses a region file. Returns the corners of each region; `path` is the name of the file in errors.
 ///
 /// # Errors
-/// [`IdentifyError::Region`] with the line number for another coordinate system or shape and for invalid numbers;
-/// [`IdentifyError::NoRegion`] if there is no region.
+/// A line has another coordinate system or shape, or invalid numbers; there is no region.
 pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>, Error> {
     let mut outlines = Vec::new();
     let mut system: Option<String> = None;
     for (number, line) in text.lines().enumerate() {
-        let fail = |problem: String| {
-            Error::new(ErrorKind::Invalid, format!("line {}: {problem}", number + 1)).in_file("", path)
-        };
+        let fail = |problem: String| Error::format(problem).in_line("", path, number + 1);
         let line = statements_of(line);
         for statement in line.split(';').map(str::trim).filter(|statement| !statement.is_empty()) {
             let lower = statement.to_ascii_lowercase();
@@ -170,8 +167,7 @@ const MOST_LENGTHS_OFF: f64 = 0.01;
 /// variance. The regions need not cover the whole streak.
 ///
 /// # Errors
-/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of a
-/// region is farther from the line than twice the width of the region plus a hundredth of the length of the line.
+/// All corners are at one position, or the middle of a region is farther from the line than twice the width of the region plus a hundredth of the length of the line.
 pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
     let no_line = error::no_line(0.0);

@@ -72,7 +72,7 @@ impl Identified {
 /// The sigmas combine the errors of the elements at their age with those of the measurement.
 ///
 /// # Errors
-/// [`IdentifyError::Sky`] if positions cannot be computed at that time.
+/// Positions cannot be computed at that time.
 pub fn identify_streak(sky: &Sky, streak: &MeasuredStreak, options: &IdentifyOptions) -> Result<Identified, Error> {
     let exposure = Exposure {
         id: String::new(),

@@ -142,7 +142,7 @@ impl StreakTable {
         }
         if forms.is_empty() {
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
-            return Err(Error::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
+            return Err(Error::invalid("table of streaks", given, FORMS).in_file("", path));
         }
         let [id, name, streak, image, hdu] = ["id", "name", "streak", "image", "hdu"].map(|column| rows.find(column));
         let id = id.or(name);
@@ -213,7 +213,7 @@ impl StreakRow<'_> {
     /// Returns the error of an invalid cell, with file, line and column.
     pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> Error {
         let given = if given.is_empty() { "missing".to_owned() } else { format!("'{}'", Quoted::new(given)) };
-        Error::invalid(format!("{}: {column}", self.origin()), given, allowed)
+        Error::invalid(column, given, allowed).in_line("", &*self.table.path, self.line as usize)
     }
 
     /// Returns the number in a cell; `None` if the column is missing or the cell is empty.

@@ -199,7 +199,7 @@ impl Telescope {
 
     fn validate(&self, origin: &str) -> Result<(), Error> {
         let range = |key: &str, given: f64, least: f64, greatest: f64| {
-            Error::check_range(format!("telescope file {origin}: {key}"), given, least, greatest)
+            Error::check_range(key, given, least, greatest).map_err(|error| error.in_file("telescope file", origin))
         };
         range("outer_radius_m", self.outer_radius_m, 0.001, 100.0)?;
         range("inner_radius_m", self.inner_radius_m, 0.0, self.outer_radius_m)?;

@@ -132,7 +132,7 @@ const MOST_JUDGED: usize = 500;
 /// True with fewer than ten passes of satellites that have others: the offsets are then shrunk towards that of the kind.
 ///
 /// # Errors
-/// [`Interrupted`] if `watch` stops.
+/// [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` stops.
 pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64, watch: &Watch) -> Result<bool, Error> {
     let mut by_satellite: BTreeMap<NoradId, Vec<&Pass>> = BTreeMap::new();
     of_kind.iter().for_each(|pass| by_satellite.entry(pass.norad_id()).or_default().push(*pass));

@@ -71,7 +71,7 @@ impl<'a> BodyView<'a> {
         })
     }
 
-    /// Returns the view whose maps stop with [`MapError::Interrupted`] after [`Watch::stop`].
+    /// Returns the view whose maps stop after [`Watch::stop`].
     pub fn watched(self, watch: &Watch) -> Self {
         Self { watch: watch.clone(), ..self }
     }
@@ -133,7 +133,7 @@ impl<'a> BodyView<'a> {
     /// current pool.
     ///
     /// # Errors
-    /// [`MapError::Interrupted`] after [`Watch::stop`].
+    /// [`Cancelled`](crate::ErrorKind::Cancelled) after [`Watch::stop`].
     pub fn map(&self, grid: Grid) -> Result<BodyMap, Error> {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let fill_row = |row: &GridRow, points: &mut [BodyPoint]| {

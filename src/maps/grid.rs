@@ -60,7 +60,7 @@ impl GridRow {
 /// Computes one value for each direction of the rows, in order, on all threads of the current pool.
 ///
 /// # Errors
-/// [`Interrupted`] after [`Watch::stop`].
+/// [`Cancelled`](crate::ErrorKind::Cancelled) after [`Watch::stop`].
 pub(super) fn fill<T: Copy + Send>(
     rows: Vec<GridRow>,
     blank: T,

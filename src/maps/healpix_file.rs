@@ -30,8 +30,7 @@ impl BodyMap {
     /// CFITSIO can only write to a file, so a temporary file is created in the folder `scratch` and deleted afterwards.
     ///
     /// # Errors
-    /// [`MapError::Fits`] if the grid is not a HEALPix grid or CFITSIO fails; [`MapError::Scratch`] if files cannot be
-    /// created in `scratch`.
+    /// The grid is not a HEALPix grid, CFITSIO fails, or files cannot be created in `scratch`.
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, Error> {
         let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
         let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];

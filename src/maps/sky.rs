@@ -149,7 +149,7 @@ impl<'a> SkyView<'a> {
         Self { shadow, ..self }
     }
 
-    /// Returns the view whose maps stop with [`MapError::Interrupted`] after [`Watch::stop`].
+    /// Returns the view whose maps stop after [`Watch::stop`].
     pub fn watched(self, watch: &Watch) -> Self {
         Self { watch: watch.clone(), ..self }
     }
@@ -226,7 +226,7 @@ impl<'a> SkyView<'a> {
     /// pool.
     ///
     /// # Errors
-    /// [`MapError::Interrupted`] after [`Watch::stop`].
+    /// [`Cancelled`](crate::ErrorKind::Cancelled) after [`Watch::stop`].
     pub fn map(&self, grid: Grid) -> Result<SkyMap, Error> {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
         let fill_row = |grid_row: &GridRow, points: &mut [SkyPoint]| {

@@ -90,8 +90,12 @@ pub fn predictions(
     options: &PredictOptions,
 ) -> Result<(Vec<Prediction>, Vec<LeftOut>), Error> {
     let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
-        let what = format!("{}: position of the corners of the frame on the sky", frame.file.path().display());
-        Error::invalid(what, "undefined", "world coordinates that cover the frame")
+        Error::invalid(
+            "position of the corners of the frame on the sky",
+            "undefined",
+            "world coordinates that cover the frame",
+        )
+        .in_file("", frame.file.path())
     })?;
     let exposure = Exposure {
         id: String::new(),

@@ -41,7 +41,9 @@ impl StarTable {
     /// The file cannot be read, a column is missing, or a value is out of range.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let origin = format!("table of stars {}", path.display());
-        let failed = |error: std::io::Error| Error::invalid(origin.clone(), format!("invalid ({error})"), FORM);
+        let failed = |error: std::io::Error| {
+            Error::about_file("table of stars", path, format!("is invalid ({error})")).allowing(FORM)
+        };
         let rows = TableRows::open(path).map_err(failed)?;
         let column = |names: &[&'static str], unit| rows.numbers(names, unit, FORM).map_err(failed);
         let ra = column(&["ra_deg", "ra"], &DEGREES)?;
@@ -70,7 +72,7 @@ impl StarTable {
             stars.push((CatalogueStar { direction, magnitude: mag, sigma_mag, colour }, band));
         }
         if stars.is_empty() {
-            return Err(Error::invalid(origin, "empty", FORM));
+            return Err(Error::about_file("table of stars", path, "is empty").allowing(FORM));
         }
         Ok(Self { origin, stars })
     }

@@ -21,8 +21,7 @@ impl Sky {
     /// Computes altitude and azimuth of the Sun's centre, without refraction and without aberration (20").
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's
-    /// ephemeris.
+    /// The observer is in orbit, or the time is outside the years of the Sun's ephemeris.
     #[doc(hidden)]
     pub fn sun_altaz(&self, epoch: Epoch) -> Result<AltAz, Error> {
         check_epoch(epoch)?;

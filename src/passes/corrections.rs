@@ -23,8 +23,7 @@ impl Sky {
     /// [`PassUpdate`]. The magnitudes must be in the band and system of `photometry`, and so must the predictions.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] for a time outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the
-    /// elements of a telescope in orbit give no position.
+    /// A time is outside the years of the Sun's ephemeris, or the elements of a telescope in orbit give no position.
     pub(crate) fn with_measured(
         mut self,
         measured: &[MeasuredMagnitude],

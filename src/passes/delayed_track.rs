@@ -54,7 +54,7 @@ impl Sky {
     /// Computes the data that the tracks of all delayed satellites in one exposure share.
     ///
     /// # Errors
-    /// [`Error`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
+    /// The exposure has no finite length or direction, or lies outside the years of the Sun's
     /// ephemeris, or if the elements of a telescope in orbit give no position.
     #[doc(hidden)]
     pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, Error> {

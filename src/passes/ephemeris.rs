@@ -82,8 +82,8 @@ impl Sky {
     /// or more of the times. If `photometry` is `None`, brightness is omitted.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the elements of a
-    /// telescope in orbit give no position; [`SkyError::Invalid`] for more than a million points.
+    /// A time is outside the years of the Sun's ephemeris; the elements of a telescope in orbit give no position
+    /// ([`NoPosition`](crate::ErrorKind::NoPosition)); there are more than a million points.
     pub fn ephemeris(
         &self,
         element_indices: &[usize],

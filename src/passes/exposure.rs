@@ -34,7 +34,7 @@ impl Exposure {
     /// 0 and the identifier is empty.
     ///
     /// # Errors
-    /// [`Error`] if a text has another form or a value is out of range. An exposure time out of range is rejected
+    /// A text has another form or a value is out of range. An exposure time out of range is rejected
     /// only when the exposure is used.
     pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, Error> {
         let pointing = parse_direction(ra, dec)?;
@@ -54,13 +54,19 @@ impl Exposure {
         let id = &self.id;
         if !(0.0..=LONGEST_S).contains(&self.duration_s) {
             let given = format!("{} s", self.duration_s);
-            return Err(Error::invalid(format!("exposure {id}: duration"), given, format!("0 to {LONGEST_S} s")));
+            return Err(
+                Error::invalid("duration", given, format!("0 to {LONGEST_S} s")).at(format_args!("exposure {id}"))
+            );
         }
         if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) {
-            return Err(Error::invalid(format!("exposure {id}: pointing"), "not a direction", "finite numbers"));
+            return Err(
+                Error::invalid("pointing", "not a direction", "finite numbers").at(format_args!("exposure {id}"))
+            );
         }
         if !self.rotation_rad.is_finite() {
-            return Err(Error::invalid(format!("exposure {id}: rotation"), self.rotation_rad, "finite numbers"));
+            return Err(
+                Error::invalid("rotation", self.rotation_rad, "finite numbers").at(format_args!("exposure {id}"))
+            );
         }
         check_epoch(self.start)
     }

@@ -262,26 +262,28 @@ fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Resu
     let corners: Vec<[f64; 2]> =
         corners_deg.iter().map(|corner| [0, 1].map(|axis| (corner[axis] + centre_deg[axis]).to_radians())).collect();
     if corners.len() < 3 {
-        return Err(Error::invalid(format!("field shape {name}: number of corners"), corners.len(), "3 or more"));
+        return Err(
+            Error::invalid("number of corners", corners.len(), "3 or more").at(format_args!("field shape {name}"))
+        );
     }
     let limit = LARGEST_TANGENT_DEG.to_radians();
     if !corners.iter().all(|corner| corner[0].hypot(corner[1]) <= limit) {
         return Err(too_far(&name));
     }
     if signed_area(&corners) == 0.0 {
-        return Err(Error::invalid(format!("field shape {name}: area"), 0, "above 0"));
+        return Err(Error::invalid("area", 0, "above 0").at(format_args!("field shape {name}")));
     }
     Ok(NamedShape { name, shape: Shape::Polygon(corners) })
 }
 
 fn too_far(shape: &str) -> Error {
     let allowed = format!("finite numbers within {LARGEST_TANGENT_DEG} deg on the tangent plane");
-    Error::invalid(format!("field shape {shape}: distance of a point from the centre"), "too large", allowed)
+    Error::invalid("distance of a point from the centre", "too large", allowed).at(format_args!("field shape {shape}"))
 }
 
 fn invalid_diameter(shape: &str, diameter_deg: f64, allowed_deg: f64) -> Error {
     let allowed = format!("above 0, at most {allowed_deg} deg");
-    Error::invalid(format!("field shape {shape}: diameter"), format!("{diameter_deg} deg"), allowed)
+    Error::invalid("diameter", format!("{diameter_deg} deg"), allowed).at(format_args!("field shape {shape}"))
 }
 
 /// Returns the area by the shoelace formula; positive if the corners are anticlockwise.

@@ -148,7 +148,7 @@ impl LearnedFile {
     /// Reads and validates a file.
     ///
     /// # Errors
-    /// [`Error`] if the file cannot be read, or as for [`Self::from_json`].
+    /// The file cannot be read, or as for [`Self::from_json`].
     pub fn read(path: &Path) -> Result<Self, Error> {
         let failed = |source| Error::system(source).in_file("learned file", path);
         Self::from_json(&crate::input::read_to_string(path).map_err(failed)?, &path.display().to_string())
@@ -157,7 +157,7 @@ impl LearnedFile {
     /// Reads and validates the text of a file; errors contain `origin` (the name of the file).
     ///
     /// # Errors
-    /// [`Error`] if the text is not JSON, a key is unknown or missing, or a value is out of range.
+    /// The text is not JSON, a key is unknown or missing, or a value is out of range.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
         let failed = |source| Error::caused(ErrorKind::Format, source).in_file("learned file", origin);
         let file: Self = serde_json::from_str(text).map_err(failed)?;

@@ -67,7 +67,7 @@ impl ModelChoice {
     /// Creates the choice with the default models of a library.
     ///
     /// # Errors
-    /// [`Error`] if the library lacks one of them; the embedded library has all.
+    /// The library lacks one of them; the embedded library has all.
     pub fn new(library: &ModelLibrary) -> Result<Self, Error> {
         let mut by_generation = BTreeMap::new();
         for generation in Generation::ALL {
@@ -91,7 +91,7 @@ impl ModelChoice {
     /// kinds. `origin` is the name of the file in errors. The models of these kinds must be set before.
     ///
     /// # Errors
-    /// [`LearnedError::OtherModel`] if the model of a kind is not the one in the file.
+    /// The model of a kind is not the one in the file.
     pub fn with_learned(mut self, file: LearnedFile, origin: &str) -> Result<Self, Error> {
         for (kind, magnitude) in
             file.kinds.iter().filter_map(|learned| Some((learned.kind, learned.magnitude.as_ref()?)))

@@ -15,7 +15,7 @@ impl Sky {
     /// most 10 s; none for a site.
     ///
     /// # Errors
-    /// [`SkyError::Observer`] if the position of the telescope cannot be computed.
+    /// The position of the telescope cannot be computed.
     #[doc(hidden)]
     pub fn pointing_angles(&self, exposure: &Exposure) -> Result<Vec<PointingAngles>, Error> {
         let Some(observer) = self.viewpoint().orbit() else { return Ok(Vec::new()) };

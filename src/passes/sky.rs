@@ -155,8 +155,8 @@ impl Sky {
         Self { viewpoint: observer.into(), predictabilities: Arc::default(), ..self }
     }
 
-    /// Returns a sky with the same satellites and observer whose queries stop with [`SkyError::Interrupted`] after
-    /// [`Watch::stop`]. Both skies share their caches.
+    /// Returns a sky with the same satellites and observer whose queries stop after [`Watch::stop`], with an error
+    /// of the kind [`Cancelled`](crate::ErrorKind::Cancelled). Both skies share their caches.
     pub fn watched(&self, watch: &Watch) -> Self {
         Self { watch: watch.clone(), ..self.clone() }
     }

@@ -97,9 +97,8 @@ impl Sky {
     /// without a position.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
-    /// orbit; [`SkyError::Invalid`] for an altitude below 0 or above π/2, for times out of order or later than an
-    /// hour, and for no times or more than ten thousand.
+    /// A time is outside the years of the Sun's ephemeris; the observer is in orbit; an altitude is below 0 or above π/2;
+    /// times are out of order or later than an hour; there are no times, or more than ten thousand.
     pub fn snapshots(
         &self,
         start: Epoch,

@@ -183,8 +183,7 @@ impl Sky {
     /// Altitudes are geometric, without refraction. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
-    /// orbit.
+    /// A time is outside the years of the Sun's ephemeris, or the observer is in orbit.
     pub fn visible_passes(
         &self,
         request: &VisibleRequest,

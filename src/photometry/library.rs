@@ -74,7 +74,7 @@ impl ModelLibrary {
     /// Returns the model with this name or alias; case is ignored.
     ///
     /// # Errors
-    /// [`PhotometryError::UnknownModel`] with the known names.
+    /// An unknown name; the error lists the known ones.
     pub fn find(&self, name: &str) -> Result<Arc<BrightnessModel>, Error> {
         self.get(name).ok_or_else(|| {
             Error::format(format!("unknown model '{}'", Quoted::new(name)))

@@ -181,7 +181,7 @@ impl ModelFile {
     /// Reads and validates one model; errors contain `origin` (a file name).
     ///
     /// # Errors
-    /// [`Error`] if the text is not JSON, a key is unknown, missing or does not fit the kind, the schema
+    /// The text is not JSON, a key is unknown, missing or does not fit the kind, the schema
     /// version differs, a value is out of range, or the covariance is invalid.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
         let file: Self = serde_json::from_str(text)
@@ -226,7 +226,7 @@ impl ModelFile {
     /// Checks every value against its range and every key against the kind.
     ///
     /// # Errors
-    /// The first [`Error`] that is found.
+    /// The first one that is found.
     pub fn validate(&self, origin: &str) -> Result<(), Error> {
         let check = Check { origin };
         if self.schema != SCHEMA_VERSION {

@@ -26,7 +26,7 @@ impl StandardMagnitudes {
     /// Reads a `qs.mag` table; magnitudes are converted to half phase.
     ///
     /// # Errors
-    /// [`PhotometryError::NoStandardMagnitudes`] if no line has a NORAD number and a magnitude.
+    /// No line has a NORAD number and a magnitude.
     pub fn from_qs_mag(text: &str) -> Result<Self, Error> {
         let half_lit: BTreeMap<u32, StandardMagnitude> = text
             .lines()

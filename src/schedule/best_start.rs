@@ -33,7 +33,7 @@ pub struct BestStart {
 /// applied.
 ///
 /// # Errors
-/// [`Error`] if passes cannot be computed.
+/// Passes cannot be computed.
 pub fn best_start(
     row: &ScheduledExposure,
     longest_s: f64,

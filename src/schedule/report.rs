@@ -73,7 +73,7 @@ impl FlagReport {
 /// degrees rarely has a clear start, and the search would take most of the time.
 ///
 /// # Errors
-/// [`Error`] if passes cannot be computed.
+/// Passes cannot be computed.
 pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, Error> {
     let mut judged = judge(rows, request)?;
     find_starts(Blocking::Any, &mut judged, rows, request)?;
@@ -99,7 +99,7 @@ impl Sky {
     /// [`flag_exposures`] judges whole schedules, with a telescope and in other bands.
     ///
     /// # Errors
-    /// [`Error`] if the direction or duration of the exposure is not finite, or its time is outside the years of the
+    /// The direction or duration of the exposure is not finite, or its time is outside the years of the
     /// Sun's ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
     /// reason.
     pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, Error> {

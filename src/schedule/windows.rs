@@ -87,7 +87,7 @@ pub struct WindowReport {
 /// such a telescope are not searched.
 ///
 /// # Errors
-/// [`Error`] if passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
+/// Passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
 /// no horizon.
 pub fn clear_windows(
     targets: &[WindowTarget],

@@ -104,7 +104,7 @@ pub struct StreakPoint {
 /// at its closest approach to the middle of the chip.
 ///
 /// # Errors
-/// [`Error`] if the width of the image is out of range or the path is invalid.
+/// The width of the image is out of range or the path is invalid.
 pub fn draw_on_chip<'a>(source: &'a Source, chip: &'a Chip, shot: &Shot<'_>) -> Result<Vec<DrawnStreak<'a>>, Error> {
     draw_lights(source, chip, shot, None, &|part, nearest_s, optics| {
         let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());

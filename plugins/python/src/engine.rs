@@ -8,7 +8,6 @@ use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::{ErrorKind, Watch};
 use streakcast::config::{Config, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
@@ -20,6 +19,7 @@ use streakcast::schedule::{
     StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes,
     flag_exposures, flag_table, judge_exposures, streak_table,
 };
+use streakcast::{ErrorKind, Watch};
 
 use crate::columns::{columns, times};
 use crate::exposures::{Columns, rows, scale_name, start_of, within};

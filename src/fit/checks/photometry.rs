@@ -213,8 +213,7 @@ impl Photometry {
     /// Reads every known file that is in the folder.
     ///
     /// # Errors
-    /// * [`FitError::NoPhotometry`] if none of the files exists;
-    /// * the other variants if a file exists but is invalid.
+    /// None of the files exists, or one is invalid.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let mut sets = BTreeMap::new();
         for set in DataSet::ALL {

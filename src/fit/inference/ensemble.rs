@@ -42,7 +42,7 @@ impl Chain {
     /// Creates a chain from its arrays.
     ///
     /// # Errors
-    /// [`FitError::ChainShape`] if their lengths do not match.
+    /// Their lengths do not match.
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
@@ -136,7 +136,7 @@ impl Chain {
 /// Checks the number of walkers, which must be even, at least 4, and at least twice the number of parameters.
 ///
 /// # Errors
-/// [`FitError::Walkers`] for an invalid number.
+/// An invalid number.
 pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), Error> {
     let least = (2 * parameters).max(4);
     if walkers < least || walkers % 2 == 1 {
@@ -159,7 +159,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Creates an ensemble with one walker at each starting position.
     ///
     /// # Errors
-    /// [`Error`] if the number of walkers is too small or odd, a starting position has probability zero, or all
+    /// The number of walkers is too small or odd, a starting position has probability zero, or all
     /// starting positions are equal in a parameter.
     pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, Error> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
@@ -186,7 +186,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Continues a chain that was drawn from the same posterior with the same seed.
     ///
     /// # Errors
-    /// [`FitError::ChainShape`] if the chain is empty; the errors of [`Self::new`] if its last positions are invalid.
+    /// The chain is empty; the errors of [`Self::new`] if its last positions are invalid.
     pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, Error> {
         let Some(last) = chain.steps().checked_sub(1) else {
             return Err(wrong_length(0, chain.walkers, chain.parameters));

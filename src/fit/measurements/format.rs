@@ -45,7 +45,7 @@ impl Format {
     /// Returns the format with this name; upper and lower case are equivalent.
     ///
     /// # Errors
-    /// [`FitError::UnknownFormatName`] for an unknown name.
+    /// An unknown name.
     pub fn by_name(name: &str) -> Result<Self, Error> {
         let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
         found.ok_or_else(|| {

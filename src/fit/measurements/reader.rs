@@ -92,7 +92,7 @@ impl RecordReader {
     /// Creates a reader of files, which are opened one after another.
     ///
     /// # Errors
-    /// [`FitError::NoFiles`] if the list is empty.
+    /// The list is empty.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, Error> {
         if paths.is_empty() {
             return Err(Error::new(ErrorKind::Missing, "no file of photometry is given").allowing("one or more"));

@@ -168,8 +168,7 @@ impl Reducer {
     /// Creates an empty reducer.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the
-    /// spread that is not positive.
+    /// A layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not positive.
     pub fn new(options: ReduceOptions) -> Result<Self, Error> {
         let setting = |name, given: String, allowed| Err(Error::invalid(name, given, allowed));
         let width_deg = options.layer_width_rad.to_degrees();

@@ -70,7 +70,7 @@ impl Selection {
     /// Checks the thresholds.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for a threshold that is not finite, or is negative where it must not be.
+    /// A threshold is not finite, or is negative where it must not be.
     pub(super) fn check(&self) -> Result<(), Error> {
         let not_negative = [
             ("max_range_difference_km", self.max_range_difference_km),

@@ -86,7 +86,7 @@ impl Amplifier {
 impl Crosstalk {
     pub(super) fn validate(&self) -> Result<(), Error> {
         let invalid = |what: String, given: &dyn Display, allowed: String| {
-            Err(Error::invalid(format!("detector: crosstalk: {what}"), given, allowed))
+            Err(Error::invalid(format!("crosstalk: {what}"), given, allowed).at("detector"))
         };
         let count = self.amplifiers.len();
         if count < 2 {
@@ -128,10 +128,11 @@ impl Crosstalk {
                 let Amplifier { first_row, first_column, .. } = *amplifier;
                 let (last_row, last_column) = (amplifier.end_row() - 1, amplifier.end_column() - 1);
                 return Err(Error::invalid(
-                    format!("detector: amplifier {number}"),
+                    format!("amplifier {number}"),
                     format!("rows {first_row} to {last_row} and columns {first_column} to {last_column}"),
                     format!("rows and columns of the frame of {rows} rows by {columns} columns"),
-                ));
+                )
+                .at("detector"));
             }
         }
         Ok(())

@@ -81,7 +81,7 @@ impl Detector {
     /// Checks the range of every number.
     ///
     /// # Errors
-    /// [`Error`] for the first value that is out of range, not finite, or inconsistent with the others.
+    /// The first value that is out of range, not finite, or inconsistent with the others.
     pub fn validate(&self) -> Result<(), Error> {
         Error::check_range("detector: gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
         Error::check_range("detector: bias_adu", self.bias_adu, -1e6, 1e6)?;

@@ -57,8 +57,8 @@ impl FrameFile {
     #[doc(hidden)]
     pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, Error> {
         self.hdus.get(hdu).ok_or_else(|| {
-            let what = format!("{}: HDU {hdu}", self.path.display());
-            Error::invalid(what, "missing", format!("0 to {}", self.hdus.len() - 1))
+            Error::invalid(format!("HDU {hdu}"), "missing", format!("0 to {}", self.hdus.len() - 1))
+                .in_file("", &self.path)
         })
     }
 
@@ -82,12 +82,11 @@ impl FrameFile {
     pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), Error> {
         let info = self.hdu(hdu)?;
         let size = info.image_size().ok_or_else(|| {
-            let what = format!("{}: HDU {hdu}", self.path.display());
             let allowed = match self.images() {
                 images if images.is_empty() => "an image of two axes (the file has none)".to_owned(),
                 images => format!("an image of two axes: HDU {images:?}"),
             };
-            Error::invalid(what, info.words(), allowed)
+            Error::invalid(format!("HDU {hdu}"), info.words(), allowed).in_file("", &self.path)
         })?;
         Ok((info, size))
     }
@@ -95,9 +94,13 @@ impl FrameFile {
     /// Returns an error for pixels outside an image; `columns` are the first column and the one after the last.
     pub(super) fn outside(&self, hdu: usize, row: usize, columns: [usize; 2]) -> Error {
         let [first, end] = columns;
-        let what = format!("{}: HDU {hdu}: row {row}, columns {first} to {}", self.path.display(), end.max(1) - 1);
         let [rows, columns] = self.image_size(hdu).unwrap_or_default();
-        Error::invalid(what, "outside the image", format!("{rows} rows and {columns} columns, counted from 0"))
+        Error::invalid(
+            format!("row {row}, columns {first} to {}", end.max(1) - 1),
+            "outside the image",
+            format!("{rows} rows and {columns} columns, counted from 0"),
+        )
+        .in_hdu(&self.path, hdu)
     }
 
     /// Reads all pixels of an image as physical values (BSCALE and BZERO applied) in single precision. Pixels without a

@@ -136,9 +136,13 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
             file.seek(SeekFrom::Start(at)).map_err(&io)?;
             let mut shown = [0; 16];
             let count = file.read(&mut shown).map_err(&io)?;
-            let what = format!("{}: data after HDU {} at byte {at}", path.display(), index - 1);
             let allowed = format!("XTENSION or the end of the file (check the NAXISn of HDU {})", index - 1);
-            return Err(Error::invalid(what, format!("{:?}", readable(&shown[..count])), allowed));
+            return Err(Error::invalid(
+                format!("data after HDU {} at byte {at}", index - 1),
+                format!("{:?}", readable(&shown[..count])),
+                allowed,
+            )
+            .in_file("", path));
         }
         let header = read_header(path, file, index, at, length)?;
         let data_at = file.stream_position().map_err(&io)?;
@@ -163,19 +167,18 @@ fn check_begin(path: &Path, begin: &[u8]) -> Result<(), Error> {
     ];
     if let Some((_, packer)) = packers.iter().find(|(magic, _)| begin.starts_with(magic)) {
         let allowed = "a decompressed FITS file, or compressed tiles (.fz)";
-        return Err(Error::invalid(path.display().to_string(), format!("compressed with {packer}"), allowed));
+        return Err(Error::about_file("", path, format!("is compressed with {packer}")).allowing(allowed));
     }
     if begin.starts_with(b"SIMPLE  =") {
         return Ok(());
     }
-    let given = format!("not a FITS file (it begins with {:?})", readable(&begin[..begin.len().min(16)]));
-    Err(Error::invalid(path.display().to_string(), given, "a file that begins with \"SIMPLE  =\""))
+    let predicate = format!("is not a FITS file (it begins with {:?})", readable(&begin[..begin.len().min(16)]));
+    Err(Error::about_file("", path, predicate).allowing("a file that begins with \"SIMPLE  =\""))
 }
 
 fn truncated(path: &Path, hdu: usize, part: &str, needed: u64, length: u64) -> Error {
-    let what = format!("{}: HDU {hdu}", path.display());
     let allowed = format!("at least {needed} bytes for its {part} (the file has {length})");
-    Error::invalid(what, "truncated", allowed)
+    Error::invalid(format!("HDU {hdu}"), "truncated", allowed).in_file("", path)
 }
 
 fn readable(bytes: &[u8]) -> String {

@@ -152,14 +152,14 @@ impl FrameImages {
                             planes.push((earlier, PlaneKind::Other));
                         }
                         Role::Unclear => {
-                            let what = format!("{}: HDU {hdu}{}", file.path().display(), shown(&image.name));
+                            let what = format!("HDU {hdu}{}", shown(&image.name));
                             let earlier = frames[at].hdu;
                             let given = format!(
                                 "an image like HDU {earlier}{}: a frame or a companion plane",
                                 shown(&frames[at].name)
                             );
                             let allowed = format!("--hdu {earlier}, --hdu {hdu} or --hdu {earlier},{hdu}");
-                            return Err(Error::invalid(what, given, allowed));
+                            return Err(Error::invalid(what, given, allowed).in_file("", file.path()));
                         }
                     },
                 }

@@ -9,7 +9,7 @@ use std::path::Path;
 use super::super::header::Header;
 use super::hdu::{HduInfo, HduKind};
 use super::tile_header::{COMPRESSED, Column, UNCOMPRESSED, check_compressed, columns};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::input;
 
 /// Rows of the table, and sizes of the image and its tiles.
@@ -28,8 +28,7 @@ impl TileTable {
     /// that is possible for its pixels.
     ///
     /// # Errors
-    /// Invalid keywords, invalid tiles ([`ImagesError::Tiles`] with the number of the tile), and errors of the
-    /// operating system.
+    /// Invalid keywords, invalid tiles, and errors of the operating system.
     pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, Error> {
         let io = Error::io(path);
         let of_hdu = |error: Error| error.in_hdu(path, info.index);
@@ -54,11 +53,7 @@ impl TileTable {
             let pixels = table.pixels(row);
             for column in table.columns.iter().filter(|column| column.variable.is_some()) {
                 let broken = |why: &str| {
-                    Error::new(
-                        ErrorKind::Invalid,
-                        format!("HDU {}: {}", info.index, format!("{} of tile {}: {why}", column.name, row + 1)),
-                    )
-                    .in_file("", path)
+                    Error::format(format!("{} of tile {}: {why}", column.name, row + 1)).in_hdu(path, info.index)
                 };
                 let (count, size) = table.length(column, row);
                 let (offset, length) = (table.offset(column, row), count.saturating_mul(size));

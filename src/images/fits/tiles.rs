@@ -28,7 +28,7 @@ use super::new_hdu::empty_primary;
 use super::pixel_format::{Bitpix, PixelFormat, Stored};
 use super::tile_header::{COMPRESSED, GZIPPED};
 use super::tile_table::TileTable;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::input;
 
 /// Quantised number of a pixel without a value (ZBLANK), and of a pixel that is exactly 0 (SUBTRACTIVE_DITHER_2).
@@ -76,8 +76,7 @@ struct Quantised {
 /// updates `header`. `seed` is that of the rounding.
 ///
 /// # Errors
-/// [`ImagesError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and of the
-/// operating system.
+/// Tiles are invalid, or their algorithm is not supported; errors of CFITSIO and of the operating system.
 pub(super) fn repack(
     source: &Path,
     info: &HduInfo,
@@ -85,8 +84,7 @@ pub(super) fn repack(
     (light, seed): (&Deltas<'_>, u64),
     scratch: &Path,
 ) -> Result<(Changed, Repacked), Error> {
-    let failed =
-        |problem: String| Error::new(ErrorKind::Invalid, format!("HDU {}: {problem}", info.index)).in_file("", source);
+    let failed = |problem: String| Error::format(problem).in_hdu(source, info.index);
     let io = Error::io(source);
     let table = TileTable::read(source, info, header)?;
     let HduKind::CompressedImage(algorithm) = &info.kind else {

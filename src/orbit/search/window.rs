@@ -140,7 +140,7 @@ impl Window {
     /// split longer intervals.
     ///
     /// # Errors
-    /// [`Interrupted`] if `watch` is stopped.
+    /// [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` is stopped.
     pub fn new(
         index: &SatelliteIndex,
         start: Epoch,

@@ -32,7 +32,7 @@ impl Sky {
     /// exposure of hours) has a separate pass each time.
     ///
     /// # Errors
-    /// [`Error`] if an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
+    /// An exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
     /// or if the elements of a telescope in orbit give no position.
     pub fn field_passes(&self, exposures: &[Exposure], field: &Field, options: &PassOptions) -> Result<Passes, Error> {
         let scope = if options.min_probability.is_some() { SearchScope::Delayed } else { SearchScope::Nominal };

@@ -54,7 +54,7 @@ impl Sky {
     /// Counts the streaks of one exposure in every direction at every time.
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise the errors of [`Sky::field_passes`].
+    /// The observer is in orbit; otherwise the errors of [`Sky::field_passes`].
     #[doc(hidden)]
     pub fn streak_counts(&self, request: &CountRequest<'_>) -> Result<Counts, Error> {
         let mut counts = Counts::default();

@@ -89,21 +89,19 @@ impl SyntheticFrame {
         let frame: Self = toml::from_str(text).map_err(|error| {
             Error::format(crate::input::toml_error(&error, text)).in_file("synthetic frame", origin)
         })?;
-        frame.validate()?;
+        frame.validate().map_err(|error| error.in_file("synthetic frame", origin))?;
         Ok(frame)
     }
 
     fn validate(&self) -> Result<(), Error> {
-        let held = |key: &str, given: f64, [least, most]: [f64; 2]| {
-            Error::check_range(format!("synthetic frame: {key}"), given, least, most)
-        };
+        let held = |key: &str, given: f64, [least, most]: [f64; 2]| Error::check_range(key, given, least, most);
         held("columns", self.columns as f64, [16.0, 32768.0])?;
         held("rows", self.rows as f64, [16.0, 32768.0])?;
         held("pixel_scale_arcsec", self.pixel_scale_arcsec, [0.001, 600.0])?;
         held("rotation_deg", self.rotation_deg, [-360.0, 360.0])?;
         held("zero_point_1s_mag", self.zero_point_1s_mag, [0.0, 50.0])?;
         held("sky_mag_arcsec2", self.sky_mag_arcsec2, [0.0, 40.0])?;
-        Ok(self.detector.validate().map_err(|error| error.at("synthetic frame"))?)
+        self.detector.validate()
     }
 
     /// Computes the counts of sky and stars, with the effects of the detector, and the world coordinates of the frame.

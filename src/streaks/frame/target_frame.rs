@@ -86,7 +86,7 @@ impl TargetFrame {
         let images = images(&file, overrides)?;
         let Some(&first) = images.frames.first() else {
             let (given, allowed) = images.no_frame();
-            return Err(Error::invalid(format!("{shown}: number of images of two axes"), given, allowed));
+            return Err(Error::invalid("number of images of two axes", given, allowed).in_file("", path));
         };
         let headers = |hdu: usize| -> Result<[&Header; 2], Error> { Ok([file.header(hdu)?, file.header(0)?]) };
         let (opened, exposure_s) = exposure(&headers(first)?, overrides, &shown)?;
@@ -201,15 +201,16 @@ fn target_chip(
             None => {
                 let (keyword, mag) = (&stated.keyword, stated.mag);
                 return Err(Error::invalid(
-                    format!("{path}: {keyword}"),
+                    keyword,
                     format!("{mag}, the magnitude of one count either in the whole exposure or per second"),
                     format!("--zero-point {mag} or --zero-point-1s {mag} to choose one"),
-                ));
+                )
+                .in_file("", path));
             }
         },
         (None, None) => {
             let allowed = "FLUXMAG0, MAGZERO, MAGZP, MAGZPT, ..., or --zero-point";
-            return Err(Error::invalid(format!("{path}: HDU {hdu}: zero point"), "missing", allowed));
+            return Err(Error::invalid("zero point", "missing", allowed).in_hdu(path.as_ref(), hdu));
         }
     };
     let scale = match basis {

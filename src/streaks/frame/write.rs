@@ -57,7 +57,7 @@ pub struct Injected {
 /// order.
 ///
 /// # Errors
-/// [`Error`]; an existing file at `output` is then left unchanged.
+/// The file cannot be written, or the streaks do not fit the frame; an existing file at `output` is then unchanged.
 pub fn inject(
     frame: &TargetFrame,
     streaks: &[DrawnStreak<'_>],

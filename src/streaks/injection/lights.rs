@@ -49,9 +49,12 @@ pub fn sources(
     output: &Path,
 ) -> Result<(Vec<Source>, Option<String>), Error> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
-        let shown = frame.file.path().display();
-        let what = format!("{shown}: position of the corners of the frame on the sky");
-        Error::invalid(what, "undefined", "world coordinates that cover the frame")
+        Error::invalid(
+            "position of the corners of the frame on the sky",
+            "undefined",
+            "world coordinates that cover the frame",
+        )
+        .in_file("", frame.file.path())
     })?;
     if let Some(random) = &plan.random {
         return Ok((random_sources(random, plan, frame, (centre, radius_rad), seed), None));

@@ -125,7 +125,7 @@ impl<'a> Injection<'a> {
     }
 
     /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool. It stops
-    /// with [`StreaksError::Interrupted`] after [`Watch::stop`].
+    /// after [`Watch::stop`].
     ///
     /// # Errors
     /// Errors of frames, detectors, passes and drawing. Each output is written completely or not at all. If one of
@@ -196,7 +196,7 @@ fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]
             let path = format.path(output, outputs.len(), (!is_only).then_some(chip.chip.hdu));
             if place(&path).is_some_and(|path| inputs.contains(&path)) {
                 let allowed = "labels that replace no input: another name of the output or of the input";
-                return Err(Error::invalid(path.display().to_string(), "also an input", allowed));
+                return Err(Error::about_file("", path, "is also an input").allowing(allowed));
             }
             AtomicFile::check(&path).map_err(Error::io(&path))?;
         }
@@ -208,9 +208,8 @@ fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]
 pub fn reject_packed(output: &Path) -> Result<(), Error> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
-        let shown = output.display();
         let allowed = format!("a name without .{end}, for example .fits");
-        return Err(Error::invalid(shown.to_string(), "the name of a compressed file", allowed));
+        return Err(Error::about_file("", output, "is the name of a compressed file").allowing(allowed));
     }
     Ok(())
 }

@@ -203,7 +203,7 @@ impl GivenStreak {
 
     /// Returns the error of a value of this row.
     pub(crate) fn invalid(&self, what: &str, given: impl Display, allowed: impl Into<String>) -> Error {
-        Error::invalid(format!("{}: {what}", self.origin), given, allowed)
+        Error::invalid(what, given, allowed).at(&self.origin)
     }
 
     /// Returns the times at which the light is at the ends, seconds after the shutter opened.

@@ -53,7 +53,7 @@ impl LightCurve {
         for (index, point) in points.iter().enumerate() {
             if !(point.0.is_finite() && point.1.is_finite()) {
                 let given = format!("{} s, {} mag", point.0, point.1);
-                return Err(Error::invalid(format!("light curve: point {}", index + 1), given, "finite numbers"));
+                return Err(Error::invalid(format!("point {}", index + 1), given, "finite numbers").at("light curve"));
             }
             if index > 0 && points[index - 1].0 >= point.0 {
                 let what = format!("light curve: time of point {}", index + 1);

@@ -52,7 +52,7 @@ impl RandomStreaks {
         let held = |what: &str, [from, to]: [f64; 2], allowed: &str, [least, most]: [f64; 2]| {
             let right = from >= least && to <= most && from <= to;
             let given = if from == to { from.to_string() } else { format!("{from} to {to}") };
-            if right { Ok(()) } else { Err(Error::invalid(format!("random streaks: {what}"), given, allowed)) }
+            if right { Ok(()) } else { Err(Error::invalid(what, given, allowed).at("random streaks")) }
         };
         let number = match self.number {
             StreakNumber::Exactly(number) => number as f64,

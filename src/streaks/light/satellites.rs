@@ -48,7 +48,7 @@ pub struct SatelliteExposure {
 /// which the frame moves.
 ///
 /// # Errors
-/// [`Error`] if passes cannot be computed, or if the field covers more than half of the sky.
+/// Passes cannot be computed, or if the field covers more than half of the sky.
 pub fn satellites(
     sky: &Sky,
     eop: &EopTable,

@@ -116,7 +116,7 @@ impl UncertainTrack<'_> {
     /// `reach_pix` is the largest such distance.
     ///
     /// # Errors
-    /// [`Error`] if a position is not finite.
+    /// A position is not finite.
     pub fn cells(
         &self,
         chip: &Chip,

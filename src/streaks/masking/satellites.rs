@@ -156,8 +156,12 @@ pub fn mask_frame(
     options: &MaskOptions,
 ) -> Result<FrameMask, Error> {
     let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
-        let what = format!("{}: position of the corners of the frame on the sky", frame.file.path().display());
-        Error::invalid(what, "undefined", "world coordinates that cover the frame")
+        Error::invalid(
+            "position of the corners of the frame on the sky",
+            "undefined",
+            "world coordinates that cover the frame",
+        )
+        .in_file("", frame.file.path())
     })?;
     let exposure =
         Exposure { id: String::new(), start: frame.opened, duration_s: frame.exposure_s, pointing, rotation_rad: 0.0 };

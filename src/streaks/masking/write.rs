@@ -118,8 +118,8 @@ pub fn write_mask_planes(
         let hdu = target.chip.hdu;
         let Some((_, plane)) = planes.of_chips.iter().find(|(chip, _)| *chip == index) else {
             if area.pixels() > 0 {
-                let what = format!("{}: mask plane of HDU {hdu}", frame.file.path().display());
-                return Err(Error::invalid(what, "missing", allowed_planes(frame)));
+                return Err(Error::invalid(format!("mask plane of HDU {hdu}"), "missing", allowed_planes(frame))
+                    .in_file("", frame.file.path()));
             }
             continue;
         };
@@ -138,7 +138,7 @@ pub fn write_mask_planes(
 
 /// Returns the chosen planes with the indices of their chips.
 fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, usize)>, Error> {
-    let shown = frame.file.path().display();
+    let path = frame.file.path();
     let mut hdus: Vec<usize> = Vec::new();
     for choice in planes {
         match choice {
@@ -150,11 +150,8 @@ fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, 
                 let named = frame.file.hdus().iter().filter(|hdu| hdu.name.eq_ignore_ascii_case(name));
                 let named: Vec<usize> = named.map(|hdu| hdu.index).collect();
                 if named.is_empty() {
-                    return Err(Error::invalid(
-                        format!("{shown}: mask plane {name:?}"),
-                        "missing",
-                        allowed_planes(frame),
-                    ));
+                    return Err(Error::invalid(format!("mask plane {name:?}"), "missing", allowed_planes(frame))
+                        .in_file("", path));
                 }
                 hdus.extend(named);
             }
@@ -166,7 +163,9 @@ fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, 
     for hdu in hdus {
         let described = frame.images.companions.iter().find(|plane| plane.hdu == hdu);
         if frame.chips.iter().any(|target| target.chip.hdu == hdu) || described.is_none() {
-            return Err(Error::invalid(format!("{shown}: HDU {hdu}"), "not a mask plane", allowed_planes(frame)));
+            return Err(
+                Error::invalid(format!("HDU {hdu}"), "not a mask plane", allowed_planes(frame)).in_file("", path)
+            );
         }
         let of = described.and_then(|plane| plane.of);
         let chip = match (&frame.chips[..], of) {
@@ -178,20 +177,20 @@ fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, 
             if of.is_some() {
                 continue;
             }
-            let what = format!("{shown}: HDU {hdu}: chip that the mask plane describes");
-            return Err(Error::invalid(what, "unknown", "EXTVER, EXTNAME or an order of HDUs that determines it"));
+            let allowed = "EXTVER, EXTNAME or an order of HDUs that determines it";
+            return Err(Error::invalid("chip that the mask plane describes", "unknown", allowed).in_hdu(path, hdu));
         };
         let target = &frame.chips[chip].chip;
         let size = frame.file.image_size(hdu)?;
         if size != [target.rows, target.columns] {
             let [rows, columns] = size;
-            let what = format!("{shown}: HDU {hdu}: size");
             let allowed = format!("{} by {}, that of HDU {}", target.columns, target.rows, target.hdu);
-            return Err(Error::invalid(what, format!("{columns} by {rows}"), allowed));
+            return Err(Error::invalid("size", format!("{columns} by {rows}"), allowed).in_hdu(path, hdu));
         }
         if let Some((_, other)) = chosen.iter().find(|(known, _)| *known == chip) {
-            let what = format!("{shown}: mask planes of HDU {}", target.hdu);
-            return Err(Error::invalid(what, format!("HDU {other} and HDU {hdu}"), "one plane for each chip"));
+            let what = format!("mask planes of HDU {}", target.hdu);
+            let given = format!("HDU {other} and HDU {hdu}");
+            return Err(Error::invalid(what, given, "one plane for each chip").in_file("", path));
         }
         chosen.push((chip, hdu));
     }
@@ -245,22 +244,20 @@ impl ChosenPlanes {
     /// bit does not exist in it; or pixels of 64 bits are outside ±2⁵³.
     pub fn new(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, Error> {
         let of_chips = planes_of(frame, planes)?;
-        let shown = frame.file.path().display();
+        let path = frame.file.path();
         let (mut highest, mut names) = (HIGHEST_BIT, Vec::new());
         for (_, hdu) in &of_chips {
             let format = frame.file.hdu(*hdu)?.format;
             let Some((_, most)) = format.whole_range() else {
-                let (what, given) =
-                    (format!("{shown}: HDU {hdu}: type of the pixels"), "not whole numbers without scale");
-                return Err(Error::invalid(what, given, "a mask of integers"));
+                let given = "not whole numbers without scale";
+                return Err(Error::invalid("type of the pixels", given, "a mask of integers").in_hdu(path, *hdu));
             };
             highest = (0..=highest).rfind(|number| 2f64.powi(*number as i32) <= most).unwrap_or(0);
             if let MaskBit::Number(number) = bit
                 && *number > highest
             {
-                let (what, allowed) =
-                    (format!("{shown}: HDU {hdu}: mask bit"), format!("0 to {highest} in this plane"));
-                return Err(Error::invalid(what, number, allowed));
+                let allowed = format!("0 to {highest} in this plane");
+                return Err(Error::invalid("mask bit", number, allowed).in_hdu(path, *hdu));
             }
             if format.bitpix == Bitpix::I64 {
                 used_bits(frame, *hdu)?;
@@ -271,9 +268,8 @@ impl ChosenPlanes {
             MaskBit::Number(number) => return Ok(Self { of_chips, bit: *number, new_name: None }),
             MaskBit::Named(name) => name,
         };
-        let invalid = |what: &str, given: String, allowed: String| {
-            Err(Error::invalid(format!("{shown}: {what}"), given, allowed))
-        };
+        let invalid =
+            |what: &str, given: String, allowed: String| Err(Error::invalid(what, given, allowed).in_file("", path));
         if let Some((hdu, _)) = names.iter().find(|(_, bits)| bits.is_empty()) {
             let given = format!("{name:?}, but the mask names no bits (MP_ keywords)");
             return invalid(&format!("HDU {hdu}: mask bit"), given, format!("the number of a bit, 0 to {highest}"));
@@ -332,8 +328,12 @@ fn used_bits(frame: &TargetFrame, hdu: usize) -> Result<i64, Error> {
         let values = frame.file.read_rows(hdu, first..(first + ROWS).min(rows))?;
         for value in values.into_iter().filter(|value| !value.is_nan()) {
             if let Some(inexact) = [zero, value].into_iter().find(|value| value.abs() >= EXACT) {
-                let what = format!("{}: HDU {hdu}: BZERO or pixel of 64 bits", frame.file.path().display());
-                return Err(Error::invalid(what, format!("{inexact:.0}"), "above -2^53 and below 2^53"));
+                return Err(Error::invalid(
+                    "BZERO or pixel of 64 bits",
+                    format!("{inexact:.0}"),
+                    "above -2^53 and below 2^53",
+                )
+                .in_hdu(frame.file.path(), hdu));
             }
             used |= value as i64;
         }

@@ -143,16 +143,18 @@ fn check(nodes: &[PathNode]) -> Result<(), Error> {
         for (name, given) in fields {
             if !given.is_finite() || (matches!(name, "x" | "y") && given.abs() > FARTHEST_PIX) {
                 let allowed = "finite numbers (positions within 1e9 pixels)";
-                return Err(Error::invalid(format!("node {number}: {name}"), given, allowed));
+                return Err(Error::invalid(name, given, allowed).at(format_args!("node {number}")));
             }
         }
         if let Some(given) = [node.rate, after].into_iter().find(|rate| *rate < 0.0) {
-            return Err(Error::invalid(format!("node {number}: rate"), format!("{given} per second"), "0 or more"));
+            return Err(
+                Error::invalid("rate", format!("{given} per second"), "0 or more").at(format_args!("node {number}"))
+            );
         }
         if number > 0 && node.time_s - nodes[number - 1].time_s < LEAST_STEP_S {
             let before_s = nodes[number - 1].time_s;
             let allowed = format!("at least {LEAST_STEP_S} s after the previous node at {before_s} s");
-            return Err(Error::invalid(format!("node {number}: time"), format!("{} s", node.time_s), allowed));
+            return Err(Error::invalid("time", format!("{} s", node.time_s), allowed).at(format_args!("node {number}")));
         }
     }
     Ok(())
