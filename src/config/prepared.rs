@@ -17,7 +17,7 @@ use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};
 use crate::math::quantile::median;
-use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
+use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Field, OrbitingObserver, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
@@ -279,7 +279,7 @@ impl PreparedSky {
         if left_out.is_empty() {
             return Ok(None);
         }
-        let is_unknown = |satellite: &&LeftOut| matches!(satellite.reason, OrbitError::Unknown { .. });
+        let is_unknown = |satellite: &&LeftOut| satellite.reason.kind() == ErrorKind::UnknownPosition;
         let unknown = left_out.iter().filter(is_unknown).count();
         let satellites = self.sky.elements().len();
         if left_out.len() == satellites && unknown == 0 {

@@ -12,10 +12,10 @@ use super::selection::Selection;
 use super::selection::empty_selection;
 use crate::constants::DAY_S;
 use crate::elements::ElementSet;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
+use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
 use crate::passes::{BrightnessLimit, Sky, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
@@ -190,7 +190,7 @@ impl Forecast {
 
     /// Returns the number of satellites whose passes are unknown, because their elements are too old.
     pub fn unknown(&self) -> usize {
-        let is_unknown = |satellite: &&LeftOut| matches!(satellite.reason, OrbitError::Unknown { .. });
+        let is_unknown = |satellite: &&LeftOut| satellite.reason.kind() == ErrorKind::UnknownPosition;
         self.found.left_out.iter().filter(is_unknown).count()
     }
 

@@ -14,7 +14,7 @@ use crate::elements::NoradId;
 use crate::error::Error;
 use crate::frames::{Direction, Horizontal, Orientation, seconds_after};
 use crate::geometry::ObserverState;
-use crate::orbit::{LeftOut, OrbitArc, OrbitError, OrbitUncertainty, PositionSource};
+use crate::orbit::{LeftOut, OrbitArc, OrbitUncertainty, PositionSource};
 use crate::photometry::PhotometryOptions;
 
 /// Half of the length of the arc that is propagated around each time, seconds.
@@ -154,7 +154,7 @@ impl Sky {
         time_index: usize,
         moment: &Moment,
         photometry: Option<&PhotometryOptions>,
-    ) -> Result<Option<EphemerisPoint>, OrbitError> {
+    ) -> Result<Option<EphemerisPoint>, Error> {
         let Moment { scene, orientation, motion, site } = moment;
         let propagator = self.propagator_over(scene.start, element_index, [0.0, 2.0 * HALF_ARC_S]);
         let Some(propagator) = propagator.filter(|_| !self.is_observer(element_index)) else { return Ok(None) };

@@ -3,7 +3,6 @@
 use hifitime::Epoch;
 
 use crate::error::{Error, ErrorKind};
-use crate::orbit::OrbitError;
 
 /// First and last year for which the positions of Sun and Earth are computed.
 const YEARS: (i32, i32) = (1957, 2099);
@@ -15,7 +14,7 @@ pub(crate) fn no_ephemeris(epoch: Epoch) -> Error {
 }
 
 /// The elements of a telescope in orbit give no position.
-pub(crate) fn no_observer(observer: &str, reason: &OrbitError) -> Error {
+pub(crate) fn no_observer(observer: &str, reason: &Error) -> Error {
     Error::new(ErrorKind::NoPosition, format!("cannot compute the position of observer {observer}: {reason}"))
 }
 

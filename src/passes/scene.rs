@@ -13,7 +13,7 @@ use crate::constants::DAY_S;
 use crate::error::Error;
 use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{MAX_WINDOW_S, OrbitError, Reach, SatelliteIndex, Window};
+use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
 use crate::watch::Watch;
 
 /// Sun, Earth orientation and orbits during one group of exposures. Times are seconds after its start.
@@ -137,7 +137,7 @@ impl WindowCache {
         index: &SatelliteIndex,
         [start, end]: [Epoch; 2],
         scope: SearchScope,
-        unknown: &(dyn Fn(usize, Epoch) -> Option<OrbitError> + Sync),
+        unknown: &(dyn Fn(usize, Epoch) -> Option<Error> + Sync),
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
         watch: &Watch,
     ) -> Result<Vec<Arc<Window>>, Error> {

@@ -17,12 +17,12 @@ use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel, SunTable};
 use crate::orbit::{
-    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitError,
-    OrbitModel, OrbitUncertainty, Propagator, Reach, SatelliteIndex, uncertainty,
+    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitModel,
+    OrbitUncertainty, Propagator, Reach, SatelliteIndex, TooOld, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 use crate::watch::Watch;
@@ -312,10 +312,14 @@ impl Sky {
     }
 
     /// Returns the reason why an element set does not determine a position at a time; `None` if it does.
-    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<OrbitError> {
+    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<Error> {
         let age_days = self.element_age_days(element_index, epoch);
-        (!self.is_known(element_index, age_days))
-            .then(|| OrbitError::Unknown { norad_id: self.elements[element_index].norad_id, age_days })
+        (!self.is_known(element_index, age_days)).then(|| {
+            Error::caused(
+                ErrorKind::UnknownPosition,
+                TooOld { norad_id: self.elements[element_index].norad_id, age_days },
+            )
+        })
     }
 
     /// Returns the days from the epoch of an element set to a time; negative if the elements are newer.
@@ -367,7 +371,7 @@ impl Sky {
     }
 
     /// Returns an entry for the list of satellites without a position.
-    pub(super) fn failed(&self, element_index: usize, reason: crate::orbit::OrbitError) -> LeftOut {
+    pub(super) fn failed(&self, element_index: usize, reason: Error) -> LeftOut {
         LeftOut { norad_id: self.elements[element_index].norad_id, element_index, reason }
     }
 

@@ -16,7 +16,7 @@ use crate::elements::NoradId;
 use crate::error::Error;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::{ObserverState, ViewingGeometry};
-use crate::orbit::{LeftOut, OrbitArc, OrbitError};
+use crate::orbit::{LeftOut, OrbitArc};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 /// Largest time after the start, seconds. It limits the motion of the site during the search.
@@ -206,7 +206,7 @@ impl Sky {
         times: &[SiteAt],
         interval: &CandidateInterval,
         options: &SnapshotOptions,
-    ) -> Result<Option<SatelliteTrack>, OrbitError> {
+    ) -> Result<Option<SatelliteTrack>, Error> {
         let element_index = interval.element_index;
         let [from_s, to_s] = interval.near_s;
         let all_s = [times[0].time_s, times[times.len() - 1].time_s];

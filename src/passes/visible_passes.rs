@@ -19,7 +19,7 @@ use crate::elements::NoradId;
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};
-use crate::orbit::{LeftOut, OrbitArc, OrbitError, PositionSource};
+use crate::orbit::{LeftOut, OrbitArc, PositionSource};
 use crate::photometry::{Brightness, MagnitudeSource, PhotometryOptions, twilight_limit_mag};
 
 /// Time by which the search extends before and after the night, seconds, for passes that began before it or end after
@@ -283,7 +283,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn passes(&self, element_index: usize, span: &Span, kept: &mut Vec<Outcome>) -> Result<(), OrbitError> {
+    fn passes(&self, element_index: usize, span: &Span, kept: &mut Vec<Outcome>) -> Result<(), Error> {
         let ends = [span.from_s, span.until_s].map(|time_s| seconds_after(self.scene.start, time_s));
         let Some(propagator) = self.sky.index().propagator_over(element_index, ends) else { return Ok(()) };
         let middle = seconds_after(ends[0], 0.5 * seconds_between(ends[0], ends[1]));
@@ -337,7 +337,7 @@ impl Search<'_> {
         horizon: &HorizonSearch<'_>,
         span: &Span,
         above: &AboveHorizon,
-    ) -> Result<Option<Outcome>, OrbitError> {
+    ) -> Result<Option<Outcome>, Error> {
         let (begin_s, end_s) = (above.rise_s.unwrap_or(span.from_s), above.set_s.unwrap_or(span.until_s));
         if !self.request.include_dark && both(&[(begin_s, end_s)], &span.dark_s).is_empty() {
             return Ok(None);

@@ -24,7 +24,7 @@ use hifitime::Epoch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::super::propagator::{DECAYED_RADIUS_KM, OrbitError};
+use super::super::propagator::DECAYED_RADIUS_KM;
 use super::super::state::State;
 use super::kepler::Phase;
 use super::kepler::SlowElements;
@@ -124,7 +124,7 @@ pub struct Window {
 enum Kind {
     Regular(Box<Entry>),
     Always,
-    LeftOut(Box<OrbitError>),
+    LeftOut(Box<Error>),
     Absent,
 }
 
@@ -145,7 +145,7 @@ impl Window {
         index: &SatelliteIndex,
         start: Epoch,
         end: Epoch,
-        unknown: &(dyn Fn(usize) -> Option<OrbitError> + Sync),
+        unknown: &(dyn Fn(usize) -> Option<Error> + Sync),
         reach: &(dyn Fn(usize) -> Reach + Sync),
         watch: &Watch,
     ) -> Result<Self, Error> {

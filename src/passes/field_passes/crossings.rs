@@ -14,7 +14,7 @@ use super::exposed_field::{ExposedField, NearSatellite};
 use crate::constants::WGS72_MU_KM3_S2;
 use crate::error::Error;
 use crate::frames::Gcrs;
-use crate::orbit::{Beam, LeftOut, OrbitError, State};
+use crate::orbit::{Beam, LeftOut, State};
 
 /// Longest interval that one SGP4 position covers, seconds. During half of it, the path deviates from its tangent by 4
 /// km.
@@ -68,7 +68,7 @@ impl Sky {
 
 impl ExposedField<'_> {
     /// Returns the crossing of one satellite; `None` if it does not cross the field or is dark.
-    fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, OrbitError> {
+    fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, Error> {
         let &CandidateInterval { element_index, start_s, end_s, near_s, .. } = interval;
         let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };
         let near_the_ground = self.sky.reaches_the_ground(self.exposure, &self.field, &satellite.orientation);
@@ -93,12 +93,12 @@ impl ExposedField<'_> {
 /// Returns the parts of an interval in which a satellite may be in a field, from one SGP4 position per minute.
 ///
 /// # Errors
-/// [`OrbitError`] if a position cannot be computed, or if velocities are inconsistent with positions.
+/// A position cannot be computed, or if velocities are inconsistent with positions.
 fn intervals_near(
     [from_s, to_s]: [f64; 2],
     satellite: &NearSatellite<'_>,
     field: &FieldOnSky,
-) -> Result<Vec<[f64; 2]>, OrbitError> {
+) -> Result<Vec<[f64; 2]>, Error> {
     let steps = ((to_s - from_s) / LONGEST_STEP_S).ceil().max(1.0);
     let half_s = 0.5 * (to_s - from_s) / steps;
     let mut near: Vec<[f64; 2]> = Vec::new();

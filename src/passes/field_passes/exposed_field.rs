@@ -11,7 +11,7 @@ use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, SightLine};
 use crate::error::Error;
 use crate::frames::{Orientation, seconds_after, seconds_between};
-use crate::orbit::{CrossingCandidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
+use crate::orbit::{CrossingCandidate, LeftOut, OrbitArc, OrbitUncertainty, Propagator};
 use crate::photometry::PhotometryOptions;
 
 /// Field on the sky during an exposure. Times are seconds after the start of the scene.
@@ -38,7 +38,7 @@ pub(super) struct NearSatellite<'a> {
 
 impl NearSatellite<'_> {
     /// Returns the orbital arc of the satellite between two times.
-    pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, OrbitError> {
+    pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, Error> {
         OrbitArc::new(self.propagator, self.minutes, from_s, to_s - from_s, &self.orientation.teme_to_gcrs)
     }
 }
@@ -63,7 +63,7 @@ impl<'a> ExposedField<'a> {
         &self,
         include_dark: bool,
         seen: &mut Vec<CrossingCandidate>,
-        of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
+        of: impl Fn(&CandidateInterval) -> Result<Option<T>, Error>,
     ) -> Result<(Vec<T>, Vec<LeftOut>), Error> {
         let flight = self.flight.as_ref();
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
