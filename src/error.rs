@@ -176,6 +176,12 @@ impl Error {
         self
     }
 
+    /// Adds the name of the value that is wrong, which the sentence contains.
+    pub(crate) fn about(mut self, what: &str) -> Self {
+        self.inner().what = Some(what.to_owned());
+        self
+    }
+
     /// Adds the given value, which the sentence contains in another form.
     pub(crate) fn with_given(mut self, given: Quoted) -> Self {
         self.inner().given = Some(given);

@@ -137,7 +137,7 @@ impl Config {
         let Some(bright_share) = self.bright_share else { return Ok(telescope) };
         in_range("bright-share", bright_share, "", "0 to 100", |share| (0.0..=100.0).contains(&share))?;
         let what = "telescope for bright-share";
-        let telescope = telescope.ok_or(Error::missing(what, "--telescope NAME"))?;
+        let telescope = telescope.ok_or_else(|| Error::missing(what, "--telescope NAME"))?;
         Ok(Some(Telescope { bright_share, ..telescope }))
     }
 
@@ -328,7 +328,7 @@ impl Config {
     /// outside the planetary ephemeris.
     pub fn one_exposure(&self) -> Result<Exposure, Error> {
         fn given<'a>(value: &'a Option<Quantity>, what: &'static str, allowed: &'static str) -> Result<&'a str, Error> {
-            value.as_ref().map(Quantity::as_str).ok_or(Error::missing(what, allowed))
+            value.as_ref().map(Quantity::as_str).ok_or_else(|| Error::missing(what, allowed))
         }
         let exposure = &self.exposure;
         let start = given(&exposure.start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")?;
@@ -341,7 +341,7 @@ impl Config {
             id: "1".to_owned(),
             start,
             duration_s: parse_exposure_s(duration)?,
-            pointing: self.pointing()?.ok_or(Error::missing("pointing", POINTINGS))?,
+            pointing: self.pointing()?.ok_or_else(|| Error::missing("pointing", POINTINGS))?,
             rotation_rad: self.rotation_rad()?,
         })
     }

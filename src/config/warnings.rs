@@ -4,7 +4,7 @@ use std::error::Error;
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
+use crate::elements::{ElementSet, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::math::quantile::median;
 use crate::orbit::{LeftOut, TooOld, elements_of_age};
@@ -119,7 +119,7 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
         if 2 * rejected > records {
             warning += ", more than half: the result is incomplete without the satellites of these records";
         }
-        let is_checksum = |record: &&Rejected| matches!(record.reason, RejectReason::BadChecksum { .. });
+        let is_checksum = |record: &&Rejected| record.reason.what() == Some("checksum");
         let checksums = catalogue.rejected.iter().filter(is_checksum).count();
         if checksums > 0 {
             warning += &format!(" ({checksums} with a wrong checksum; --accept-bad-checksums accepts these)");

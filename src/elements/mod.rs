@@ -38,7 +38,7 @@ pub(crate) use ephemeris::{EphemerisFrame, EphemerisObject, EphemerisState, Posi
 pub use generation::Generation;
 pub(crate) use generation::STARLINK_TABLE_DATE;
 pub use history::{Chosen, History};
-pub use record::{RejectReason, Rejected};
+pub use record::Rejected;
 pub use satellites::{Keep, ReadOptions, Satellites};
 pub use shell::{Constellation, Shell};
 pub use tle_file::format_tle;

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 
 use super::element_set::ElementSet;
 use super::ephemeris::{self, Ephemeris};
-use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
+use super::record::{ElementFormat, Parsed, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
 use crate::error::Error;
@@ -133,7 +133,7 @@ struct Content {
     gzipped: bool,
     sets: Vec<ElementSet>,
     ephemerides: Vec<Ephemeris>,
-    rejected: Vec<(usize, RejectReason)>,
+    rejected: Vec<(usize, Error)>,
     cut_short: bool,
     bad_checksums_accepted: usize,
 }

@@ -2,10 +2,11 @@
 
 use super::element_set::{ElementSet, NoradId};
 use super::epoch;
-use super::record::{Parsed, RejectReason, excerpt, next_line, parse_in_chunks};
+use super::record::{Parsed, excerpt, next_line, parse_in_chunks};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::{ALPHA5, BODY, checksum};
 use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// Line without trailing blanks, with its offset in the text.
 type Placed<'a> = (usize, &'a [u8]);
@@ -57,7 +58,9 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
                 continue;
             }
             name_in(&mut texts, &mut parsed);
-            parsed.rejected.push((first_offset, RejectReason::LineOneAlone));
+            parsed
+                .rejected
+                .push((first_offset, Error::format("line 1 of an element set is not followed by its line 2")));
         }
         let is_data = line.len() >= DATA_LENGTH && !is_key(line);
         let is_pair = lines.peek().is_some_and(|(_, next)| next.starts_with(b"2 ") && !is_key(next));
@@ -65,14 +68,14 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
             first = Some((offset, line));
         } else if line.starts_with(b"2 ") && is_data {
             name_in(&mut texts, &mut parsed);
-            parsed.rejected.push((offset, RejectReason::LineTwoAlone));
+            parsed.rejected.push((offset, Error::format("line 2 of an element set is not preceded by its line 1")));
         } else {
             texts.push((offset, line));
         }
     }
     if let Some((offset, _)) = first {
         name_in(&mut texts, &mut parsed);
-        parsed.rejected.push((offset, RejectReason::LineOneAlone));
+        parsed.rejected.push((offset, Error::format("line 1 of an element set is not followed by its line 2")));
     } else {
         // A file that is truncated after the name of a satellite has one line at its end.
         let is_alone = texts.len() == 1;
@@ -97,7 +100,13 @@ fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
         (line.starts_with(b"1 ") || line.starts_with(b"2 ")) && line.get(2).is_some_and(u8::is_ascii_digit)
     };
     for (offset, line) in texts.iter().filter(|(_, line)| is_part(line) || (is_alone && !ends_bulletin(line))) {
-        parsed.rejected.push((*offset, RejectReason::Stray { text: excerpt(line) }));
+        parsed.rejected.push((
+            *offset,
+            Error::format(format!(
+                "unexpected line {:?}: neither part nor name of an element set",
+                Quoted::new(excerpt(line))
+            )),
+        ));
     }
 }
 

@@ -119,7 +119,7 @@ pub fn compare_forms(
             name: competing.name.clone(),
             parameters: competing.free.len(),
             in_sample: fit.statistics(&points).ok_or_else(empty)?,
-            held_out: ResidualStatistics::weighted(finite).ok_or(Error::new(ErrorKind::TooFewData, format!("none of {folds} folds contains a test point: the sky pixels have too few points, or no model has a lit surface there")))?,
+            held_out: ResidualStatistics::weighted(finite).ok_or_else(|| Error::new(ErrorKind::TooFewData, format!("none of {folds} folds contains a test point: the sky pixels have too few points, or no model has a lit surface there")))?,
             aic: aic_under(settings.loss, &fit.residuals_mag, &points, competing.free.len()),
             sigma_68_mag: weighted_sigma_68_mag(&residuals),
             within_one_sigma: within_sigma_of_other_folds(&held_out),

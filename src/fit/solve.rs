@@ -185,7 +185,7 @@ impl Problem {
         let costs: Vec<f64> = ends.iter().map(|end| end.cost).collect();
         ends.retain(|end| end.cost.is_finite());
         let best = ends.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.map(|best| self.fit_at(best, costs)).ok_or(error::no_minimum(starts.len()))
+        best.map(|best| self.fit_at(best, costs)).ok_or_else(|| error::no_minimum(starts.len()))
     }
 
     /// Returns the fit, with its uncertainty, at a minimum.

@@ -142,13 +142,13 @@ impl Mission {
     fn observer(&self, elements: &[ElementSet]) -> Result<OrbitingObserver, Error> {
         let (object, norad_id) = self.orbit;
         let set = elements.iter().find(|set| set.norad_id == NoradId(norad_id));
-        let set = set.ok_or(
+        let set = set.ok_or_else(|| {
             Error::new(
                 ErrorKind::Missing,
                 format!("the elements have no element set of {object} ({norad_id}), whose orbit is used"),
             )
-            .allowing("a catalogue with it, or a file with its element set in addition"),
-        )?;
+            .allowing("a catalogue with it, or a file with its element set in addition")
+        })?;
         let set = self.height_km.map_or_else(|| set.clone(), |height_km| sun_synchronous(set, height_km));
         let [zenith, sun, limb] = self.limits_deg.map(|limit_deg| limit_deg.map(f64::to_radians));
         let limits = PointingLimits { max_zenith_angle_rad: zenith, min_sun_angle_rad: sun, min_limb_angle_rad: limb };

@@ -92,7 +92,8 @@ pub fn epoch_from_mjd(mjd: f64, scale: TimeScale) -> Result<Epoch, Error> {
     if !(first..=last).contains(&mjd) {
         return Err(Error::invalid("MJD", mjd, format!("{first} to {last}")));
     }
-    from_day_and_fraction(mjd.floor() as i64, mjd - mjd.floor(), scale).ok_or(error::unsupported_time_scale(scale))
+    from_day_and_fraction(mjd.floor() as i64, mjd - mjd.floor(), scale)
+        .ok_or_else(|| error::unsupported_time_scale(scale))
 }
 
 /// Returns the epoch of a Julian date. The resolution of one `f64` is 40 µs, or 30 cm along a satellite's track.
@@ -105,7 +106,8 @@ pub fn epoch_from_jd(jd: f64, scale: TimeScale) -> Result<Epoch, Error> {
         return Err(Error::invalid("JD", jd, format!("{first} to {last}")));
     }
     let mjd = jd - MJD_ZERO_JD;
-    from_day_and_fraction(mjd.floor() as i64, mjd - mjd.floor(), scale).ok_or(error::unsupported_time_scale(scale))
+    from_day_and_fraction(mjd.floor() as i64, mjd - mjd.floor(), scale)
+        .ok_or_else(|| error::unsupported_time_scale(scale))
 }
 
 /// Returns nanoseconds since 1900-01-01T00:00:00 TAI.

@@ -167,11 +167,12 @@ const MOST_LENGTHS_OFF: f64 = 0.01;
 /// variance. The regions need not cover the whole streak.
 ///
 /// # Errors
-/// All corners are at one position, or the middle of a region is farther from the line than twice the width of the region plus a hundredth of the length of the line.
+/// All corners are at one position, or the middle of a region is farther from the line than twice the width of the
+/// region plus a hundredth of the length of the line.
 pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
-    let no_line = error::no_line(0.0);
-    let centre = corners.iter().sum::<Vector3<f64>>().try_normalize(0.0).ok_or(no_line.clone())?;
+    let no_line = || error::no_line(0.0);
+    let centre = corners.iter().sum::<Vector3<f64>>().try_normalize(0.0).ok_or_else(no_line)?;
     let (east, north) = Direction::<Gcrs>::from_vector(centre).east_north();
     // On the tangent plane, great circles are straight lines.
     let plane = |corner: &Vector3<f64>| Vector2::new(corner.dot(&east), corner.dot(&north)) / corner.dot(&centre);
@@ -185,7 +186,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> 
     let positions = points.iter().map(|point| (point - middle).dot(&along));
     let (low, high) = extremes(positions);
     if high <= low {
-        return Err(no_line);
+        return Err(no_line());
     }
     for outline in outlines.iter().filter(|outline| !outline.is_empty()) {
         let own: Vec<Vector2<f64>> = outline.iter().map(|corner| plane(corner.vector())).collect();

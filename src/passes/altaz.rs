@@ -28,7 +28,7 @@ impl Sky {
         let scene = self.scene_without_windows(epoch, 0.0);
         let here = self.site_observer()?.state(&scene.orientation.at_s(0.0));
         let altaz = here.altitude_azimuth_rad(&(scene.sun.at_s(0.0).sun - here.position));
-        let (altitude_rad, azimuth_rad) = altaz.ok_or(error::no_ephemeris(epoch))?;
+        let (altitude_rad, azimuth_rad) = altaz.ok_or_else(|| error::no_ephemeris(epoch))?;
         Ok(AltAz { altitude_rad, azimuth_rad })
     }
 

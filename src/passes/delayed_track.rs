@@ -64,7 +64,8 @@ impl Sky {
         let flight = self.flight(&scene, exposure)?;
         let mid_s = MARGIN_S + 0.5 * exposure.duration_s;
         let orientation = scene.orientation.at_s(mid_s);
-        let motion = self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or(error::no_ephemeris(start))?;
+        let motion =
+            self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or_else(|| error::no_ephemeris(start))?;
         Ok(ExposureInterval { sky: self, scene, orientation, motion, duration_s: exposure.duration_s })
     }
 }

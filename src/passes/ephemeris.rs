@@ -139,7 +139,7 @@ impl Sky {
         let flight = self.flight(&scene, &exposure)?;
         let orientation = scene.orientation.at_s(HALF_ARC_S);
         let motion =
-            self.motion(&scene, &orientation, flight.as_ref(), HALF_ARC_S).ok_or(error::no_ephemeris(epoch))?;
+            self.motion(&scene, &orientation, flight.as_ref(), HALF_ARC_S).ok_or_else(|| error::no_ephemeris(epoch))?;
         let site = self.viewpoint().site().map(|observer| {
             [-RATE_STEP_S, 0.0, RATE_STEP_S].map(|step_s| observer.state(&scene.orientation.at_s(HALF_ARC_S + step_s)))
         });

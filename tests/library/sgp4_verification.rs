@@ -1,6 +1,7 @@
 //! Verification set of Vallado: all states printed by the reference code, and all failures.
 
 use crate::common::agreement::Agreement;
+use streakcast::ErrorKind;
 use streakcast::elements::{ElementSet, ReadOptions, Satellites};
 use streakcast::orbit::Propagator;
 
