@@ -130,7 +130,7 @@ impl Config {
                 }
             }
         }
-        Ok(Deployment::new(bundled, files)?)
+        Deployment::new(bundled, files)
     }
 
     /// Returns the bundled brightness models and those of the model files, by name.

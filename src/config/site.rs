@@ -258,7 +258,7 @@ fn site_of(table: &SiteTable) -> Result<Site, Error> {
         (Some(_), None, _) => Err(error::both("an MPC code", "coordinates")),
         (None, name, (Some(latitude), Some(longitude), height)) => {
             let name = name.as_deref().unwrap_or_default();
-            Ok(Site::new_deg(name, *latitude, *longitude, height.unwrap_or(0.0))?)
+            Site::new_deg(name, *latitude, *longitude, height.unwrap_or(0.0))
         }
         (None, Some(name), (None, None, None)) => site_of_name(name),
         (None, None, (None, None, None)) => Err(Error::missing("site", SITES)),

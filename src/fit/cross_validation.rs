@@ -217,8 +217,8 @@ impl<'a> Folds<'a> {
 
 fn checked(count: usize, groups: usize) -> Result<usize, Error> {
     if count < 2 || groups < count {
-        Err(Error::new(ErrorKind::TooFewData, format!("{count} folds of {groups} groups of points (tracks, nights)"))
-            .allowing("2 to the number of groups"))
+        Err(Error::new(ErrorKind::TooFewData, format!("{groups} tracks or nights for {count} folds"))
+            .allowing("2 to the number of tracks or nights (--folds)"))
     } else {
         Ok(count)
     }
@@ -367,7 +367,7 @@ mod tests {
         assert!((whole.len()..whole.len() + 6).contains(&held_out), "{held_out} {}", whole.len());
         for count in [0, 1, 7] {
             let error = Folds::of_tracks(&seen, options(), count).err().map(|error| error.to_string());
-            assert!(error.is_some_and(|error| error.contains(" folds of 6 groups of points")));
+            assert!(error.is_some_and(|error| error.contains("6 tracks or nights for ")));
         }
     }
 

@@ -199,7 +199,7 @@ fn random_exposures(sky: &Sky, request: &TrailRequest<'_>) -> Result<(Vec<Exposu
     let span_s = seconds_between(request.start, request.end);
     let (mut found, mut drawn) = (Vec::new(), 0);
     while found.len() < request.pointings {
-        sky.watch().check().map_err(Error::from)?;
+        sky.watch().check()?;
         let draws: Vec<Exposure> = (0..CHUNK).map(|_| random_exposure(&mut random, request, span_s)).collect();
         let is_allowed = |exposure: &Exposure| -> Result<bool, Error> {
             let interval = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];

@@ -279,7 +279,7 @@ fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, Error> {
     let before = beyond(first, &nodes[1]);
     let after = beyond(last, &nodes[nodes.len() - 2]);
     let all = before.into_iter().chain(nodes.iter().copied()).chain(after).collect();
-    Ok(StreakPath::new(all)?)
+    StreakPath::new(all)
 }
 
 /// Returns true if an end of a streak is outside of the illuminated pixels, or nearer to their edge than its error: the

@@ -104,7 +104,7 @@ pub(super) fn profile_of(
     optics: &Optics,
 ) -> Result<RadialProfile, Error> {
     let PredictedStreak { range_km, radius_m, .. } = *predicted;
-    Ok(optics.profile(range_km, radius_m, image.pixel_scale_arcsec, image.pixel_aspect)?)
+    optics.profile(range_km, radius_m, image.pixel_scale_arcsec, image.pixel_aspect)
 }
 
 /// State of the measurement of one streak.

@@ -115,7 +115,7 @@ pub fn star_zero_point(
     let star_profile = |seeing_arcsec: f64| -> Result<RadialProfile, Error> {
         // Stars are in focus.
         let stars = Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, form: optics.form };
-        Ok(stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)?)
+        stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)
     };
     let assumed = star_profile(optics.seeing_arcsec)?;
     let mut start_arcsec = optics.seeing_arcsec;

@@ -79,7 +79,7 @@ pub fn write_mask_file(frame: &TargetFrame, mask: &FrameMask, history: &[String]
     }
     let images: Vec<NewImage<'_>> =
         images.iter().map(|(name, cards, values)| NewImage { name, values, cards, rice }).collect();
-    Ok(write_frame(output, &images)?)
+    write_frame(output, &images)
 }
 
 fn values(area: &Area, target: &TargetChip) -> Result<ImageValues, Error> {
