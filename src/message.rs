@@ -105,8 +105,8 @@ mod tests {
     fn values_are_shortened_and_escaped() {
         assert_eq!(Quoted::new("12 h").to_string(), "12 h");
         assert_eq!(Quoted::new("a\u{1b}[31m\nb\u{202e}").to_string(), "a\\u{1b}[31m\\nb\\u{202e}");
-        assert_eq!(Quoted::new(&"é".repeat(60)).to_string(), "é".repeat(60));
-        assert_eq!(Quoted::new(&"é".repeat(61)).to_string(), "é".repeat(60) + "...");
+        assert_eq!(Quoted::new("é".repeat(60)).to_string(), "é".repeat(60));
+        assert_eq!(Quoted::new("é".repeat(61)).to_string(), "é".repeat(60) + "...");
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl EphemerisConfig {
         let scale = config.time_scale()?;
         let epochs: Vec<Epoch> = match (&self.times_file, &self.start, &self.end, &self.step) {
             (None, None, None, None) => {
-                self.times.iter().map(|text| Ok(parse_moment(text, scale)?)).collect::<Result<_, Error>>()?
+                self.times.iter().map(|text| parse_moment(text, scale)).collect::<Result<_, _>>()?
             }
             (Some(path), None, None, None) if self.times.is_empty() => {
                 let text = read_text("times", path)?;

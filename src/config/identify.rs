@@ -165,7 +165,7 @@ impl IdentifyConfig {
         forms.retain(|(_, is_given)| *is_given);
         let forms: Vec<&'static str> = forms.into_iter().map(|(form, _)| form).collect();
         let (source, (line, sigma_arcsec)) = match (forms.as_slice(), &self.region) {
-            ([], _) => return Err(Error::missing("streak", format!("{STREAK_FORMS}"))),
+            ([], _) => return Err(Error::missing("streak", STREAK_FORMS)),
             (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),

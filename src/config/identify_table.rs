@@ -54,7 +54,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
     let (mut streaks, mut without) = (Vec::new(), Vec::new());
     for (row, number) in table.rows().zip(1..) {
         if number > MOST_STREAKS {
-            return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")).into());
+            return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
         }
         if !row.has_ends() {
             without.push(row.id(number));
@@ -78,7 +78,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
             }
             StreakEnds::Pixels(ends) => {
                 let Some(frame) = &streak.image else {
-                    return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME").into());
+                    return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME"));
                 };
                 let [from, to] = clipped(frame, streak.hdu, ends)?.map(|at| {
                     let [x, y] = at.fits();

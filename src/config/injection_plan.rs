@@ -59,10 +59,10 @@ pub fn inject_frames(
     let plan = injection.resolve(config)?;
     let opened = Injection::open(&plan, outputs)?;
     let Some((first, last)) = opened.span().filter(|_| plan.is_of_satellites()) else {
-        return Ok(opened.run(None, watch)?);
+        return opened.run(None, watch);
     };
     if let Some(sky) = sky {
-        return Ok(opened.run(Some(injection_sky(&sky(first)?.watched(watch))), watch)?);
+        return opened.run(Some(injection_sky(&sky(first)?.watched(watch))), watch);
     }
     let (config, remark) = with_site_of_frames(config, &opened)?;
     let prepared = config.prepare(first, last)?;

@@ -245,7 +245,7 @@ impl MeasureConfig {
     /// Returns the table of stars, with the colours of `star_colours` if these are given.
     fn star_table(&self) -> Result<Option<StarTable>, Error> {
         let Some(colours) = &self.star_colours else {
-            return Ok(self.stars.as_deref().map(StarTable::read).transpose()?);
+            return self.stars.as_deref().map(StarTable::read).transpose();
         };
         let missing = Error::missing("table of stars for --star-colours", "--stars TABLE");
         let table = StarTable::read(self.stars.as_deref().ok_or(missing)?)?;

@@ -351,12 +351,12 @@ impl Config {
 fn field_of_table(table: &toml::Table) -> Result<Field, Error> {
     let text = serde_json::to_string(table).unwrap_or_default();
     if table.contains_key("shapes") {
-        return Ok(Field::from_json(&text)?);
+        return Field::from_json(&text);
     }
     if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
         return parse_file("field", Path::new(path), Field::from_json);
     }
-    Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
+    Field::from_json(&format!("{{\"shapes\": [{text}]}}"))
 }
 
 fn field_of_telescope(telescope: &Telescope) -> Result<Field, Error> {

@@ -542,13 +542,10 @@ fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells
 fn checked(entry: Entry, first_id: u32) -> Result<Constellation, Error> {
     for (at, shell) in entry.shell.iter().enumerate() {
         if shell.node_local_time_h.is_some() && shell.node_offset_deg != 0.0 {
-            return Err(Error::format(format!(
-                "constellation file: {}",
-                format!(
-                    "constellation {:?}, shell {}: node_local_time_h and node_offset_deg exclude each other; specify one of them",
-                    entry.name,
-                    at + 1
-                )
+            return Err(in_constellations(format!(
+                "constellation {:?}, shell {}: node_local_time_h and node_offset_deg exclude each other; specify one of them",
+                entry.name,
+                at + 1
             )));
         }
         let altitudes = shell.altitude_km.iter().map(|&km| ("altitude_km", km, 120.0..=40_000.0, "120 to 40000 km"));

@@ -135,8 +135,9 @@ pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, E
 
 impl StatisticsRequest {
     fn check(&self) -> Result<(), Error> {
-        let out_of_range =
-            |what, given, unit, allowed| Err(Error::invalid(format!("{what}"), format_args!("{given}{unit}"), allowed));
+        let out_of_range = |what: &str, given: f64, unit: &str, allowed: &str| {
+            Err(Error::invalid(what, format_args!("{given}{unit}"), allowed))
+        };
         let bad = |angles: &[f64], from: f64, to: f64| {
             angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()))
         };

@@ -172,8 +172,9 @@ pub fn trail_statistics(sky: &Sky, request: &TrailRequest<'_>) -> Result<TrailSt
 
 impl TrailRequest<'_> {
     fn check(&self) -> Result<(), Error> {
-        let out_of_range =
-            |what, given, unit, allowed| Err(Error::invalid(format!("{what}"), format_args!("{given}{unit}"), allowed));
+        let out_of_range = |what: &str, given: f64, unit: &str, allowed: &str| {
+            Err(Error::invalid(what, format_args!("{given}{unit}"), allowed))
+        };
         if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.exposure_s) {
             return out_of_range("exposure", self.exposure_s, " s", "0 to 86400 s");
         }

@@ -258,7 +258,7 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, Error> {
         return Err(Error::invalid("PSFAXIS3", planes, allowed));
     }
     let failed = |error: fitsio::errors::Error| {
-        let given = Quoted::new(&error.to_string()).to_string();
+        let given = Quoted::new(error.to_string()).to_string();
         Error::invalid("PSF_MASK", given, "a column of a binary table")
     };
     let mut table = fitsio::FitsFile::open(file.path()).map_err(failed)?;

@@ -164,7 +164,7 @@ fn findsat(path: &Path) -> Result<String, Error> {
         return Err(Error::invalid("table of streaks", "missing", allowed).in_file("", path));
     }
     let failed = |error: fitsio::errors::Error| {
-        let given = Quoted::new(&error.to_string()).to_string();
+        let given = Quoted::new(error.to_string()).to_string();
         let allowed = "a catalog of findsat_mrt with id, status and endpoints in the first extension";
         Error::invalid("table of streaks", given, allowed).in_file("", path)
     };

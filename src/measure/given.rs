@@ -82,9 +82,7 @@ impl StreakList {
         let mut streaks = Vec::new();
         for (row, number) in table.rows().zip(1..) {
             if number > MOST_STREAKS {
-                return Err(row
-                    .invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}"))
-                    .into());
+                return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
             }
             let norad_id = match row.text(norad_id) {
                 "" => None,

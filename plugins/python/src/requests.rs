@@ -76,7 +76,7 @@ impl Nights {
         let prepared = sky_cache.over(request.start, request.end, watch)?;
         let sky = &prepared.sky;
         prepared.check_known(request.start, request.end, None).map_err(failure::unknown)?;
-        let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
+        let found = compute_forecast(sky, request, selection).map_err(exception)?;
         let rows = found.rows(sky);
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();
         let columns =
@@ -115,10 +115,10 @@ pub fn ephemeris<'py>(
     let setup: Config = setup_of(setup, config)?;
     let (table, warnings) = failure::without_lock(py, |watch| {
         let request = given.resolve(&setup).map_err(exception)?;
-        let (first, last) = request.span().map_err(|error| exception(error.into()))?;
+        let (first, last) = request.span().map_err(exception)?;
         let prepared = sky_cache.get().over(first, last, watch)?;
         let elements = prepared.sky.elements();
-        let found = compute_ephemeris(&prepared.sky, &request).map_err(|error| exception(error.into()))?;
+        let found = compute_ephemeris(&prepared.sky, &request).map_err(exception)?;
         let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
         let left_out = prepared.left_out_warning(&found.left_out, first).map_err(failure::setup)?;
         let warnings = [left_out, request.selection.unknown_warning(elements)].into_iter().flatten();

@@ -79,10 +79,8 @@ impl Layout {
             constants[field as usize] = number.filter(|_| index.is_none());
         }
         if !filters.is_empty() && columns[Field::Filter as usize].is_none() && !map.optional.contains(&Field::Filter) {
-            return Err(Error::new(
-                ErrorKind::Invalid,
-                format!("column map: {}", format!("filters are selected, but {file} has no column of filters")),
-            ));
+            let sentence = format!("filters are selected, but {file} has no column of filters");
+            return Err(Error::new(ErrorKind::Invalid, sentence).at("column map"));
         }
         let filters = filters.iter().map(|filter| filter.to_ascii_lowercase()).collect();
         let (delimiter, norad_id) = (head.delimiter, head.norad_id);

@@ -147,7 +147,7 @@ impl Checks {
             if !other.unit.is_same(&other.names[0], first, second) {
                 let [first_name, second_name] = &other.names;
                 let [first_text, second_text] =
-                    [index, second_index].map(|index| Quoted::new(&cell(index).text().unwrap_or_default()).to_string());
+                    [index, second_index].map(|index| Quoted::new(cell(index).text().unwrap_or_default()).to_string());
                 return Err(format!(
                     "{first_name} is {first_text} and {second_name} is {second_text}: they contradict each other; allowed: one \
                      of these columns, or equal values"

@@ -184,7 +184,7 @@ impl SyntheticFrame {
         let cards = self.cards(shot, &wcs);
         let rice = self.compress.then(Rice::default);
         let image = NewImage { name: "", values: &values, cards: &cards, rice };
-        Ok(write_frame(path, &[image])?)
+        write_frame(path, &[image])
     }
 
     fn cards(&self, shot: &SyntheticShot<'_>, wcs: &Wcs) -> Vec<Card> {

@@ -101,7 +101,7 @@ impl TargetFrame {
         }
         if chips.is_empty() && !left_out.is_empty() {
             let (hdu, error) = left_out.swap_remove(0);
-            return Err(error.in_hdu(path, hdu).into());
+            return Err(error.in_hdu(path, hdu));
         }
         let first_headers = headers(first)?;
         let calibration = Calibration::from_headers(&first_headers);

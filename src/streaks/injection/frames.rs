@@ -57,7 +57,7 @@ impl<'a> Frames<'a> {
             synthetic,
             plan,
             overrides: FrameOverrides { start: None, duration_s: None, ..plan.overrides.clone() },
-            scratch: ScratchFolder::new(folder.unwrap_or(Path::new("."))).map_err(|source| Error::system(source))?,
+            scratch: ScratchFolder::new(folder.unwrap_or(Path::new("."))).map_err(Error::system)?,
         };
         // Only the header of this frame is used. It is made without stars, which is faster.
         let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };

@@ -80,9 +80,7 @@ impl ChosenStreaks {
         let mut streaks = Vec::new();
         for (row, number) in table.rows().zip(1..) {
             if number > MOST_STREAKS {
-                return Err(row
-                    .invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}"))
-                    .into());
+                return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
             }
             streaks.push(ChosenStreak::of_row(&row, number, &columns, path)?);
         }
@@ -99,9 +97,9 @@ impl ChosenStreak {
         let light = match (row.number(columns.magnitude)?, row.number(columns.peak)?) {
             (Some(magnitude), None) => ChosenLight::Magnitude(magnitude),
             (None, Some(peak)) => ChosenLight::Peak(peak),
-            (None, None) => return Err(row.invalid("magnitude", "", "a magnitude or a peak").into()),
+            (None, None) => return Err(row.invalid("magnitude", "", "a magnitude or a peak")),
             (Some(_), Some(peak)) => {
-                return Err(row.invalid("peak", &peak.to_string(), "no peak with a magnitude").into());
+                return Err(row.invalid("peak", &peak.to_string(), "no peak with a magnitude"));
             }
         };
         let curve = match row.text(columns.curve) {

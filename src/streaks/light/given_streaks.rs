@@ -134,11 +134,11 @@ impl GivenStreak {
             (None, None, None) => GivenWidth::Unknown,
             _ => {
                 let allowed = "one of fwhm_pix, fwhm_arcsec and range_km (a width contains defocus and size)";
-                return Err(row.invalid("width of the streak", "given twice", allowed).into());
+                return Err(row.invalid("width of the streak", "given twice", allowed));
             }
         };
         if let Some(size_m) = size_m.filter(|_| range_km.is_none()) {
-            return Err(row.invalid("size_m", &size_m.to_string(), "with range_km, which gives the angle").into());
+            return Err(row.invalid("size_m", &size_m.to_string(), "with range_km, which gives the angle"));
         }
         let time = |name: &str, utc: Option<Column>, seconds: Option<Bounded>| -> Result<EndTime, Error> {
             let text = row.text(utc);
@@ -147,8 +147,8 @@ impl GivenStreak {
                 ("", Some(seconds)) => Ok(EndTime::Seconds(seconds)),
                 (text, None) => parse_moment(text, Some(hifitime::TimeScale::UTC))
                     .map(EndTime::At)
-                    .map_err(|_| row.invalid(name, text, "a time in UTC, such as 2026-08-14T23:36:25Z").into()),
-                (text, Some(_)) => Err(row.invalid(name, text, "either a time in UTC or seconds").into()),
+                    .map_err(|_| row.invalid(name, text, "a time in UTC, such as 2026-08-14T23:36:25Z")),
+                (text, Some(_)) => Err(row.invalid(name, text, "either a time in UTC or seconds")),
             }
         };
         Ok(Self {
