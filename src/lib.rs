@@ -74,9 +74,9 @@ mod units;
 mod watch;
 
 pub use elements::Satellites;
-pub use error::Error;
+pub use error::{Error, ErrorKind};
 pub use geometry::Site;
 pub use hifitime;
 pub use passes::{Exposure, Field, Pass, Sky};
 pub use schedule::{Policy, Verdict};
-pub use watch::{Interrupted, Watch};
+pub use watch::Watch;

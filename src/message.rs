@@ -7,6 +7,8 @@ use std::fmt;
 pub const LONGEST_MESSAGE: usize = 1000;
 /// Largest number of characters of a value.
 const LONGEST_VALUE: usize = 60;
+/// Largest number of characters of a statement about values, which quotes some of them.
+const LONGEST_STATEMENT: usize = 200;
 /// Largest number of names in a list.
 const MOST_NAMES: usize = 12;
 /// Number of characters at the end of a message that are kept if it is too long: the accepted values.
@@ -18,15 +20,26 @@ pub struct Quoted(String);
 
 impl Quoted {
     /// Shortens and escapes a value.
-    pub fn new(value: &str) -> Self {
-        let mut characters = value.chars();
-        let mut shown: String = characters.by_ref().take(LONGEST_VALUE).collect();
-        shown = printable(&shown).replace('\n', "\\n");
-        if characters.next().is_some() {
-            shown += "...";
-        }
-        Self(shown)
+    pub fn new(value: impl AsRef<str>) -> Self {
+        Self(shortened(value.as_ref(), LONGEST_VALUE))
     }
+
+    /// Shortens and escapes a statement about values, which is longer than one of them.
+    pub fn statement(text: &str) -> Self {
+        Self(shortened(text, LONGEST_STATEMENT))
+    }
+
+    /// Returns the text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+fn shortened(value: &str, longest: usize) -> String {
+    let mut characters = value.chars();
+    let first: String = characters.by_ref().take(longest).collect();
+    let shown = printable(&first).replace('\n', "\\n");
+    if characters.next().is_some() { shown + "..." } else { shown }
 }
 
 impl fmt::Display for Quoted {
@@ -92,8 +105,8 @@ mod tests {
     fn values_are_shortened_and_escaped() {
         assert_eq!(Quoted::new("12 h").to_string(), "12 h");
         assert_eq!(Quoted::new("a\u{1b}[31m\nb\u{202e}").to_string(), "a\\u{1b}[31m\\nb\\u{202e}");
-        assert_eq!(Quoted::new(&"é".repeat(60)).to_string(), "é".repeat(60));
-        assert_eq!(Quoted::new(&"é".repeat(61)).to_string(), "é".repeat(60) + "...");
+        assert_eq!(Quoted::new("é".repeat(60)).to_string(), "é".repeat(60));
+        assert_eq!(Quoted::new("é".repeat(61)).to_string(), "é".repeat(60) + "...");
     }
 
     #[test]

@@ -4,8 +4,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use thiserror::Error;
-
+use crate::error::Error;
 use crate::message::Quoted;
 
 /// Unit of a column in the program, and the units that are converted to it.
@@ -106,29 +105,6 @@ pub static METRES: Unit =
 pub static COUNTS: Unit =
     Unit { accepted: &[("counts", 1.0), ("count", 1.0), ("adu", 1.0), ("ct", 1.0)], allowed: "adu or ct" };
 
-/// Error of the columns of a quantity.
-#[derive(Debug, Error, PartialEq)]
-pub enum UnitError {
-    /// The unit of a column is unknown, or contradicts the name of the column.
-    #[error("column {} is in '{}'; allowed: {allowed}", Quoted::new(.column), Quoted::new(.unit))]
-    Unit {
-        /// Name of the column.
-        column: String,
-        /// Unit that the file states.
-        unit: String,
-        /// Accepted units.
-        allowed: &'static str,
-    },
-    /// Two columns have the same quantity.
-    #[error("columns {} and {} have the same quantity; allowed: one of them", Quoted::new(.first), Quoted::new(.second))]
-    TwoColumns {
-        /// Name of one column.
-        first: String,
-        /// Name of another one.
-        second: String,
-    },
-}
-
 impl Unit {
     /// Returns true if two numbers of one quantity, in the unit of the program, differ by no more than their rounding:
     /// 0.01, or a ten-thousandth. Right ascensions and rotations are equal after a whole turn, and right ascensions
@@ -159,12 +135,15 @@ impl Unit {
     ///
     /// # Errors
     /// The unit is not accepted, or differs from that in the name of the column.
-    pub fn scale(&self, column: &str, units: &BTreeMap<String, String>) -> Result<f64, UnitError> {
+    pub fn scale(&self, column: &str, units: &BTreeMap<String, String>) -> Result<f64, Error> {
         let named = column.rsplit_once('_').and_then(|(_, end)| self.value(end));
         let Some(unit) = units.get(column).map(|unit| unit.trim()).filter(|unit| !unit.is_empty()) else {
             return Ok(named.map_or(1.0, |(_, scale)| scale));
         };
-        let error = |allowed| UnitError::Unit { column: column.to_owned(), unit: unit.to_owned(), allowed };
+        let error = |allowed| {
+            let [column, unit] = [column, unit].map(Quoted::new);
+            Error::format(format!("column {column} is in '{unit}'")).allowing(allowed)
+        };
         match (self.value(unit), named) {
             (Some((_, scale)), Some((allowed, named))) if scale != named => Err(error(allowed)),
             (Some((_, scale)), _) => Ok(scale),
@@ -177,7 +156,7 @@ impl Unit {
     ///
     /// # Errors
     /// Several columns have this name, or the quantity in different units.
-    pub fn find(&self, accepted: &[&str], names: &[String]) -> Result<Option<usize>, UnitError> {
+    pub fn find(&self, accepted: &[&str], names: &[String]) -> Result<Option<usize>, Error> {
         let positions =
             |name: &&str| -> Vec<usize> { (0..names.len()).filter(|&index| names[index] == **name).collect() };
         let own = accepted.iter().map(positions).find(|found| !found.is_empty());
@@ -186,7 +165,9 @@ impl Unit {
             [] => Ok(None),
             [index] => Ok(Some(index)),
             [first, other, ..] => {
-                Err(UnitError::TwoColumns { first: names[first].clone(), second: names[other].clone() })
+                let [first, other] = [first, other].map(|index| Quoted::new(&names[index]));
+                let sentence = format!("columns {first} and {other} have the same quantity");
+                Err(Error::format(sentence).allowing("one of them"))
             }
         }
     }
@@ -224,11 +205,11 @@ mod tests {
         ]
         .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
         .into();
-        assert_eq!(DEGREES.scale("ra", &units), Ok(15.0));
-        assert_eq!(DEGREES.scale("h", &units), Ok(15.0));
-        assert_eq!(DEGREES.scale("dec_deg", &units), Ok(1.0));
-        assert_eq!(DEGREES.scale("rotation", &units), Ok(1.0));
-        assert_eq!(SECONDS.scale("exposure_min", &units), Ok(60.0));
+        assert_eq!(DEGREES.scale("ra", &units).unwrap(), 15.0);
+        assert_eq!(DEGREES.scale("h", &units).unwrap(), 15.0);
+        assert_eq!(DEGREES.scale("dec_deg", &units).unwrap(), 1.0);
+        assert_eq!(DEGREES.scale("rotation", &units).unwrap(), 1.0);
+        assert_eq!(SECONDS.scale("exposure_min", &units).unwrap(), 60.0);
         let message = |column| DEGREES.scale(column, &units).unwrap_err().to_string();
         assert_eq!(message("ra_deg"), "column ra_deg is in 'hourangle'; allowed: deg");
         assert_eq!(message("dec"), "column dec is in 'm'; allowed: deg, rad, hourangle, arcmin, arcsec or mas");
@@ -260,9 +241,9 @@ mod tests {
     #[test]
     fn names_may_end_with_another_unit() {
         let names = ["name", "ra_hourangle", "dec_m", "exposure_min"].map(str::to_owned);
-        assert_eq!(DEGREES.find(&["ra_deg", "ra"], &names), Ok(Some(1)));
-        assert_eq!(DEGREES.find(&["dec_deg"], &names), Ok(None));
-        assert_eq!(SECONDS.find(&["exposure_s"], &names), Ok(Some(3)));
+        assert_eq!(DEGREES.find(&["ra_deg", "ra"], &names).unwrap(), Some(1));
+        assert_eq!(DEGREES.find(&["dec_deg"], &names).unwrap(), None);
+        assert_eq!(SECONDS.find(&["exposure_s"], &names).unwrap(), Some(3));
     }
 
     #[test]
@@ -270,7 +251,7 @@ mod tests {
         let find = |names: &[&str]| {
             DEGREES.find(&["ra_deg", "ra"], &names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>())
         };
-        assert_eq!(find(&["ra_rad", "ra_deg", "ra"]), Ok(Some(1)));
+        assert_eq!(find(&["ra_rad", "ra_deg", "ra"]).unwrap(), Some(1));
         for names in [["ra_rad", "ra_arcmin"], ["ra_deg", "ra_deg"]] {
             let message = find(&names).unwrap_err().to_string();
             assert_eq!(

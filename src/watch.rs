@@ -3,11 +3,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use thiserror::Error;
+use crate::error::{Error, ErrorKind};
 
 /// Handle to a running computation. All clones refer to the same computation.
 ///
-/// Computations test it once per exposure, satellite or row of pixels, and then return [`Interrupted`]. A
+/// Computations test it once per exposure, satellite or row of pixels, and then return an error of the kind
+/// [`Cancelled`](ErrorKind::Cancelled). A
 /// [`Sky`](crate::Sky) carries it to all of its queries ([`Sky::watched`](crate::Sky::watched)); other computations
 /// have it as an argument.
 ///
@@ -30,11 +31,6 @@ pub struct Watch {
     stopped: Arc<AtomicBool>,
 }
 
-/// The computation was stopped by [`Watch::stop`].
-#[derive(Copy, Clone, Debug, Error, PartialEq, Eq)]
-#[error("interrupted")]
-pub struct Interrupted;
-
 impl Watch {
     /// Stops the computation. It cannot be continued.
     pub fn stop(&self) {
@@ -44,8 +40,8 @@ impl Watch {
     /// Continues only if the computation is not stopped.
     ///
     /// # Errors
-    /// [`Interrupted`] after [`Watch::stop`].
-    pub fn check(&self) -> Result<(), Interrupted> {
-        if self.stopped.load(Ordering::Relaxed) { Err(Interrupted) } else { Ok(()) }
+    /// An error of the kind [`Cancelled`](ErrorKind::Cancelled) after [`Watch::stop`].
+    pub fn check(&self) -> Result<(), Error> {
+        if self.stopped.load(Ordering::Relaxed) { Err(Error::new(ErrorKind::Cancelled, "interrupted")) } else { Ok(()) }
     }
 }

@@ -6,11 +6,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Modules that every module may import.
-const FOR_ALL: [&str; 5] = ["constants", "input", "message", "units", "watch"];
+const FOR_ALL: [&str; 6] = ["constants", "error", "input", "message", "units", "watch"];
 
 /// Allowed imports of each module besides [`FOR_ALL`].
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
+    ("error", &[]),
     ("input", &[]),
     ("message", &[]),
     ("units", &[]),

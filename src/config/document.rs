@@ -8,12 +8,13 @@ use serde_json::json;
 use super::coordinates::{height, latitude, longitude};
 #[cfg(feature = "cli")]
 use super::coordinates::{parse_height_m, parse_latitude_deg, parse_longitude_deg};
-use super::error::ConfigError;
+use super::error;
 use super::values::{
     FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrFile, NameOrTable, PolicyChoice, Quantity,
     SiteChoice, TelescopeChoice, limit, model_assignments, one_or_many,
 };
 use crate::elements::{Constellation, sha256_hex};
+use crate::error::Error;
 use crate::input;
 use crate::schedule::MagnitudeLimit;
 
@@ -334,14 +335,10 @@ impl Config {
     ///
     /// # Errors
     /// The file cannot be read, is not TOML, or has an unknown key, an invalid value, or keys that exclude each other.
-    pub fn read(path: &Path) -> Result<Self, ConfigError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let shown = path.display().to_string();
-        Self::check_size(path).map_err(|message| ConfigError::Toml { path: shown.clone(), message })?;
-        let text = input::read_to_string(path).map_err(|source| ConfigError::Io {
-            what: "configuration",
-            path: shown.clone(),
-            source,
-        })?;
+        Self::check_size(path).map_err(|message| Error::format(message).in_file("configuration", path))?;
+        let text = input::read_to_string(path).map_err(|source| error::unreadable("configuration", path, source))?;
         let mut config = Self::from_toml(&text, &shown)?;
         config.start_paths_from(path.parent().unwrap_or(Path::new("")));
         config.check().map_err(|error| {
@@ -352,8 +349,8 @@ impl Config {
             let keys: Vec<_> = config.given().into_iter().filter(is_invalid).collect();
             let named = keys.iter().find(|key| message.contains(&key.replace('_', "-")));
             let line = named.or(keys.first()).and_then(|key| input::toml_line(&text, &[key]));
-            let line = line.map(|line| format!("line {line}: ")).unwrap_or_default();
-            ConfigError::Toml { path: shown, message: line + &message }
+            let place = line.map_or_else(String::new, |line| format!(": line {line}"));
+            error.within(format_args!("configuration {shown}{place}"), path, line)
         })?;
         config.default_time_scale = config.time_scale.take();
         Ok(config)
@@ -376,8 +373,8 @@ impl Config {
     ///
     /// # Errors
     /// The text is not TOML, a key is unknown, or a value is invalid.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, ConfigError> {
-        let error = |message: String| ConfigError::Toml { path: origin.to_owned(), message };
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
+        let error = |message: String| Error::format(message).in_file("configuration", origin);
         let of_toml = |error: &toml::de::Error| input::toml_error(error, text);
         let line_of =
             |key: &str| input::toml_line(text, &[key]).map(|line| format!("line {line}: ")).unwrap_or_default();
@@ -420,7 +417,7 @@ impl Config {
     }
 
     /// Checks all values that need no other file, so that the error is that of this configuration alone.
-    fn check(&self) -> Result<(), ConfigError> {
+    fn check(&self) -> Result<(), Error> {
         // A height of the limb without a telescope has no effect if flags give a site.
         let limb_height_km = self.limb_height_km.filter(|_| self.has_viewpoint());
         Config { limb_height_km, ..self.clone() }.check_viewpoint()?;
@@ -438,7 +435,7 @@ impl Config {
     }
 
     /// Checks the names of the bundled sites, telescopes, constellations and models.
-    fn check_names(&self) -> Result<(), ConfigError> {
+    fn check_names(&self) -> Result<(), Error> {
         if self.site.is_given() {
             self.site()?;
         }
@@ -466,10 +463,10 @@ impl Config {
     ///
     /// # Errors
     /// The number is 0 or above 1024: more threads take minutes to start.
-    pub fn threads(&self) -> Result<Option<usize>, ConfigError> {
+    pub fn threads(&self) -> Result<Option<usize>, Error> {
         match self.run.threads {
             Some(threads) if !(1..=MAX_THREADS).contains(&threads) => {
-                Err(ConfigError::Invalid(format!("threads is {threads}; allowed: 1 to {MAX_THREADS}")))
+                Err(Error::invalid("threads", threads, format!("1 to {MAX_THREADS}")))
             }
             threads => Ok(threads),
         }
@@ -479,7 +476,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::read`].
-    pub fn with_file(self) -> Result<Self, ConfigError> {
+    pub fn with_file(self) -> Result<Self, Error> {
         self.with_configuration_file()?.with_home_file()
     }
 
@@ -487,7 +484,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::read`].
-    pub fn with_configuration_file(self) -> Result<Self, ConfigError> {
+    pub fn with_configuration_file(self) -> Result<Self, Error> {
         match &self.run.file {
             Some(path) => {
                 let base = Config::read(path)?;
@@ -502,7 +499,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::read`].
-    pub fn with_home_file(mut self) -> Result<Self, ConfigError> {
+    pub fn with_home_file(mut self) -> Result<Self, Error> {
         let Some(path) = &self.home.file else { return Ok(self) };
         let mut base = Config::read(path)?;
         if self.has_viewpoint() {

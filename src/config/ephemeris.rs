@@ -6,11 +6,12 @@ use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
-use super::error::ConfigError;
+use super::error::request;
 use super::forecast::SelectionConfig;
 use super::inputs::read_text;
 use super::required::TIMES;
 use super::values::parse_duration_s;
+use crate::error::Error;
 use crate::forecast::EphemerisRequest;
 use crate::frames::{parse_moment, seconds_after, seconds_between};
 
@@ -60,10 +61,10 @@ impl EphemerisConfig {
     ///
     /// # Errors
     /// A generation is unknown, times are missing or invalid or more than a million, or the altitude is out of range.
-    pub fn resolve(&self, config: &Config) -> Result<EphemerisRequest, ConfigError> {
+    pub fn resolve(&self, config: &Config) -> Result<EphemerisRequest, Error> {
         let selection = self.selection.resolve()?;
         if let Some(altitude) = self.min_altitude.filter(|altitude| !(-90.0..=90.0).contains(altitude)) {
-            return Err(ConfigError::invalid(format!("--min-altitude is {altitude} deg; allowed: -90 to 90 deg")));
+            return Err(Error::invalid("--min-altitude", format_args!("{altitude} deg"), "-90 to 90 deg"));
         }
         Ok(EphemerisRequest {
             times: self.epochs(config)?,
@@ -73,19 +74,17 @@ impl EphemerisConfig {
         })
     }
 
-    fn epochs(&self, config: &Config) -> Result<Vec<Epoch>, ConfigError> {
+    fn epochs(&self, config: &Config) -> Result<Vec<Epoch>, Error> {
         let scale = config.time_scale()?;
         let epochs: Vec<Epoch> = match (&self.times_file, &self.start, &self.end, &self.step) {
             (None, None, None, None) => {
-                self.times.iter().map(|text| Ok(parse_moment(text, scale)?)).collect::<Result<_, ConfigError>>()?
+                self.times.iter().map(|text| parse_moment(text, scale)).collect::<Result<_, _>>()?
             }
             (Some(path), None, None, None) if self.times.is_empty() => {
                 let text = read_text("times", path)?;
                 let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
                 let read = |(number, line): (usize, &str)| {
-                    parse_moment(line, scale).map_err(|error| {
-                        ConfigError::invalid(format!("times {}, line {number}: {error}", path.display()))
-                    })
+                    parse_moment(line, scale).map_err(|error| error.in_line("times", path, number))
                 };
                 let is_time = |(_, line): &(usize, &str)| !line.is_empty() && !line.starts_with('#');
                 lines.filter(is_time).map(read).collect::<Result<_, _>>()?
@@ -97,29 +96,26 @@ impl EphemerisConfig {
             _ => Vec::new(),
         };
         if epochs.is_empty() {
-            return Err(ConfigError::invalid(TIMES.missing().to_string()));
+            return Err(TIMES.missing());
         }
         Ok(epochs)
     }
 }
 
 /// Returns the times from `first` to `last` in steps of `step_s` seconds.
-fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, ConfigError> {
+fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, Error> {
     let span_s = seconds_between(first, last);
     if span_s < 0.0 {
-        return Err(ConfigError::invalid(format!(
-            "--end is {:.3} s before --start; allowed: not before --start",
-            -span_s
-        )));
+        return Err(Error::invalid("--end", format_args!("{:.3} s before --start", -span_s), "not before --start"));
     }
     if step_s <= 0.0 {
-        return Err(ConfigError::invalid("--step is 0 s; allowed: above 0 s"));
+        return Err(Error::invalid("--step", "0 s", "above 0 s"));
     }
     // The tolerance includes the last time in spite of rounding.
     let count = (span_s / step_s + 1e-6).floor() + 1.0;
     if count > MOST_TIMES as f64 {
         let message = format!("--step is {step_s} s, which gives {count:.0} times; allowed: at most {MOST_TIMES}");
-        return Err(ConfigError::invalid(message));
+        return Err(request(message));
     }
     Ok((0..count as usize).map(|number| seconds_after(first, step_s * number as f64)).collect())
 }
@@ -128,7 +124,7 @@ fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, ConfigErr
 mod tests {
     use super::*;
 
-    fn resolve(json: &str) -> Result<EphemerisRequest, ConfigError> {
+    fn resolve(json: &str) -> Result<EphemerisRequest, Error> {
         let config = Config::from_toml("shells = 'oneweb'\nmpc = 'X05'", "t.toml").unwrap();
         serde_json::from_str::<EphemerisConfig>(json).unwrap().resolve(&config)
     }

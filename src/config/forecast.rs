@@ -8,9 +8,10 @@ use serde::Deserialize;
 use super::document::Config;
 #[cfg(feature = "cli")]
 use super::document::norad_id;
-use super::error::ConfigError;
+use super::error::request;
 use crate::constants::DAY_S;
 use crate::elements::Generation;
+use crate::error::Error;
 use crate::forecast::{ForecastRequest, PassOrder, Selection};
 use crate::frames::{parse_instant, parse_moment, seconds_between};
 use crate::output::format_utc;
@@ -49,11 +50,11 @@ impl SelectionConfig {
     ///
     /// # Errors
     /// A generation is unknown.
-    pub fn resolve(&self) -> Result<Selection, ConfigError> {
+    pub fn resolve(&self) -> Result<Selection, Error> {
         let kind = |name: &String| {
             Generation::by_name(name).ok_or_else(|| {
                 let known = Generation::ALL.map(Generation::name).join(", ");
-                ConfigError::invalid(format!("unknown generation '{name}'; allowed: {known}"))
+                request(format!("unknown generation '{name}'")).allowing(known)
             })
         };
         Ok(Selection {
@@ -92,7 +93,7 @@ impl TimeRangeConfig {
     ///
     /// # Errors
     /// Same as [`time_range`].
-    pub fn resolve(&self, config: &Config) -> Result<(Epoch, Epoch), ConfigError> {
+    pub fn resolve(&self, config: &Config) -> Result<(Epoch, Epoch), Error> {
         time_range(self.night.as_deref(), self.start.as_deref(), self.end.as_deref(), config)
     }
 }
@@ -181,19 +182,13 @@ impl ForecastConfig {
     /// # Errors
     /// A generation or the order is unknown, a number is out of range, an extinction is given with `no_atmosphere`, or
     /// the errors of [`time_range`].
-    pub fn resolve(
-        &self,
-        config: &Config,
-        default_samples: usize,
-    ) -> Result<(ForecastRequest, Selection), ConfigError> {
+    pub fn resolve(&self, config: &Config, default_samples: usize) -> Result<(ForecastRequest, Selection), Error> {
         let selection = self.selection.resolve()?;
         let (start, end) = self.range.resolve(config)?;
         let mut photometry = config.photometry()?;
         if self.no_atmosphere {
             if photometry.extinction_mag_per_airmass.is_some() {
-                return Err(ConfigError::invalid(
-                    "no-atmosphere and extinction exclude each other; specify one of them",
-                ));
+                return Err(request("no-atmosphere and extinction exclude each other; specify one of them"));
             }
         } else if photometry.extinction_mag_per_airmass.is_none()
             && let Ok(site) = config.site()
@@ -203,7 +198,7 @@ impl ForecastConfig {
         let by_brightness = if self.max_mag.is_some() { PassOrder::Brightness } else { PassOrder::Time };
         let order = self.sort.as_deref().map_or(Ok(by_brightness), |name| {
             PassOrder::by_name(name)
-                .ok_or_else(|| ConfigError::invalid(format!("invalid sort '{name}'; allowed: time, brightness")))
+                .ok_or_else(|| request(format!("invalid sort '{name}'")).allowing("time, brightness"))
         })?;
         let request = ForecastRequest {
             start,
@@ -275,33 +270,34 @@ pub fn time_range(
     start: Option<&str>,
     end: Option<&str>,
     config: &Config,
-) -> Result<(Epoch, Epoch), ConfigError> {
+) -> Result<(Epoch, Epoch), Error> {
     let (from, to) = match (night, start, end) {
         (Some(night), None, None) => {
             let evening =
                 parse_night(night).ok().and_then(|date| parse_instant(&format!("{date}T12:00:00Z"), None).ok());
             let evening = evening.ok_or_else(|| {
-                ConfigError::invalid(format!(
-                    "invalid night '{night}'; allowed: the local date of the evening, for example 2024-08-14"
-                ))
+                request(format!("invalid night '{night}'"))
+                    .allowing("the local date of the evening, for example 2024-08-14")
             })?;
             night_of(evening, config.site()?.longitude_rad)
         }
         (Some(_), ..) => {
-            return Err(ConfigError::invalid("--night and --start or --end exclude each other; specify one of them"));
+            return Err(request("--night and --start or --end exclude each other; specify one of them"));
         }
         (None, Some(start), Some(end)) => {
             let scale = config.time_scale()?;
             (parse_moment(start, scale)?, parse_moment(end, scale)?)
         }
-        _ => return Err(ConfigError::invalid("missing time range; specify --night 2024-08-14, or --start and --end")),
+        _ => return Err(Error::missing("time range", "--night 2024-08-14, or --start and --end")),
     };
     let days = seconds_between(from, to) / DAY_S;
     if !(0.0..=LONGEST_DAYS).contains(&days) {
         let (from, to) = (format_utc(from, 0), format_utc(to, 0));
-        return Err(ConfigError::invalid(format!(
-            "the time range is {from} to {to}; allowed: 0 to 31 days, the end not before the start"
-        )));
+        return Err(Error::invalid(
+            "the time range",
+            format_args!("{from} to {to}"),
+            "0 to 31 days, the end not before the start",
+        ));
     }
     Ok((from, to))
 }

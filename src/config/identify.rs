@@ -6,9 +6,10 @@ use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
-use super::error::ConfigError;
+use super::error::request;
 use super::required::STREAK;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s, parse_exposure_s};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::input;
@@ -150,7 +151,7 @@ impl IdentifyConfig {
     /// # Errors
     /// No streak or more than one is given, a time is missing, a file cannot be read, a position is outside the frame,
     /// or a number is out of range.
-    pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, ConfigError> {
+    pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, Error> {
         let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
         let mut forms = vec![
             ("--end", !self.end.is_empty()),
@@ -161,14 +162,14 @@ impl IdentifyConfig {
         forms.retain(|(_, is_given)| *is_given);
         let forms: Vec<&'static str> = forms.into_iter().map(|(form, _)| form).collect();
         let (source, (line, sigma_arcsec)) = match (forms.as_slice(), &self.region) {
-            ([], _) => return Err(ConfigError::invalid(STREAK.missing().to_string())),
+            ([], _) => return Err(STREAK.missing()),
             (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
             (["--region"], Some(path)) => ("--region", in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
-                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {}", STREAK.words)));
+                return Err(request(format!("{several} exclude each other; specify {}", STREAK.words)));
             }
         };
         let (start, duration_s, timing) = self.timing(config)?;
@@ -183,8 +184,10 @@ impl IdentifyConfig {
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
             Line::Middle { length_deg: None, .. } if timing == Timing::Whole => {
-                return Err(ConfigError::invalid(
-                    "--whole-streak is given without the length of the streak; allowed: a streak of known length, with --length ANGLE",
+                return Err(Error::invalid(
+                    "--whole-streak",
+                    "given without the length of the streak",
+                    "a streak of known length, with --length ANGLE",
                 ));
             }
             Line::Middle { position, angle_deg, length_deg } => MeasuredStreak::from_middle(
@@ -205,7 +208,7 @@ impl IdentifyConfig {
     ///
     /// # Errors
     /// The frame cannot be read or has no site.
-    pub fn with_site_of_frame(&self, config: Config) -> Result<(Config, Option<String>), ConfigError> {
+    pub fn with_site_of_frame(&self, config: Config) -> Result<(Config, Option<String>), Error> {
         #[cfg(all(feature = "fits", unix))]
         if let Some(path) = self.image.as_ref().filter(|_| config.takes_site_of_frame()) {
             let site = super::identify_frame::site(path, self.hdu)?;
@@ -214,52 +217,48 @@ impl IdentifyConfig {
         Ok((config, None))
     }
 
-    fn ends(&self) -> Result<Line, ConfigError> {
+    fn ends(&self) -> Result<Line, Error> {
         let [first, other] = self.end.as_slice() else {
             let times = match self.end.len() {
                 1 => "once".to_owned(),
                 count => format!("{count} times"),
             };
-            return Err(ConfigError::invalid(format!("--end is given {times}; allowed: twice, once for each end")));
+            return Err(Error::invalid("--end", format_args!("given {times}"), "twice, once for each end"));
         };
         let end = |text: &str| {
             let (ra, dec) = text.split_once(',').ok_or_else(|| {
-                ConfigError::invalid(format!(
-                    "invalid end '{text}'; allowed: RA,DEC, for example 188.5,-30.5 or 12h34m,-30d30m"
-                ))
+                request(format!("invalid end '{text}'")).allowing("RA,DEC, for example 188.5,-30.5 or 12h34m,-30d30m")
             })?;
-            direction(ra.trim(), dec.trim())
+            parse_direction(ra.trim(), dec.trim())
         };
         Ok(Line::Ends([end(first)?, end(other)?]))
     }
 
-    fn middle(&self) -> Result<Line, ConfigError> {
+    fn middle(&self) -> Result<Line, Error> {
         let (Some(ra), Some(dec), Some(angle_deg)) = (&self.ra, &self.dec, self.position_angle) else {
-            return Err(ConfigError::invalid(
-                "incomplete middle of the streak; specify --ra, --dec and --position-angle",
-            ));
+            return Err(request("incomplete middle of the streak; specify --ra, --dec and --position-angle"));
         };
         let length_deg = self.length.as_deref().map(|length| parse_angle_deg("length", length)).transpose()?;
-        Ok(Line::Middle { position: direction(ra, dec)?, angle_deg, length_deg })
+        Ok(Line::Middle { position: parse_direction(ra, dec)?, angle_deg, length_deg })
     }
 
     #[cfg(not(all(feature = "fits", unix)))]
-    fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
-        Err(ConfigError::invalid("this build cannot read frames; it needs the cargo feature fits"))
+    fn in_frame(&self) -> Result<(Line, f64), Error> {
+        Err(request("this build cannot read frames; it needs the cargo feature fits"))
     }
 
     #[cfg(all(feature = "fits", unix))]
-    fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
+    fn in_frame(&self) -> Result<(Line, f64), Error> {
         use super::identify_frame::{ends, pixel};
         let (Some(path), Some(from), Some(to)) = (&self.image, &self.from_pix, &self.to_pix) else {
-            return Err(ConfigError::invalid("incomplete streak in a frame; specify --image, --from-pix and --to-pix"));
+            return Err(request("incomplete streak in a frame; specify --image, --from-pix and --to-pix"));
         };
         let (ends, pixel_arcsec) = ends(path, self.hdu, [pixel(from)?, pixel(to)?])?;
         Ok((Line::Ends(ends), POSITION_SIGMA_PIX * pixel_arcsec))
     }
 
     /// Returns start and duration (seconds) of the interval, and the relation between times and ends.
-    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), ConfigError> {
+    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), Error> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
             [] => {
@@ -271,21 +270,21 @@ impl IdentifyConfig {
                 let (first, second) = (parse_moment(first, scale)?, parse_moment(second, scale)?);
                 let duration_s = seconds_between(first, second);
                 if duration_s <= 0.0 {
-                    return Err(ConfigError::invalid(format!(
-                        "the second of --times is {duration_s} s after the first; allowed: the time at the first --end, then a later one at the second"
-                    )));
+                    return Err(Error::invalid(
+                        "the second of --times",
+                        format_args!("{duration_s} s after the first"),
+                        "the time at the first --end, then a later one at the second",
+                    ));
                 }
                 Ok((first, duration_s, Timing::FirstToSecond))
             }
-            other => {
-                Err(ConfigError::invalid(format!("--times has {} values; allowed: 2, one for each --end", other.len())))
-            }
+            other => Err(request(format!("--times has {} values", other.len())).allowing("2, one for each --end")),
         }
     }
 
     /// Returns shutter opening and exposure time (seconds): from `self`, or else from the configuration, or else from
     /// the frame's header.
-    fn exposed(&self, config: &Config) -> Result<(Epoch, f64), ConfigError> {
+    fn exposed(&self, config: &Config) -> Result<(Epoch, f64), Error> {
         let given = |given: &Option<String>, configured: &Option<Quantity>| {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
         };
@@ -299,24 +298,20 @@ impl IdentifyConfig {
         }
         match (start, duration_s) {
             (Some(start), Some(duration_s)) => Ok((start, duration_s)),
-            (None, _) => Err(ConfigError::invalid(
-                "missing start of the exposure; specify --start 2024-08-14T00:30:00.000Z, or --times with both --end",
+            (None, _) => Err(Error::missing(
+                "start of the exposure",
+                "--start 2024-08-14T00:30:00.000Z, or --times with both --end",
             )),
-            (_, None) => Err(ConfigError::invalid("missing exposure time; specify --exposure 30s")),
+            (_, None) => Err(Error::missing("exposure time", "--exposure 30s")),
         }
     }
 }
 
-fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, ConfigError> {
-    parse_direction(ra, dec).map_err(ConfigError::Angle)
-}
-
 /// Returns the line through regions drawn around a streak, and the position error (one sigma) of its ends, arcsec.
-fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
-    let shown = path.display().to_string();
-    let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
-    let text = input::read_to_string(path).map_err(|error| fail(&error))?;
-    let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
+fn in_regions(path: &Path) -> Result<(Line, f64), Error> {
+    let text = input::read_to_string(path).map_err(Error::io(path))?;
+    let line =
+        fit_line(&parse_regions(&path.display().to_string(), &text)?).map_err(|error| error.in_file("", path))?;
     // The middle line of a box is closer to the streak than the sides of the box. Lines have no width; several of them
     // scatter about the streak.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;

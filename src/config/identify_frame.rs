@@ -4,47 +4,42 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
-use super::error::ConfigError;
+use super::error::request;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
 use crate::images::{ExposureTime, FrameFile, FrameImages, Header, PixelPosition, Wcs, site_from_headers};
 
 /// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
-pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
+pub(super) fn pixel(text: &str) -> Result<PixelPosition, Error> {
     let numbers = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
     numbers
         .filter(|(x, y): &(f64, f64)| x.is_finite() && y.is_finite())
         .map(|(x, y)| PixelPosition::from_fits(x, y))
         .ok_or_else(|| {
-            ConfigError::invalid(format!(
-                "invalid pixel '{text}'; allowed: X,Y counted from 1, for example 1024.5,2048"
-            ))
+            request(format!("invalid pixel '{text}'")).allowing("X,Y counted from 1, for example 1024.5,2048")
         })
 }
 
 /// Opens a frame, and returns it with `hdu`. Without `hdu` it returns the only image that is not a mask, a weight map
 /// or a variance.
-fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
-    let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
+fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), Error> {
+    let file = FrameFile::open(path)?;
     let images = if hdu.is_some() { FrameImages::default() } else { file.frame_images()? };
-    let shown = path.display();
     let hdu = match (hdu, images.frames.as_slice()) {
         (Some(hdu), _) => hdu,
         (None, [only]) => *only,
         (None, []) => {
             let (given, allowed) = images.no_frame();
-            return Err(ConfigError::invalid(format!(
-                "{shown}: number of images of two axes is {given}; allowed: {allowed}"
-            )));
+            return Err(Error::invalid("number of images of two axes", given, allowed).in_file("", path));
         }
         (None, several) => {
             let (count, first, last) = (several.len(), several[0], several[several.len() - 1]);
-            return Err(ConfigError::invalid(format!(
-                "{shown} contains {count} images; specify one with --hdu {first} to {last}"
-            )));
+            let predicate = format!("contains {count} images; specify one with --hdu {first} to {last}");
+            return Err(Error::about_file("", path, predicate));
         }
     };
-    file.image_size(hdu).map_err(ConfigError::Frame)?;
+    file.image_size(hdu)?;
     Ok((file, hdu))
 }
 
@@ -54,7 +49,7 @@ pub(super) fn clipped(
     path: &Path,
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
-) -> Result<[PixelPosition; 2], ConfigError> {
+) -> Result<[PixelPosition; 2], Error> {
     let (file, hdu) = image(path, hdu)?;
     let [rows, columns] = file.image_size(hdu)?;
     let [from, to] = pixels;
@@ -86,25 +81,23 @@ pub(super) fn ends(
     path: &Path,
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
-) -> Result<([Direction<Gcrs>; 2], f64), ConfigError> {
+) -> Result<([Direction<Gcrs>; 2], f64), Error> {
     let (file, hdu) = image(path, hdu)?;
-    let fail = |error: String| ConfigError::invalid(format!("{}: HDU {hdu}: {error}", path.display()));
     let [rows, columns] = file.image_size(hdu)?;
-    let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| fail(error.to_string()))?;
+    let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| error.in_hdu(path, hdu))?;
     let sky_position = |pixel: PixelPosition| {
         let [x, y] = pixel.fits();
         // The centre of the first pixel has the coordinate 1, its lower edge 0.5.
         let is_within = |at: f64, count: usize| (0.5..=count as f64 + 0.5).contains(&at);
         if !(is_within(x, columns) && is_within(y, rows)) {
             let (right, top) = (columns as f64 + 0.5, rows as f64 + 0.5);
-            return Err(fail(format!(
-                "pixel {x},{y} is outside of the frame; allowed: X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1"
-            )));
+            let allowed = format!("X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1");
+            return Err(request(format!("pixel {x},{y} is outside of the frame")).allowing(allowed).in_hdu(path, hdu));
         }
         wcs.to_sky(pixel).ok_or_else(|| {
-            fail(format!(
-                "pixel {x},{y} has no position on the sky; allowed: pixels inside the range of the world coordinates"
-            ))
+            request(format!("pixel {x},{y} has no position on the sky"))
+                .allowing("pixels inside the range of the world coordinates")
+                .in_hdu(path, hdu)
         })
     };
     let [from, to] = pixels;
@@ -119,24 +112,21 @@ pub(super) fn exposure(
     hdu: Option<usize>,
     start: Option<Epoch>,
     duration_s: Option<f64>,
-) -> Result<(Epoch, f64), ConfigError> {
+) -> Result<(Epoch, f64), Error> {
     if let (Some(start), Some(duration_s)) = (start, duration_s) {
         return Ok((start, duration_s));
     }
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{}: {error}", path.display()));
-    let duration_s =
-        duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(|error| fail(&error))?;
-    let start = start
-        .map_or_else(|| ExposureTime::start_from_headers(&headers, duration_s), Ok)
-        .map_err(|error| fail(&error))?;
+    let fail = |error: Error| error.in_file("", path);
+    let duration_s = duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(fail)?;
+    let start = start.map_or_else(|| ExposureTime::start_from_headers(&headers, duration_s), Ok).map_err(fail)?;
     Ok((start, duration_s))
 }
 
 /// Returns the site in the header of a frame; `None` if it has none.
-pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<Site>, ConfigError> {
+pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<Site>, Error> {
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    site_from_headers(&headers).map_err(|error| ConfigError::Frame(error.at(path.display())))
+    site_from_headers(&headers).map_err(|error| error.in_file("", path))
 }

@@ -3,9 +3,10 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::error::ConfigError;
+use super::error;
 use super::identify::IdentifyConfig;
 use super::identify_frame::clipped;
+use crate::error::Error;
 use crate::images::{Bounded, StreakEnds, StreakTable};
 use crate::message::listed;
 use crate::units::SECONDS;
@@ -32,7 +33,7 @@ pub struct TableStreak {
 ///
 /// # Errors
 /// The table cannot be read, a cell is invalid, or a streak in pixels has no frame.
-pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<TableStreak>, Vec<String>), ConfigError> {
+pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<TableStreak>, Vec<String>), Error> {
     let others = [
         ("--end", !base.end.is_empty()),
         ("--ra", base.ra.is_some()),
@@ -41,7 +42,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
         ("--times", !base.times.is_empty()),
     ];
     if let Some((first, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
-        return Err(ConfigError::Both { first, second: "--streaks" });
+        return Err(error::both(first, "--streaks"));
     }
     let (table, (start, duration_s)) = StreakTable::read(path, |rows| -> io::Result<_> {
         // In tables of measured streaks, durations are the times in the frame and not those of the exposure.
@@ -53,7 +54,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
     let (mut streaks, mut without) = (Vec::new(), Vec::new());
     for (row, number) in table.rows().zip(1..) {
         if number > MOST_STREAKS {
-            return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")).into());
+            return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
         }
         if !row.has_ends() {
             without.push(row.id(number));
@@ -77,7 +78,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
             }
             StreakEnds::Pixels(ends) => {
                 let Some(frame) = &streak.image else {
-                    return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME").into());
+                    return Err(row.invalid("image", "", "the frame of a streak in pixels, or --image FRAME"));
                 };
                 let [from, to] = clipped(frame, streak.hdu, ends)?.map(|at| {
                     let [x, y] = at.fits();

@@ -7,13 +7,15 @@ use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
-use super::error::ConfigError;
+use super::error;
+use super::error::request;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
 use super::required::{INJECTED_STREAKS, SEEING};
 use super::values::{Numbers, parse_angle_deg, parse_exposure_s};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
-use crate::images::{CountBasis, Detector, ImagesError, PsfFile, Telescope};
+use crate::images::{CountBasis, Detector, PsfFile, Telescope};
 use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
@@ -39,7 +41,7 @@ const MOST_TRUTH_POINTS: usize = 10_000;
 const DEFAULT_START: &str = "2000-01-01T12:00:00Z";
 
 /// Function that returns a prepared sky for a given time, for callers that cache skies.
-pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError> + Sync);
+pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, Error> + Sync);
 
 /// Adds streaks to frames and writes one output for each input image or synthetic frame.
 ///
@@ -47,21 +49,21 @@ pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError>
 /// configuration; if that has no site, the site is taken from the headers.
 ///
 /// # Errors
-/// [`ConfigError`]. On an error no partial output file remains.
+/// The request, the configuration or a frame is invalid. On an error no partial output file remains.
 pub fn inject_frames(
     injection: &InjectionConfig,
     config: &Config,
     sky: Option<SkyOf<'_>>,
     outputs: &[PathBuf],
     watch: &Watch,
-) -> Result<Injections, ConfigError> {
+) -> Result<Injections, Error> {
     let plan = injection.resolve(config)?;
     let opened = Injection::open(&plan, outputs)?;
     let Some((first, last)) = opened.span().filter(|_| plan.is_of_satellites()) else {
-        return Ok(opened.run(None, watch)?);
+        return opened.run(None, watch);
     };
     if let Some(sky) = sky {
-        return Ok(opened.run(Some(injection_sky(&sky(first)?.watched(watch))), watch)?);
+        return opened.run(Some(injection_sky(&sky(first)?.watched(watch))), watch);
     }
     let (config, remark) = with_site_of_frames(config, &opened)?;
     let prepared = config.prepare(first, last)?;
@@ -77,16 +79,14 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
 
 /// Returns the configuration. If it has no site, sets the site of the headers, and also returns a message with that
 /// site.
-fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
+fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), Error> {
     if !config.takes_site_of_frame() {
         return Ok((config.clone(), None));
     }
     match &opened.sites()?[..] {
         sites @ ([] | [_]) => config.at_site_of_header(sites.first(), "the frames"),
-        [first, second, ..] => Err(ConfigError::invalid(format!(
-            "the frames are from two sites ({}, {}); allowed: frames of one site",
-            first.name, second.name
-        ))),
+        [first, second, ..] => Err(request(format!("the frames are from two sites ({}, {})", first.name, second.name))
+            .allowing("frames of one site")),
     }
 }
 
@@ -98,7 +98,7 @@ impl InjectionConfig {
         self.image.iter().chain(single.into_iter().flatten()).cloned().chain(psf).collect()
     }
 
-    fn label_formats(&self) -> Result<Vec<LabelFormat>, ConfigError> {
+    fn label_formats(&self) -> Result<Vec<LabelFormat>, Error> {
         let mut formats = Vec::new();
         for name in &self.labels {
             let format = LabelFormat::by_name(name)?;
@@ -113,7 +113,7 @@ impl InjectionConfig {
     ///
     /// # Errors
     /// An unknown format.
-    pub fn label_paths(&self, outputs: &[PathBuf]) -> Result<Vec<PathBuf>, ConfigError> {
+    pub fn label_paths(&self, outputs: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
         let formats = self.label_formats()?;
         let paths = formats.iter().flat_map(|format| {
             // COCO has one file for all frames.
@@ -132,7 +132,7 @@ impl InjectionConfig {
     ///
     /// # Errors
     /// The options are incomplete or contradictory, or a number is out of range.
-    pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, ConfigError> {
+    pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, Error> {
         self.check_counts()?;
         let telescope = config.telescope()?;
         let scheduled = self.scheduled(config)?;
@@ -140,11 +140,11 @@ impl InjectionConfig {
         let modulation = self.modulation()?;
         let random = self.random()?;
         if !self.is_without_satellites() && !config.has_satellites() {
-            return Err(ConfigError::invalid(INJECTED_STREAKS.missing().to_string()));
+            return Err(INJECTED_STREAKS.missing());
         }
         self.check_idle()?;
         if random.is_some() && self.streaks.is_some() {
-            return Err(ConfigError::Both { first: "--streaks", second: "--random-streaks or --streak-density" });
+            return Err(error::both("--streaks", "--random-streaks or --streak-density"));
         }
         let chosen = self.streaks.as_deref().map(ChosenStreaks::read).transpose()?;
         let satellite_size_m = checked_size(self.satellite_size)?;
@@ -153,22 +153,24 @@ impl InjectionConfig {
             None => (None, None),
         };
         if gain_of_file.is_some() && self.gain.is_some() {
-            return Err(ConfigError::invalid(
+            return Err(request(
                 "--gain and gain_e_adu in the file of --detector exclude each other; specify one of them",
             ));
         }
         if self.synthetic.is_some() && detector.is_some() {
-            return Err(ConfigError::invalid(
+            return Err(request(
                 "--detector and --synthetic exclude each other: the file of a synthetic frame has its own table [detector]",
             ));
         }
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
-            return Err(ConfigError::invalid(format!("gain is {gain} e/count; allowed: above 0 e/count")));
+            return Err(Error::invalid("gain", format_args!("{gain} e/count"), "above 0 e/count"));
         }
         let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
         if pixel_scale_arcsec.is_some() && !self.is_without_satellites() {
-            return Err(ConfigError::invalid(
-                "--pixel-scale is given without random streaks; allowed: with --random-streaks, --streak-density or --streaks (satellites need world coordinates)",
+            return Err(Error::invalid(
+                "--pixel-scale",
+                "given without random streaks",
+                "with --random-streaks, --streak-density or --streaks (satellites need world coordinates)",
             ));
         }
         let photometry = config.photometry()?;
@@ -213,7 +215,7 @@ impl InjectionConfig {
     }
 
     /// Checks that each option has the required number of values, and that they are finite.
-    fn check_counts(&self) -> Result<(), ConfigError> {
+    fn check_counts(&self) -> Result<(), Error> {
         let lists = [
             ("track-rate", &self.track_rate, 2..=2),
             ("magnitude", &self.magnitude, 1..=2),
@@ -226,67 +228,59 @@ impl InjectionConfig {
             if !allowed.contains(&numbers.len()) {
                 let (least, most) = (allowed.start(), allowed.end());
                 let allowed = if least == most { least.to_string() } else { format!("{least} to {most}") };
-                return Err(ConfigError::invalid(format!("{what} has {} numbers; allowed: {allowed}", numbers.len())));
+                return Err(request(format!("{what} has {} numbers", numbers.len())).allowing(allowed));
             }
             if let Some(bad) = numbers.iter().find(|number| !number.is_finite()) {
-                return Err(ConfigError::invalid(format!("{what} is {bad}; allowed: finite numbers")));
+                return Err(request(format!("{what} is {bad}")).allowing("finite numbers"));
             }
         }
         Ok(())
     }
 
     /// Rejects options that have no effect together with the others.
-    fn check_idle(&self) -> Result<(), ConfigError> {
+    fn check_idle(&self) -> Result<(), Error> {
         let of_synthetic =
             [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
         if let Some((option, _)) = of_synthetic.iter().find(|(_, is_given)| *is_given && self.synthetic.is_none()) {
-            return Err(ConfigError::invalid(format!(
-                "{option} is given without --synthetic; allowed: with --synthetic (the position of an image is in its header)"
-            )));
+            return Err(request(format!("{option} is given without --synthetic"))
+                .allowing("with --synthetic (the position of an image is in its header)"));
         }
         if self.synthetic.is_some() && !self.hdu.is_empty() {
-            return Err(ConfigError::invalid(
-                "--hdu is given with --synthetic; allowed: with --image (a synthetic frame has one image)",
+            return Err(Error::invalid(
+                "--hdu",
+                "given with --synthetic",
+                "with --image (a synthetic frame has one image)",
             ));
         }
         if self.resolve_panels && self.is_without_satellites() {
-            return Err(ConfigError::invalid(
-                "--resolve-panels has no effect on random streaks; allowed: with streaks of satellites",
-            ));
+            return Err(
+                request("--resolve-panels has no effect on random streaks").allowing("with streaks of satellites")
+            );
         }
         if self.resolve_panels && self.satellite_size.is_some() {
-            return Err(ConfigError::Both { first: "--satellite-size", second: "--resolve-panels" });
+            return Err(error::both("--satellite-size", "--resolve-panels"));
         }
         if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
-            return Err(ConfigError::invalid(format!(
-                "truth-points is {}; allowed: 2 to {MOST_TRUTH_POINTS}",
-                self.truth_points
-            )));
+            return Err(Error::invalid("truth-points", self.truth_points, format!("2 to {MOST_TRUTH_POINTS}")));
         }
         Ok(())
     }
 
-    fn scheduled(&self, config: &Config) -> Result<Option<Exposure>, ConfigError> {
+    fn scheduled(&self, config: &Config) -> Result<Option<Exposure>, Error> {
         let (Some(path), Some(row)) = (&self.schedule, &self.row) else { return Ok(None) };
         let schedule = Schedule::read(path, &config.schedule_options()?)?;
         let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
         let found = found.ok_or_else(|| {
-            ConfigError::invalid(format!(
-                "{} has no exposure_id {row:?}; allowed: an exposure_id of the schedule",
-                path.display()
-            ))
+            Error::about_file("", path, format!("has no exposure_id {row:?}"))
+                .allowing("an exposure_id of the schedule")
         })?;
         match &found.exposure {
             Ok(exposure) => Ok(Some(exposure.clone())),
-            Err(reason) => Err(ConfigError::invalid(format!("{}: exposure {row}: {reason}", path.display()))),
+            Err(reason) => Err(Error::format(reason.clone()).at(format_args!("exposure {row}")).in_file("", path)),
         }
     }
 
-    fn times(
-        &self,
-        config: &Config,
-        scheduled: Option<&Exposure>,
-    ) -> Result<(Option<Epoch>, Option<f64>), ConfigError> {
+    fn times(&self, config: &Config, scheduled: Option<&Exposure>) -> Result<(Option<Epoch>, Option<f64>), Error> {
         if let Some(exposure) = scheduled {
             return Ok((Some(exposure.start), Some(exposure.duration_s)));
         }
@@ -296,7 +290,7 @@ impl InjectionConfig {
         Ok((start, duration_s))
     }
 
-    fn modulation(&self) -> Result<Modulation, ConfigError> {
+    fn modulation(&self) -> Result<Modulation, Error> {
         let tumbling = match *numbers(&self.tumbling) {
             [period_s, amplitude_mag] => Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
             [period_s, amplitude_mag, phase] => Some(Tumbling { period_s, amplitude_mag, phase }),
@@ -315,7 +309,7 @@ impl InjectionConfig {
         Ok(modulation)
     }
 
-    fn random(&self) -> Result<Option<RandomPlan>, ConfigError> {
+    fn random(&self) -> Result<Option<RandomPlan>, Error> {
         let number = match (self.random_streaks, self.streak_density) {
             (Some(number), _) => StreakNumber::Exactly(number),
             (None, Some(mean)) => StreakNumber::OnAverage(mean),
@@ -323,8 +317,10 @@ impl InjectionConfig {
                 return Ok(None);
             }
             (None, None) => {
-                return Err(ConfigError::invalid(
-                    "--magnitude or --streak-rate-deg-s is given without random streaks; allowed: with --random-streaks or --streak-density",
+                return Err(Error::invalid(
+                    "--magnitude or --streak-rate-deg-s",
+                    "given without random streaks",
+                    "with --random-streaks or --streak-density",
                 ));
             }
         };
@@ -348,13 +344,14 @@ impl InjectionConfig {
     }
 
     /// Reads the file of the point spread function, and rejects options that have no effect with it.
-    fn psf_file(&self) -> Result<Option<PsfFile>, ConfigError> {
+    fn psf_file(&self) -> Result<Option<PsfFile>, Error> {
         if !self.has_psf_file() {
             return match self.psf_oversampling {
-                Some(_) => Err(ConfigError::invalid(format!(
-                    "--psf-oversampling is given with --psf {}; allowed: with a file of --psf",
-                    self.psf
-                ))),
+                Some(_) => Err(Error::invalid(
+                    "--psf-oversampling",
+                    format_args!("given with --psf {}", self.psf),
+                    "with a file of --psf",
+                )),
                 None => Ok(None),
             };
         }
@@ -365,12 +362,12 @@ impl InjectionConfig {
             ("--synthetic", self.synthetic.is_some()),
         ];
         if let Some((first, _)) = idle.into_iter().find(|(_, is_given)| *is_given) {
-            return Err(ConfigError::Both { first, second: "a file of --psf" });
+            return Err(error::both(first, "a file of --psf"));
         }
         Ok(Some(PsfFile::read(Path::new(&self.psf), self.psf_oversampling)?))
     }
 
-    fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, ConfigError> {
+    fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, Error> {
         if self.has_psf_file() {
             // The file replaces seeing and defocus.
             return Ok(Optics {
@@ -383,7 +380,7 @@ impl InjectionConfig {
         let seeing_arcsec = match (&self.seeing, telescope) {
             (Some(text), _) => arcsec("seeing", text)?,
             (None, Some(telescope)) => telescope.seeing_arcsec,
-            (None, None) => return Err(ConfigError::invalid(SEEING.missing().to_string())),
+            (None, None) => return Err(SEEING.missing()),
         };
         Ok(Optics {
             form: seeing_form(&self.psf)?,
@@ -398,7 +395,7 @@ impl InjectionConfig {
         path: &Path,
         (start, duration_s): (Option<Epoch>, Option<f64>),
         scheduled: Option<&Exposure>,
-    ) -> Result<SyntheticPlan, ConfigError> {
+    ) -> Result<SyntheticPlan, Error> {
         let text = text_of("synthetic frame", path)?;
         let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string())?;
         // Relative paths in a file are relative to the folder of the file.
@@ -408,25 +405,23 @@ impl InjectionConfig {
             Some(start) => start,
             None if self.is_without_satellites() => parse_instant(DEFAULT_START, None)?,
             None => {
-                return Err(ConfigError::invalid(
-                    "missing start of the exposure; specify --start 2024-08-14T00:30:00.000Z, or --schedule FILE --row ID",
+                return Err(Error::missing(
+                    "start of the exposure",
+                    "--start 2024-08-14T00:30:00.000Z, or --schedule FILE --row ID",
                 ));
             }
         };
-        let exposure_s = duration_s.ok_or_else(|| {
-            ConfigError::invalid("missing exposure time; specify --exposure 30s, or --schedule FILE --row ID")
-        })?;
+        let exposure_s =
+            duration_s.ok_or_else(|| Error::missing("exposure time", "--exposure 30s, or --schedule FILE --row ID"))?;
         Ok(SyntheticPlan { frame, path: path.to_owned(), opened, exposure_s, centre: self.centre(scheduled)? })
     }
 
-    fn centre(&self, scheduled: Option<&Exposure>) -> Result<Direction<Gcrs>, ConfigError> {
+    fn centre(&self, scheduled: Option<&Exposure>) -> Result<Direction<Gcrs>, Error> {
         match (scheduled, &self.ra, &self.dec) {
-            (_, Some(ra), Some(dec)) => parse_direction(ra, dec).map_err(ConfigError::Angle),
+            (_, Some(ra), Some(dec)) => parse_direction(ra, dec),
             (Some(exposure), None, None) => Ok(exposure.pointing),
             (None, None, None) if self.is_without_satellites() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
-            _ => Err(ConfigError::invalid(
-                "missing centre of the frame; specify --ra 188.5 --dec=-30.5, or --schedule FILE --row ID",
-            )),
+            _ => Err(Error::missing("centre of the frame", "--ra 188.5 --dec=-30.5, or --schedule FILE --row ID")),
         }
     }
 }
@@ -435,66 +430,62 @@ fn numbers(given: &Option<Numbers>) -> &[f64] {
     given.as_ref().map_or(&[], |numbers| &numbers.0)
 }
 
-fn arcsec(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+fn arcsec(what: &'static str, text: &str) -> Result<f64, Error> {
     Ok(parse_angle_deg(what, text)? * 3600.0)
 }
 
-fn text_of(what: &str, path: &Path) -> Result<String, ConfigError> {
-    input::read_to_string(path).map_err(|error| ConfigError::invalid(format!("{what} {}: {error}", path.display())))
+fn text_of(what: &str, path: &Path) -> Result<String, Error> {
+    input::read_to_string(path).map_err(|source| error::unreadable(what, path, source))
 }
 
 /// Largest size of a satellite, m.
 const LARGEST_M: f64 = 1000.0;
 
 /// Checks the diameter of the satellites, m.
-pub(super) fn checked_size(size_m: Option<f64>) -> Result<Option<f64>, ConfigError> {
+pub(super) fn checked_size(size_m: Option<f64>) -> Result<Option<f64>, Error> {
     match size_m {
         Some(size_m) if !(0.0..=LARGEST_M).contains(&size_m) => {
-            Err(ConfigError::invalid(format!("satellite-size is {size_m} m; allowed: 0 to {LARGEST_M} m")))
+            Err(Error::invalid("satellite-size", format_args!("{size_m} m"), format!("0 to {LARGEST_M} m")))
         }
         _ => Ok(size_m),
     }
 }
 
-pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
+pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, Error> {
     let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
     match (name.to_ascii_lowercase().as_str(), number) {
         ("gaussian", None) => Ok(SeeingForm::Gaussian),
         ("moffat", None) => Ok(SeeingForm::Moffat { beta: DEFAULT_BETA }),
         ("moffat", Some(number)) => match number.parse::<f64>() {
             Ok(beta) if (2.0..=100.0).contains(&beta) => Ok(SeeingForm::Moffat { beta }),
-            _ => {
-                Err(ConfigError::invalid(format!("invalid β of the Moffat profile in psf {text:?}; allowed: 2 to 100")))
-            }
+            _ => Err(request(format!("invalid β of the Moffat profile in psf {text:?}")).allowing("2 to 100")),
         },
         ("double", None) => {
             Ok(SeeingForm::DoubleGaussian { widening: DEFAULT_WIDENING, wide_share: DEFAULT_WIDE_SHARE })
         }
-        _ => Err(ConfigError::invalid(format!(
-            "invalid psf {text:?}; allowed: gaussian, moffat, moffat:BETA, double; inject also a file .fits or .psf"
-        ))),
+        _ => Err(request(format!("invalid psf {text:?}"))
+            .allowing("gaussian, moffat, moffat:BETA, double; inject also a file .fits or .psf")),
     }
 }
 
 /// Reads a detector from a file with the table `[detector]`, from that of a synthetic frame, or from a file with only
 /// the keys of the table. Returns the detector, and its gain if the file sets one.
-fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), ConfigError> {
+fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), Error> {
     #[derive(Deserialize)]
     struct DetectorFile {
         detector: Detector,
     }
     let text = text_of("detector", path)?;
     let shown = path.display().to_string();
-    let failed = |error: ImagesError| ConfigError::invalid(format!("detector {shown}: {error}"));
+    let failed = |error: Error| error.in_file("detector", path);
     // Errors of syntax are reported by the parsers below, with their lines.
     let keys: toml::Table = toml::from_str(&text).unwrap_or_default();
     let table = keys.get("detector");
     let detector = match table {
         None => Detector::from_toml(&text).map_err(failed)?,
         Some(_) if keys.len() == 1 => {
-            let DetectorFile { detector } = toml::from_str(&text).map_err(|error| {
-                ConfigError::invalid(format!("detector {shown}: {}", input::toml_error(&error, &text)))
-            })?;
+            let DetectorFile { detector } =
+                toml::from_str(&text).map_err(|error| failed(Error::format(input::toml_error(&error, &text))))?;
             detector.validate().map_err(failed)?;
             detector
         }

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use hifitime::Epoch;
 
 use super::document::Config;
-use super::error::ConfigError;
+use super::error;
 use super::required::SATELLITES;
 use super::values::ModelSource;
 use crate::elements::{
     Constellation, Deployment, DeploymentFile, Generation, Keep, ReadOptions, Satellites, SourceFile,
 };
+use crate::error::Error;
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
 use crate::input;
@@ -46,11 +47,11 @@ impl Config {
     ///
     /// # Errors
     /// Neither element sets nor simulated constellations are given, or an input is invalid.
-    pub fn load(&self) -> Result<LoadedInputs, ConfigError> {
+    pub fn load(&self) -> Result<LoadedInputs, Error> {
         self.load_with(self.read_elements(Keep::All)?)
     }
 
-    pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, ConfigError> {
+    pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, Error> {
         let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
         let deployment = self.deployment()?;
         if catalogue.is_none() && deployment.is_empty() {
@@ -65,26 +66,18 @@ impl Config {
     ///
     /// # Errors
     /// The model is unknown.
-    pub fn drag(&self) -> Result<DragModel, ConfigError> {
+    pub fn drag(&self) -> Result<DragModel, Error> {
         let Some(name) = &self.drag else { return Ok(DragModel::default()) };
-        DragModel::by_name(name).ok_or_else(|| ConfigError::Value {
-            what: "drag",
-            given: name.clone(),
-            allowed: "station-keeping, published",
-        })
+        DragModel::by_name(name).ok_or_else(|| Error::malformed("drag", name, "station-keeping, published"))
     }
 
     /// Returns the model of the Earth's shadow; with the atmosphere if omitted.
     ///
     /// # Errors
     /// The model is unknown.
-    pub fn shadow(&self) -> Result<ShadowModel, ConfigError> {
+    pub fn shadow(&self) -> Result<ShadowModel, Error> {
         let Some(name) = &self.shadow else { return Ok(ShadowModel::default()) };
-        ShadowModel::by_name(name).ok_or_else(|| ConfigError::Value {
-            what: "shadow",
-            given: name.clone(),
-            allowed: "geometric, atmosphere",
-        })
+        ShadowModel::by_name(name).ok_or_else(|| Error::malformed("shadow", name, "geometric, atmosphere"))
     }
 
     /// Returns the table of Earth orientation: from the given file, or else the bundled table of UT1 and polar motion.
@@ -92,7 +85,7 @@ impl Config {
     ///
     /// # Errors
     /// The file cannot be read or is invalid.
-    pub fn eop_table(&self) -> Result<EopTable, ConfigError> {
+    pub fn eop_table(&self) -> Result<EopTable, Error> {
         match &self.eop {
             Some(path) => parse_file("Earth orientation", path, EopTable::from_finals2000a),
             None => Ok(EopTable::embedded()),
@@ -103,11 +96,11 @@ impl Config {
     ///
     /// # Errors
     /// A file cannot be read or has no element sets.
-    pub fn catalogue(&self, moment: Epoch) -> Result<Option<Satellites>, ConfigError> {
+    pub fn catalogue(&self, moment: Epoch) -> Result<Option<Satellites>, Error> {
         self.read_elements(Keep::Nearest(moment))
     }
 
-    fn read_elements(&self, keep: Keep) -> Result<Option<Satellites>, ConfigError> {
+    fn read_elements(&self, keep: Keep) -> Result<Option<Satellites>, Error> {
         if self.elements.is_empty() {
             return Ok(None);
         }
@@ -122,7 +115,7 @@ impl Config {
     ///
     /// # Errors
     /// A name is unknown, or a file is invalid.
-    pub fn deployment(&self) -> Result<Deployment, ConfigError> {
+    pub fn deployment(&self) -> Result<Deployment, Error> {
         let (mut bundled, mut files): (Vec<Constellation>, _) = (Vec::new(), Vec::new());
         for name in &self.shells {
             if name.is_file() {
@@ -136,14 +129,14 @@ impl Config {
                 }
             }
         }
-        Ok(Deployment::new(bundled, files)?)
+        Deployment::new(bundled, files)
     }
 
     /// Returns the bundled brightness models and those of the model files, by name.
     ///
     /// # Errors
     /// A file cannot be read or is invalid.
-    pub fn model_library(&self) -> Result<ModelLibrary, ConfigError> {
+    pub fn model_library(&self) -> Result<ModelLibrary, Error> {
         let mut library = ModelLibrary::embedded();
         for path in self.models.iter().flat_map(|models| &models.files) {
             library.add_json(&read_text("model", path)?, &path.display().to_string())?;
@@ -156,13 +149,12 @@ impl Config {
     /// # Errors
     /// Same as [`Config::model_library`]; a generation or model is unknown; the table of standard magnitudes is
     /// invalid; the learned file is invalid, or its offsets are relative to other models.
-    pub fn model_choice(&self) -> Result<ModelChoice, ConfigError> {
+    pub fn model_choice(&self) -> Result<ModelChoice, Error> {
         let library = self.model_library()?;
         let mut choice = ModelChoice::new(&library)?;
         for (generation, model) in self.models.iter().flat_map(|models| &models.generations) {
-            let generation = Generation::by_name(generation).ok_or_else(|| ConfigError::UnknownGeneration {
-                given: generation.clone(),
-                known: Generation::ALL.map(Generation::name).join(", "),
+            let generation = Generation::by_name(generation).ok_or_else(|| {
+                Error::unknown("generation", generation, Generation::ALL.map(Generation::name).join(", "))
             })?;
             choice = choice.with_model(generation, library.find(model)?);
         }
@@ -195,19 +187,15 @@ impl Config {
 }
 
 /// Reads and parses a text file. Errors begin with its purpose `what` and its path.
-pub(super) fn parse_file<T, E: Into<ConfigError>>(
+pub(super) fn parse_file<T>(
     what: &'static str,
     path: &Path,
-    parse: impl FnOnce(&str) -> Result<T, E>,
-) -> Result<T, ConfigError> {
-    parse(&read_text(what, path)?).map_err(|source| ConfigError::File {
-        what,
-        path: path.display().to_string(),
-        source: Box::new(source.into()),
-    })
+    parse: impl FnOnce(&str) -> Result<T, Error>,
+) -> Result<T, Error> {
+    parse(&read_text(what, path)?).map_err(|error| error.in_file(what, path))
 }
 
 /// Reads a text file. `what` is its purpose, for errors.
-pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, ConfigError> {
-    input::read_to_string(path).map_err(|source| ConfigError::Io { what, path: path.display().to_string(), source })
+pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, Error> {
+    input::read_to_string(path).map_err(|source| error::unreadable(what, path, source))
 }

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use serde_json::json;
 
 use super::document::Config;
-use super::error::ConfigError;
+use super::error::request;
 use super::injection_plan::SkyOf;
 use super::measure::{MeasureConfig, photometry, with_site};
 use super::prepared::{PreparedSky, state_scales};
@@ -16,11 +16,12 @@ use super::required::FRAMES;
 use super::values::parse_angle_deg;
 use super::warnings::first_of;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
     ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, PlaneChoice,
-    StreakOrigin, StreaksError, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
+    StreakOrigin, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
     read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 use crate::watch::Watch;
@@ -183,7 +184,7 @@ impl MaskConfig {
         sky: Option<SkyOf<'_>>,
         outputs: &[PathBuf],
         watch: &Watch,
-    ) -> Result<Masks, ConfigError> {
+    ) -> Result<Masks, Error> {
         self.check()?;
         let (planes, bit) = (self.planes(), self.bit()?);
         let frame_config = self.frame_config();
@@ -199,7 +200,7 @@ impl MaskConfig {
             frames.iter().map(|(frame, _)| frame.opened).min(),
             frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
         ) else {
-            return Err(ConfigError::invalid(FRAMES.missing().to_string()));
+            return Err(FRAMES.missing());
         };
         let measured = config.measured.iter().map(|path| read_measured_streaks(path)).collect::<Result<Vec<_>, _>>()?;
         let measured: Vec<MeasuredStreak> = measured.concat();
@@ -211,8 +212,8 @@ impl MaskConfig {
         // The warnings of a given sky are not repeated here.
         let mut warnings = if sky.is_some() { Vec::new() } else { shared_sky.warnings.clone() };
         let mut remarks: Vec<String> = remark.into_iter().collect();
-        let batch = |error: StreaksError, done: usize| match done {
-            1.. if !outputs.is_empty() => StreaksError::Batch { source: Box::new(error), done, count },
+        let batch = |error: Error, done: usize| match done {
+            1.. if !outputs.is_empty() => crate::streaks::partly_written(&error, done, count),
             _ => error,
         };
         let mut done = Vec::new();
@@ -269,16 +270,16 @@ impl MaskConfig {
         Ok(Masks { frames: done, provenance, remarks, warnings })
     }
 
-    fn check(&self) -> Result<(), ConfigError> {
+    fn check(&self) -> Result<(), Error> {
         let limits = [("coverage", self.coverage, 0.5..=0.999), ("threshold", self.threshold(), 0.01..=100.0)];
         for (what, given, allowed) in limits {
             if !allowed.contains(&given) {
                 let (least, most) = (allowed.start(), allowed.end());
-                return Err(ConfigError::invalid(format!("{what} is {given}; allowed: {least} to {most}")));
+                return Err(request(format!("{what} is {given}")).allowing(format!("{least} to {most}")));
             }
         }
         if self.bit.is_some() && self.into.is_empty() {
-            return Err(ConfigError::invalid("--bit is given without --into; allowed: with --into"));
+            return Err(Error::invalid("--bit", "given without --into", "with --into"));
         }
         let of_light = [
             ("--threshold", self.threshold.is_some()),
@@ -290,10 +291,10 @@ impl MaskConfig {
         let mut given = of_light.into_iter().filter(|(_, is_given)| *is_given).map(|(flag, _)| flag);
         match given.next() {
             Some(flag) if self.width.is_some() => {
-                Err(ConfigError::invalid(format!("{flag} has no effect with --width; allowed: one of them")))
+                Err(request(format!("{flag} has no effect with --width")).allowing("one of them"))
             }
             _ if self.zero_point.is_some() && self.zero_point_1s.is_some() => {
-                Err(ConfigError::invalid("--zero-point and --zero-point-1s exclude each other; allowed: one of them"))
+                Err(request("--zero-point and --zero-point-1s exclude each other").allowing("one of them"))
             }
             _ => Ok(()),
         }
@@ -308,7 +309,7 @@ impl MaskConfig {
         self.into.iter().map(choice).collect()
     }
 
-    fn bit(&self) -> Result<MaskBit, ConfigError> {
+    fn bit(&self) -> Result<MaskBit, Error> {
         /// Longest name of a bit, so that its keyword has at most 40 characters.
         const LONGEST_NAME: usize = 32;
         let given = self.bit.as_deref().unwrap_or("STREAK").trim();
@@ -319,9 +320,11 @@ impl MaskConfig {
         let name = name.strip_prefix("MP_").unwrap_or(&name).to_owned();
         let is_word = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
         if name.is_empty() || name.len() > LONGEST_NAME || !is_word {
-            return Err(ConfigError::invalid(format!(
-                "bit is '{given}'; allowed: a number, or a name of letters, digits and underscores, for example STREAK"
-            )));
+            return Err(Error::invalid(
+                "bit",
+                format_args!("'{given}'"),
+                "a number, or a name of letters, digits and underscores, for example STREAK",
+            ));
         }
         Ok(MaskBit::Named(name))
     }
@@ -341,15 +344,10 @@ impl MaskConfig {
         }
     }
 
-    fn open(
-        &self,
-        frame_config: &MeasureConfig,
-        path: &Path,
-        config: &Config,
-    ) -> Result<(TargetFrame, bool), ConfigError> {
+    fn open(&self, frame_config: &MeasureConfig, path: &Path, config: &Config) -> Result<(TargetFrame, bool), Error> {
         let (frame, is_calibrated) = frame_config.open(path, config)?;
         if !is_calibrated && self.width.is_none() {
-            return Err(ConfigError::invalid(format!(
+            return Err(request(format!(
                 "{}: missing zero point, which relates magnitudes to counts; specify --zero-point, --zero-point-1s, or \
                  --width to mask all streaks with one width",
                 path.display()
@@ -363,20 +361,18 @@ impl MaskConfig {
         config: &Config,
         frame_config: &MeasureConfig,
         frame: &TargetFrame,
-    ) -> Result<MaskOptions, ConfigError> {
+    ) -> Result<MaskOptions, Error> {
         let width_arcsec = self.width.as_deref().map(|text| parse_angle_deg("width", text)).transpose()?;
         let (optics, is_known) = frame_config.optics(config, frame)?;
         if !is_known && width_arcsec.is_none() {
-            return Err(ConfigError::invalid(
-                "missing seeing; specify --seeing 1.2arcsec, --telescope NAME, which also sets the defocus, or --width to \
-                 mask all streaks with one width",
+            return Err(Error::missing(
+                "seeing",
+                "--seeing 1.2arcsec, --telescope NAME, which also sets the defocus, or --width to mask all streaks with one width",
             ));
         }
         let min_probability = config.min_probability.unwrap_or(MIN_PROBABILITY);
         if !(min_probability > 0.0 && min_probability <= 1.0) {
-            return Err(ConfigError::invalid(format!(
-                "min-probability is {min_probability}; allowed: above 0, at most 1"
-            )));
+            return Err(Error::invalid("min-probability", min_probability, "above 0, at most 1"));
         }
         Ok(MaskOptions {
             coverage: self.coverage,

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use serde::Deserialize;
 
 use super::document::Config;
-use super::error::ConfigError;
+use super::error;
 use super::injection_plan::{SkyOf, checked_size, seeing_form};
 use super::measured_tables::{MeasuredTables, identify_listed};
 use super::prepared::state_scales;
 use super::required::FRAMES;
 use super::values::{parse_angle_deg, parse_exposure_s};
+use crate::error::Error;
 use crate::frames::{parse_moment, seconds_after};
 use crate::geometry::Site;
 use crate::images::{Calibration, CountBasis, FrameFile};
@@ -125,9 +126,9 @@ impl MeasureConfig {
     ///
     /// # Errors
     /// A frame has no image, world coordinates, time or site, a table is invalid, or a value is out of range.
-    pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>, watch: &Watch) -> Result<Measurements, ConfigError> {
+    pub fn measure(&self, config: &Config, sky: Option<SkyOf<'_>>, watch: &Watch) -> Result<Measurements, Error> {
         if self.stars.is_some() && (self.zero_point.is_some() || self.zero_point_1s.is_some()) {
-            return Err(ConfigError::Both { first: "--stars", second: "--zero-point" });
+            return Err(error::both("--stars", "--zero-point"));
         }
         let satellite_size_m = checked_size(self.satellite_size)?;
         let place_sigma = self.place_sigma.as_deref().map(|text| parse_angle_deg("place-sigma", text)).transpose()?;
@@ -143,7 +144,7 @@ impl MeasureConfig {
         let (config, remark) = if has_sky { with_site(config, &frames)? } else { (config.clone(), None) };
         let of_all = match (first.zip(last), sky) {
             (None, _) if self.streaks.is_empty() => {
-                return Err(ConfigError::invalid(FRAMES.missing().to_string()));
+                return Err(FRAMES.missing());
             }
             (None, _) => None,
             (Some(_), _) if !has_sky => None,
@@ -243,31 +244,33 @@ impl MeasureConfig {
     }
 
     /// Returns the table of stars, with the colours of `star_colours` if these are given.
-    fn star_table(&self) -> Result<Option<StarTable>, ConfigError> {
+    fn star_table(&self) -> Result<Option<StarTable>, Error> {
         let Some(colours) = &self.star_colours else {
-            return Ok(self.stars.as_deref().map(StarTable::read).transpose()?);
+            return self.stars.as_deref().map(StarTable::read).transpose();
         };
-        let missing = ConfigError::Missing { what: "table of stars for --star-colours", allowed: "--stars TABLE" };
+        let missing = Error::missing("table of stars for --star-colours", "--stars TABLE");
         let table = StarTable::read(self.stars.as_deref().ok_or(missing)?)?;
         let range = colours.split_once(',').and_then(|(bluest, reddest)| {
             let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| number.is_finite());
             Some([number(bluest)?, number(reddest)?]).filter(|[bluest, reddest]| bluest <= reddest)
         });
         let range = range.ok_or_else(|| {
-            ConfigError::invalid(format!(
-                "star-colours is '{colours}'; allowed: the bluest and the reddest colour, mag, for example 0.7,0.95"
-            ))
+            Error::invalid(
+                "star-colours",
+                format_args!("'{colours}'"),
+                "the bluest and the reddest colour, mag, for example 0.7,0.95",
+            )
         })?;
         Ok(Some(table.in_colours(range)?))
     }
 
     /// Opens a frame; returns it and whether it has a zero point.
-    pub(super) fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), ConfigError> {
+    pub(super) fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), Error> {
         let scale = config.time_scale()?;
         let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
         let duration_s = self.exposure.as_deref().map(parse_exposure_s).transpose()?;
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
-            return Err(ConfigError::invalid(format!("gain is {gain} e/count; allowed: above 0 e/count")));
+            return Err(Error::invalid("gain", format_args!("{gain} e/count"), "above 0 e/count"));
         }
         let given = self.zero_point.map(|mag| (mag, CountBasis::Frame));
         let given = given.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second)));
@@ -286,7 +289,7 @@ impl MeasureConfig {
     }
 
     /// Returns the optics, and whether their seeing is given.
-    pub(super) fn optics(&self, config: &Config, frame: &TargetFrame) -> Result<(Optics, bool), ConfigError> {
+    pub(super) fn optics(&self, config: &Config, frame: &TargetFrame) -> Result<(Optics, bool), Error> {
         let telescope = config.telescope()?;
         let given = self.seeing.as_deref().map(|text| parse_angle_deg("seeing", text)).transpose()?;
         let given = given.map(|deg| deg * 3600.0).or(telescope.as_ref().map(|telescope| telescope.seeing_arcsec));
@@ -352,7 +355,7 @@ fn state_stars(
 }
 
 /// Returns true if an image of the file, or its primary header, has a zero point.
-fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
+fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, Error> {
     let file = FrameFile::open(path)?;
     let images = if hdus.is_empty() { file.frame_images()?.frames } else { hdus.to_vec() };
     for hdu in images {
@@ -365,10 +368,7 @@ fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
 
 /// Returns the configuration. If it has no site, sets the site of the first frame's header, and also returns a remark
 /// with that site.
-pub(super) fn with_site(
-    config: &Config,
-    frames: &[(TargetFrame, bool)],
-) -> Result<(Config, Option<String>), ConfigError> {
+pub(super) fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config, Option<String>), Error> {
     match frames.first().filter(|_| config.takes_site_of_frame()) {
         Some((frame, _)) => config.at_site_of_header(frame.site()?.as_ref(), &frame.file.path().display().to_string()),
         None => Ok((config.clone(), None)),
@@ -376,7 +376,7 @@ pub(super) fn with_site(
 }
 
 /// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
-pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, ConfigError> {
+pub(super) fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, Error> {
     let given = config.photometry()?;
     let filter = frame.filter.as_deref().unwrap_or_default().trim();
     let word = filter.split_whitespace().next().unwrap_or_default();

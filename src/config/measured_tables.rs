@@ -2,8 +2,9 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use super::error::ConfigError;
+use super::error::request;
 use super::identify::{POSITION_SIGMA_PIX, TIME_SIGMA_S};
+use crate::error::Error;
 use crate::frames::seconds_between;
 use crate::identify::{IdentifyOptions, MeasuredStreak, Timing, identify_streak};
 use crate::measure::{KnownSatellite, ListedStreak, StreakList};
@@ -37,7 +38,7 @@ impl MeasuredTables {
     ///
     /// # Errors
     /// A table is invalid, or a row has no frame.
-    pub fn read(tables: &[PathBuf], frames: &[PathBuf]) -> Result<Self, ConfigError> {
+    pub fn read(tables: &[PathBuf], frames: &[PathBuf]) -> Result<Self, Error> {
         let mut found = Self { frames: frames.to_vec(), ..Self::default() };
         for (number, path) in tables.iter().enumerate() {
             let mut list = StreakList::read(path)?;
@@ -47,11 +48,7 @@ impl MeasuredTables {
                 match &mut streak.image {
                     Some(image) => {
                         let file = frame_of(image, folder, frames).map_err(|allowed| {
-                            ConfigError::invalid(format!(
-                                "{}: image is '{}'; allowed: {allowed}",
-                                streak.origin,
-                                Quoted::new(image)
-                            ))
+                            request(format!("{}: image is '{}'", streak.origin, Quoted::new(&*image))).allowing(allowed)
                         })?;
                         *image = file.display().to_string();
                         if !found.frames.contains(&file) {
@@ -61,13 +58,13 @@ impl MeasuredTables {
                     None if tables.len() == 1 && !frames.is_empty() => {}
                     None if tables.len() == frames.len() => {}
                     None => {
-                        return Err(ConfigError::invalid(format!(
-                            "{}: image is missing, with {} tables of streaks and {} frames; allowed: the file of the frame, \
-                             or one table, or as many tables as FRAME...",
+                        return Err(request(format!(
+                            "{}: image is missing, with {} tables of streaks and {} frames",
                             streak.origin,
                             tables.len(),
                             frames.len()
-                        )));
+                        ))
+                        .allowing("the file of the frame, or one table, or as many tables as FRAME..."));
                     }
                 }
             }
@@ -123,7 +120,7 @@ pub(super) fn identify_listed(
     streaks: &mut [ListedStreak],
     place_sigma_deg: Option<f64>,
     photometry: &PhotometryOptions,
-) -> Result<Vec<LeftOut>, ConfigError> {
+) -> Result<Vec<LeftOut>, Error> {
     let options = IdentifyOptions { include_dark: false, photometry: *photometry };
     let mut left_out = Vec::new();
     for streak in streaks {

@@ -45,7 +45,6 @@ pub use document::norad_id;
 pub use document::{Config, ExposureConfig, HomeConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
 pub use doubtful_site::doubtful_site;
 pub use ephemeris::EphemerisConfig;
-pub use error::ConfigError;
 pub use forecast::{ForecastConfig, SelectionConfig, TimeRangeConfig, parse_night, time_range};
 pub use health::{
     AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,

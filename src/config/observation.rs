@@ -6,16 +6,17 @@ use hifitime::TimeScale;
 use serde_json::{Value, json};
 
 use super::document::{Config, ExposureConfig, RulesConfig};
-use super::error::ConfigError;
+use super::error;
 use super::inputs::{parse_file, read_text};
 use super::required::{EXPOSURE, FIELD, POINTING, START};
 use super::response_file::read_response;
 use super::values::{NameOrTable, in_range, parse_duration_s, parse_exposure_s, parse_size_deg, parse_time_scale};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
-use crate::passes::{Exposure, Field, Sky, SkyError};
+use crate::passes::{Exposure, Field, Sky};
 use crate::photometry::{Band, Earthshine, MagSystem, PhotometryOptions};
-use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleError, ScheduleOptions};
+use crate::schedule::{Blocking, FlagRequest, MagnitudeLimit, Policy, ScheduleOptions};
 
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
@@ -54,7 +55,7 @@ impl Config {
     /// # Errors
     /// Same as [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; or the
     /// rotation is out of range.
-    pub fn observation(&self) -> Result<ObservationPlan, ConfigError> {
+    pub fn observation(&self) -> Result<ObservationPlan, Error> {
         Ok(ObservationPlan {
             field: self.field_of_view()?,
             telescope: self.telescope()?,
@@ -68,7 +69,7 @@ impl Config {
     ///
     /// # Errors
     /// No field or more than one is given, or the field is invalid.
-    pub fn field_of_view(&self) -> Result<Field, ConfigError> {
+    pub fn field_of_view(&self) -> Result<Field, Error> {
         self.check_field()?;
         match (&self.fov, &self.field) {
             (Some(size), _) => Ok(match parse_size_deg("fov", size.as_str())? {
@@ -107,9 +108,9 @@ impl Config {
         })
     }
 
-    pub(super) fn check_field(&self) -> Result<(), ConfigError> {
+    pub(super) fn check_field(&self) -> Result<(), Error> {
         if self.fov.is_some() && self.field.is_some() {
-            return Err(ConfigError::Both { first: "--fov", second: "--field" });
+            return Err(error::both("--fov", "--field"));
         }
         if let Some(size) = &self.fov {
             parse_size_deg("fov", size.as_str())?;
@@ -125,16 +126,16 @@ impl Config {
     ///
     /// # Errors
     /// The name is unknown, the file is invalid, or `bright_share` is out of range or given without a telescope.
-    pub fn telescope(&self) -> Result<Option<Telescope>, ConfigError> {
+    pub fn telescope(&self) -> Result<Option<Telescope>, Error> {
         let telescope = self.own_telescope()?;
         let Some(bright_share) = self.bright_share else { return Ok(telescope) };
         in_range("bright-share", bright_share, "", "0 to 100", |share| (0.0..=100.0).contains(&share))?;
         let what = "telescope for bright-share";
-        let telescope = telescope.ok_or(ConfigError::Missing { what, allowed: "--telescope NAME" })?;
+        let telescope = telescope.ok_or_else(|| Error::missing(what, "--telescope NAME"))?;
         Ok(Some(Telescope { bright_share, ..telescope }))
     }
 
-    fn own_telescope(&self) -> Result<Option<Telescope>, ConfigError> {
+    fn own_telescope(&self) -> Result<Option<Telescope>, Error> {
         Ok(match &self.telescope {
             None => None,
             Some(NameOrTable::Name(name)) if name.is_file() => {
@@ -149,10 +150,10 @@ impl Config {
     ///
     /// # Errors
     /// The file is invalid, a number is out of range, or the policy requires a telescope and none is given.
-    pub fn policy(&self) -> Result<Policy, ConfigError> {
+    pub fn policy(&self) -> Result<Policy, Error> {
         let mut policy = match &self.rules.policy {
             None => Policy::default(),
-            Some(NameOrTable::Name(path)) => policy_of_file(path)?,
+            Some(NameOrTable::Name(path)) => parse_file("policy", path, Policy::parse)?,
             Some(NameOrTable::Table(policy)) => policy.clone(),
         };
         self.check_limits()?;
@@ -161,20 +162,20 @@ impl Config {
         policy.limit_surface_brightness = limit_surface_brightness.clone().or(policy.limit_surface_brightness);
         policy.min_probability = self.min_probability.or(policy.min_probability);
         if let Some(blocking) = blocking {
-            policy.blocking = blocking.parse().map_err(ConfigError::Policy)?;
+            policy.blocking = blocking.parse()?;
         }
         if let Some(delay) = max_delay {
             policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
         }
         policy.include_dark = self.is_in_orbit() && self.include_dark.unwrap_or(false);
-        policy.validate().map_err(ConfigError::Policy)?;
+        policy.validate()?;
         let needs_telescope = [
             (policy.max_cost_s.is_some(), "telescope for max_cost_s of the policy"),
             (policy.limit_surface_brightness.is_some(), "telescope for limit-surface-brightness"),
         ];
         for (_, what) in needs_telescope.into_iter().filter(|(is_given, _)| *is_given) {
             if self.telescope()?.is_none() {
-                return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
+                return Err(Error::missing(what, "--telescope NAME"));
             }
         }
         Ok(policy)
@@ -184,13 +185,13 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::policy`] and [`Config::photometry`].
-    pub fn limit_mag(&self) -> Result<Option<f64>, ConfigError> {
+    pub fn limit_mag(&self) -> Result<Option<f64>, Error> {
         let band = self.photometry()?.band;
         Ok(self.policy()?.limit_mag.and_then(|limit| limit.limit_in(Some(band.name()))))
     }
 
     /// Checks the limits that are given beside a policy.
-    pub(super) fn check_limits(&self) -> Result<(), ConfigError> {
+    pub(super) fn check_limits(&self) -> Result<(), Error> {
         for limit in self.rules.limit_mag.iter().flat_map(MagnitudeLimit::numbers) {
             in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
         }
@@ -207,7 +208,7 @@ impl Config {
     }
 
     /// Checks the values of a single exposure and of the search for later starts.
-    pub(super) fn check_exposure(&self) -> Result<(), ConfigError> {
+    pub(super) fn check_exposure(&self) -> Result<(), Error> {
         let ExposureConfig { start, duration, .. } = &self.exposure;
         if let Some(start) = start {
             // A flag may set another scale, which does not change the form.
@@ -220,7 +221,7 @@ impl Config {
             parse_duration_s("max-delay", delay.as_str())?;
         }
         if let Some(blocking) = &self.rules.blocking {
-            blocking.parse::<Blocking>().map_err(ConfigError::Policy)?;
+            blocking.parse::<Blocking>()?;
         }
         self.pointing().map(|_| ())
     }
@@ -230,14 +231,14 @@ impl Config {
     /// # Errors
     /// The band or system is unknown, a response file is invalid or has no Vega magnitudes, or the extinction is out of
     /// range.
-    pub fn photometry(&self) -> Result<PhotometryOptions, ConfigError> {
+    pub fn photometry(&self) -> Result<PhotometryOptions, Error> {
         let band: Band = match &self.light.band {
             Some(path) if path.is_file() => Band::Response(read_response(Path::new(&**path))?),
             name => name.as_deref().unwrap_or("V").parse()?,
         };
         let system = self.light.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
         if matches!(band, Band::Response(_)) && system != MagSystem::Ab {
-            return Err(ConfigError::invalid("mag-system is Vega with a response file as the band; allowed: AB"));
+            return Err(Error::invalid("mag-system", "Vega with a response file as the band", "AB"));
         }
         let earthshine = if self.light.earthshine.unwrap_or(true) { Earthshine::Computed } else { Earthshine::Off };
         if let Some(extinction) = self.extinction {
@@ -255,10 +256,9 @@ impl Config {
     ///
     /// # Errors
     /// The number is larger than [`MOST_SAMPLES`].
-    pub fn samples(&self) -> Result<usize, ConfigError> {
+    pub fn samples(&self) -> Result<usize, Error> {
         let samples = self.samples.unwrap_or(0);
-        let too_many =
-            || ConfigError::OutOfRange { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
+        let too_many = || Error::invalid("samples", samples, "0 to 100000");
         if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
@@ -266,7 +266,7 @@ impl Config {
     ///
     /// # Errors
     /// The scale is unknown.
-    pub fn time_scale(&self) -> Result<Option<TimeScale>, ConfigError> {
+    pub fn time_scale(&self) -> Result<Option<TimeScale>, Error> {
         self.given_time_scale().map(parse_time_scale).transpose()
     }
 
@@ -275,7 +275,7 @@ impl Config {
         self.time_scale.as_deref().or(self.default_time_scale.as_deref())
     }
 
-    pub(super) fn rotation_rad(&self) -> Result<f64, ConfigError> {
+    pub(super) fn rotation_rad(&self) -> Result<f64, Error> {
         let degrees = self.rotation.unwrap_or(0.0);
         let degrees =
             in_range("rotation", degrees, "deg", "-360 to 360 deg", |angle| (-360.0..=360.0).contains(&angle))?;
@@ -286,7 +286,7 @@ impl Config {
     ///
     /// # Errors
     /// The scale is unknown, or the rotation is out of range.
-    pub fn schedule_options(&self) -> Result<ScheduleOptions, ConfigError> {
+    pub fn schedule_options(&self) -> Result<ScheduleOptions, Error> {
         Ok(ScheduleOptions {
             time_scale: self.time_scale.as_deref().map(parse_time_scale).transpose()?,
             default_time_scale: self.default_time_scale.as_deref().map(parse_time_scale).transpose()?,
@@ -299,24 +299,18 @@ impl Config {
     /// # Errors
     /// The name is unknown, an angle is invalid or out of range, one angle is missing, or both a target and angles are
     /// given.
-    pub fn pointing(&self) -> Result<Option<Direction<Gcrs>>, ConfigError> {
+    pub fn pointing(&self) -> Result<Option<Direction<Gcrs>>, Error> {
         let ExposureConfig { target, ra, dec, .. } = &self.exposure;
         Ok(match (target, ra, dec) {
             (None, None, None) => None,
             (Some(name), None, None) => Some(deep_sky_object(name)?),
             (None, Some(ra), Some(dec)) => Some(parse_direction(ra.as_str(), dec.as_str())?),
-            (Some(_), ..) => return Err(ConfigError::Both { first: "--target", second: "--ra or --dec" }),
+            (Some(_), ..) => return Err(error::both("--target", "--ra or --dec")),
             (None, Some(_), None) => {
-                return Err(ConfigError::Missing {
-                    what: "declination",
-                    allowed: "--dec ANGLE, for example -30.5 or -30d30m",
-                });
+                return Err(Error::missing("declination", "--dec ANGLE, for example -30.5 or -30d30m"));
             }
             (None, None, Some(_)) => {
-                return Err(ConfigError::Missing {
-                    what: "right ascension",
-                    allowed: "--ra ANGLE, for example 188.5 or 12h34m",
-                });
+                return Err(Error::missing("right ascension", "--ra ANGLE, for example 188.5 or 12h34m"));
             }
         })
     }
@@ -326,12 +320,12 @@ impl Config {
     /// # Errors
     /// Start, exposure time, right ascension, declination or rotation is missing or out of range, or the start is
     /// outside the planetary ephemeris.
-    pub fn one_exposure(&self) -> Result<Exposure, ConfigError> {
+    pub fn one_exposure(&self) -> Result<Exposure, Error> {
         let start = self.exposure.start.as_ref().ok_or_else(|| START.missing())?;
         let duration = self.exposure.duration.as_ref().ok_or_else(|| EXPOSURE.missing())?;
         let start = parse_moment(start.as_str(), self.time_scale()?)?;
         if !is_covered(start) {
-            return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());
+            return Err(crate::passes::no_ephemeris(start.to_time_scale(TimeScale::UTC)));
         }
         Ok(Exposure {
             id: "1".to_owned(),
@@ -343,33 +337,19 @@ impl Config {
     }
 }
 
-/// Reads a policy file. A syntax error has the message of the TOML parser, which lists the accepted keys.
-fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
-    Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
-        let message = match error {
-            ScheduleError::PolicySyntax(what) => what,
-            ScheduleError::PolicyOutOfRange { field, value, allowed } => {
-                format!("{field} is {value}; allowed: {allowed}")
-            }
-            other => other.to_string(),
-        };
-        ConfigError::PolicyFile { path: path.display().to_string(), message }
-    })
-}
-
 /// Returns the field of a table with the key of one shape, the key `file`, or the key `shapes` as in a field file.
-fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
+fn field_of_table(table: &toml::Table) -> Result<Field, Error> {
     let text = serde_json::to_string(table).unwrap_or_default();
     if table.contains_key("shapes") {
-        return Ok(Field::from_json(&text)?);
+        return Field::from_json(&text);
     }
     if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
         return parse_file("field", Path::new(path), Field::from_json);
     }
-    Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
+    Field::from_json(&format!("{{\"shapes\": [{text}]}}"))
 }
 
-fn field_of_telescope(telescope: &Telescope) -> Result<Field, ConfigError> {
+fn field_of_telescope(telescope: &Telescope) -> Result<Field, Error> {
     Ok(match &telescope.field {
         FieldOfView::CircleDeg(diameter) => Field::circle(diameter.to_radians())?,
         FieldOfView::RectangleDeg([width, height]) => Field::rectangle_deg(*width, *height)?,
@@ -385,7 +365,7 @@ mod tests {
         Config::from_toml(text, "t.toml").unwrap()
     }
 
-    fn message<T: std::fmt::Debug>(result: Result<T, ConfigError>) -> String {
+    fn message<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
         result.unwrap_err().to_string()
     }
 

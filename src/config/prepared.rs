@@ -8,15 +8,16 @@ use serde_json::json;
 
 use super::document::Config;
 use super::doubtful_site::doubtful_site;
-use super::error::ConfigError;
+use super::error::request;
 use super::inputs::LoadedInputs;
 use super::warnings;
 use crate::constants::DAY_S;
 use crate::elements::{Constellation, ElementSet, Ephemeris, EphemerisObject, Rejected, SourceFile};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};
 use crate::math::quantile::median;
-use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion, OrbitError};
+use crate::orbit::{EphemerisCoverage, LeftOut, MeanMotion};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Field, OrbitingObserver, Sky, Viewpoint, read_measured};
 use crate::photometry::{BrightObjects, PhotometryOptions};
@@ -65,7 +66,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::load`] and [`LoadedInputs::prepare`].
-    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, ConfigError> {
+    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, Error> {
         self.load_with(self.catalogue(middle_of(first, last))?)?.prepare(first, last)
     }
 }
@@ -75,7 +76,7 @@ impl LoadedInputs {
     ///
     /// # Errors
     /// No site is given, the site is invalid, or no satellite can be propagated to that time.
-    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, ConfigError> {
+    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, Error> {
         let middle = middle_of(first, last);
         let viewpoint = self.config.viewpoint(middle)?;
         let mut of_files = Vec::new();
@@ -111,10 +112,10 @@ impl LoadedInputs {
             ephemerides.iter().filter(|ephemeris| !is_own(ephemeris)).cloned().collect();
         let without_elements = without_elements(&of_satellites, &elements);
         if !without_elements.is_empty() && elements.is_empty() {
-            return Err(ConfigError::Missing {
-                what: "element sets of the satellites with ephemerides",
-                allowed: "files of element sets in --elements too",
-            });
+            return Err(Error::missing(
+                "element sets of the satellites with ephemerides",
+                "files of element sets in --elements too",
+            ));
         }
         of_files.extend(warnings::of_ephemerides_without_elements(&without_elements));
         let from_files = elements.len();
@@ -200,7 +201,7 @@ impl LoadedInputs {
     ///
     /// # Errors
     /// The site is invalid, or the night is before the first period of a file.
-    pub fn simulated_at(&self, epoch: Epoch) -> Result<(usize, serde_json::Value), ConfigError> {
+    pub fn simulated_at(&self, epoch: Epoch) -> Result<(usize, serde_json::Value), Error> {
         let longitude_rad = self.config.viewpoint_longitude_rad(Some(epoch))?;
         let constellations = self.deployment.at(evening_mjd(epoch, longitude_rad))?;
         Ok((constellations.iter().map(Constellation::satellites).sum(), constellations_json(&constellations)))
@@ -253,17 +254,18 @@ impl PreparedSky {
     ///
     /// # Errors
     /// The altitude is below 0°.
-    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), ConfigError> {
+    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), Error> {
         let viewpoint = self.sky.viewpoint();
         let altitude_rad = lowest_altitude_rad(exposure, viewpoint, &self.eop);
         if altitude_rad < 0.0 {
-            return Err(ConfigError::invalid(format!(
-                "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
+            return Err(request(format!(
+                "the {what} is below {} of {} at {} (altitude {:.1} deg)",
                 viewpoint.border_name(),
                 viewpoint.name(),
                 format_utc(exposure.start, 0),
                 altitude_rad.to_degrees()
-            )));
+            ))
+            .allowing("0 deg or more"));
         }
         Ok(())
     }
@@ -273,11 +275,11 @@ impl PreparedSky {
     ///
     /// # Errors
     /// No satellite can be propagated; an empty result would be misleading.
-    pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, ConfigError> {
+    pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, Error> {
         if left_out.is_empty() {
             return Ok(None);
         }
-        let is_unknown = |satellite: &&LeftOut| matches!(satellite.reason, OrbitError::Unknown { .. });
+        let is_unknown = |satellite: &&LeftOut| satellite.reason.kind() == ErrorKind::UnknownPosition;
         let unknown = left_out.iter().filter(is_unknown).count();
         let satellites = self.sky.elements().len();
         if left_out.len() == satellites && unknown == 0 {
@@ -291,10 +293,13 @@ impl PreparedSky {
     ///
     /// # Errors
     /// The elements are too old.
-    pub fn check_known(&self, first: Epoch, last: Epoch, field: Option<&Field>) -> Result<(), ConfigError> {
+    pub fn check_known(&self, first: Epoch, last: Epoch, field: Option<&Field>) -> Result<(), Error> {
         let reasons = [first, middle_of(first, last), last].map(|epoch| self.sky.predictability(epoch, field).reason());
         match reasons {
-            [Some(reason), Some(_), Some(_)] => Err(ConfigError::UnknownPositions { reason }),
+            [Some(reason), Some(_), Some(_)] => Err(Error::new(
+                ErrorKind::UnknownPosition,
+                format!("{reason}; specify elements of about the date of the request"),
+            )),
             _ => Ok(()),
         }
     }
@@ -361,12 +366,17 @@ fn middle_of(first: Epoch, last: Epoch) -> Epoch {
     seconds_after(first, 0.5 * seconds_between(first, last))
 }
 
-fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> ConfigError {
-    ConfigError::NothingPropagates {
-        satellites: sky.elements().len(),
-        moment: format_utc(moment, 0),
-        first: left_out.first().map(|satellite| satellite.reason.to_string()).unwrap_or_default(),
-    }
+fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> Error {
+    let none_can = match sky.elements().len() {
+        1 => "the only element set cannot".to_owned(),
+        satellites => format!("none of the {satellites} element sets can"),
+    };
+    let first = left_out.first().map(|satellite| satellite.reason.to_string()).unwrap_or_default();
+    let moment = format_utc(moment, 0);
+    Error::new(
+        ErrorKind::NoPosition,
+        format!("{none_can} be propagated to {moment}; specify elements of about that date (first error: {first})"),
+    )
 }
 
 fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Value {

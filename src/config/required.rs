@@ -1,7 +1,7 @@
 //! Required inputs. Each is declared once: usage lines, notes in the help, and errors for missing inputs follow from it.
 
 use super::document::Config;
-use super::error::ConfigError;
+use crate::error::Error;
 
 /// Input that a request requires, from flags or from a configuration file.
 #[derive(Copy, Clone, Debug)]
@@ -38,8 +38,8 @@ impl RequiredInput {
     }
 
     /// Returns the error for a request without this input.
-    pub fn missing(&self) -> ConfigError {
-        ConfigError::MissingInput { name: self.name, flags: self.flags() }
+    pub fn missing(&self) -> Error {
+        Error::missing(self.name, self.flags())
     }
 
     /// Returns the flags that give this input, with values and an example, for errors.

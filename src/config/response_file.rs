@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::error::ConfigError;
+use super::error;
 use super::inputs::read_text;
+use crate::error::Error;
 use crate::input::TableRows;
 use crate::photometry::ResponseBand;
 use crate::units::MICROMETRES;
@@ -13,10 +14,10 @@ const COLUMNS: &str = "wavelength_um (or wavelength_nm, wavelength_Angstrom) and
 
 /// Reads a band from a table with the columns `wavelength_um` and `response`. The unit of the wavelength is that of the
 /// header of ECSV, or of the name of the column.
-pub(super) fn read_response(path: &Path) -> Result<ResponseBand, ConfigError> {
+pub(super) fn read_response(path: &Path) -> Result<ResponseBand, Error> {
     let what = "response file";
     let text = read_text(what, path)?;
-    let failed = |source| ConfigError::Io { what, path: path.display().to_string(), source };
+    let failed = |source| error::unreadable(what, path, source);
     let rows = TableRows::new(text).map_err(failed)?;
     let wavelength = rows.numbers(&["wavelength_um", "wavelength"], &MICROMETRES, COLUMNS).map_err(failed)?;
     let response = rows.column("response", COLUMNS).map_err(failed)?;
@@ -30,9 +31,8 @@ pub(super) fn read_response(path: &Path) -> Result<ResponseBand, ConfigError> {
         curve.push((wavelength_um, row.number_in(response, [0.0, f64::MAX]).map_err(failed)?));
     }
     ResponseBand::from_curve(&curve).ok_or_else(|| {
-        ConfigError::invalid(format!(
-            "{what} {}: too few rows, or no response is positive; allowed: two rows or more, with positive responses",
-            path.display()
-        ))
+        Error::format("too few rows, or no response is positive")
+            .in_file(what, path)
+            .allowing("two rows or more, with positive responses")
     })
 }

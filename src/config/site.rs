@@ -5,12 +5,13 @@ use std::sync::Arc;
 use hifitime::Epoch;
 
 use super::document::{Config, SiteConfig};
-use super::error::ConfigError;
+use super::error;
 use super::required::{RequiredInput, SITE};
 use super::values::{NameOrTable, SiteTable, in_range};
 use crate::elements::{EphemerisObject, Keep, NoradId, Satellites};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation};
-use crate::geometry::{EarthLimb, GeometryError, Observer, PointingLimits, Site};
+use crate::geometry::{EarthLimb, Observer, PointingLimits, Site};
 #[cfg(all(feature = "fits", unix))]
 use crate::images::SITE_KEYWORDS;
 use crate::passes::{OrbitingObserver, Viewpoint};
@@ -20,7 +21,7 @@ impl Config {
     ///
     /// # Errors
     /// No site or more than one is given, the site is unknown, or a coordinate is out of range.
-    pub fn site(&self) -> Result<Site, ConfigError> {
+    pub fn site(&self) -> Result<Site, Error> {
         self.check_viewpoint()?;
         let SiteConfig { named, mpc, lat, lon, height } = &self.site;
         match named {
@@ -37,7 +38,7 @@ impl Config {
     }
 
     /// Checks that the keys of site and telescope in orbit do not exclude each other, and that numbers are in range.
-    pub(super) fn check_viewpoint(&self) -> Result<(), ConfigError> {
+    pub(super) fn check_viewpoint(&self) -> Result<(), Error> {
         let SiteConfig { named, mpc, lat, lon, height } = &self.site;
         for (what, value, unit, allowed, range) in [
             ("lat", lat, "deg", "-90 to 90 deg", -90.0..=90.0),
@@ -54,17 +55,16 @@ impl Config {
         }
         let has_numbers = mpc.is_some() || lat.is_some() || lon.is_some() || height.is_some();
         if named.is_some() && has_numbers {
-            return Err(ConfigError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" });
+            return Err(error::both("--site", "--mpc, --lat, --lon, --height"));
         }
         match (self.is_in_orbit(), self.site.is_given()) {
-            (true, true) => Err(ConfigError::Both {
-                first: "--observer-elements, --observer-norad",
-                second: "--site, --mpc, --lat, --lon, --height",
-            }),
-            (false, _) if self.limb_height_km.is_some() => Err(ConfigError::Missing {
-                what: "telescope in orbit for --limb-height-km",
-                allowed: "--observer-elements FILE or --observer-norad ID",
-            }),
+            (true, true) => {
+                Err(error::both("--observer-elements, --observer-norad", "--site, --mpc, --lat, --lon, --height"))
+            }
+            (false, _) if self.limb_height_km.is_some() => Err(Error::missing(
+                "telescope in orbit for --limb-height-km",
+                "--observer-elements FILE or --observer-norad ID",
+            )),
             // A configuration file may have limits for a telescope that another file or a flag gives.
             (false, true) => {
                 let (keys, uses) = match (self.max_zenith_angle, self.min_sun_angle, self.min_limb_angle) {
@@ -73,7 +73,12 @@ impl Config {
                     (.., Some(_)) => ("--min-limb-angle", "--min-altitude of windows and statistics"),
                     _ => return Ok(()),
                 };
-                Err(ConfigError::OnlyInOrbit { keys, uses })
+                Err(Error::new(
+                    ErrorKind::Invalid,
+                    format!(
+                        "{keys} is a limit of a telescope in orbit (--observer-elements), not of a site; allowed for a site: {uses}"
+                    ),
+                ))
             }
             _ => Ok(()),
         }
@@ -95,7 +100,7 @@ impl Config {
     /// Same as [`Config::site`]; or both a site and an orbit are given; or the telescope is below its limb height at
     /// `moment`; or the file has neither element sets nor ephemerides, has several objects and no number is given, or
     /// lacks the given number.
-    pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
+    pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, Error> {
         self.check_viewpoint()?;
         match self.is_in_orbit() {
             false => Ok(Observer::new(self.site()?).into()),
@@ -108,7 +113,11 @@ impl Config {
                 // If there is no position at this time, the error is reported later for each exposure.
                 let at_km = position.map_or(f64::INFINITY, |position| limb.height_of_km(&position));
                 if at_km < height_km {
-                    return Err(ConfigError::BelowLimb { name: observer.name(), at_km, height_km });
+                    return Err(Error::new(
+                        ErrorKind::Invalid,
+                        format!("{} is at {at_km:.0} km, below the limb height of {height_km} km", observer.name()),
+                    )
+                    .allowing("--limb-height-km below the orbit"));
                 }
                 Ok(observer.into())
             }
@@ -120,7 +129,7 @@ impl Config {
     ///
     /// # Errors
     /// Same as [`Config::viewpoint`].
-    pub fn viewpoint_longitude_rad(&self, moment: Option<Epoch>) -> Result<f64, ConfigError> {
+    pub fn viewpoint_longitude_rad(&self, moment: Option<Epoch>) -> Result<f64, Error> {
         let Some(moment) = moment else { return Ok(0.0) };
         Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
     }
@@ -131,17 +140,14 @@ impl Config {
     /// # Errors
     /// There is no site.
     #[cfg(all(feature = "fits", unix))]
-    pub(super) fn at_site_of_header(
-        &self,
-        site: Option<&Site>,
-        frames: &str,
-    ) -> Result<(Self, Option<String>), ConfigError> {
+    pub(super) fn at_site_of_header(&self, site: Option<&Site>, frames: &str) -> Result<(Self, Option<String>), Error> {
         let Some(site) = site else {
             if !self.has_viewpoint() {
-                return Err(ConfigError::invalid(format!(
-                    "{} (the header of {frames} lacks it: {SITE_KEYWORDS})",
-                    SITE.missing()
-                )));
+                let flags = SITE.flags();
+                return Err(Error::missing(
+                    "site",
+                    format!("{flags} (the header of {frames} lacks it: {SITE_KEYWORDS})"),
+                ));
             }
             let remark = format!("warning: the header of {frames} has no site; that of the home file is used");
             return Ok((self.clone(), Some(remark)));
@@ -179,7 +185,7 @@ impl Config {
         wanted: Option<NoradId>,
         alone: &[&EphemerisObject],
         moment: Epoch,
-    ) -> Result<Option<Arc<str>>, ConfigError> {
+    ) -> Result<Option<Arc<str>>, Error> {
         let is_designator = |object: &&&EphemerisObject| matches!(object, EphemerisObject::Designator(_));
         let (Some(wanted), 2..) = (wanted, alone.iter().filter(is_designator).count()) else { return Ok(None) };
         let sets = self.catalogue(moment)?.map(|catalogue| catalogue.element_sets).unwrap_or_default();
@@ -189,17 +195,14 @@ impl Config {
 
     /// Returns the telescope in orbit, with its ephemerides if there are any, or else with the element set that is
     /// closest to `moment`.
-    fn observer(&self, moment: Epoch, eop: &EopTable, limb: EarthLimb) -> Result<OrbitingObserver, ConfigError> {
+    fn observer(&self, moment: Epoch, eop: &EopTable, limb: EarthLimb) -> Result<OrbitingObserver, Error> {
         let catalogue = match &self.observer_elements {
             Some(path) => {
                 Some(Satellites::read(std::slice::from_ref(path), &self.read_options(Keep::Nearest(moment)))?)
             }
             None => self.catalogue(moment)?,
         };
-        let missing = || ConfigError::Missing {
-            what: "elements or ephemeris of the telescope in orbit",
-            allowed: "--observer-elements FILE",
-        };
+        let missing = || Error::missing("elements or ephemeris of the telescope in orbit", "--observer-elements FILE");
         let Satellites { element_sets, mut ephemerides, .. } = catalogue.ok_or_else(missing)?;
         // An ephemeris without element set is an object of its own.
         let mut alone: Vec<&EphemerisObject> = ephemerides
@@ -215,7 +218,12 @@ impl Config {
         let is_wanted = |norad_id: NoradId| wanted.is_none_or(|wanted| norad_id == wanted);
         if wanted.is_none() && count > 1 {
             let first = element_sets.first().map_or_else(|| alone[0].to_string(), |set| set.norad_id.to_string());
-            return Err(ConfigError::SeveralObservers { count, first });
+            return Err(Error::new(
+                ErrorKind::Invalid,
+                format!(
+                    "the elements of the observer contain {count} objects; specify one with --observer-norad (the first is {first})"
+                ),
+            ));
         }
         let set = element_sets.into_iter().find(|set| is_wanted(set.norad_id));
         ephemerides.retain(|ephemeris| match &ephemeris.object {
@@ -228,30 +236,29 @@ impl Config {
             return Ok(wanted.into_iter().fold(observer, OrbitingObserver::with_norad_id));
         }
         match (set, wanted) {
-            (Some(set), _) => OrbitingObserver::new(&set, limb).map_err(ConfigError::Observer),
-            (None, Some(id)) => Err(ConfigError::NoObserver { id: id.0, count }),
+            (Some(set), _) => OrbitingObserver::new(&set, limb).map_err(|problem| Error::new(ErrorKind::NoPosition, format!("observer: {problem}"))),
+            (None, Some(id)) => Err(Error::new(ErrorKind::Invalid, format!("--observer-norad {} is not among the {count} objects of the elements", id.0)).allowing("the NORAD number of one of them (for objects with only a COSPAR designator, one that has this designator in --elements)")),
             (None, None) => Err(missing()),
         }
     }
 }
 
 /// Returns the site with this name. If no known name is similar, the error lists other ways to specify a site.
-fn site_of_name(name: &str) -> Result<Site, ConfigError> {
-    Site::by_name(name).map_err(|error| match error {
-        GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => ConfigError::UnknownSite(name),
-        error => error.into(),
-    })
+fn site_of_name(name: &str) -> Result<Site, Error> {
+    let allowed = "a name listed by streakcast sites, or --lat and --lon; streakcast setup --place TOWN writes those of a \
+                   town into the home file";
+    Site::by_name(name).map_err(|error| if error.allowed().is_some() { error.allowing(allowed) } else { error })
 }
 
-fn site_of(table: &SiteTable) -> Result<Site, ConfigError> {
+fn site_of(table: &SiteTable) -> Result<Site, Error> {
     let SiteTable { name, mpc, latitude_deg, longitude_deg, height_m } = table;
     match (mpc, name, (latitude_deg, longitude_deg, height_m)) {
         (Some(code), None, (None, None, None)) => Ok(Site::from_mpc(code)?),
-        (Some(_), Some(_), _) => Err(ConfigError::Both { first: "an MPC code", second: "a name" }),
-        (Some(_), None, _) => Err(ConfigError::Both { first: "an MPC code", second: "coordinates" }),
+        (Some(_), Some(_), _) => Err(error::both("an MPC code", "a name")),
+        (Some(_), None, _) => Err(error::both("an MPC code", "coordinates")),
         (None, name, (Some(latitude), Some(longitude), height)) => {
             let name = name.as_deref().unwrap_or_default();
-            Ok(Site::new_deg(name, *latitude, *longitude, height.unwrap_or(0.0))?)
+            Site::new_deg(name, *latitude, *longitude, height.unwrap_or(0.0))
         }
         (None, Some(name), (None, None, None)) => site_of_name(name),
         (None, None, (None, None, None)) => Err(SITE.missing()),
@@ -267,7 +274,7 @@ mod tests {
         Config::from_toml(text, "t.toml").unwrap()
     }
 
-    fn message<T: std::fmt::Debug>(result: Result<T, ConfigError>) -> String {
+    fn message<T: std::fmt::Debug>(result: Result<T, Error>) -> String {
         result.unwrap_err().to_string()
     }
 

@@ -7,13 +7,13 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use hifitime::TimeScale;
-use serde::de::{DeserializeOwned, Deserializer, Error};
+use serde::de::{DeserializeOwned, Deserializer, Error as _};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
-use super::error::ConfigError;
 use crate::constants::LONGEST_EXPOSURE_S;
 use crate::elements::Generation;
+use crate::error::{Error, ErrorKind};
 use crate::images::Telescope;
 use crate::schedule::{MagnitudeLimit, Policy};
 
@@ -280,7 +280,7 @@ const LENGTH_UNITS: &[(&str, f64)] = &[("mm", 1.0), ("cm", 10.0), ("m", 1000.0)]
 ///
 /// # Errors
 /// The form is invalid, the unit is unknown, or the number is negative, above a day or not finite.
-pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, Error> {
     let allowed = "a number with its unit: 30s, 2.5min, 1h";
     let seconds = with_unit(what, text, DURATION_UNITS, allowed)?;
     in_range(what, seconds, "s", "0 to 86400 s", |seconds| (0.0..=LONGEST_EXPOSURE_S).contains(&seconds))
@@ -290,7 +290,7 @@ pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigErr
 ///
 /// # Errors
 /// The errors of [`parse_duration_s`], and a duration of 0, in which nothing can cross.
-pub fn parse_exposure_s(text: &str) -> Result<f64, ConfigError> {
+pub fn parse_exposure_s(text: &str) -> Result<f64, Error> {
     let seconds = with_unit("exposure", text, DURATION_UNITS, "a number with its unit: 30s, 2.5min, 1h")?;
     let is_allowed = |seconds: f64| seconds > 0.0 && seconds <= LONGEST_EXPOSURE_S;
     in_range("exposure", seconds, "s", "above 0 s, at most 86400 s", is_allowed)
@@ -301,22 +301,22 @@ pub fn parse_exposure_s(text: &str) -> Result<f64, ConfigError> {
 ///
 /// # Errors
 /// The form is invalid, the unit is unknown, or the number is out of range.
-pub fn parse_angle_deg(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+pub fn parse_angle_deg(what: &'static str, text: &str) -> Result<f64, Error> {
     let allowed = "a number with its unit: 3.5deg, 210arcmin, 30arcsec";
     let degrees = with_unit(what, text, ANGLE_UNITS, allowed)?;
     in_range(what, degrees, "deg", "above 0 deg, at most 180 deg", |degrees| degrees > 0.0 && degrees <= 180.0)
 }
 
-fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'static str) -> Result<f64, ConfigError> {
+fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'static str) -> Result<f64, Error> {
     let text = text.trim();
     if text.parse::<f64>().is_ok() {
-        return Err(ConfigError::NoUnit { what, given: text.to_owned(), allowed });
+        return Err(Error::new(ErrorKind::Invalid, format!("{what} is {text}, without a unit")).allowing(allowed));
     }
     let found = units.iter().find_map(|(unit, factor)| {
         let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
         Some(number * factor)
     });
-    found.filter(|value| value.is_finite()).ok_or_else(|| invalid(what, text, allowed))
+    found.filter(|value| value.is_finite()).ok_or_else(|| Error::malformed(what, text, allowed))
 }
 
 /// Parses the size of a field into degrees: a diameter such as `3.5deg`, width and height such as `1.5x1.0deg`, or the
@@ -325,7 +325,7 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
 ///
 /// # Errors
 /// Same as [`parse_angle_deg`], for each angle and length.
-pub fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), ConfigError> {
+pub fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), Error> {
     if let Some((sensor, focal_length)) = text.split_once('@') {
         let focal_mm = parse_length_mm(what, focal_length)?;
         return Ok(match width_and_height(sensor, |length| parse_length_mm(what, length))? {
@@ -338,23 +338,24 @@ pub fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64
         });
     }
     if LENGTH_UNITS.iter().any(|(unit, _)| text.trim_end().ends_with(unit)) {
-        return Err(invalid(what, text, "the size of a sensor with the focal length, for example 23.5x15.6mm@400mm"));
+        return Err(Error::malformed(
+            what,
+            text,
+            "the size of a sensor with the focal length, for example 23.5x15.6mm@400mm",
+        ));
     }
     width_and_height(text, |angle| parse_angle_deg(what, angle))
 }
 
 /// Parses `WIDTHxHEIGHT`, or one size. The unit of the height applies to a width without a unit.
-fn width_and_height(
-    text: &str,
-    parse: impl Fn(&str) -> Result<f64, ConfigError>,
-) -> Result<(f64, Option<f64>), ConfigError> {
+fn width_and_height(text: &str, parse: impl Fn(&str) -> Result<f64, Error>) -> Result<(f64, Option<f64>), Error> {
     let Some((width, height)) = text.split_once(['x', '×']) else { return Ok((parse(text)?, None)) };
     let unit = height.trim_start_matches(|mark: char| mark.is_ascii_digit() || mark == '.' || mark.is_whitespace());
     let width = if width.trim().parse::<f64>().is_ok() { format!("{width}{unit}") } else { width.to_owned() };
     Ok((parse(&width)?, Some(parse(height)?)))
 }
 
-fn parse_length_mm(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+fn parse_length_mm(what: &'static str, text: &str) -> Result<f64, Error> {
     let length_mm = with_unit(what, text, LENGTH_UNITS, "sensor and focal length with their units: 36x24mm@400mm")?;
     in_range(what, length_mm, "mm", "0.1 to 100000 mm", |length_mm| (0.1..=1e5).contains(&length_mm))
 }
@@ -366,29 +367,25 @@ pub(super) fn in_range(
     unit: &str,
     allowed: &'static str,
     is_allowed: impl Fn(f64) -> bool,
-) -> Result<f64, ConfigError> {
+) -> Result<f64, Error> {
     if is_allowed(value) {
         return Ok(value);
     }
     // Large numbers are written with an exponent: 1e300 has 301 digits.
     let number = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };
-    Err(ConfigError::OutOfRange { what, given: format!("{number} {unit}").trim_end().to_owned(), allowed })
-}
-
-fn invalid(what: &'static str, given: &str, allowed: &'static str) -> ConfigError {
-    ConfigError::Value { what, given: given.to_owned(), allowed }
+    Err(Error::invalid(what, format!("{number} {unit}").trim_end(), allowed))
 }
 
 /// Parses the name of a time scale: `utc`, `tai` or `tt`; case is ignored.
 ///
 /// # Errors
 /// The name is unknown.
-pub fn parse_time_scale(text: &str) -> Result<TimeScale, ConfigError> {
+pub fn parse_time_scale(text: &str) -> Result<TimeScale, Error> {
     match text.trim().to_ascii_lowercase().as_str() {
         "utc" => Ok(TimeScale::UTC),
         "tai" => Ok(TimeScale::TAI),
         "tt" => Ok(TimeScale::TT),
-        _ => Err(invalid("time scale", text, "utc, tai, tt")),
+        _ => Err(Error::malformed("time scale", text, "utc, tai, tt")),
     }
 }
 
@@ -430,7 +427,7 @@ mod tests {
 
     #[test]
     fn errors_of_range_have_the_range() {
-        let message = |result: Result<f64, ConfigError>| result.unwrap_err().to_string();
+        let message = |result: Result<f64, Error>| result.unwrap_err().to_string();
         assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure is -5 s; allowed: 0 to 86400 s");
         assert_eq!(message(parse_exposure_s("0s")), "exposure is 0 s; allowed: above 0 s, at most 86400 s");
         assert_eq!(parse_duration_s("exposure", "24h").unwrap(), LONGEST_EXPOSURE_S);

@@ -1,11 +1,13 @@
 //! Warnings about files, element sets and tables.
 
+use std::error::Error;
+
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
+use crate::elements::{ElementSet, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::math::quantile::median;
-use crate::orbit::{LeftOut, OrbitError, elements_of_age};
+use crate::orbit::{LeftOut, TooOld, elements_of_age};
 use crate::output::{counted, format_utc};
 use crate::passes::{OrbitingObserver, Sky};
 
@@ -26,16 +28,10 @@ pub(super) fn of_left_out(left_out: &[LeftOut], unknown: usize, satellites: usiz
     if unknown == 0 {
         return cannot;
     }
-    let ages = left_out.iter().filter_map(|satellite| match satellite.reason {
-        OrbitError::Unknown { age_days, .. } => Some(age_days),
-        _ => None,
-    });
-    let named: Vec<String> = left_out
-        .iter()
-        .filter(|satellite| matches!(satellite.reason, OrbitError::Unknown { .. }))
-        .take(NAMED)
-        .map(|satellite| satellite.norad_id.to_string())
-        .collect();
+    let too_old: Vec<&TooOld> =
+        left_out.iter().filter_map(|satellite| satellite.reason.source()?.downcast_ref()).collect();
+    let ages = too_old.iter().map(|satellite| satellite.age_days);
+    let named: Vec<String> = too_old.iter().take(NAMED).map(|satellite| satellite.norad_id.to_string()).collect();
     let (are, more) = (if unknown == 1 { "is" } else { "are" }, if unknown > NAMED { ", ..." } else { "" });
     let old = format!(
         "{} of {all} {are} too old to predict positions (median: {}), and left out at these times: {}{more}",
@@ -123,7 +119,7 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
         if 2 * rejected > records {
             warning += ", more than half: the result is incomplete without the satellites of these records";
         }
-        let is_checksum = |record: &&Rejected| matches!(record.reason, RejectReason::BadChecksum { .. });
+        let is_checksum = |record: &&Rejected| record.reason.what() == Some("checksum");
         let checksums = catalogue.rejected.iter().filter(is_checksum).count();
         if checksums > 0 {
             warning += &format!(" ({checksums} with a wrong checksum; --accept-bad-checksums accepts these)");

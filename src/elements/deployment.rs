@@ -6,8 +6,8 @@ use hifitime::Epoch;
 use toml::value::Datetime;
 
 use super::element_set::NoradId;
-use super::error::ElementsError;
-use super::shell::{Constellation, PeriodEntry, ShellFile};
+use super::shell::{Constellation, PeriodEntry, ShellFile, in_constellations};
+use crate::error::{Error, ErrorKind};
 use crate::message::Quoted;
 
 /// Largest number of periods in a file.
@@ -47,7 +47,7 @@ impl DeploymentFile {
     ///
     /// # Errors
     /// Same as [`Constellation::from_toml`]; or a period is invalid.
-    pub fn from_toml(text: &str, name: &str) -> Result<Self, ElementsError> {
+    pub fn from_toml(text: &str, name: &str) -> Result<Self, Error> {
         let ShellFile { constellations, periods, .. } = ShellFile::from_toml(text)?;
         Ok(Self { name: name.to_owned(), periods: checked_periods(periods, &constellations)?, constellations })
     }
@@ -58,7 +58,7 @@ impl Deployment {
     ///
     /// # Errors
     /// There are too many satellites, or a bundled constellation is both in `bundled` and in a period of a file.
-    pub fn new(bundled: Vec<Constellation>, mut files: Vec<DeploymentFile>) -> Result<Self, ElementsError> {
+    pub fn new(bundled: Vec<Constellation>, mut files: Vec<DeploymentFile>) -> Result<Self, Error> {
         Constellation::number_own(files.iter_mut().flat_map(|file| &mut file.constellations))?;
         let mut deployment = Self { always: bundled, growing: Vec::new() };
         for mut file in files {
@@ -82,7 +82,7 @@ impl Deployment {
                 if let Some(other) = places.get(&constellation.first_id).filter(|other| **other != here) {
                     let message =
                         format!("constellation {} is specified {other} and {here}; allowed: once", constellation.name);
-                    return Err(ElementsError::ShellSyntax(message));
+                    return Err(in_constellations(message));
                 }
                 places.insert(constellation.first_id, here.clone());
             }
@@ -114,13 +114,20 @@ impl Deployment {
     ///
     /// # Errors
     /// The night is before the first period of a file, so that its satellites are unknown.
-    pub fn at(&self, evening_mjd: i64) -> Result<Vec<Constellation>, ElementsError> {
+    pub fn at(&self, evening_mjd: i64) -> Result<Vec<Constellation>, Error> {
         let mut all = self.always.clone();
         for DeploymentFile { name, periods, .. } in &self.growing {
             let begun = periods.iter().take_while(|period| period.from_mjd <= evening_mjd);
-            let period = begun.last().ok_or_else(|| ElementsError::BeforeFirstPeriod {
-                file: name.clone(),
-                first: periods.first().map(|period| period.from.clone()).unwrap_or_default(),
+            let period = begun.last().ok_or_else(|| {
+                Error::new(
+                    ErrorKind::NoPosition,
+                    format!(
+                        "the simulated constellations begin with the night of {}, after that of the request",
+                        periods.first().map(|period| period.from.clone()).unwrap_or_default()
+                    ),
+                )
+                .allowing("a [[period]] from an earlier date")
+                .in_file("", name)
             })?;
             all.extend(period.constellations.iter().cloned());
         }
@@ -135,10 +142,10 @@ impl Deployment {
 }
 
 /// Checks the periods of a file and completes them with the shells of its own and of the bundled constellations.
-fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<Vec<DeploymentPeriod>, ElementsError> {
+fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<Vec<DeploymentPeriod>, Error> {
     if entries.len() > MOST_PERIODS {
         let message = format!("{} periods; allowed: at most {MOST_PERIODS}", entries.len());
-        return Err(ElementsError::ShellSyntax(message));
+        return Err(in_constellations(message));
     }
     let mut all: Vec<DeploymentPeriod> = Vec::with_capacity(entries.len());
     for entry in entries {
@@ -148,16 +155,16 @@ fn checked_periods(entries: Vec<PeriodEntry>, own: &[Constellation]) -> Result<V
                 "period from {} is after that from {}; allowed: periods in time order, each from another date",
                 period.from, before.from
             );
-            return Err(ElementsError::ShellSyntax(message));
+            return Err(in_constellations(message));
         }
         all.push(period);
     }
     Ok(all)
 }
 
-fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod, ElementsError> {
+fn period(entry: PeriodEntry, own: &[Constellation]) -> Result<DeploymentPeriod, Error> {
     let from = entry.from.to_string();
-    let wrong = |what: String| ElementsError::ShellSyntax(format!("period from {from}: {what}"));
+    let wrong = |what: String| in_constellations(format!("period from {from}: {what}"));
     let date = match entry.from {
         Datetime { date: Some(date), time: None, offset: None } if (1957..2100).contains(&date.year) => date,
         _ => return Err(wrong("allowed: from = 2027-01-01, a date without quotation marks, 1957 to 2099".to_owned())),
@@ -195,7 +202,7 @@ mod tests {
 
     const JANUARY_2027_MJD: i64 = 61_406;
 
-    fn deployment(text: &str) -> Result<Deployment, ElementsError> {
+    fn deployment(text: &str) -> Result<Deployment, Error> {
         Deployment::new(Vec::new(), vec![DeploymentFile::from_toml(text, "growth.toml")?])
     }
 

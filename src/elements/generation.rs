@@ -177,7 +177,7 @@ impl Launch {
 /// ";
 /// let catalogue = Satellites::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(GenerationTable::embedded().generation(&catalogue.element_sets[0]), Generation::StarlinkV15);
-/// # Ok::<(), streakcast::elements::ElementsError>(())
+/// # Ok::<(), streakcast::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct GenerationTable {

@@ -13,9 +13,11 @@ use std::sync::Arc;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch;
-use super::record::{Parsed, RejectReason, checked, excerpt};
+use super::record::{Parsed, checked, excerpt};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::parse_five_characters;
+use crate::error::Error;
+use crate::message::Quoted;
 
 /// Supported keywords. All others in a record are ignored.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -141,16 +143,22 @@ impl<'a> Fields<'a> {
         parsed.take(offset, self.element_set());
     }
 
-    fn element_set(&self) -> Result<ElementSet, RejectReason> {
+    fn element_set(&self) -> Result<ElementSet, Error> {
         self.check_theory()?;
         let norad_id = self.text(Keyword::NoradCatId, "NORAD_CAT_ID")?;
-        let norad_id =
-            parse_norad_id(norad_id).ok_or_else(|| RejectReason::BadId { text: excerpt(norad_id.as_bytes()) })?;
+        let norad_id = parse_norad_id(norad_id).ok_or_else(|| {
+            Error::format(format!(
+                "invalid NORAD_CAT_ID {:?}: expected 1 to 999999999, or Alpha-5",
+                Quoted::new(excerpt(norad_id.as_bytes()))
+            ))
+        })?;
         let epoch_text = self.text(Keyword::Epoch, "EPOCH")?;
         // A date alone is not an epoch: a satellite in a low orbit makes 16 revolutions a day.
-        let epoch = epoch::parse_iso_with_time(epoch_text).ok_or_else(|| RejectReason::BadEpoch {
-            text: excerpt(epoch_text.as_bytes()),
-            allowed: "UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss",
+        let epoch = epoch::parse_iso_with_time(epoch_text).ok_or_else(|| {
+            Error::format(format!(
+                "invalid epoch {:?}: expected UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss",
+                Quoted::new(excerpt(epoch_text.as_bytes()))
+            ))
         })?;
         let revolution = self.optional(Keyword::RevAtEpoch, "REV_AT_EPOCH")?;
         let set = ElementSet {
@@ -176,18 +184,20 @@ impl<'a> Fields<'a> {
     }
 
     /// Returns the end of the day of DECAY_DATE.
-    fn decayed(&self) -> Result<Option<hifitime::Epoch>, RejectReason> {
+    fn decayed(&self) -> Result<Option<hifitime::Epoch>, Error> {
         let Some(text) = self.get(Keyword::DecayDate) else { return Ok(None) };
         let date = text.split(['T', ' ']).next().unwrap_or_default();
-        let midnight = epoch::parse_iso(date).ok_or_else(|| RejectReason::BadEpoch {
-            text: excerpt(text.as_bytes()),
-            allowed: "DECAY_DATE as YYYY-MM-DD",
+        let midnight = epoch::parse_iso(date).ok_or_else(|| {
+            Error::format(format!(
+                "invalid epoch {:?}: expected DECAY_DATE as YYYY-MM-DD",
+                Quoted::new(excerpt(text.as_bytes()))
+            ))
         })?;
         Ok(Some(midnight + hifitime::Unit::Day * 1))
     }
 
     /// Accepts only elements for SGP4. Elements of another theory have the same form, but give errors of kilometres.
-    fn check_theory(&self) -> Result<(), RejectReason> {
+    fn check_theory(&self) -> Result<(), Error> {
         let allowed: [(Keyword, &str, &[&str], &str); 5] = [
             (
                 Keyword::MeanElementTheory,
@@ -209,21 +219,24 @@ impl<'a> Fields<'a> {
             if let Some(text) = self.get(keyword)
                 && !values.iter().any(|value| value.eq_ignore_ascii_case(text))
             {
-                return Err(RejectReason::Unsupported { field, text: excerpt(text.as_bytes()), allowed: words });
+                return Err(Error::format(format!(
+                    "unsupported {field} {:?}: allowed {words}",
+                    Quoted::new(excerpt(text.as_bytes()))
+                )));
             }
         }
         Ok(())
     }
 
-    fn text(&self, keyword: Keyword, field: &'static str) -> Result<&str, RejectReason> {
-        self.get(keyword).ok_or(RejectReason::Missing { field })
+    fn text(&self, keyword: Keyword, field: &'static str) -> Result<&str, Error> {
+        self.get(keyword).ok_or_else(|| Error::format(format!("{field} is missing")))
     }
 
-    fn number(&self, keyword: Keyword, field: &'static str) -> Result<f64, RejectReason> {
+    fn number(&self, keyword: Keyword, field: &'static str) -> Result<f64, Error> {
         parse_number(self.text(keyword, field)?, field)
     }
 
-    fn optional(&self, keyword: Keyword, field: &'static str) -> Result<f64, RejectReason> {
+    fn optional(&self, keyword: Keyword, field: &'static str) -> Result<f64, Error> {
         self.get(keyword).map_or(Ok(0.0), |text| parse_number(text, field))
     }
 
@@ -233,9 +246,9 @@ impl<'a> Fields<'a> {
 }
 
 /// Parses a finite number, correctly rounded.
-fn parse_number(text: &str, field: &'static str) -> Result<f64, RejectReason> {
+fn parse_number(text: &str, field: &'static str) -> Result<f64, Error> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-    number.ok_or_else(|| RejectReason::FieldNotANumber { field, text: excerpt(text.as_bytes()) })
+    number.ok_or_else(|| Error::format(format!("{field} {:?} is not a number", Quoted::new(excerpt(text.as_bytes())))))
 }
 
 /// Parses one to nine digits, also as a float (`28485.0`, as written by data frames with missing values), or Alpha-5.

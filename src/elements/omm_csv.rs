@@ -7,9 +7,10 @@
 use std::borrow::Cow;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RejectReason};
+use super::record::Parsed;
 use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
+use crate::error::Error;
 
 /// Returns true if the first line that is not blank has the required column titles.
 pub(super) fn looks_like(text: &str) -> bool {
@@ -50,7 +51,7 @@ fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksu
         }
         if cells.len() < columns.len() {
             let what = format!("{} cells under {} titles", cells.len(), columns.len());
-            parsed.rejected.push((offset, RejectReason::Syntax { format: "CSV", what }));
+            parsed.rejected.push((offset, Error::format(format!("invalid CSV: {what}"))));
             continue;
         }
         fields.clear();

@@ -7,8 +7,9 @@
 use std::borrow::Cow;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RejectReason, excerpt};
+use super::record::{Parsed, excerpt};
 use super::tle::Checksums;
+use crate::error::Error;
 
 /// Reads every record, at any level of nesting.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
@@ -50,8 +51,8 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parsed
 }
 
-fn syntax(what: &str) -> RejectReason {
-    RejectReason::Syntax { format: "JSON", what: what.into() }
+fn syntax(what: &str) -> Error {
+    Error::format(format!("invalid JSON: {what}"))
 }
 
 /// Tokens of the scanner: starts and ends of objects, and members with a plain value. The scanner skips the brackets of

@@ -3,9 +3,10 @@
 use std::borrow::Cow;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RejectReason, excerpt};
+use super::record::{Parsed, excerpt};
 use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
+use crate::error::Error;
 
 /// The keyword at the start of a message.
 const OPENING: &str = "CCSDS_OMM_VERS";
@@ -39,9 +40,9 @@ fn next_message(text: &str, from: usize) -> usize {
 fn parse_piece(text: &str) -> Parsed {
     let mut parsed = Parsed::default();
     let mut fields = Fields::default();
-    let mut broken: Option<(usize, RejectReason)> = None;
+    let mut broken: Option<(usize, Error)> = None;
     let (mut opened_at, mut at) = (0, 0);
-    let mut close = |fields: &mut Fields<'_>, opened_at: usize, broken: &mut Option<(usize, RejectReason)>| {
+    let mut close = |fields: &mut Fields<'_>, opened_at: usize, broken: &mut Option<(usize, Error)>| {
         match broken.take() {
             Some(rejected) => parsed.rejected.push(rejected),
             None if fields.is_empty() => {}
@@ -60,7 +61,7 @@ fn parse_piece(text: &str) -> Parsed {
         let Some((key, value)) = line.split_once('=') else {
             if !line.starts_with("META_") && !line.starts_with("DATA_") {
                 let what = format!("{:?} is not KEYWORD = value", excerpt(line.as_bytes()));
-                broken.get_or_insert((offset, RejectReason::Syntax { format: "KVN", what }));
+                broken.get_or_insert((offset, Error::format(format!("invalid KVN: {what}"))));
             }
             continue;
         };

@@ -9,8 +9,9 @@ use quick_xml::Reader;
 use quick_xml::events::Event;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RejectReason, excerpt, parse_in_chunks};
+use super::record::{Parsed, excerpt, parse_in_chunks};
 use super::tle::Checksums;
+use crate::error::Error;
 
 /// Returns true if the text contains an `<omm>` element, with or without a name-space prefix.
 pub(super) fn looks_like(text: &str) -> bool {
@@ -30,10 +31,10 @@ fn parse_piece(text: &str, checksums: Checksums) -> Parsed {
         let next = next_start(text, offset + 1);
         match parse_message(&text[offset..next.unwrap_or(text.len())]) {
             Ok(fields) if fields.is_empty() => {
-                parsed.rejected.push((offset, RejectReason::NoElements));
+                parsed.rejected.push((offset, Error::format("this message contains no elements")));
             }
             Ok(fields) => fields.finish(offset, checksums, &mut parsed),
-            Err(what) => parsed.rejected.push((offset, RejectReason::Syntax { format: "XML", what })),
+            Err(what) => parsed.rejected.push((offset, Error::format(format!("invalid XML: {what}")))),
         }
         start = next;
     }

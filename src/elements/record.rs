@@ -4,147 +4,9 @@ use std::fmt;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use thiserror::Error;
 
 use super::element_set::ElementSet;
-use crate::message::Quoted;
-
-/// Reason for which a record is rejected.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum RejectReason {
-    /// A field in fixed columns is not a valid number.
-    #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}", text = Quoted::new(.text))]
-    NotANumber {
-        /// Line of the element set, 1 or 2.
-        line: u8,
-        /// Name of the field.
-        field: &'static str,
-        /// Text in these columns.
-        text: String,
-        /// First column, from 1.
-        first: u8,
-        /// Last column.
-        last: u8,
-    },
-    /// The catalogue number of a TLE is neither digits nor Alpha-5 (a letter and four digits).
-    #[error(
-        "line {line}: invalid catalogue number {text:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O", text = Quoted::new(.text)
-    )]
-    BadTleId {
-        /// Line of the element set, 1 or 2.
-        line: u8,
-        /// Text in its columns.
-        text: String,
-    },
-    /// The message has no fields of an element set, or only empty ones.
-    #[error("this message contains no elements")]
-    NoElements,
-    /// A line of a TLE is too short or too long.
-    #[error("line {line} has {length} characters, expected 69, or 68 without a checksum")]
-    LineLength {
-        /// Line of the element set, 1 or 2.
-        line: u8,
-        /// Number of characters without trailing blanks.
-        length: usize,
-    },
-    /// There is a character in a column of a TLE that must be blank, so the columns are shifted.
-    #[error("line {line}: {found:?} in column {column}, expected a blank: the columns are shifted")]
-    ShiftedColumns {
-        /// Line of the element set, 1 or 2.
-        line: u8,
-        /// Column, from 1.
-        column: u8,
-        /// Character in this column.
-        found: char,
-    },
-    /// The checksum of a line is wrong.
-    #[error("line {line}: checksum {stated:?} does not match the sum of the line, {computed}")]
-    BadChecksum {
-        /// Line of the element set, 1 or 2.
-        line: u8,
-        /// The character in column 69.
-        stated: char,
-        /// Sum of the digits modulo 10, where a minus sign counts as 1.
-        computed: u8,
-    },
-    /// The two lines have different catalogue numbers.
-    #[error("line 1 is of object {first}, line 2 of object {second}")]
-    MixedObjects {
-        /// Catalogue number in line 1.
-        first: u32,
-        /// Catalogue number in line 2.
-        second: u32,
-    },
-    /// A line 1 is not followed by a line 2.
-    #[error("line 1 of an element set is not followed by its line 2")]
-    LineOneAlone,
-    /// A line 2 is not preceded by a line 1.
-    #[error("line 2 of an element set is not preceded by its line 1")]
-    LineTwoAlone,
-    /// A line does not belong to an element set.
-    #[error("unexpected line {text:?}: neither part nor name of an element set", text = Quoted::new(.text))]
-    Stray {
-        /// Text of the line, shortened.
-        text: String,
-    },
-    /// A field of an OMM, or a cell of a CSV file, is not a valid number.
-    #[error("{field} {text:?} is not a number", text = Quoted::new(.text))]
-    FieldNotANumber {
-        /// Keyword.
-        field: &'static str,
-        /// Text of the field.
-        text: String,
-    },
-    /// A required field is missing.
-    #[error("{field} is missing")]
-    Missing {
-        /// Keyword.
-        field: &'static str,
-    },
-    /// The catalogue number of an OMM is neither a number of one to nine digits nor Alpha-5.
-    #[error("invalid NORAD_CAT_ID {text:?}: expected 1 to 999999999, or Alpha-5", text = Quoted::new(.text))]
-    BadId {
-        /// Text of the field.
-        text: String,
-    },
-    /// The epoch is invalid.
-    #[error("invalid epoch {text:?}: expected {allowed}", text = Quoted::new(.text))]
-    BadEpoch {
-        /// Text of the field.
-        text: String,
-        /// Accepted form.
-        allowed: &'static str,
-    },
-    /// A number is out of range.
-    #[error("{field} {value} is out of range: allowed {allowed}")]
-    OutOfRange {
-        /// Name of the field.
-        field: &'static str,
-        /// Invalid number, in the unit of `allowed`.
-        value: f64,
-        /// Accepted range, with its unit.
-        allowed: &'static str,
-    },
-    /// The mean elements are of a theory, frame or time system that SGP4 does not use.
-    #[error("unsupported {field} {text:?}: allowed {allowed}", text = Quoted::new(.text))]
-    Unsupported {
-        /// Keyword.
-        field: &'static str,
-        /// Text of the field.
-        text: String,
-        /// Accepted values.
-        allowed: &'static str,
-    },
-    /// The syntax around a record is invalid.
-    #[error("invalid {format}: {what}")]
-    Syntax {
-        /// JSON, XML, KVN or CSV.
-        format: &'static str,
-        /// Description of the error.
-        what: String,
-    },
-}
+use crate::error::Error;
 
 /// Format of a file of element sets.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -192,7 +54,7 @@ pub struct Rejected {
     /// Line in the file, from 1.
     pub line: usize,
     /// Reason for the rejection.
-    pub reason: RejectReason,
+    pub reason: Error,
 }
 
 impl fmt::Display for Rejected {
@@ -209,14 +71,14 @@ pub(super) struct Parsed {
     /// Offset of the last valid record.
     pub last_good_at: Option<usize>,
     /// Offsets of the rejected records with the reasons.
-    pub rejected: Vec<(usize, RejectReason)>,
+    pub rejected: Vec<(usize, Error)>,
     /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
 }
 
 impl Parsed {
     /// Adds a valid record, or the reason why a record is rejected.
-    pub fn take(&mut self, offset: usize, record: Result<ElementSet, RejectReason>) {
+    pub fn take(&mut self, offset: usize, record: Result<ElementSet, Error>) {
         match record {
             Ok(set) => {
                 self.sets.push(set);
@@ -235,9 +97,11 @@ impl Parsed {
 /// Checks the ranges of an element set, which are the same for all formats.
 ///
 /// Angles may be up to one turn below or above the normal range.
-pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
+pub(super) fn checked(set: ElementSet) -> Result<ElementSet, Error> {
     const TURN: &str = "-360 to 360 deg";
-    let out_of_range = |field, value, allowed| Err(RejectReason::OutOfRange { field, value, allowed });
+    let out_of_range = |field: &str, value: f64, allowed: &str| {
+        Err(Error::format(format!("{field} {value} is out of range: allowed {allowed}")))
+    };
     if set.norad_id.0 == 0 || set.norad_id.0 > 999_999_999 {
         return out_of_range("catalogue number", f64::from(set.norad_id.0), "1 to 999999999");
     }

@@ -8,12 +8,12 @@ use rayon::prelude::*;
 
 use super::element_set::ElementSet;
 use super::ephemeris::Ephemeris;
-use super::error::ElementsError;
 use super::history::{Chosen, History, chosen_of_each, nearest_of_each};
 use super::record::Rejected;
 use super::shell::Constellation;
 use super::source::{FileReading, SourceFile, files_of, read_bytes, read_file};
 use super::tle::Checksums;
+use crate::error::{Error, ErrorKind};
 
 /// Options for reading element sets.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
@@ -52,7 +52,7 @@ pub enum Keep {
 /// let catalogue = Satellites::from_bytes("iss.txt", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(catalogue.element_sets[0].norad_id, NoradId(25544));
 /// assert_eq!(catalogue.rejected[0].line, 4);
-/// # Ok::<(), streakcast::elements::ElementsError>(())
+/// # Ok::<(), streakcast::Error>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -89,9 +89,9 @@ impl Satellites {
     /// * a file cannot be read, is empty, or is an invalid gzip file; a folder has no files;
     /// * a file is in none of the formats, or has no valid record;
     /// * an ephemeris is invalid.
-    pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, ElementsError> {
+    pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, Error> {
         if paths.is_empty() {
-            return Err(ElementsError::NoFiles);
+            return Err(Error::new(ErrorKind::Missing, "no file of element sets is given"));
         }
         let checksums = options.checksums();
         let files = files_of(paths)?;
@@ -104,7 +104,7 @@ impl Satellites {
     ///
     /// # Errors
     /// Same as [`read`](Self::read).
-    pub fn from_files<P: AsRef<Path> + Sync>(paths: impl AsRef<[P]>) -> Result<Self, ElementsError> {
+    pub fn from_files<P: AsRef<Path> + Sync>(paths: impl AsRef<[P]>) -> Result<Self, Error> {
         Self::read(paths.as_ref(), &ReadOptions::default())
     }
 
@@ -115,7 +115,7 @@ impl Satellites {
     ///
     /// # Errors
     /// The name is unknown. The error lists the known names.
-    pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ElementsError> {
+    pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, Error> {
         let constellations = Constellation::by_name_or_set(constellation)?;
         let element_sets = constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect();
         Ok(Self::from_element_sets(element_sets, Keep::All))
@@ -125,7 +125,7 @@ impl Satellites {
     ///
     /// # Errors
     /// Same as [`read`](Self::read).
-    pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, ElementsError> {
+    pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, Error> {
         Ok(Self::assemble(vec![read_bytes(name, bytes, options.checksums())?], options.keep))
     }
 

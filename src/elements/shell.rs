@@ -30,9 +30,10 @@ use toml::value::Datetime;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
-use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+use crate::error::Error;
+use crate::message::Quoted;
 
 /// Bundled constellations, with their sources.
 const EMBEDDED: &str = include_str!("shells.toml");
@@ -301,7 +302,7 @@ impl Constellation {
     ///
     /// # Errors
     /// The name is unknown. The error lists the known names.
-    pub fn by_name_or_set(name: &str) -> Result<Vec<Self>, ElementsError> {
+    pub fn by_name_or_set(name: &str) -> Result<Vec<Self>, Error> {
         match BUNDLED.sets.iter().find(|set| set.name.eq_ignore_ascii_case(name.trim())) {
             Some(set) => set.constellations.iter().map(|name| Self::by_name(name)).collect(),
             None => Ok(vec![Self::by_name(name)?]),
@@ -312,7 +313,7 @@ impl Constellation {
     ///
     /// # Errors
     /// The name is unknown. The error lists the known names.
-    pub fn by_name(name: &str) -> Result<Self, ElementsError> {
+    pub fn by_name(name: &str) -> Result<Self, Error> {
         let ShellFile { constellations, sets, .. } = &*BUNDLED;
         constellations
             .iter()
@@ -323,7 +324,11 @@ impl Constellation {
                     .iter()
                     .map(|constellation| constellation.name.as_str())
                     .chain(sets.iter().map(|set| set.name.as_str()));
-                ElementsError::UnknownShells { name: name.into(), known: names.collect::<Vec<_>>().join(", ") }
+                Error::format(format!(
+                    "unknown shells {:?}: expected one of {}",
+                    Quoted::new(name),
+                    names.collect::<Vec<_>>().join(", ")
+                ))
             })
     }
 
@@ -345,7 +350,7 @@ impl Constellation {
     ///     node_spread_deg = 180
     /// "#)?;
     /// assert_eq!(mine[0].satellites(), 66);
-    /// # Ok::<(), streakcast::elements::ElementsError>(())
+    /// # Ok::<(), streakcast::Error>(())
     /// ```
     ///
     /// The keys are those of [`Shell`]. `altitude_km` and `inclination_deg` may be lists; then there is a shell for
@@ -357,7 +362,7 @@ impl Constellation {
     /// # Errors
     /// * The TOML is invalid, or a key is missing or unknown.
     /// * A number is out of range, or the stated total is not the sum of the shells.
-    pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
+    pub fn from_toml(text: &str) -> Result<Vec<Self>, Error> {
         Ok(ShellFile::from_toml(text)?.constellations)
     }
 
@@ -365,13 +370,13 @@ impl Constellation {
     ///
     /// # Errors
     /// There are more than 49,999,999 satellites.
-    pub fn number_own<'a>(own: impl Iterator<Item = &'a mut Self>) -> Result<(), ElementsError> {
+    pub fn number_own<'a>(own: impl Iterator<Item = &'a mut Self>) -> Result<(), Error> {
         let mut count = 0;
         for constellation in own {
             constellation.first_id = NoradId(FIRST_OWN_ID + count as u32);
             count += constellation.planned_satellites() as u64;
             if count > MOST_IN_ALL {
-                return Err(ElementsError::TooManyInShells { most: MOST_IN_ALL });
+                return Err(too_many_in_all());
             }
         }
         Ok(())
@@ -479,11 +484,11 @@ impl ShellFile {
     ///
     /// # Errors
     /// Same as [`Constellation::from_toml`].
-    pub fn from_toml(text: &str) -> Result<Self, ElementsError> {
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
         let file = parse(text, FIRST_OWN_ID, 1)?;
         if file.constellations.is_empty() && file.periods.is_empty() {
             let message = "the file has neither [[constellation]] nor [[period]]; allowed: at least one of them";
-            return Err(ElementsError::ShellSyntax(message.to_owned()));
+            return Err(in_constellations(message));
         }
         Ok(file)
     }
@@ -491,19 +496,18 @@ impl ShellFile {
 
 /// Reads constellations, sets and periods. Catalogue numbers begin at `first_id`, those of each constellation at a
 /// multiple of `block` after it.
-fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, ElementsError> {
-    let file: File =
-        toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(crate::input::toml_error(&error, text)))?;
+fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, Error> {
+    let file: File = toml::from_str(text).map_err(|error| in_constellations(crate::input::toml_error(&error, text)))?;
     let count = file.constellation.len();
     if count > MOST_CONSTELLATIONS {
         let message = format!("{count} constellations; allowed: at most {MOST_CONSTELLATIONS}");
-        return Err(ElementsError::ShellSyntax(message));
+        return Err(in_constellations(message));
     }
     let (mut all, mut used) = (Vec::with_capacity(count), 0);
     for mut entry in file.constellation {
         if all.iter().any(|other: &Constellation| other.name == entry.name) {
             let message = format!("constellation {:?} is twice in the file; allowed: different names", entry.name);
-            return Err(ElementsError::ShellSyntax(message));
+            return Err(in_constellations(message));
         }
         if let Some(name) = entry.shells_of.take() {
             entry.shell = midway(&all, &name, &entry)?;
@@ -511,7 +515,7 @@ fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, ElementsErr
         let constellation = checked(entry, first_id + used as u32)?;
         used += (constellation.planned_satellites() as u64).next_multiple_of(u64::from(block));
         if used > MOST_IN_ALL {
-            return Err(ElementsError::TooManyInShells { most: MOST_IN_ALL });
+            return Err(too_many_in_all());
         }
         all.push(constellation);
     }
@@ -519,8 +523,8 @@ fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, ElementsErr
 }
 
 /// Returns the shells of the constellation `name`, with planes midway between.
-fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells>, ElementsError> {
-    let wrong = |what: String| ElementsError::ShellSyntax(format!("constellation {:?}: {what}", entry.name));
+fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells>, Error> {
+    let wrong = |what: String| in_constellations(format!("constellation {:?}: {what}", entry.name));
     if !entry.shell.is_empty() {
         return Err(wrong("shell and shells_of exclude each other; specify one of them".to_owned()));
     }
@@ -535,10 +539,10 @@ fn midway(all: &[Constellation], name: &str, entry: &Entry) -> Result<Vec<Shells
         .collect())
 }
 
-fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> {
+fn checked(entry: Entry, first_id: u32) -> Result<Constellation, Error> {
     for (at, shell) in entry.shell.iter().enumerate() {
         if shell.node_local_time_h.is_some() && shell.node_offset_deg != 0.0 {
-            return Err(ElementsError::ShellSyntax(format!(
+            return Err(in_constellations(format!(
                 "constellation {:?}, shell {}: node_local_time_h and node_offset_deg exclude each other; specify one of them",
                 entry.name,
                 at + 1
@@ -557,7 +561,11 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> 
         ];
         for (field, value, range, allowed) in altitudes.chain(inclinations).chain(local_time).chain(ranges) {
             if !range.contains(&value) {
-                return Err(ElementsError::ShellOutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
+                return Err(Error::format(format!(
+                    "constellation {:?}, shell {}: {field} {value} is out of range: allowed {allowed}",
+                    Quoted::new(&entry.name),
+                    at + 1
+                )));
             }
         }
     }
@@ -569,14 +577,29 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> 
     let sum = entry.shell.iter().map(satellites_of).fold(0, u64::saturating_add);
     let stated = entry.satellites.unwrap_or(sum);
     if sum == 0 || sum > MOST_SATELLITES {
-        return Err(ElementsError::ShellSize { name: entry.name, sum, most: MOST_SATELLITES });
+        return Err(Error::format(format!("constellation {:?} has {sum} satellites", Quoted::new(&entry.name)))
+            .allowing(format!("1 to {MOST_SATELLITES}")));
     }
     if stated != sum {
-        return Err(ElementsError::ShellTotal { name: entry.name, stated, sum });
+        return Err(Error::format(format!(
+            "constellation {:?} states {stated} satellites, but its shells have {sum}",
+            Quoted::new(&entry.name)
+        )));
     }
     let shells = entry.shell.iter().flat_map(Shells::each).collect();
     let first_id = NoradId(first_id);
     Ok(Constellation { name: entry.name, source: entry.source, shells, first_id, deployed_fraction: 1.0 })
+}
+
+/// Returns the error of invalid text of a file of constellations.
+pub(super) fn in_constellations(problem: impl Into<String>) -> Error {
+    Error::format(problem).at("constellation file")
+}
+
+/// All constellations together have too many satellites.
+fn too_many_in_all() -> Error {
+    Error::format(format!("the constellations of the files have more than {MOST_IN_ALL} satellites in all"))
+        .allowing(format!("at most {MOST_IN_ALL}"))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Reads one file: decompression, detection of the format, valid and rejected records.
 
 use std::borrow::Cow;
-use std::io::ErrorKind;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use sha2::{Digest, Sha256};
 
 use super::element_set::ElementSet;
 use super::ephemeris::{self, Ephemeris};
-use super::error::ElementsError;
-use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
+use super::record::{ElementFormat, Parsed, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
+use crate::error::Error;
 use crate::input;
 
 /// File of element sets or ephemerides, for the provenance of results.
@@ -53,14 +53,14 @@ pub(super) struct FileReading {
 
 /// Returns the paths with folders replaced by the files in them, sorted by name. Subfolders, hidden files and the
 /// records and locks of `streakcast fetch` are not read.
-pub(super) fn files_of<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, ElementsError> {
+pub(super) fn files_of<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Error> {
     let mut files = Vec::new();
     for path in paths.iter().map(AsRef::as_ref) {
         if !path.is_dir() {
             files.push(path.to_owned());
             continue;
         }
-        let unreadable = |source| ElementsError::Unreadable { file: path.display().to_string(), source };
+        let unreadable = |source| Error::cannot("read", path, source);
         let mut found = Vec::new();
         for entry in path.read_dir().map_err(unreadable)? {
             let file = entry.map_err(unreadable)?.path();
@@ -70,7 +70,8 @@ pub(super) fn files_of<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Elem
             }
         }
         if found.is_empty() {
-            return Err(ElementsError::EmptyFolder { folder: path.display().to_string() });
+            return Err(Error::about_file("the folder", path, "contains no files")
+                .allowing("files of element sets, or folders that contain only these"));
         }
         found.sort();
         files.extend(found);
@@ -78,15 +79,18 @@ pub(super) fn files_of<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<PathBuf>, Elem
     Ok(files)
 }
 
+/// Accepted formats, for error messages.
+const ALLOWED: &str =
+    "TLE, 2LE, 3LE, OMM (JSON, CSV, XML, KVN), or ephemerides as OEM (KVN, XML) or Modified ITC, plain or gzipped";
+
 /// Reads a file from disk.
-pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, ElementsError> {
-    let file = || path.display().to_string();
-    let bytes = input::read(path).map_err(|source| ElementsError::Unreadable { file: file(), source })?;
-    read_bytes(&file(), &bytes, checksums)
+pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, Error> {
+    let bytes = input::read(path).map_err(|source| Error::cannot("read", path, source))?;
+    read_bytes(&path.display().to_string(), &bytes, checksums)
 }
 
 /// Reads the content of a file.
-pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, ElementsError> {
+pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, Error> {
     // Hashing and parsing take similar times; they run in parallel.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
     let Content { format, gzipped, sets, mut ephemerides, rejected, cut_short, bad_checksums_accepted } = content?;
@@ -98,12 +102,11 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     let epochs = || sets.iter().map(|set| set.epoch).chain(of_states());
     let duration = |epoch: &Epoch| epoch.duration;
     let (Some(first_epoch), Some(last_epoch)) = (epochs().min_by_key(duration), epochs().max_by_key(duration)) else {
-        return Err(ElementsError::NothingUsable {
-            file: name.to_string(),
-            format,
-            rejected: rejected.len(),
-            first: rejected.into_iter().next().map(Box::new),
+        // Without this error, every exposure would be reported as clear.
+        let found = rejected.first().map_or(": it has no records".to_owned(), |first| {
+            format!(": {} rejected, the first at line {}: {}", rejected.len(), first.line, first.reason)
         });
+        return Err(Error::about_file("", &*name, format!("({format}) contains no valid element set{found}")));
     };
     let source = SourceFile {
         name: name.clone(),
@@ -130,24 +133,24 @@ struct Content {
     gzipped: bool,
     sets: Vec<ElementSet>,
     ephemerides: Vec<Ephemeris>,
-    rejected: Vec<(usize, RejectReason)>,
+    rejected: Vec<(usize, Error)>,
     cut_short: bool,
     bad_checksums_accepted: usize,
 }
 
-fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, ElementsError> {
+fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, Error> {
     let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
     let unpacked = unpack(name, bytes, input::LARGEST_INPUT)?;
     let decoded = decode(&unpacked);
     let text = String::from_utf8_lossy(&decoded);
     if text.bytes().all(|byte| byte.is_ascii_whitespace() || byte == 0) {
-        return Err(ElementsError::Empty { file: name.into() });
+        return Err(Error::about_file("", name, "is empty").allowing(ALLOWED));
     }
     let format = sniff(&decoded, &text)
-        .map_err(|what| ElementsError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+        .map_err(|what| Error::about_file("", name, format!("contains no element sets ({what})")).allowing(ALLOWED))?;
     let with_name = |problem: ephemeris::Problem| {
         let ephemeris::Problem { line, what, given, allowed } = problem;
-        ElementsError::Ephemeris { file: name.into(), line, what, given, allowed }
+        Error::invalid(what, given, allowed).located(format_args!("{name}:{line}"), name, Some(line))
     };
     let no_sets = |ephemerides: Result<Vec<Ephemeris>, ephemeris::Problem>| {
         let ephemerides = ephemerides.map_err(with_name)?;
@@ -203,14 +206,18 @@ const LARGEST_EXPANSION: u64 = 100;
 const SMALL: u64 = 1_000_000;
 
 /// Decompresses gzip, up to `limit` bytes and [`LARGEST_EXPANSION`].
-fn unpack<'a>(name: &str, bytes: &'a [u8], limit: u64) -> Result<Cow<'a, [u8]>, ElementsError> {
+fn unpack<'a>(name: &str, bytes: &'a [u8], limit: u64) -> Result<Cow<'a, [u8]>, Error> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
     let limit = limit.min(SMALL.max(LARGEST_EXPANSION * bytes.len() as u64));
     input::read_at_most(MultiGzDecoder::new(bytes), limit).map(Cow::Owned).map_err(|source| match source.kind() {
-        ErrorKind::FileTooLarge => ElementsError::Unreadable { file: name.into(), source },
-        _ => ElementsError::BrokenGzip { file: name.into(), source },
+        io::ErrorKind::FileTooLarge => Error::cannot("read", name, source),
+        _ => Error::about_file(
+            "",
+            name,
+            format!("is an invalid gzip file ({source}): it may be truncated; download it again"),
+        ),
     })
 }
 

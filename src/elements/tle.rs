@@ -21,8 +21,10 @@ use hifitime::Epoch;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch;
-use super::record::{RejectReason, checked, excerpt};
+use super::record::{checked, excerpt};
 use super::tle_fields::{BODY, decimal, designator_of, exponential, parse_five_characters, verify_checksum};
+use crate::error::Error;
+use crate::message::Quoted;
 
 /// Treatment of wrong checksums.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -39,17 +41,15 @@ pub(super) type Read = (ElementSet, bool);
 /// Parses one element set from two lines without trailing blanks and line breaks.
 ///
 /// # Errors
-/// Number of the invalid line (1 or 2), and the reason: see [`RejectReason`].
-pub(super) fn parse_lines(
-    name: &[u8],
-    line1: &[u8],
-    line2: &[u8],
-    checksums: Checksums,
-) -> Result<Read, (u8, RejectReason)> {
+/// Number of the invalid line (1 or 2), and the reason: see [`Error`].
+pub(super) fn parse_lines(name: &[u8], line1: &[u8], line2: &[u8], checksums: Checksums) -> Result<Read, (u8, Error)> {
     let first = parse_line1(line1).map_err(|error| (1, error))?;
     let second = parse_line2(line2).map_err(|error| (2, error))?;
     if first.norad_id != second.norad_id {
-        return Err((2, RejectReason::MixedObjects { first: first.norad_id, second: second.norad_id }));
+        return Err((
+            2,
+            Error::format(format!("line 1 is of object {}, line 2 of object {}", first.norad_id, second.norad_id)),
+        ));
     }
     let mut overlooked = false;
     for (line, text) in [(1, line1), (2, line2)] {
@@ -111,7 +111,7 @@ struct Line2 {
     revolution: u32,
 }
 
-fn parse_line1(text: &[u8]) -> Result<Line1, RejectReason> {
+fn parse_line1(text: &[u8]) -> Result<Line1, Error> {
     let line = Line { number: 1, text };
     line.check_shape(&[2, 9, 18, 33, 44, 53, 62, 64])?;
     let norad_id = line.norad_id()?;
@@ -121,16 +121,15 @@ fn parse_line1(text: &[u8]) -> Result<Line1, RejectReason> {
     let bstar = line.exponential("B*", 54, 61, false)?;
     // Ephemeris type 4 is SGP4-XP: it has the same columns, but in SGP4 its elements give errors of kilometres.
     if text[62] == b'4' {
-        return Err(RejectReason::Unsupported {
-            field: "ephemeris type",
-            text: "4".into(),
-            allowed: "0 (SGP4); 4 means SGP4-XP elements, which require another propagator",
-        });
+        return Err(Error::format(format!(
+            "unsupported ephemeris type {:?}: allowed 0 (SGP4); 4 means SGP4-XP elements, which require another propagator",
+            Quoted::new("4")
+        )));
     }
     Ok(Line1 { norad_id, designator: designator_of(line.columns(10, 17)), epoch, dot, ddot, bstar })
 }
 
-fn parse_line2(text: &[u8]) -> Result<Line2, RejectReason> {
+fn parse_line2(text: &[u8]) -> Result<Line2, Error> {
     let line = Line { number: 2, text };
     line.check_shape(&[2, 8, 17, 26, 34, 43, 52])?;
     Ok(Line2 {
@@ -158,43 +157,54 @@ impl<'a> Line<'a> {
     }
 
     /// Checks the length of the line, and that the columns between fields are blank.
-    fn check_shape(&self, blanks: &[u8]) -> Result<(), RejectReason> {
+    fn check_shape(&self, blanks: &[u8]) -> Result<(), Error> {
         let length = self.text.len();
         let ends_well = length == BODY || length == BODY + 1 || self.text.get(BODY + 1) == Some(&b' ');
         if !ends_well || length < BODY {
-            return Err(RejectReason::LineLength { line: self.number, length });
+            return Err(Error::format(format!(
+                "line {} has {length} characters, expected 69, or 68 without a checksum",
+                self.number
+            )));
         }
         for &column in blanks {
             let found = self.text[usize::from(column) - 1];
             if found != b' ' {
-                return Err(RejectReason::ShiftedColumns { line: self.number, column, found: char::from(found) });
+                return Err(Error::format(format!(
+                    "line {}: {:?} in column {column}, expected a blank: the columns are shifted",
+                    self.number,
+                    char::from(found)
+                )));
             }
         }
         Ok(())
     }
 
-    fn not_a_number(&self, field: &'static str, first: u8, last: u8) -> RejectReason {
+    fn not_a_number(&self, field: &'static str, first: u8, last: u8) -> Error {
         let text = excerpt(self.columns(first, last));
-        RejectReason::NotANumber { line: self.number, field, text, first, last }
+        Error::format(format!(
+            "line {}: {field} {:?} is not a number in columns {first}-{last}",
+            self.number,
+            Quoted::new(text)
+        ))
     }
 
-    fn norad_id(&self) -> Result<u32, RejectReason> {
+    fn norad_id(&self) -> Result<u32, Error> {
         let field = self.columns(3, 7).trim_ascii();
         parse_five_characters(field)
-            .ok_or_else(|| RejectReason::BadTleId { line: self.number, text: excerpt(self.columns(3, 7)) })
+            .ok_or_else(|| Error::format(format!("line {}: invalid catalogue number {:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O", self.number, Quoted::new(excerpt(self.columns(3, 7))))))
     }
 
     /// Parses a decimal number.
-    fn decimal(&self, field: &'static str, first: u8, last: u8) -> Result<f64, RejectReason> {
+    fn decimal(&self, field: &'static str, first: u8, last: u8) -> Result<f64, Error> {
         decimal(self.columns(first, last)).ok_or_else(|| self.not_a_number(field, first, last))
     }
 
-    fn decimal_or_zero(&self, field: &'static str, first: u8, last: u8) -> Result<f64, RejectReason> {
+    fn decimal_or_zero(&self, field: &'static str, first: u8, last: u8) -> Result<f64, Error> {
         if self.columns(first, last).trim_ascii().is_empty() { Ok(0.0) } else { self.decimal(field, first, last) }
     }
 
     /// Parses `SNNNNNSE`: a fraction with an implied leading decimal point, and a power of ten.
-    fn exponential(&self, field: &'static str, first: u8, last: u8, blank_is_zero: bool) -> Result<f64, RejectReason> {
+    fn exponential(&self, field: &'static str, first: u8, last: u8, blank_is_zero: bool) -> Result<f64, Error> {
         let text = self.columns(first, last);
         if blank_is_zero && text.trim_ascii().is_empty() {
             return Ok(0.0);
@@ -203,14 +213,14 @@ impl<'a> Line<'a> {
     }
 
     /// Parses the eccentricity: seven digits with an implied leading decimal point.
-    fn eccentricity(&self) -> Result<f64, RejectReason> {
+    fn eccentricity(&self) -> Result<f64, Error> {
         let field = self.columns(27, 33);
         // Only leading blanks are read as zeros.
         let value = epoch::digits(field.trim_ascii_start());
         value.map(|value| f64::from(value) / 1e7).ok_or_else(|| self.not_a_number("eccentricity", 27, 33))
     }
 
-    fn revolution(&self) -> Result<u32, RejectReason> {
+    fn revolution(&self) -> Result<u32, Error> {
         let field = self.columns(64, 68).trim_ascii();
         if field.is_empty() {
             return Ok(0);
@@ -219,10 +229,12 @@ impl<'a> Line<'a> {
     }
 
     /// Parses two digits of the year (57-99 are 1957-1999), the day of the year and its fraction.
-    fn epoch(&self) -> Result<Epoch, RejectReason> {
-        let bad = || RejectReason::BadEpoch {
-            text: excerpt(self.columns(19, 32)),
-            allowed: "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367",
+    fn epoch(&self) -> Result<Epoch, Error> {
+        let bad = || {
+            Error::format(format!(
+                "invalid epoch {:?}: expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367",
+                Quoted::new(excerpt(self.columns(19, 32)))
+            ))
         };
         let year = epoch::digits(self.columns(19, 20).trim_ascii()).ok_or_else(bad)? as i32;
         let year = if year < 57 { 2000 + year } else { 1900 + year };
@@ -230,11 +242,12 @@ impl<'a> Line<'a> {
         let point = field.iter().position(|&byte| byte == b'.').unwrap_or(field.len());
         let day = epoch::digits(&field[..point]).ok_or_else(bad)?;
         if day == 0 {
-            return Err(RejectReason::BadEpoch {
-                text: excerpt(self.columns(19, 32)),
-                allowed: "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367; day 0 is \
-                          31 December of the year before for some programs and an error for others",
-            });
+            return Err(Error::format(format!(
+                "invalid epoch {:?}: expected {}",
+                Quoted::new(excerpt(self.columns(19, 32))),
+                "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367; day 0 is \
+                          31 December of the year before for some programs and an error for others"
+            )));
         }
         let mut nanosecond = 0;
         if let Some(fraction) = field.get(point + 1..).filter(|fraction| !fraction.is_empty()) {
@@ -261,7 +274,7 @@ mod tests {
     const LINE1: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999";
     const LINE2: &str = "2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097";
 
-    fn read(line1: &str, line2: &str) -> Result<ElementSet, RejectReason> {
+    fn read(line1: &str, line2: &str) -> Result<ElementSet, Error> {
         parse_lines(b"0 ISS (ZARYA)  ", line1.as_bytes(), line2.as_bytes(), Checksums::Require)
             .map(|read| read.0)
             .map_err(|(_, error)| error)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::epoch;
-use super::record::RejectReason;
+use crate::error::Error;
 
 /// Length of a line without its checksum.
 pub(super) const BODY: usize = 68;
@@ -115,12 +115,16 @@ pub(super) fn checksum(text: &[u8]) -> u8 {
     (sum % 10) as u8
 }
 
-pub(super) fn verify_checksum(line: u8, text: &[u8]) -> Result<(), RejectReason> {
+pub(super) fn verify_checksum(line: u8, text: &[u8]) -> Result<(), Error> {
     let computed = checksum(text);
     match text.get(BODY) {
         None | Some(b' ') => Ok(()),
         Some(stated) if *stated == b'0' + computed => Ok(()),
-        Some(stated) => Err(RejectReason::BadChecksum { line, stated: char::from(*stated), computed }),
+        Some(stated) => {
+            let stated = char::from(*stated);
+            let sentence = format!("line {line}: checksum {stated:?} does not match the sum of the line, {computed}");
+            Err(Error::format(sentence).about("checksum"))
+        }
     }
 }
 

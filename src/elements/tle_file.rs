@@ -1,12 +1,12 @@
 //! Parser of files with TLEs, names, comments and invalid lines; writer of TLEs.
 
-use super::error::ElementsError;
-
 use super::element_set::{ElementSet, NoradId};
 use super::epoch;
-use super::record::{Parsed, RejectReason, excerpt, next_line, parse_in_chunks};
+use super::record::{Parsed, excerpt, next_line, parse_in_chunks};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::{ALPHA5, BODY, checksum};
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// Line without trailing blanks, with its offset in the text.
 type Placed<'a> = (usize, &'a [u8]);
@@ -58,7 +58,9 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
                 continue;
             }
             name_in(&mut texts, &mut parsed);
-            parsed.rejected.push((first_offset, RejectReason::LineOneAlone));
+            parsed
+                .rejected
+                .push((first_offset, Error::format("line 1 of an element set is not followed by its line 2")));
         }
         let is_data = line.len() >= DATA_LENGTH && !is_key(line);
         let is_pair = lines.peek().is_some_and(|(_, next)| next.starts_with(b"2 ") && !is_key(next));
@@ -66,14 +68,14 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
             first = Some((offset, line));
         } else if line.starts_with(b"2 ") && is_data {
             name_in(&mut texts, &mut parsed);
-            parsed.rejected.push((offset, RejectReason::LineTwoAlone));
+            parsed.rejected.push((offset, Error::format("line 2 of an element set is not preceded by its line 1")));
         } else {
             texts.push((offset, line));
         }
     }
     if let Some((offset, _)) = first {
         name_in(&mut texts, &mut parsed);
-        parsed.rejected.push((offset, RejectReason::LineOneAlone));
+        parsed.rejected.push((offset, Error::format("line 1 of an element set is not followed by its line 2")));
     } else {
         // A file that is truncated after the name of a satellite has one line at its end.
         let is_alone = texts.len() == 1;
@@ -98,7 +100,13 @@ fn reject_fragments(texts: &[Placed<'_>], is_alone: bool, parsed: &mut Parsed) {
         (line.starts_with(b"1 ") || line.starts_with(b"2 ")) && line.get(2).is_some_and(u8::is_ascii_digit)
     };
     for (offset, line) in texts.iter().filter(|(_, line)| is_part(line) || (is_alone && !ends_bulletin(line))) {
-        parsed.rejected.push((*offset, RejectReason::Stray { text: excerpt(line) }));
+        parsed.rejected.push((
+            *offset,
+            Error::format(format!(
+                "unexpected line {:?}: neither part nor name of an element set",
+                Quoted::new(excerpt(line))
+            )),
+        ));
     }
 }
 
@@ -167,9 +175,11 @@ impl<'a> Iterator for Lines<'a> {
 /// # Errors
 /// * the catalogue number is above 339,999;
 /// * a derivative, B*, the mean motion or the year of the epoch (1957-2056) does not fit its columns.
-pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
+pub fn format_tle(set: &ElementSet) -> Result<[String; 2], Error> {
     let id = format_id(set.norad_id)?;
-    let misfit = |field, value| ElementsError::TleColumns { norad_id: set.norad_id, field, value };
+    let misfit = |field, value| {
+        Error::format(format!("{field} {value} of object {} does not fit its columns in a TLE", set.norad_id))
+    };
     let (mut year, mut day, nanosecond) = epoch::to_day_of_year(set.epoch);
     let mut fraction = (nanosecond + 432_000) / 864_000;
     if fraction == 100_000_000 {
@@ -215,12 +225,15 @@ pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
     }))
 }
 
-fn format_id(norad_id: NoradId) -> Result<String, ElementsError> {
+fn format_id(norad_id: NoradId) -> Result<String, Error> {
     let (tens, rest) = (norad_id.0 / 10_000, norad_id.0 % 10_000);
     if tens < 10 {
         return Ok(format!("{:05}", norad_id.0));
     }
-    let letter = ALPHA5.get(tens as usize - 10).ok_or(ElementsError::TleId(norad_id))?;
+    let letter = ALPHA5.get(tens as usize - 10).ok_or_else(|| {
+        Error::new(ErrorKind::Invalid, format!("catalogue number {norad_id} does not fit a TLE"))
+            .allowing("up to 339999 (Alpha-5)")
+    })?;
     Ok(format!("{}{rest:04}", char::from(*letter)))
 }
 
@@ -269,7 +282,9 @@ mod tests {
         {
             assert_eq!(format_id(NoradId(id)).unwrap(), text);
         }
-        assert!(matches!(format_id(NoradId(340_000)), Err(ElementsError::TleId(NoradId(340_000)))));
+        assert!(
+            format_id(NoradId(340_000)).unwrap_err().to_string().contains("catalogue number 340000 does not fit a TLE")
+        );
     }
 
     #[test]
@@ -283,7 +298,10 @@ mod tests {
             ElementSet { epoch: hifitime::Epoch::from_gregorian_utc_at_noon(2057, 1, 1), ..good.clone() },
         ];
         for set in cases {
-            assert!(matches!(format_tle(&set), Err(ElementsError::TleColumns { .. })), "{set:?}");
+            assert!(
+                format_tle(&set).unwrap_err().to_string().ends_with("does not fit its columns in a TLE"),
+                "{set:?}"
+            );
         }
     }
 }

@@ -8,7 +8,7 @@
 
 use rayon::prelude::*;
 
-use super::error::FitError;
+use super::error;
 use super::form::{BLOCK, Form};
 use super::jackknife::TrackSets;
 use super::measurements::{Measurements, ReduceOptions};
@@ -17,6 +17,7 @@ use super::point::{FitPoint, points_of_pixels};
 use super::solve::{FitSettings, Problem};
 use super::statistics::{ResidualStatistics, aic_under, share_within, weighted_sigma_68_mag};
 use super::two_panel_form::TwoPanelForm;
+use crate::error::{Error, ErrorKind};
 use crate::photometry::{Coefficients, Earthshine};
 
 /// A form that is compared with others, and its free parameters.
@@ -86,15 +87,15 @@ impl HeldOutPoint {
 ///
 /// # Errors
 /// * the errors of [`Problem`];
-/// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
-/// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if there is no point for which all forms give a magnitude.
+/// * [`TooFewData`](ErrorKind::TooFewData) for fewer than two folds, for fewer groups than folds, and if there is no
+///   point for which all forms give a magnitude.
 pub fn compare_forms(
     forms: &[CompetingForm],
     points: &[FitPoint],
     tracks: Option<(&Measurements, ReduceOptions)>,
     settings: &FitSettings,
     folds: usize,
-) -> Result<Vec<FormScore>, FitError> {
+) -> Result<Vec<FormScore>, Error> {
     let points = common(forms.iter().map(|competing| &*competing.form), points.to_vec());
     let with_settings = |competing: &CompetingForm| {
         // A parameter that is held in one form may not exist in another.
@@ -113,13 +114,12 @@ pub fn compare_forms(
         let fit = Problem::new(*form, &points, settings)?.solve()?;
         let residuals: Vec<(f64, f64)> = held_out.iter().map(HeldOutPoint::weighted_residual).collect();
         let finite = residuals.iter().copied().filter(|(residual, _)| residual.is_finite());
-        let empty =
-            || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: competing.name.clone() };
+        let empty = || error::no_points(points.len(), &competing.name);
         Ok(FormScore {
             name: competing.name.clone(),
             parameters: competing.free.len(),
             in_sample: fit.statistics(&points).ok_or_else(empty)?,
-            held_out: ResidualStatistics::weighted(finite).ok_or(FitError::NoneUnseen { folds })?,
+            held_out: ResidualStatistics::weighted(finite).ok_or_else(|| Error::new(ErrorKind::TooFewData, format!("none of {folds} folds contains a test point: the sky pixels have too few points, or no model has a lit surface there")))?,
             aic: aic_under(settings.loss, &fit.residuals_mag, &points, competing.free.len()),
             sigma_68_mag: weighted_sigma_68_mag(&residuals),
             within_one_sigma: within_sigma_of_other_folds(&held_out),
@@ -173,7 +173,7 @@ struct Split {
 
 impl<'a> Folds<'a> {
     /// Divides single measurements into folds. Groups are assigned in the order of their numbers and never split.
-    fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, FitError> {
+    fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, Error> {
         let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
         groups.dedup();
@@ -184,13 +184,13 @@ impl<'a> Folds<'a> {
     }
 
     /// Divides the tracks (or nights) behind pixels into folds; both parts of each fold are reduced with `options`.
-    fn of_tracks(measurements: &'a Measurements, options: ReduceOptions, count: usize) -> Result<Self, FitError> {
+    fn of_tracks(measurements: &'a Measurements, options: ReduceOptions, count: usize) -> Result<Self, Error> {
         let tracks = TrackSets::new(measurements, count);
         let count = checked(count, tracks.groups)?;
         Ok(Self { of: Source::Tracks(tracks, options), count })
     }
 
-    fn split(&self, fold: usize) -> Result<Split, FitError> {
+    fn split(&self, fold: usize) -> Result<Split, Error> {
         match &self.of {
             Source::Points(points, folds) => {
                 let side = |held: bool| {
@@ -215,12 +215,17 @@ impl<'a> Folds<'a> {
     }
 }
 
-fn checked(count: usize, groups: usize) -> Result<usize, FitError> {
-    if count < 2 || groups < count { Err(FitError::Folds { groups, folds: count }) } else { Ok(count) }
+fn checked(count: usize, groups: usize) -> Result<usize, Error> {
+    if count < 2 || groups < count {
+        Err(Error::new(ErrorKind::TooFewData, format!("{groups} tracks or nights for {count} folds"))
+            .allowing("2 to the number of tracks or nights (--folds)"))
+    } else {
+        Ok(count)
+    }
 }
 
 /// Fits each form without one fold at a time and predicts that fold, on the points that all forms explain.
-fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<Vec<HeldOutPoint>>, FitError> {
+fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<Vec<HeldOutPoint>>, Error> {
     // Points of each form in each fold.
     let parts: Vec<Vec<Vec<HeldOutPoint>>> = (0..folds.count)
         .into_par_iter()
@@ -242,7 +247,7 @@ fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<V
             };
             forms.iter().map(predictions).collect()
         })
-        .collect::<Result<_, FitError>>()?;
+        .collect::<Result<_, Error>>()?;
     Ok((0..forms.len()).map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect()).collect())
 }
 
@@ -334,7 +339,7 @@ mod tests {
         let form = PhaseForm { degree: 5 };
         let settings = FitSettings::free(&["a0", "a1", "a2", "a3", "a4", "a5"]);
         let points = points_of_pixels(&reduce(&seen.points, options()).expect("pixels"));
-        let held_out = |folds: Result<Folds, FitError>| {
+        let held_out = |folds: Result<Folds, Error>| {
             let held =
                 cross_validate(&[(&form, settings.clone())], &folds.expect("folds")).expect("predictions").remove(0);
             rms(&held.iter().map(HeldOutPoint::residual_mag).collect::<Vec<_>>())
@@ -361,7 +366,8 @@ mod tests {
         // Pixels that two tracks share are counted for both.
         assert!((whole.len()..whole.len() + 6).contains(&held_out), "{held_out} {}", whole.len());
         for count in [0, 1, 7] {
-            assert!(matches!(Folds::of_tracks(&seen, options(), count), Err(FitError::Folds { groups: 6, .. })));
+            let error = Folds::of_tracks(&seen, options(), count).err().map(|error| error.to_string());
+            assert!(error.is_some_and(|error| error.contains("6 tracks or nights for ")));
         }
     }
 

@@ -20,11 +20,12 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use super::error::FitError;
+use super::error;
 use super::form::Form;
 use super::measurements::{Measurement, Measurements, ReduceOptions, Reducer, Reduction};
 use super::point::points_of_pixels;
 use super::solve::{Fit, FitSettings, Problem};
+use crate::error::{Error, ErrorKind};
 
 /// Seed of the random assignment of tracks to sets. It is random because adjacent tracks of a file share a night and
 /// its geometry.
@@ -40,9 +41,9 @@ const CHUNK: usize = 1 << 16;
 /// depend on the number of threads.
 ///
 /// # Errors
-/// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
-/// * [`FitError::Setting`] for invalid options;
-/// * [`FitError::NoMinimum`] if a descent does not reach a finite cost;
+/// * [`TooFewData`](ErrorKind::TooFewData) unless there are more sets than free parameters and at least as many groups as sets;
+/// * invalid options;
+/// * a descent does not reach a finite cost;
 /// * the errors of [`Problem::new`] if the remaining tracks give too few pixels.
 pub fn jackknife(
     form: &dyn Form,
@@ -51,10 +52,14 @@ pub fn jackknife(
     fit: &Fit,
     settings: &FitSettings,
     sets: usize,
-) -> Result<Vec<Vec<f64>>, FitError> {
+) -> Result<Vec<Vec<f64>>, Error> {
     let tracks = TrackSets::new(measurements, sets);
     if sets <= fit.free.len() || tracks.groups < sets {
-        return Err(FitError::Sets { sets, groups: tracks.groups, free: fit.free.len() });
+        return Err(Error::new(
+            ErrorKind::TooFewData,
+            format!("number of sets is {sets} for {} groups of points (tracks, nights)", tracks.groups),
+        )
+        .allowing(format!("more than the {} free parameters, at most the number of groups", fit.free.len())));
     }
     let values = fit.values();
     let start: Vec<f64> = fit.free.iter().map(|&i| values[i]).collect();
@@ -62,9 +67,9 @@ pub fn jackknife(
         let pixels = tracks.reduced(options, |other| other != set)?;
         let problem = Problem::new(form, &points_of_pixels(&pixels), settings)?;
         let minimum = problem.descend(&start);
-        if minimum.cost.is_finite() { Ok(minimum.x) } else { Err(FitError::NoMinimum { starts: 1 }) }
+        if minimum.cost.is_finite() { Ok(minimum.x) } else { Err(error::no_minimum(1)) }
     };
-    let replicas = (0..sets).into_par_iter().map(without).collect::<Result<Vec<Vec<f64>>, FitError>>()?;
+    let replicas = (0..sets).into_par_iter().map(without).collect::<Result<Vec<Vec<f64>>, Error>>()?;
 
     let per_set = 1.0 / sets as f64;
     let mean = |k: usize| replicas.iter().map(|replica| replica[k]).sum::<f64>() * per_set;
@@ -109,8 +114,8 @@ impl<'a> TrackSets<'a> {
     /// Reduces the measurements of the sets that `selected` accepts.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for invalid options.
-    pub fn reduced(&self, options: ReduceOptions, selected: impl Fn(usize) -> bool) -> Result<Reduction, FitError> {
+    /// Invalid options.
+    pub fn reduced(&self, options: ReduceOptions, selected: impl Fn(usize) -> bool) -> Result<Reduction, Error> {
         let mut reducer = Reducer::new(options)?;
         let is_selected = |point: &&Measurement| selected(self.set_of_group[point.group as usize]);
         for chunk in self.measurements.points.chunks(CHUNK) {
@@ -244,7 +249,11 @@ mod tests {
         let fit = Problem::new(&SphereForm, &points, &settings).and_then(|problem| problem.solve()).expect("a fit");
         for sets in [0, 1, 241] {
             let refused = jackknife(&SphereForm, &seen, coarse(DensityMode::Kernel), &fit, &settings, sets);
-            assert!(matches!(refused, Err(FitError::Sets { groups: 240, free: 1, .. })), "{sets}: {refused:?}");
+            let text = refused.unwrap_err().to_string();
+            assert!(
+                text.contains(" for 240 groups of points (tracks, nights); allowed: more than the 1 free"),
+                "{sets}: {text}"
+            );
         }
     }
 

@@ -4,7 +4,6 @@
 //! Sun's latitude, the panel offset of table 2; its coefficients are those of a model file, with an assumed gloss of
 //! the solar array. Photometry that is simulated with it shows what the method of the paper recovers.
 
-use super::error::FitError;
 use super::jackknife::jackknife;
 use super::measurements::{Measurement, Measurements, ReduceOptions, Reduction, reduce};
 use super::paper_tests::{COEFFICIENTS, LayerOffset, PairedModels, PaperTests, paper_tests};
@@ -14,11 +13,11 @@ use super::solve::{Fit, FitSettings, Problem};
 use super::statistics::rms;
 use super::two_panel_form::TwoPanelForm;
 use super::{CovarianceKind, RawWeights, points_of_measurements, predict};
+use crate::error::{Error, ErrorKind};
 use crate::geometry::ViewingGeometry;
+use crate::message::Quoted;
 use crate::output::{Column, Kind, Table};
-use crate::photometry::{
-    BrightnessModel, Coefficients, Earthshine, ModelFile, PANEL_OFFSET, PhotometryError, StandardMagnitude,
-};
+use crate::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, PANEL_OFFSET, StandardMagnitude};
 
 /// Layer of the Sun's latitude in table 2 of the paper.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -72,8 +71,8 @@ impl Lu2024Truth {
     /// Creates a satellite with sizes and coefficients of a two-panel model file.
     ///
     /// # Errors
-    /// [`PhotometryError`] if the file has no two panels.
-    pub fn new(base: &ModelFile) -> Result<Self, PhotometryError> {
+    /// The file has no two panels.
+    pub fn new(base: &ModelFile) -> Result<Self, Error> {
         let mut file = base.clone();
         file.covariance = None;
         if let Some(c) = &mut file.coefficients {
@@ -87,11 +86,11 @@ impl Lu2024Truth {
             BrightnessModel::from_file(file, "simulated satellite")
         };
         let layers = PUBLISHED_LAYERS.iter().map(|layer| Ok((layer.from_deg, model(layer.panel_offset_deg)?)));
-        let layers = layers.collect::<Result<_, PhotometryError>>()?;
+        let layers = layers.collect::<Result<_, Error>>()?;
         let mean_deg = PUBLISHED_LAYERS.iter().map(|layer| layer.panel_offset_deg).sum::<f64>() / 10.0;
-        let coefficients = file.coefficients.ok_or_else(|| PhotometryError::UnknownModel {
-            given: base.name.clone(),
-            known: "models of two panels".to_owned(),
+        let coefficients = file.coefficients.ok_or_else(|| {
+            Error::new(ErrorKind::Invalid, format!("unknown model '{}'", Quoted::new(&base.name)))
+                .allowing("models of two panels")
         })?;
         Ok(Self { coefficients, layers, outside: model(mean_deg)? })
     }
@@ -142,7 +141,7 @@ pub fn lu2024(
     measurements: &Measurements,
     options: ReduceOptions,
     each: &dyn Fn(),
-) -> Result<Lu2024, FitError> {
+) -> Result<Lu2024, Error> {
     let pixels = reduce(&measurements.points, options)?;
     let inside = within(measurements, SLICE_DEG);
     let slice = (!inside.points.is_empty())
@@ -202,12 +201,12 @@ fn fitted_with_errors(
     measurements: &Measurements,
     options: ReduceOptions,
     settings: &FitSettings,
-) -> Result<Fit, FitError> {
+) -> Result<Fit, Error> {
     let points = points_of_pixels(&reduce(&measurements.points, options)?);
     let fit = Problem::new(form, &points, settings)?.solve()?;
     match jackknife(form, measurements, options, &fit, settings, SETS) {
         Ok(covariance) => Ok(fit.with_covariance(covariance, CovarianceKind::Jackknife)),
-        Err(FitError::Sets { .. } | FitError::TooFew { .. } | FitError::NoPoints { .. }) => Ok(fit),
+        Err(error) if error.kind() == ErrorKind::TooFewData => Ok(fit),
         Err(error) => Err(error),
     }
 }

@@ -78,7 +78,6 @@ mod two_panel_form;
 mod two_panel_kernel;
 
 pub use covariance::FitUncertainty;
-pub use error::FitError;
 pub use form::{Form, Parameter};
 pub use inference::Chain;
 pub use objective::{Loss, Objective};

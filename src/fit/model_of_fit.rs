@@ -1,7 +1,8 @@
 //! Model file made from a fit.
 
+use crate::error::Error;
 use crate::geometry::ViewingGeometry;
-use crate::photometry::{GeometryRange, ModelFile, PANEL_OFFSET, PhotometryError, Provenance};
+use crate::photometry::{GeometryRange, ModelFile, PANEL_OFFSET, Provenance};
 
 use super::paper_tests::COEFFICIENTS;
 use super::point::FitPoint;
@@ -41,7 +42,7 @@ pub struct ModelDescription {
 /// median of the residuals is 0. Sigma is the half width about the median that contains 68.3 % of the weight.
 ///
 /// # Errors
-/// [`PhotometryError`] if a number is outside the limits of model files.
+/// A number is outside the limits of model files.
 pub fn model_file(
     base: &ModelFile,
     fit: &Fit,
@@ -49,7 +50,7 @@ pub fn model_file(
     rms_mag: f64,
     singles: &[(f64, f64)],
     description: &ModelDescription,
-) -> Result<ModelFile, PhotometryError> {
+) -> Result<ModelFile, Error> {
     let index = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
     let mut order: Vec<usize> = base
         .parameters()

@@ -1,7 +1,7 @@
 //! Three tests that Lu (2024, section 4) makes before the final model: does the panel offset depend on the Sun's
 //! latitude, is the glossy lobe of the solar array needed, and is earthshine needed?
 
-use super::error::FitError;
+use crate::error::Error;
 use crate::photometry::{Earthshine, PANEL_OFFSET};
 
 use super::objective::Loss;
@@ -70,7 +70,7 @@ pub fn paper_tests(
     points: &[FitPoint],
     settings: &FitSettings,
     layer_deg: f64,
-) -> Result<PaperTests, FitError> {
+) -> Result<PaperTests, Error> {
     // Parameters that are held in the settings remain held unless a test varies or sets them.
     let free = |names: &[&str], set: &[&str]| {
         let is_held = |name: &str| settings.held.iter().any(|(held, _)| held == name);

@@ -10,10 +10,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde::{Deserialize, Serialize};
 
-use super::error::FitError;
 use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};
 use super::objective::Objective;
 use super::solve::Fit;
+use crate::error::{Error, ErrorKind};
 use crate::input;
 use crate::math::quantile::quantile;
 use crate::output::AtomicFile;
@@ -98,14 +98,14 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
 /// after every step and may save the chain.
 ///
 /// # Errors
-/// [`FitError::Walkers`] for an invalid number of walkers, and any error that `each` returns.
+/// An invalid number of walkers, and any error that `each` returns.
 pub fn draw(
     objective: &Objective,
     fit: &Fit,
     settings: &PosteriorSettings,
     resumed: Option<Chain>,
-    mut each: impl FnMut(&Chain) -> Result<(), FitError>,
-) -> Result<Chain, FitError> {
+    mut each: impl FnMut(&Chain) -> Result<(), Error>,
+) -> Result<Chain, Error> {
     let mut ensemble = match resumed {
         Some(chain) if chain.steps() > 0 => Ensemble::resume(objective, chain, settings.seed)?,
         _ => Ensemble::new(objective, starting_positions(fit, settings), settings.seed)?,
@@ -192,9 +192,9 @@ const META: &str = "# meta: ";
 /// Writes a chain to an ECSV file, with as many digits as the numbers have.
 ///
 /// # Errors
-/// [`FitError::ChainFile`] for any error of the operating system; an older file is then unchanged.
-pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), FitError> {
-    let failed = |error: io::Error| FitError::ChainFile { path: path.to_owned(), problem: error.to_string() };
+/// An error of the operating system; an older file is then unchanged.
+pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), Error> {
+    let failed = |error: io::Error| Error::system(error).in_file("chains", path);
     let file = AtomicFile::new(path).map_err(failed)?;
     let mut out = BufWriter::new(file.file());
     write_table(&mut out, chain, about).and_then(|()| out.flush()).map_err(failed)?;
@@ -235,9 +235,9 @@ fn columns(about: &ChainAbout) -> Vec<&str> {
 /// Reads a chain from a file of [`write_chain`].
 ///
 /// # Errors
-/// [`FitError::ChainFile`] if the file is missing, truncated or invalid.
-pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
-    let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
+/// The file is missing, truncated or invalid.
+pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), Error> {
+    let failed = |problem: String| Error::new(ErrorKind::File, problem).in_file("chains", path);
     let text = input::read_to_string(path).map_err(|error| failed(error.to_string()))?;
     let meta = text.lines().take_while(|line| line.starts_with('#')).find_map(|line| line.strip_prefix(META));
     let meta = meta.and_then(|meta| serde_json::from_str::<ChainMeta>(meta).ok());

@@ -22,13 +22,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use rayon::prelude::*;
 
-use super::error::FitError;
 use super::measurements::{Record, Records, Sighting};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, History, NoradId};
-use crate::frames::{
-    EopTable, FramesError, Gcrs, Orientation, OrientationTable, Position, epoch_from_mjd, mjd_utc, seconds_after,
-};
+use crate::error::Error;
+use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, epoch_from_mjd, mjd_utc, seconds_after};
 use crate::geometry::{Site, SunTable, ViewingGeometry, sunlit_by_100_km_rule};
 use crate::orbit::Propagator;
 use crate::photometry::StandardMagnitude;
@@ -125,14 +123,14 @@ pub struct Simulation {
 /// `each_night` is called after every night, from any thread.
 ///
 /// # Errors
-/// [`FitError::Setting`] if a night is outside the years of the time scales.
+/// A night is outside the years of the time scales.
 pub fn simulate(
     law: &MagnitudeLaw<'_>,
     site: &Site,
     history: &History,
     options: &SimulationOptions,
     each_night: &(dyn Fn() + Sync),
-) -> Result<Simulation, FitError> {
+) -> Result<Simulation, Error> {
     let objects: Vec<&[ElementSet]> = history.objects().collect();
     let nights: Vec<Vec<(TrackTruth, Vec<Record>)>> = (0..options.nights)
         .into_par_iter()
@@ -141,11 +139,9 @@ pub fn simulate(
             each_night();
             tracks
         })
-        .collect::<Result<_, FramesError>>()
-        .map_err(|error| FitError::Setting {
-            name: "first_night",
-            given: format!("{}: {error}", options.first_night),
-            allowed: "nights from 1900 to 2200",
+        .collect::<Result<_, Error>>()
+        .map_err(|error| {
+            Error::invalid("first_night", format!("{}: {error}", options.first_night), "nights from 1900 to 2200")
         })?;
     let mut simulation = Simulation::default();
     simulation.records.sites.push(site.clone());
@@ -185,7 +181,7 @@ struct Night<'o> {
 }
 
 impl<'o> Night<'o> {
-    fn new(number: u32, options: &'o SimulationOptions, site: &'o Site) -> Result<Self, FramesError> {
+    fn new(number: u32, options: &'o SimulationOptions, site: &'o Site) -> Result<Self, Error> {
         let east_days = site.longitude_rad / TAU;
         let day =
             (mjd_utc(options.first_night) + east_days).floor() + f64::from(number) * f64::from(options.night_step_days);

@@ -4,12 +4,14 @@ use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 
 use super::covariance::{CovarianceKind, FitUncertainty, uncertainty};
-use super::error::FitError;
+use super::error;
 use super::form::{Form, Parameter, Prepared};
 use super::inference::{LeastSquares, Minimum, Stop, minimise};
 use super::objective::{Loss, Objective};
 use super::point::{FitPoint, weigh};
 use super::statistics::{ResidualStatistics, group_correlation};
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// Settings of a fit.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -73,15 +75,18 @@ impl Problem {
     /// Checks the points, drops those for which the form gives no magnitude, and prepares the form.
     ///
     /// # Errors
-    /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::NoPoints`], [`FitError::TooFew`].
-    pub fn new(form: &dyn Form, points: &[FitPoint], settings: &FitSettings) -> Result<Self, FitError> {
+    /// A parameter is unknown, a magnitude or its error is invalid, or there are too few points
+    /// ([`TooFewData`](ErrorKind::TooFewData)).
+    pub fn new(form: &dyn Form, points: &[FitPoint], settings: &FitSettings) -> Result<Self, Error> {
         let mut parameters = form.parameters();
         let names: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
         let index = |name: &String| {
-            names.iter().position(|known| known == name).ok_or_else(|| FitError::Parameter {
-                given: name.clone(),
-                form: form.name(),
-                allowed: names.join(", "),
+            names.iter().position(|known| known == name).ok_or_else(|| {
+                Error::new(
+                    ErrorKind::Invalid,
+                    format!("unknown parameter {:?} of the model {}", Quoted::new(name), form.name()),
+                )
+                .allowing(names.join(", "))
             })
         };
         for (name, value) in &settings.held {
@@ -91,7 +96,9 @@ impl Problem {
         free.sort_unstable();
         free.dedup();
         for (index, point) in points.iter().enumerate() {
-            let wrong = |quantity, given, allowed| FitError::Point { index, quantity, given, allowed };
+            let wrong = |quantity, given, allowed| {
+                Error::new(ErrorKind::Invalid, format!("point {index}: {quantity} is {given}")).allowing(allowed)
+            };
             if !(point.sigma_mag > 0.0 && point.sigma_mag.is_finite()) {
                 return Err(wrong("sigma_mag", point.sigma_mag, "a positive number"));
             }
@@ -105,11 +112,11 @@ impl Problem {
         let mut prepared = form.prepare(points);
         let kept: Vec<usize> = (0..points.len()).filter(|&i| prepared.explains(i)).collect();
         if kept.is_empty() {
-            return Err(FitError::NoPoints { given: points.len(), unexplained: points.len(), form: form.name() });
+            return Err(error::no_points(points.len(), &form.name()));
         }
         if kept.len() <= free.len() {
             let names = free.iter().map(|&i| parameters[i].name.as_str()).collect::<Vec<_>>().join(", ");
-            return Err(FitError::TooFew { points: kept.len(), free: free.len(), names, least: free.len() + 1 });
+            return Err(error::too_few(kept.len(), free.len(), &names, free.len() + 1));
         }
         let explained: Vec<FitPoint> = kept.iter().map(|&i| points[i]).collect();
         if kept.len() < points.len() {
@@ -171,14 +178,14 @@ impl Problem {
     /// Minimises the cost from every starting point that the form proposes, and returns the best minimum.
     ///
     /// # Errors
-    /// [`FitError::NoMinimum`] if no descent reaches a finite cost.
-    pub fn solve(&self) -> Result<Fit, FitError> {
+    /// No descent reaches a finite cost.
+    pub fn solve(&self) -> Result<Fit, Error> {
         let starts = self.objective().starts();
         let mut ends: Vec<Minimum> = starts.iter().map(|start| self.descend(start)).collect();
         let costs: Vec<f64> = ends.iter().map(|end| end.cost).collect();
         ends.retain(|end| end.cost.is_finite());
         let best = ends.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
-        best.map(|best| self.fit_at(best, costs)).ok_or(FitError::NoMinimum { starts: starts.len() })
+        best.map(|best| self.fit_at(best, costs)).ok_or_else(|| error::no_minimum(starts.len()))
     }
 
     /// Returns the fit, with its uncertainty, at a minimum.
@@ -214,7 +221,7 @@ impl Problem {
 ///
 /// # Errors
 /// The errors of [`Problem::new`] and [`Problem::solve`].
-pub fn weigh_groups(form: &dyn Form, points: &mut [FitPoint], settings: &FitSettings) -> Result<f64, FitError> {
+pub fn weigh_groups(form: &dyn Form, points: &mut [FitPoint], settings: &FitSettings) -> Result<f64, Error> {
     let fit = Problem::new(form, points, settings)?.solve()?;
     let groups: Vec<u32> = fit.kept.iter().map(|&index| points[index].group).collect();
     let correlation = group_correlation(&fit.residuals_mag, &groups);

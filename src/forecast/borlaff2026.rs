@@ -3,15 +3,15 @@
 
 use hifitime::Epoch;
 
-use super::error::ForecastError;
 use super::reproduce::Reproduced;
 use super::trail_statistics::{Mean, TrailRequest, TrailStatistics, trail_statistics};
 use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, NoradId};
+use crate::error::{Error, ErrorKind};
 use crate::frames::seconds_after;
 use crate::geometry::{EarthLimb, PointingLimits};
 use crate::output::format_utc;
-use crate::passes::{Field, OrbitingObserver, Sky, SkyError};
+use crate::passes::{Field, OrbitingObserver, Sky};
 use crate::photometry::PhotometryOptions;
 
 /// NORAD catalogue number of SPHEREx.
@@ -105,13 +105,13 @@ const MISSIONS: [Mission; 4] = [
 /// SPHEREx.
 ///
 /// # Errors
-/// [`ForecastError::NoOrbit`] if an element set is missing; otherwise the errors of [`trail_statistics`].
+/// An element set is missing; otherwise the errors of [`trail_statistics`].
 pub fn borlaff2026(
     sky: &Sky,
     start: Epoch,
     pointings: usize,
     seed: u64,
-) -> Result<(Vec<Reproduced>, TrailStatistics), ForecastError> {
+) -> Result<(Vec<Reproduced>, TrailStatistics), Error> {
     let mut rows = Vec::new();
     let mut of_spherex = TrailStatistics::default();
     for mission in &MISSIONS {
@@ -139,14 +139,20 @@ pub fn borlaff2026(
 }
 
 impl Mission {
-    fn observer(&self, elements: &[ElementSet]) -> Result<OrbitingObserver, ForecastError> {
+    fn observer(&self, elements: &[ElementSet]) -> Result<OrbitingObserver, Error> {
         let (object, norad_id) = self.orbit;
         let set = elements.iter().find(|set| set.norad_id == NoradId(norad_id));
-        let set = set.ok_or(ForecastError::NoOrbit { object, norad_id })?;
+        let set = set.ok_or_else(|| {
+            Error::new(
+                ErrorKind::Missing,
+                format!("the elements have no element set of {object} ({norad_id}), whose orbit is used"),
+            )
+            .allowing("a catalogue with it, or a file with its element set in addition")
+        })?;
         let set = self.height_km.map_or_else(|| set.clone(), |height_km| sun_synchronous(set, height_km));
         let [zenith, sun, limb] = self.limits_deg.map(|limit_deg| limit_deg.map(f64::to_radians));
         let limits = PointingLimits { max_zenith_angle_rad: zenith, min_sun_angle_rad: sun, min_limb_angle_rad: limb };
-        let failed = |reason| SkyError::Observer { observer: self.name.to_owned(), reason };
+        let failed = |reason| crate::passes::no_observer(self.name, &reason);
         Ok(OrbitingObserver::new(&set, EarthLimb::default()).map_err(failed)?.with_limits(limits))
     }
 

@@ -2,9 +2,10 @@
 
 use hifitime::Epoch;
 
-use super::error::ForecastError;
 use super::selection::Selection;
+use super::selection::empty_selection;
 use crate::elements::ElementSet;
+use crate::error::Error;
 use crate::frames::utc_jd;
 use crate::orbit::LeftOut;
 use crate::output::{Column, Kind, Table, TableField, Value};
@@ -28,10 +29,10 @@ impl EphemerisRequest {
     /// Returns the earliest and the latest time.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] if there are no times.
-    pub fn span(&self) -> Result<(Epoch, Epoch), ForecastError> {
+    /// There are no times.
+    pub fn span(&self) -> Result<(Epoch, Epoch), Error> {
         let times = || self.times.iter().copied();
-        let none = || ForecastError::OutOfRange { what: "number of times", given: 0.0, unit: "", allowed: "1 or more" };
+        let none = || Error::invalid("number of times", format_args!("{}", 0.0), "1 or more");
         times().min().zip(times().max()).ok_or_else(none)
     }
 }
@@ -49,15 +50,14 @@ pub struct Ephemeris {
 /// Computes the topocentric positions of the selected satellites.
 ///
 /// # Errors
-/// [`ForecastError::EmptySelection`] if no satellite is selected; [`ForecastError::Sky`] if a lowest altitude is given
-/// for an observer in orbit; the errors of [`Sky::ephemeris`].
-pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, ForecastError> {
+/// No satellite is selected; a lowest altitude is given for an observer in orbit; the errors of [`Sky::ephemeris`].
+pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, Error> {
     let selected = request.selection.among(sky.elements());
     let is_selected = |index: &usize| selected.contains(&sky.elements()[*index]);
     let indices: Vec<usize> = (0..sky.elements().len()).filter(is_selected).collect();
     if indices.is_empty() {
         let (satellites, selection) = (sky.elements().len(), request.selection.description());
-        return Err(ForecastError::EmptySelection { satellites, selection });
+        return Err(empty_selection(satellites, &selection));
     }
     let (mut points, left_out) = sky.ephemeris(&indices, &request.times, Some(&request.photometry))?;
     if let Some(lowest_rad) = request.min_altitude_rad {

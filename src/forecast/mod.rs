@@ -22,7 +22,6 @@
 
 mod borlaff2026;
 mod ephemeris;
-mod error;
 mod exports;
 mod outlook;
 mod pass_table;
@@ -33,7 +32,6 @@ mod statistics;
 mod trail_statistics;
 
 pub use ephemeris::{Ephemeris, EphemerisRequest, EphemerisRow, ephemeris};
-pub use error::ForecastError;
 pub use outlook::{Forecast, Night, forecast};
 pub use request::{ForecastRequest, PassOrder};
 pub use selection::Selection;

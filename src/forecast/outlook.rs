@@ -6,17 +6,18 @@ use std::collections::HashSet;
 
 use hifitime::{Epoch, TimeScale};
 
-use super::error::ForecastError;
 use super::pass_table::PassRow;
 use super::request::{ForecastRequest, PassOrder};
 use super::selection::Selection;
+use super::selection::empty_selection;
 use crate::constants::DAY_S;
 use crate::elements::ElementSet;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{EphemerisCoverage, LeftOut, OrbitError};
+use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
-use crate::passes::{BrightnessLimit, Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
+use crate::passes::{BrightnessLimit, Sky, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
 
 /// Sampling interval of the Sun's altitude, seconds; the altitude changes by at most 0.25° in this time.
@@ -43,10 +44,9 @@ impl Night {
     /// Finds the dark intervals from `start` to `end` at the site of a sky. `end` must not be before `start`.
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit.
-    pub fn over(sky: &Sky, start: Epoch, end: Epoch, max_sun_altitude_rad: Option<f64>) -> Result<Self, SkyError> {
-        let observer =
-            sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
+    /// The observer is in orbit.
+    pub fn over(sky: &Sky, start: Epoch, end: Epoch, max_sun_altitude_rad: Option<f64>) -> Result<Self, Error> {
+        let observer = sky.viewpoint().required_site()?;
         let (orientation, sun) = (sky.orientation_over(start, end), SunTable::new(start, end));
         let span_s = seconds_between(start, end).max(0.0);
         let altitude_rad = |time_s: f64| observer.sun_altitude_rad(&orientation, &sun, time_s);
@@ -107,12 +107,12 @@ const UNCERTAIN_S: f64 = 60.0;
 /// # Errors
 /// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the planetary
 /// ephemerides.
-pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, ForecastError> {
+pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, Error> {
     request.check()?;
     let satellites = sky.elements().len();
     let selected = selection.among(sky.elements());
     if selected.is_empty() {
-        return Err(ForecastError::EmptySelection { satellites, selection: selection.description() });
+        return Err(empty_selection(satellites, &selection.description()));
     }
     let night = Night::over(sky, request.start, request.end, request.max_sun_altitude_rad)?;
     let mut found = sky.visible_passes(
@@ -190,7 +190,7 @@ impl Forecast {
 
     /// Returns the number of satellites whose passes are unknown, because their elements are too old.
     pub fn unknown(&self) -> usize {
-        let is_unknown = |satellite: &&LeftOut| matches!(satellite.reason, OrbitError::Unknown { .. });
+        let is_unknown = |satellite: &&LeftOut| satellite.reason.kind() == ErrorKind::UnknownPosition;
         self.found.left_out.iter().filter(is_unknown).count()
     }
 

@@ -4,9 +4,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use hifitime::Epoch;
 
-use super::error::ForecastError;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
-use crate::elements::{Constellation, ElementsError, Shell};
+use crate::elements::{Constellation, Shell};
+use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
@@ -93,7 +93,7 @@ const BASSA2022_REASON: &str =
 ///
 /// # Errors
 /// Never for the built-in shells.
-pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ElementsError> {
+pub fn lu2024b_constellations() -> Result<Vec<Constellation>, Error> {
     Constellation::from_toml(LU2024B_SHELLS)
 }
 
@@ -110,7 +110,7 @@ pub fn hu2022(
     field: &Field,
     is_first_visits: bool,
     assumed: &str,
-) -> Result<Vec<Reproduced>, ForecastError> {
+) -> Result<Vec<Reproduced>, Error> {
     let crossings = sky.field_passes(exposures, field, &PassOptions::default())?;
     let streaked = crossings.by_exposure.iter().filter(|passes| !passes.is_empty()).count() as f64;
     let visits = exposures.len() as f64;
@@ -143,7 +143,7 @@ pub fn lu2024b(
     min_altitude_rad: f64,
     is_lu2024b: bool,
     assumed: &str,
-) -> Result<Reproduced, ForecastError> {
+) -> Result<Reproduced, Error> {
     let (mut lit, mut bright) = (0.0_f64, 0.0_f64);
     for moment in moments {
         let (seen, _) = sky.snapshots(*moment, &[0.0], &SnapshotOptions::all_above(min_altitude_rad))?;
@@ -181,7 +181,7 @@ pub fn bassa2022(
     start: Epoch,
     min_altitude_rad: f64,
     assumed: &str,
-) -> Result<Reproduced, ForecastError> {
+) -> Result<Reproduced, Error> {
     const MOMENTS: usize = 144;
     let mut seen = 0.0;
     for moment in 0..MOMENTS {

@@ -2,8 +2,8 @@
 
 use hifitime::Epoch;
 
-use super::error::ForecastError;
 use crate::constants::DAY_S;
+use crate::error::Error;
 use crate::frames::seconds_between;
 use crate::photometry::PhotometryOptions;
 
@@ -86,12 +86,14 @@ impl ForecastRequest {
     /// Checks the ranges of all numbers.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] for the first number that is out of range.
-    pub fn check(&self) -> Result<(), ForecastError> {
+    /// The first number that is out of range.
+    pub fn check(&self) -> Result<(), Error> {
         let days = seconds_between(self.start, self.end) / DAY_S;
         // Values are rounded to 1e-9 deg, because the conversion to radians and back changes the last digits.
         let degrees = |radians: f64| (radians.to_degrees() * 1e9).round() / 1e9;
-        let out_of_range = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+        let out_of_range = |what: &str, given: f64, unit: &str, allowed: &str| {
+            Err(Error::invalid(what, format_args!("{given}{unit}"), allowed))
+        };
         if !(0.0..=LONGEST_DAYS).contains(&days) {
             return out_of_range(
                 "length of the requested interval",

@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use crate::elements::{ElementSet, Generation, GenerationTable, NoradId};
+use crate::error::{Error, ErrorKind};
 
 /// Names of well-known objects that no catalogue uses, in lower case, with the NORAD number. A station is selected by its
 /// main module.
@@ -43,6 +44,14 @@ impl Selected {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+}
+
+/// No satellite matches the selection.
+pub(super) fn empty_selection(satellites: usize, selection: &str) -> Error {
+    let sentence = format!("none of the {satellites} satellites has {selection}");
+    Error::new(ErrorKind::Invalid, sentence).allowing(
+        "a selection of at least one satellite (modules and docked spacecraft belong to their station: 25544 ISS, 48274 CSS)",
+    )
 }
 
 /// Returns the satellites that a text selects by the first rule of [`Selection::names`] that selects any.

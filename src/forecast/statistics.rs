@@ -19,13 +19,13 @@ use std::f64::consts::{PI, TAU};
 
 use hifitime::{Epoch, TimeScale};
 
-use super::error::ForecastError;
 use crate::constants::LONGEST_EXPOSURE_S;
+use crate::error::Error;
 use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
 use crate::output::{Column, Kind, Table, Value};
-use crate::passes::{SatelliteSnapshot, SatelliteTrack, Sky, SkyError, SnapshotOptions, intervals_where};
+use crate::passes::{SatelliteSnapshot, SatelliteTrack, Sky, SnapshotOptions, intervals_where};
 use crate::photometry::PhotometryOptions;
 
 /// Magnitudes for which brighter satellites are counted.
@@ -102,11 +102,11 @@ pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
 ///
 /// # Errors
 /// A number is out of range, the observer is in orbit, or the time is outside the planetary ephemerides.
-pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, ForecastError> {
+pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, Error> {
     request.check()?;
     // Positions along the orbit need not be known: only numbers of satellites are computed.
     let sky = &sky.clone().with_elements_of_any_age();
-    let observer = sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
+    let observer = sky.viewpoint().required_site()?;
     let (mut counts, mut missed, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
     let moments = moments_of(sky, observer, request);
     for &sun_rad in &request.sun_altitudes_rad {
@@ -134,8 +134,10 @@ pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, F
 }
 
 impl StatisticsRequest {
-    fn check(&self) -> Result<(), ForecastError> {
-        let out_of_range = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+    fn check(&self) -> Result<(), Error> {
+        let out_of_range = |what: &str, given: f64, unit: &str, allowed: &str| {
+            Err(Error::invalid(what, format_args!("{given}{unit}"), allowed))
+        };
         let bad = |angles: &[f64], from: f64, to: f64| {
             angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()))
         };

@@ -13,13 +13,13 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::error::ForecastError;
 use crate::constants::LONGEST_EXPOSURE_S;
 use crate::elements::ElementSet;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
 use crate::output::{Column, Kind, Table, Value};
-use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, SkyError};
+use crate::passes::{Exposure, Field, Pass, PassOptions, Sky};
 use crate::photometry::PhotometryOptions;
 
 /// Number of samples of the bootstrap.
@@ -137,7 +137,7 @@ pub struct Mean {
 /// # Errors
 /// A number is out of range, the observer is not in orbit, its position cannot be computed, or the limits allow no
 /// pointing.
-pub fn trail_statistics(sky: &Sky, request: &TrailRequest<'_>) -> Result<TrailStatistics, ForecastError> {
+pub fn trail_statistics(sky: &Sky, request: &TrailRequest<'_>) -> Result<TrailStatistics, Error> {
     request.check()?;
     // Positions along the orbit need not be known: only numbers of satellites are computed.
     let sky = &sky.clone().with_elements_of_any_age();
@@ -171,8 +171,10 @@ pub fn trail_statistics(sky: &Sky, request: &TrailRequest<'_>) -> Result<TrailSt
 }
 
 impl TrailRequest<'_> {
-    fn check(&self) -> Result<(), ForecastError> {
-        let out_of_range = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+    fn check(&self) -> Result<(), Error> {
+        let out_of_range = |what: &str, given: f64, unit: &str, allowed: &str| {
+            Err(Error::invalid(what, format_args!("{given}{unit}"), allowed))
+        };
         if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.exposure_s) {
             return out_of_range("exposure", self.exposure_s, " s", "0 to 86400 s");
         }
@@ -189,16 +191,18 @@ impl TrailRequest<'_> {
 }
 
 /// Draws exposures until enough of them are allowed; returns these, and the share of the allowed ones.
-fn random_exposures(sky: &Sky, request: &TrailRequest<'_>) -> Result<(Vec<Exposure>, f64), ForecastError> {
-    let observer =
-        sky.viewpoint().orbit().ok_or_else(|| ForecastError::NotInOrbit { observer: sky.viewpoint().name() })?;
+fn random_exposures(sky: &Sky, request: &TrailRequest<'_>) -> Result<(Vec<Exposure>, f64), Error> {
+    let observer = sky.viewpoint().orbit().ok_or_else(|| {
+        Error::new(ErrorKind::Invalid, format!("{} is not in orbit", sky.viewpoint().name()))
+            .allowing("a telescope in orbit")
+    })?;
     let mut random = ChaCha8Rng::seed_from_u64(request.seed);
     let span_s = seconds_between(request.start, request.end);
     let (mut found, mut drawn) = (Vec::new(), 0);
     while found.len() < request.pointings {
-        sky.watch().check().map_err(SkyError::from)?;
+        sky.watch().check()?;
         let draws: Vec<Exposure> = (0..CHUNK).map(|_| random_exposure(&mut random, request, span_s)).collect();
-        let is_allowed = |exposure: &Exposure| -> Result<bool, SkyError> {
+        let is_allowed = |exposure: &Exposure| -> Result<bool, Error> {
             let interval = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
             if sky.viewpoint().known_part(interval, 0.0, 0.0).is_none() {
                 return Ok(false);
@@ -206,12 +210,12 @@ fn random_exposures(sky: &Sky, request: &TrailRequest<'_>) -> Result<(Vec<Exposu
             let allows = |exposure: &Exposure| {
                 let angles = sky.pointing_angles(exposure)?;
                 let is_free = |angles: &_| observer.limits().margin_rad(angles) >= 0.0;
-                Ok::<_, SkyError>(angles.iter().all(|angles| angles.limb_rad >= 0.0 && is_free(angles)))
+                Ok::<_, Error>(angles.iter().all(|angles| angles.limb_rad >= 0.0 && is_free(angles)))
             };
             // Most draws are rejected at opening.
             Ok(allows(&Exposure { duration_s: 0.0, ..exposure.clone() })? && allows(exposure)?)
         };
-        let allowed: Vec<bool> = draws.par_iter().map(is_allowed).collect::<Result<_, SkyError>>()?;
+        let allowed: Vec<bool> = draws.par_iter().map(is_allowed).collect::<Result<_, Error>>()?;
         for (exposure, is_allowed) in draws.into_iter().zip(allowed) {
             if found.len() == request.pointings {
                 break;
@@ -221,7 +225,11 @@ fn random_exposures(sky: &Sky, request: &TrailRequest<'_>) -> Result<(Vec<Exposu
         }
         // With a share of one in MOST_DRAWS, none are found in so many draws by chance in less than 1 % of cases.
         if (found.len() + 5) * MOST_DRAWS < drawn {
-            return Err(ForecastError::NoPointing { drawn, found: found.len() });
+            return Err(Error::new(
+                ErrorKind::TooFewData,
+                format!("the limits of the telescope allow {} of {drawn} random pointings", found.len()),
+            )
+            .allowing("wider limits, a shorter exposure, or a lower limb"));
         }
     }
     for (number, exposure) in found.iter_mut().enumerate() {

@@ -1,7 +1,8 @@
 //! Parsing of right ascensions and declinations in decimal degrees or sexagesimal form, and names of compass points.
 
-use super::error::FramesError;
 use super::vector::{Direction, Gcrs};
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 const RIGHT_ASCENSION: &str =
     "a right ascension; allowed: degrees from -180 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
@@ -13,8 +14,8 @@ const DECLINATION: &str = "a declination; allowed: degrees from -90 to 90 (-30.5
 ///
 /// # Errors
 /// Text of another form, minutes or seconds of 60 or more, or an angle outside [-180, 360].
-pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
-    let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: RIGHT_ASCENSION };
+pub fn parse_right_ascension_deg(text: &str) -> Result<f64, Error> {
+    let bad = || Error::new(ErrorKind::Invalid, format!("{:?} is not {}", Quoted::new(text), RIGHT_ASCENSION));
     let angle = parse(text).ok_or_else(bad)?;
     let factor = match angle.unit {
         Unit::Hours | Unit::Colons => 15.0,
@@ -40,8 +41,8 @@ pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
 ///
 /// # Errors
 /// Text of another form, hours, minutes or seconds of 60 or more, or an angle beyond the poles.
-pub fn parse_declination_deg(text: &str) -> Result<f64, FramesError> {
-    let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: DECLINATION };
+pub fn parse_declination_deg(text: &str) -> Result<f64, Error> {
+    let bad = || Error::new(ErrorKind::Invalid, format!("{:?} is not {}", Quoted::new(text), DECLINATION));
     let angle = parse(text).ok_or_else(bad)?;
     if angle.unit == Unit::Hours || angle.value > 90.0 {
         return Err(bad());
@@ -134,8 +135,8 @@ fn parse(text: &str) -> Option<Angle> {
 /// [`parse_declination_deg`] do.
 ///
 /// # Errors
-/// [`FramesError::BadAngle`] for another form or a value out of range.
-pub fn parse_direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, FramesError> {
+/// A text has another form, or a value is out of range.
+pub fn parse_direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, Error> {
     Ok(Direction::from_lon_lat_rad(
         parse_right_ascension_deg(ra)?.to_radians(),
         parse_declination_deg(dec)?.to_radians(),

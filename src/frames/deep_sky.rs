@@ -2,8 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::error::FramesError;
 use super::{Direction, Gcrs};
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// Table of `names separated by |;right ascension;declination`, degrees; the head of the file names its source.
 const TABLE: &str = include_str!("deep_sky.csv");
@@ -16,8 +17,8 @@ const MOST_SIMILAR: usize = 4;
 /// Galaxy`); case, blanks and punctuation are ignored. Centres of extended objects are good to some arcminutes.
 ///
 /// # Errors
-/// [`FramesError::UnknownObject`] for a name outside the table, with the names that begin with it.
-pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, FramesError> {
+/// The name is not in the table; the error lists the names that begin with it.
+pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, Error> {
     let key = key_of(name);
     let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
     let key = match (key.strip_prefix("messier"), key.strip_prefix('c').filter(|text| is_number(text))) {
@@ -31,7 +32,16 @@ pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, FramesError> {
         let mut radians = || Some(fields.next()?.parse::<f64>().ok()?.to_radians());
         is_named.then(|| Some(Direction::from_lon_lat_rad(radians()?, radians()?)))?
     });
-    found.ok_or_else(|| FramesError::UnknownObject { name: name.to_owned(), similar: names_from(&key) })
+    found.ok_or_else(|| {
+        let error = Error::new(
+            ErrorKind::Invalid,
+            match &names_from(&key)[..] {
+                [] => format!("unknown target '{}'", Quoted::new(name)),
+                similar => format!("unknown target '{}'; similar names: {}", Quoted::new(name), similar.join(", ")),
+            },
+        );
+        error.allowing("Messier, Caldwell, and their NGC and IC numbers and names (M31, NGC 224), or --ra and --dec")
+    })
 }
 
 fn rows() -> impl Iterator<Item = &'static str> {

@@ -10,9 +10,10 @@ use std::sync::OnceLock;
 
 use hifitime::Epoch;
 
-use super::error::FramesError;
 use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
 use crate::constants::DAY_S;
+use crate::error::Error;
+use crate::message::Quoted;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 /// Embedded table, made from finals2000A as described in its header.
@@ -116,7 +117,7 @@ impl EopTable {
     ///
     /// # Errors
     /// A number is invalid, dates do not increase, or no row has both UT1 - UTC and the pole.
-    pub fn from_finals2000a(text: &str) -> Result<Self, FramesError> {
+    pub fn from_finals2000a(text: &str) -> Result<Self, Error> {
         let mut first: Option<Epoch> = None;
         let mut predicted_from_s = f64::INFINITY;
         let mut previous_mjd = f64::NEG_INFINITY;
@@ -129,13 +130,19 @@ impl EopTable {
             if field(59, 68).is_empty() || field(19, 27).is_empty() || field(38, 46).is_empty() {
                 continue;
             }
-            let number = |column: &'static str, from: usize, to: usize| -> Result<f64, FramesError> {
-                let bad = || FramesError::BadEopNumber { line: line_number, column, text: field(from, to).to_owned() };
+            let number = |column: &'static str, from: usize, to: usize| -> Result<f64, Error> {
+                let bad = || {
+                    let given = Quoted::new(field(from, to));
+                    Error::invalid(column, format_args!("{given:?}"), "a number")
+                        .at(format_args!("finals2000A line {line_number}"))
+                };
                 field(from, to).parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(bad)
             };
             let mjd = number("MJD", 8, 15)?;
             if mjd <= previous_mjd {
-                return Err(FramesError::EopNotInOrder { line: line_number, mjd, previous: previous_mjd });
+                return Err(Error::format(format!("MJD is {mjd}"))
+                    .allowing(format!("later than {previous_mjd}, the MJD of the previous row"))
+                    .at(format_args!("finals2000A line {line_number}")));
             }
             previous_mjd = mjd;
             let epoch = super::time::epoch_from_mjd(mjd, hifitime::TimeScale::UTC)?;
@@ -151,7 +158,8 @@ impl EopTable {
             });
         }
         if rows.is_empty() {
-            return Err(FramesError::EmptyEopTable { lines: text.lines().count() });
+            return Err(Error::format(format!("none of {} lines contains UT1-UTC", text.lines().count()))
+                .allowing("a finals2000A file of the IERS"));
         }
         Ok(Self { name: "finals2000A", first, predicted_from_s, rows, polar_motion: true })
     }
@@ -342,9 +350,10 @@ mod tests {
         let error = EopTable::from_finals2000a(&bad).expect_err("a broken number");
         assert_eq!(error.to_string(), "finals2000A line 2: UT1_UTC_A is \"0.59x8000\"; allowed: a number");
         let twice = format!("{SAMPLE}{SAMPLE}");
-        assert!(matches!(EopTable::from_finals2000a(&twice), Err(FramesError::EopNotInOrder { line: 5, .. })));
+        assert!(EopTable::from_finals2000a(&twice).unwrap_err().to_string().starts_with("finals2000A line 5: MJD is "));
         for text in ["", "<html>not found</html>\n", "é".repeat(200).as_str()] {
-            assert!(matches!(EopTable::from_finals2000a(text), Err(FramesError::EmptyEopTable { .. })), "{text}");
+            let error = EopTable::from_finals2000a(text).unwrap_err().to_string();
+            assert!(error.contains(" lines contains UT1-UTC"), "{error}");
         }
     }
 

@@ -2,8 +2,10 @@
 
 use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
 
-use super::error::FramesError;
+use super::error;
 use super::time::{epoch_from_jd, epoch_from_mjd};
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// First supported year: that of the first satellite.
 pub const FIRST_YEAR: i32 = 1957;
@@ -18,11 +20,11 @@ const FIRST_JD: f64 = 1e6;
 ///
 /// # Errors
 /// The errors of [`parse_instant`], and a bare number outside the range of Julian dates.
-pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
+pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Error> {
     match (text.trim().parse::<f64>(), scale) {
         (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
         (Ok(number), Some(scale)) => Ok(epoch_from_jd(number, scale)?),
-        (Ok(_), None) => Err(FramesError::NoScale(text.to_owned())),
+        (Ok(_), None) => Err(error::no_scale(text)),
         (Err(_), _) => parse_instant(text, scale),
     }
 }
@@ -36,7 +38,7 @@ pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Frame
 /// - The text has another form, or a field is out of range.
 /// - A second 60 is given without a leap second.
 /// - There is no `Z`, no offset and no `scale`.
-pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
+pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Error> {
     let text = text.trim();
     let (body, offset_minutes) = split_zone(text)?;
     let scale = match (offset_minutes, scale) {
@@ -47,7 +49,7 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Fram
             if body.parse::<f64>().is_err() {
                 calendar(text, body)?;
             }
-            return Err(FramesError::NoScale(text.to_owned()));
+            return Err(error::no_scale(text));
         }
     };
     let fields = calendar(text, body)?;
@@ -59,8 +61,8 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Fram
 }
 
 /// Returns the time one second after second 59 of a minute with a leap second.
-fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, FramesError> {
-    let missing = || FramesError::NoLeapSecond(text.to_owned());
+fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, Error> {
+    let missing = || error::no_leap_second(text);
     if second_59.time_scale != TimeScale::UTC {
         return Err(missing());
     }
@@ -71,7 +73,7 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, FramesError> {
 }
 
 /// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.
-fn split_zone(text: &str) -> Result<(&str, Option<i32>), FramesError> {
+fn split_zone(text: &str) -> Result<(&str, Option<i32>), Error> {
     if let Some(body) = text.strip_suffix(['Z', 'z']) {
         return Ok((body.trim_end(), Some(0)));
     }
@@ -79,7 +81,7 @@ fn split_zone(text: &str) -> Result<(&str, Option<i32>), FramesError> {
     let Some(time_at) = text.find(['T', 't', ' ']) else { return Ok((text, None)) };
     let Some(sign_at) = text[time_at..].find(['+', '-']).map(|at| at + time_at) else { return Ok((text, None)) };
     let digits: String = text[sign_at + 1..].chars().filter(|c| *c != ':').collect();
-    let not_a_time = || FramesError::NotATime(text.to_owned());
+    let not_a_time = || error::not_a_time(text);
     if !matches!(digits.len(), 2 | 4) || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(not_a_time());
     }
@@ -97,8 +99,8 @@ struct Calendar {
     second: u32,
 }
 
-fn calendar(text: &str, body: &str) -> Result<Calendar, FramesError> {
-    let not_a_time = || FramesError::NotATime(text.to_owned());
+fn calendar(text: &str, body: &str) -> Result<Calendar, Error> {
+    let not_a_time = || error::not_a_time(text);
     let (date, time) = body.split_once(['T', 't', ' ']).unwrap_or((body, "00:00:00"));
     let mut date_parts = date.split('-');
     let year = number(date_parts.next(), 4).ok_or_else(not_a_time)?;
@@ -119,7 +121,10 @@ fn calendar(text: &str, body: &str) -> Result<Calendar, FramesError> {
     if !fraction.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(not_a_time());
     }
-    let out_of_range = |field, value, allowed| FramesError::TimeField { text: text.to_owned(), field, value, allowed };
+    let out_of_range = |field, value, allowed| {
+        Error::new(ErrorKind::Invalid, format!("invalid time '{}': {field} {value} is out of range", Quoted::new(text)))
+            .allowing(allowed)
+    };
     if !(1..=12).contains(&month) {
         return Err(out_of_range("month", month, "1 to 12"));
     }
@@ -193,7 +198,7 @@ mod tests {
     #[test]
     fn bare_dates_need_a_scale() {
         for text in ["60536.25", "2460536.75"] {
-            assert!(matches!(parse_moment(text, None), Err(FramesError::NoScale(_))), "{text}");
+            assert_eq!(parse_moment(text, None).unwrap_err().kind(), ErrorKind::NoTimeScale, "{text}");
             let moment = parse_moment(text, Some(TimeScale::TAI)).unwrap();
             assert!((moment - at(5, 59, 23, 0)).abs() < Unit::Microsecond * 1_i64, "{moment}");
         }
@@ -204,7 +209,7 @@ mod tests {
     fn a_time_without_scale_is_rejected_with_the_reason() {
         for text in ["2024-08-14T00:30:00", "60536.02", "2460536.52"] {
             let error = parse_instant(text, None).unwrap_err();
-            assert_eq!(error, FramesError::NoScale(text.to_owned()));
+            assert_eq!((error.kind(), error.given()), (ErrorKind::NoTimeScale, Some(text)));
             assert!(error.to_string().contains("37 s"), "{error}");
         }
     }
@@ -216,7 +221,7 @@ mod tests {
         let after = parse_instant("2017-01-01T00:00:00.25Z", None).unwrap().to_time_scale(TimeScale::TAI);
         assert_eq!((sixty - before, after - sixty), (Unit::Second * 1_i64, Unit::Second * 1_i64));
         for text in ["2024-08-14T23:59:60Z", "2016-12-31T22:59:60Z"] {
-            assert_eq!(parse_instant(text, None).unwrap_err(), FramesError::NoLeapSecond(text.to_owned()));
+            assert_eq!(parse_instant(text, None).unwrap_err().to_string(), error::no_leap_second(text).to_string());
         }
         assert!(parse_instant("2016-12-31T23:59:60", Some(TimeScale::TAI)).is_err());
     }

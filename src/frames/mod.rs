@@ -29,7 +29,6 @@ mod vector;
 pub(crate) use angles::degrees_of;
 pub use earth_orientation::EopTable;
 pub(crate) use equatorial::itrs_to_horizontal;
-pub use error::FramesError;
 pub use instant::parse_instant;
 pub(crate) use instant::{FIRST_YEAR, LAST_YEAR};
 pub(crate) use orientation::eme2000_to_gcrs;

@@ -5,7 +5,8 @@
 
 use hifitime::{Duration, Epoch, TimeScale};
 
-use super::error::FramesError;
+use super::error;
+use crate::error::Error;
 
 /// Julian date of 1900-01-01T00:00:00, the zero of `hifitime`'s TAI, TT and UTC counts.
 const JD_1900: f64 = 2_415_020.5;
@@ -86,27 +87,27 @@ pub fn seconds_after(epoch: Epoch, seconds: f64) -> Epoch {
 ///
 /// # Errors
 /// A number that is not finite or outside 1900..2200, or an unsupported time scale (TCG, TCB).
-pub fn epoch_from_mjd(mjd: f64, scale: TimeScale) -> Result<Epoch, FramesError> {
+pub fn epoch_from_mjd(mjd: f64, scale: TimeScale) -> Result<Epoch, Error> {
     let (first, last) = MJD_RANGE;
     if !(first..=last).contains(&mjd) {
-        return Err(FramesError::DateOutOfRange { what: "MJD", value: mjd, first, last });
+        return Err(Error::invalid("MJD", mjd, format!("{first} to {last}")));
     }
     from_day_and_fraction(mjd.floor() as i64, mjd - mjd.floor(), scale)
-        .ok_or(FramesError::UnsupportedTimeScale { scale })
+        .ok_or_else(|| error::unsupported_time_scale(scale))
 }
 
 /// Returns the epoch of a Julian date. The resolution of one `f64` is 40 µs, or 30 cm along a satellite's track.
 ///
 /// # Errors
 /// A number that is not finite or outside 1900..2200, or an unsupported time scale (TCG, TCB).
-pub fn epoch_from_jd(jd: f64, scale: TimeScale) -> Result<Epoch, FramesError> {
+pub fn epoch_from_jd(jd: f64, scale: TimeScale) -> Result<Epoch, Error> {
     let (first, last) = (MJD_RANGE.0 + MJD_ZERO_JD, MJD_RANGE.1 + MJD_ZERO_JD);
     if !(first..=last).contains(&jd) {
-        return Err(FramesError::DateOutOfRange { what: "JD", value: jd, first, last });
+        return Err(Error::invalid("JD", jd, format!("{first} to {last}")));
     }
     let mjd = jd - MJD_ZERO_JD;
     from_day_and_fraction(mjd.floor() as i64, mjd - mjd.floor(), scale)
-        .ok_or(FramesError::UnsupportedTimeScale { scale })
+        .ok_or_else(|| error::unsupported_time_scale(scale))
 }
 
 /// Returns nanoseconds since 1900-01-01T00:00:00 TAI.

@@ -16,10 +16,9 @@
 //! println!("Dec {:.4} deg", direction.latitude_rad().to_degrees());
 //! println!("altitude and azimuth {:?} rad", observer.altitude_azimuth_rad(&seen.geometric));
 //! println!("{}", illumination(&satellite, &sun.sun).name());
-//! # Ok::<(), streakcast::geometry::GeometryError>(())
+//! # Ok::<(), streakcast::Error>(())
 //! ```
 
-mod error;
 mod limb;
 mod pointing_limits;
 mod shadow;
@@ -28,7 +27,6 @@ mod sun;
 mod topocentric;
 mod viewing;
 
-pub use error::GeometryError;
 pub use limb::EarthLimb;
 pub(crate) use shadow::KARMAN_LINE_KM;
 pub use shadow::{Illumination, ShadowModel, illumination};

@@ -5,12 +5,13 @@ use std::sync::OnceLock;
 use hifitime::Epoch;
 use nalgebra::Vector3;
 
-use super::error::GeometryError;
 use super::sun::{SunState, SunTable};
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, EARTH_ROTATION_RAD_S};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{
     Gcrs, Horizontal, Itrs, Orientation, OrientationTable, Position, Rotation, Velocity, itrs_to_horizontal,
 };
+use crate::message::Quoted;
 
 /// Table of sites. Fields: `name;aliases separated by |;MPC code;latitude;longitude;height`. The head of the file lists
 /// the sources.
@@ -51,7 +52,7 @@ impl Site {
     /// # Errors
     /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not
     /// finite.
-    pub fn new_deg(name: &str, latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeometryError> {
+    pub fn new_deg(name: &str, latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, Error> {
         // Adding 0 changes a negative zero to 0.
         let rounded = |angle_deg: f64| (1e3 * angle_deg).round() / 1e3 + 0.0;
         let name = match name {
@@ -65,7 +66,11 @@ impl Site {
         ];
         for (what, value, unit, first, last) in checks {
             if !(first..=last).contains(&value) {
-                return Err(GeometryError::CoordinateOutOfRange { site: name, what, value, unit, first, last });
+                return Err(Error::new(
+                    ErrorKind::Invalid,
+                    format!("{what} of site {:?} is {value} {unit}", Quoted::new(name)),
+                )
+                .allowing(format!("{first} to {last} {unit}")));
             }
         }
         let longitude_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
@@ -85,7 +90,7 @@ impl Site {
     ///
     /// # Errors
     /// A height beyond -11 km..100 km, or a number that is not finite.
-    pub fn from_itrs_m(name: &str, [x_m, y_m, z_m]: [f64; 3]) -> Result<Self, GeometryError> {
+    pub fn from_itrs_m(name: &str, [x_m, y_m, z_m]: [f64; 3]) -> Result<Self, Error> {
         let a_m = EARTH_EQUATORIAL_RADIUS_KM * 1e3;
         let e2 = EARTH_FLATTENING * (2.0 - EARTH_FLATTENING);
         let (b_m, second_e2) = (a_m * (1.0 - EARTH_FLATTENING), e2 / (1.0 - e2));
@@ -104,14 +109,24 @@ impl Site {
     /// # Errors
     /// A name that is unknown, where the error lists similar names, if any; or the name of a network of telescopes at
     /// several sites, such as ATLAS or Gemini.
-    pub fn by_name(name: &str) -> Result<Self, GeometryError> {
+    pub fn by_name(name: &str) -> Result<Self, Error> {
         match Self::candidates(name).as_slice() {
-            [] => Err(GeometryError::UnknownSite { name: name.to_owned(), nearest: nearest_names(&key_of(name)) }),
-            [site] => Ok((*site).clone()),
-            sites => Err(GeometryError::AmbiguousSite {
-                name: name.to_owned(),
-                sites: sites.iter().map(|site| site.name.clone()).collect(),
+            [] => Err(match &nearest_names(&key_of(name))[..] {
+                [] => Error::unknown("site", name, "a name of the bundled table, or latitude, longitude and height"),
+                nearest => Error::new(
+                    ErrorKind::Invalid,
+                    format!("unknown site {:?}: similar names: {}", Quoted::new(name), nearest.join(", ")),
+                ),
             }),
+            [site] => Ok((*site).clone()),
+            sites => Err(Error::new(
+                ErrorKind::Invalid,
+                format!(
+                    "site name {:?} fits several sites: {}; specify one of them",
+                    Quoted::new(name),
+                    sites.iter().map(|site| site.name.as_str()).collect::<Vec<_>>().join(", ")
+                ),
+            )),
         }
     }
 
@@ -142,16 +157,17 @@ impl Site {
     ///
     /// # Errors
     /// An unknown code.
-    pub fn from_mpc(code: &str) -> Result<Self, GeometryError> {
+    pub fn from_mpc(code: &str) -> Result<Self, Error> {
         let requested = code.trim();
         let matches =
             |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(requested));
         match table().iter().find(matches) {
             Some(entry) => Ok(entry.site.clone()),
-            None => Err(GeometryError::UnknownMpcCode {
-                code: code.to_owned(),
-                known: table().iter().filter(|entry| entry.site.mpc_code.is_some()).count(),
-            }),
+            None => {
+                let known = table().iter().filter(|entry| entry.site.mpc_code.is_some()).count();
+                let allowed = format!("the {known} codes of the bundled table, or latitude, longitude and height");
+                Err(Error::unknown("MPC observatory code", code, allowed))
+            }
         }
     }
 
@@ -414,8 +430,9 @@ mod tests {
         for (name, sites) in
             [("ATLAS", 5), ("Gemini", 2), ("goto", 2), ("TRAPPIST", 2), ("LCO", 6), ("Faulkes Telescope", 2)]
         {
-            let Err(GeometryError::AmbiguousSite { sites: found, .. }) = Site::by_name(name) else { panic!("{name}") };
-            assert!(found.len() >= sites, "{name}: {found:?}");
+            let error = Site::by_name(name).expect_err(name).to_string();
+            assert!(error.starts_with(&format!("site name \"{name}\" fits several sites: ")), "{error}");
+            assert!(error.matches(", ").count() + 1 >= sites, "{error}");
         }
         // Both telescopes are at one site, or the name is that of one site.
         assert_eq!(Site::by_name("Pan-STARRS").expect("two telescopes").mpc_code.as_deref(), Some("F51"));
@@ -425,19 +442,18 @@ mod tests {
     #[test]
     fn unknown_names_list_similar_names() {
         let error = Site::by_name("Paranall").expect_err("no such site");
-        let GeometryError::UnknownSite { nearest, .. } = &error else { panic!("{error}") };
-        assert_eq!(nearest[0], "Paranal");
         assert!(error.to_string().starts_with("unknown site \"Paranall\": similar names: Paranal"), "{error}");
         for (name, near) in [("palomr", "Palomar"), ("la sila", "La Silla"), ("Mauna Koa", "Maunakea")] {
-            let Err(GeometryError::UnknownSite { nearest, .. }) = Site::by_name(name) else { panic!("{name}") };
-            assert!(nearest[0].starts_with(near) && nearest.len() <= 4, "{name}: {nearest:?}");
+            let error = Site::by_name(name).expect_err(name).to_string();
+            let names = error.split_once(": similar names: ").expect(&error).1;
+            assert!(names.starts_with(near) && names.matches(", ").count() < 4, "{error}");
         }
-        for name in ["Moon", "xyzzy", "q", "Gondwana Station", "北京"] {
-            let Err(GeometryError::UnknownSite { nearest, .. }) = Site::by_name(name) else { panic!("{name}") };
-            assert!(nearest.is_empty(), "{name}: {nearest:?}");
+        for name in ["Moon", "xyzzy", "q", "Gondwana Station", "北京", ""] {
+            let error = Site::by_name(name).expect_err(name).to_string();
+            assert!(error.starts_with(&format!("unknown site \"{name}\"; allowed: ")), "{error}");
         }
-        assert!(matches!(Site::by_name(""), Err(GeometryError::UnknownSite { .. })));
-        assert!(matches!(Site::from_mpc("ZZ9"), Err(GeometryError::UnknownMpcCode { .. })));
+        let error = Site::from_mpc("ZZ9").expect_err("no such code").to_string();
+        assert!(error.starts_with("unknown MPC observatory code \"ZZ9\"; allowed: the "), "{error}");
     }
 
     #[test]

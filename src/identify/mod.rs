@@ -30,7 +30,6 @@ mod search;
 mod streak;
 mod table;
 
-pub use error::IdentifyError;
 pub use likelihood::{Candidate, Offset};
 pub use search::{Identified, IdentifyOptions, identify_streak};
 pub use streak::{MeasuredStreak, Timing};

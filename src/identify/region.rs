@@ -9,7 +9,8 @@
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 
-use super::error::IdentifyError;
+use super::error;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 
 const SYSTEMS: &[&str] = &["fk5", "j2000", "icrs"];
@@ -21,13 +22,12 @@ const ALLOWED: &str = "allowed: polygon, box, line and vector in fk5 or icrs";
 /// Parses a region file. Returns the corners of each region; `path` is the name of the file in errors.
 ///
 /// # Errors
-/// [`IdentifyError::Region`] with the line number for another coordinate system or shape and for invalid numbers;
-/// [`IdentifyError::NoRegion`] if there is no region.
-pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>, IdentifyError> {
+/// A line has another coordinate system or shape, or invalid numbers; there is no region.
+pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>, Error> {
     let mut outlines = Vec::new();
     let mut system: Option<String> = None;
     for (number, line) in text.lines().enumerate() {
-        let fail = |problem: String| IdentifyError::Region { path: path.to_owned(), line: number + 1, problem };
+        let fail = |problem: String| Error::format(problem).in_line("", path, number + 1);
         let line = statements_of(line);
         for statement in line.split(';').map(str::trim).filter(|statement| !statement.is_empty()) {
             let lower = statement.to_ascii_lowercase();
@@ -50,7 +50,13 @@ pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>
             outlines.push(outline(statement).map_err(fail)?);
         }
     }
-    if outlines.is_empty() { Err(IdentifyError::NoRegion { path: path.to_owned() }) } else { Ok(outlines) }
+    if outlines.is_empty() {
+        Err(Error::new(ErrorKind::Invalid, "no region found")
+            .allowing("polygon, box, line and vector in fk5 or icrs")
+            .in_file("", path))
+    } else {
+        Ok(outlines)
+    }
 }
 
 /// Shapes that DS9 writes as comments.
@@ -161,12 +167,12 @@ const MOST_LENGTHS_OFF: f64 = 0.01;
 /// variance. The regions need not cover the whole streak.
 ///
 /// # Errors
-/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of a
-/// region is farther from the line than twice the width of the region plus a hundredth of the length of the line.
-pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, IdentifyError> {
+/// All corners are at one position, or the middle of a region is farther from the line than twice the width of the
+/// region plus a hundredth of the length of the line.
+pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Error> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
-    let no_line = IdentifyError::NoLine { separation_arcsec: 0.0 };
-    let centre = corners.iter().sum::<Vector3<f64>>().try_normalize(0.0).ok_or(no_line.clone())?;
+    let no_line = || error::no_line(0.0);
+    let centre = corners.iter().sum::<Vector3<f64>>().try_normalize(0.0).ok_or_else(no_line)?;
     let (east, north) = Direction::<Gcrs>::from_vector(centre).east_north();
     // On the tangent plane, great circles are straight lines.
     let plane = |corner: &Vector3<f64>| Vector2::new(corner.dot(&east), corner.dot(&north)) / corner.dot(&centre);
@@ -180,7 +186,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
     let positions = points.iter().map(|point| (point - middle).dot(&along));
     let (low, high) = extremes(positions);
     if high <= low {
-        return Err(no_line);
+        return Err(no_line());
     }
     for outline in outlines.iter().filter(|outline| !outline.is_empty()) {
         let own: Vec<Vector2<f64>> = outline.iter().map(|corner| plane(corner.vector())).collect();
@@ -189,7 +195,15 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
         let narrow_rad = narrow_width(&own, &own_middle);
         if off_rad > MOST_WIDTHS_OFF * narrow_rad + MOST_LENGTHS_OFF * (high - low) {
             let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
-            return Err(IdentifyError::NotOneLine { off_arcsec: arcsec(off_rad), width_arcsec: arcsec(narrow_rad) });
+            return Err(Error::new(
+                ErrorKind::Invalid,
+                format!(
+                    "the regions are not on one line: the middle of one is {:.1} arcsec off, and it is {:.1} arcsec wide",
+                    arcsec(off_rad),
+                    arcsec(narrow_rad)
+                ),
+            )
+            .allowing("the regions of one streak"));
         }
     }
     let ends = [low, high].map(|way| {
@@ -302,8 +316,9 @@ mod tests {
     #[test]
     fn invalid_lines_are_rejected() {
         let apart = fit_line(&[streak_box(0.0, 0.0), streak_box(10.0, 400.0), streak_box(300.0, 0.0)]);
-        assert!(matches!(apart, Err(IdentifyError::NotOneLine { .. })), "{apart:?}");
-        assert!(matches!(fit_line(&[vec![at(0.0, 0.0)]]), Err(IdentifyError::NoLine { .. })));
-        assert!(matches!(fit_line(&[]), Err(IdentifyError::NoLine { .. })));
+        assert!(apart.unwrap_err().to_string().starts_with("the regions are not on one line"));
+        for regions in [&[vec![at(0.0, 0.0)]][..], &[]] {
+            assert!(fit_line(regions).unwrap_err().to_string().starts_with("both ends of the streak"));
+        }
     }
 }

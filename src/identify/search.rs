@@ -15,12 +15,12 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::compare::{Reach, compare};
-use super::error::IdentifyError;
 use super::likelihood::{Candidate, log_weight_of_unknown, set_probabilities};
 use super::streak::MeasuredStreak;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, Position};
 use crate::orbit::{LeftOut, Propagator, State};
-use crate::passes::{Exposure, ExposureInterval, Sky, SkyError};
+use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
 /// Largest delay and cross-track distance that are searched, in sigmas.
@@ -72,12 +72,8 @@ impl Identified {
 /// The sigmas combine the errors of the elements at their age with those of the measurement.
 ///
 /// # Errors
-/// [`IdentifyError::Sky`] if positions cannot be computed at that time.
-pub fn identify_streak(
-    sky: &Sky,
-    streak: &MeasuredStreak,
-    options: &IdentifyOptions,
-) -> Result<Identified, IdentifyError> {
+/// Positions cannot be computed at that time.
+pub fn identify_streak(sky: &Sky, streak: &MeasuredStreak, options: &IdentifyOptions) -> Result<Identified, Error> {
     let exposure = Exposure {
         id: String::new(),
         start: streak.start(),
@@ -93,7 +89,7 @@ pub fn identify_streak(
             sky.watch().check()?;
             Ok(one_satellite(&interval, element_index, streak, options))
         })
-        .collect::<Result<Vec<_>, SkyError>>()?;
+        .collect::<Result<Vec<_>, Error>>()?;
     let mut left_out = sky.left_out().to_vec();
     let mut candidates = Vec::new();
     for (candidate, failed) in found {

@@ -3,7 +3,8 @@
 use hifitime::Epoch;
 use nalgebra::Vector3;
 
-use super::error::IdentifyError;
+use super::error;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 
 /// Relation between the time interval and the ends of a streak.
@@ -66,10 +67,10 @@ impl MeasuredStreak {
         timing: Timing,
         position_sigma_rad: f64,
         time_sigma_s: f64,
-    ) -> Result<Self, IdentifyError> {
+    ) -> Result<Self, Error> {
         let length_rad = ends[0].separation_rad(&ends[1]);
         if length_rad.is_nan() || length_rad < LEAST_LENGTH_RAD {
-            return Err(IdentifyError::NoLine { separation_arcsec: length_rad.to_degrees() * 3600.0 });
+            return Err(error::no_line(length_rad.to_degrees() * 3600.0));
         }
         if length_rad > LONGEST_RAD {
             return Err(value("length of the streak", length_rad.to_degrees(), "deg", "at most 114 deg"));
@@ -105,7 +106,7 @@ impl MeasuredStreak {
         timing: Timing,
         position_sigma_rad: f64,
         time_sigma_s: f64,
-    ) -> Result<Self, IdentifyError> {
+    ) -> Result<Self, Error> {
         if !(position_angle_rad.is_finite() && position_angle_rad.abs() <= std::f64::consts::TAU) {
             return Err(value("position angle", position_angle_rad.to_degrees(), "deg", "-360 to 360 deg"));
         }
@@ -115,18 +116,14 @@ impl MeasuredStreak {
             return Err(value("length of the streak", length_rad.to_degrees(), "deg", "above 0, at most 114 deg"));
         }
         if timing == Timing::FirstToSecond {
-            return Err(IdentifyError::Value {
-                what: "timing",
-                given: timing.name().to_owned(),
-                allowed: "a streak given by two ends, because a position angle does not define which end was first",
-            });
+            return Err(Error::invalid(
+                "timing",
+                timing.name(),
+                "a streak given by two ends, because a position angle does not define which end was first",
+            ));
         }
         if timing == Timing::Whole && length_rad.is_none() {
-            return Err(IdentifyError::Value {
-                what: "timing",
-                given: timing.name().to_owned(),
-                allowed: "a streak of known length",
-            });
+            return Err(Error::invalid("timing", timing.name(), "a streak of known length"));
         }
         let angle_sigma_rad = angle_sigma_rad.max(LEAST_ANGLE_SIGMA_RAD);
         let streak = Self {
@@ -144,7 +141,7 @@ impl MeasuredStreak {
         streak.checked()
     }
 
-    fn checked(self) -> Result<Self, IdentifyError> {
+    fn checked(self) -> Result<Self, Error> {
         let may_be_instant = self.timing == Timing::Within;
         if !self.duration_s.is_finite() || self.duration_s < 0.0 || (self.duration_s == 0.0 && !may_be_instant) {
             let allowed =
@@ -224,8 +221,8 @@ impl MeasuredStreak {
     }
 }
 
-fn value(what: &'static str, given: f64, unit: &str, allowed: &'static str) -> IdentifyError {
-    IdentifyError::Value { what, given: format!("{given} {unit}"), allowed }
+fn value(what: &'static str, given: f64, unit: &str, allowed: &'static str) -> Error {
+    Error::invalid(what, format!("{given} {unit}"), allowed)
 }
 
 #[cfg(test)]
@@ -261,7 +258,7 @@ mod tests {
     #[test]
     fn invalid_streaks_are_rejected_with_a_reason() {
         let ends = |a, b, time, timing| MeasuredStreak::from_ends([a, b], time, timing, 1e-5, 0.5);
-        let message = |result: Result<MeasuredStreak, IdentifyError>| result.unwrap_err().to_string();
+        let message = |result: Result<MeasuredStreak, Error>| result.unwrap_err().to_string();
         assert!(message(ends(at(1.0, 2.0), at(1.0, 2.0), time(), Timing::Within)).contains("same position"));
         assert!(message(ends(at(1.0, 2.0), at(150.0, 2.0), time(), Timing::Within)).contains("at most 114 deg"));
         let instant = (time().0, 0.0);

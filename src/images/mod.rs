@@ -15,7 +15,6 @@
 
 mod card;
 mod detector;
-mod error;
 mod exposure;
 #[cfg(all(feature = "fits", unix))]
 mod fits;
@@ -38,7 +37,6 @@ mod telescope_streak;
 mod wcs;
 
 pub(crate) use detector::AddedLight;
-pub use error::ImagesError;
 #[cfg(all(feature = "fits", unix))]
 pub use fits::FrameFile;
 #[cfg(all(feature = "fits", unix))]

@@ -1,6 +1,6 @@
 //! Images as arrays of values, and positions in a frame.
 
-use super::error::ImagesError;
+use crate::error::Error;
 
 /// Image of shape (rows, columns), stored row by row. Row 0 is the first row of a FITS file.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,10 +20,10 @@ impl Plane {
     ///
     /// # Errors
     /// The number of values is not `rows` times `columns`.
-    pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, ImagesError> {
+    pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, Error> {
         if values.len() != rows * columns {
             let allowed = format!("{} for {rows} rows by {columns} columns", rows * columns);
-            return Err(ImagesError::invalid("number of pixels", values.len(), allowed));
+            return Err(Error::invalid("number of pixels", values.len(), allowed));
         }
         Ok(Self { rows, columns, values })
     }

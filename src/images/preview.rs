@@ -2,8 +2,8 @@
 
 use image::{ImageFormat, Rgb, RgbImage};
 
-use super::error::ImagesError;
 use super::pixels::{PixelPosition, Plane};
+use crate::error::{Error, ErrorKind};
 
 /// Streak marked in a preview by two parallel lines.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,10 +37,10 @@ const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 ///
 /// # Errors
 /// The frame has no pixels.
-pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, ImagesError> {
+pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, Error> {
     let (rows, columns) = (plane.rows(), plane.columns());
     if rows == 0 || columns == 0 {
-        return Err(ImagesError::invalid(
+        return Err(Error::invalid(
             "size of the frame",
             format!("{rows} rows by {columns} columns"),
             "at least one pixel",
@@ -58,7 +58,8 @@ pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, Image
         draw(&mut picture, overlay, &scale, height);
     }
     let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, ImageFormat::Png)?;
+    let failed = |error: image::ImageError| Error::caused(ErrorKind::File, error).at("preview");
+    picture.write_to(&mut bytes, ImageFormat::Png).map_err(failed)?;
     Ok(bytes.into_inner())
 }
 

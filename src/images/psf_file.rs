@@ -10,10 +10,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::ImagesError;
 use super::fits::{FrameFile, HduKind};
 use super::header::Header;
 use super::pixels::PixelPosition;
+use crate::error::Error;
 use crate::message::Quoted;
 
 /// Largest number of samples along a side, and largest side in pixels of the frame.
@@ -65,7 +65,7 @@ impl PsfFile {
     /// # Errors
     /// The file cannot be read, has no image of odd size with a positive sum and finite values, or a keyword is out of
     /// range.
-    pub fn read(path: &Path, oversampling: Option<usize>) -> Result<Self, ImagesError> {
+    pub fn read(path: &Path, oversampling: Option<usize>) -> Result<Self, Error> {
         let file = FrameFile::open(path)?;
         let of_psfex: Vec<usize> = file
             .hdus()
@@ -77,10 +77,11 @@ impl PsfFile {
         let grids = if of_psfex.is_empty() {
             vec![image(&file, oversampling)?]
         } else if oversampling.is_some() {
-            let what = format!("{}: --psf-oversampling", path.display());
-            return Err(ImagesError::invalid(what, "given for a file of PSFEx", "an image (PSF_SAMP is the sampling)"));
+            let allowed = "an image (PSF_SAMP is the sampling)";
+            return Err(Error::invalid("--psf-oversampling", "given for a file of PSFEx", allowed).in_file("", path));
         } else {
-            of_psfex.into_iter().map(|hdu| psfex(&file, hdu)).collect::<Result<_, _>>()?
+            let read = |hdu| psfex(&file, hdu).map_err(|error| error.in_hdu(path, hdu));
+            of_psfex.into_iter().map(read).collect::<Result<_, _>>()?
         };
         Ok(Self { path: path.to_owned(), grids })
     }
@@ -94,18 +95,17 @@ impl PsfFile {
     ///
     /// # Errors
     /// The file has neither one set for all chips nor one for each.
-    pub fn of_chip(&self, hdu: usize, chosen: &[usize], all: &[usize]) -> Result<&PsfGrid, ImagesError> {
+    pub fn of_chip(&self, hdu: usize, chosen: &[usize], all: &[usize]) -> Result<&PsfGrid, Error> {
         if let [only] = &self.grids[..] {
             return Ok(only);
         }
         let place = |hdus: &[usize]| hdus.iter().position(|of| *of == hdu).filter(|_| hdus.len() == self.grids.len());
         place(chosen).or_else(|| place(all)).map(|index| &self.grids[index]).ok_or_else(|| {
-            let what = format!("{}: number of tables PSF_MASK", self.path.display());
             let allowed = match all.len() {
                 1 => "1".to_owned(),
                 count => format!("1, or {count}, one for each image"),
             };
-            ImagesError::invalid(what, self.grids.len(), allowed)
+            Error::invalid("number of tables PSF_MASK", self.grids.len(), allowed).in_file("", &self.path)
         })
     }
 }
@@ -141,14 +141,13 @@ impl PsfGrid {
     }
 }
 
-fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, ImagesError> {
-    let shown = file.path().display();
+fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, Error> {
     let Some(&hdu) = file.images().first() else {
         let allowed = "an image with two axes, or a table PSF_MASK of PSFEx";
-        return Err(ImagesError::invalid(format!("{shown}: point spread function"), "missing", allowed));
+        return Err(Error::invalid("point spread function", "missing", allowed).in_file("", file.path()));
     };
     let [rows, columns] = file.image_size(hdu)?;
-    check_size(&format!("{shown}: HDU {hdu}"), [rows, columns])?;
+    check_size([rows, columns]).map_err(|error| error.in_hdu(file.path(), hdu))?;
     let header = file.header(hdu)?;
     let stated = header.number("OVERSAMP");
     let oversampling = match (given, stated) {
@@ -157,15 +156,17 @@ fn image(file: &FrameFile, given: Option<usize>) -> Result<PsfGrid, ImagesError>
     };
     let is_whole = oversampling.fract() == 0.0 && (1.0..=MOST_OVERSAMPLING as f64).contains(&oversampling);
     if !is_whole {
-        let what = format!("{shown}: oversampling of the point spread function");
-        return Err(ImagesError::invalid(what, oversampling, format!("a whole number from 1 to {MOST_OVERSAMPLING}")));
+        let allowed = format!("a whole number from 1 to {MOST_OVERSAMPLING}");
+        return Err(
+            Error::invalid("oversampling of the point spread function", oversampling, allowed).in_file("", file.path())
+        );
     }
     let plane = file.read_plane(hdu)?;
     let cells: Vec<f64> = plane.values().iter().map(|value| f64::from(*value)).collect();
-    check_values(&format!("{shown}: HDU {hdu}"), &cells)?;
+    check_values(&cells).map_err(|error| error.in_hdu(file.path(), hdu))?;
     let (samples, size) = summed(cells, [rows, columns], oversampling as usize);
     let grid = PsfGrid { size, step_pix: 1.0 / oversampling, terms: vec![samples], polynomial: None };
-    check_extent(&shown.to_string(), &grid)?;
+    check_extent(&grid).map_err(|error| error.in_file("", file.path()))?;
     Ok(grid)
 }
 
@@ -211,25 +212,25 @@ fn summed(cells: Vec<f64>, [rows, columns]: [usize; 2], number: usize) -> (Vec<f
     (samples, [high, wide])
 }
 
-fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, ImagesError> {
-    let what = |name: &str| format!("{}: HDU {hdu}: {name}", file.path().display());
+fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, Error> {
+    let of_table = |error: Error| error.at("PSF_MASK");
     let header: &Header = file.header(hdu)?;
-    let whole = |name: &str, range: std::ops::RangeInclusive<usize>| -> Result<usize, ImagesError> {
+    let whole = |name: &str, range: std::ops::RangeInclusive<usize>| -> Result<usize, Error> {
         let found = header.integer(name).and_then(|number| usize::try_from(number).ok());
         found.filter(|number| range.contains(number)).ok_or_else(|| {
             let given = header.integer(name).map_or_else(|| "missing".to_owned(), |number| number.to_string());
-            ImagesError::invalid(what(name), given, format!("{} to {}", range.start(), range.end()))
+            Error::invalid(name, given, format!("{} to {}", range.start(), range.end()))
         })
     };
-    let number = |name: &str, [least, most]: [f64; 2]| -> Result<f64, ImagesError> {
+    let number = |name: &str, [least, most]: [f64; 2]| -> Result<f64, Error> {
         let found = header.number(name);
         found.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
             let given = found.map_or_else(|| "missing".to_owned(), |number| number.to_string());
-            ImagesError::invalid(what(name), given, format!("{least} to {most}"))
+            Error::invalid(name, given, format!("{least} to {most}"))
         })
     };
     let size = [whole("PSFAXIS2", 1..=MOST_SAMPLES)?, whole("PSFAXIS1", 1..=MOST_SAMPLES)?];
-    check_size(&what("PSF_MASK"), size)?;
+    check_size(size).map_err(of_table)?;
     let planes = if header.integer("PSFNAXIS").unwrap_or(3) > 2 { whole("PSFAXIS3", 1..=66)? } else { 1 };
     let step_pix = number("PSF_SAMP", STEPS_PIX)?;
     let polynomial = match whole("POLNAXIS", 0..=2)? {
@@ -239,7 +240,7 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, ImagesError> {
                 let given = header.text(name).unwrap_or_default();
                 if !(given.starts_with(axis) && given.ends_with("_IMAGE")) {
                     let allowed = format!("a position in the image, such as {axis}_IMAGE");
-                    return Err(ImagesError::invalid(what(name), format!("'{}'", Quoted::new(&given)), allowed));
+                    return Err(Error::invalid(name, format!("'{}'", Quoted::new(&given)), allowed));
                 }
             }
             whole("POLNGRP", 1..=1)?;
@@ -249,16 +250,16 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, ImagesError> {
             let zero = [number("POLZERO1", far)?, number("POLZERO2", far)?];
             (degree > 0).then_some(Polynomial { zero, scale, degree })
         }
-        axes => return Err(ImagesError::invalid(what("POLNAXIS"), axes, "0 or 2, a polynomial in x and y")),
+        axes => return Err(Error::invalid("POLNAXIS", axes, "0 or 2, a polynomial in x and y")),
     };
     let expected = polynomial.map_or(1, |polynomial| (polynomial.degree + 1) * (polynomial.degree + 2) / 2);
     if planes != expected {
         let allowed = format!("{expected}, the number of terms of the polynomial");
-        return Err(ImagesError::invalid(what("PSFAXIS3"), planes, allowed));
+        return Err(Error::invalid("PSFAXIS3", planes, allowed));
     }
     let failed = |error: fitsio::errors::Error| {
-        let given = Quoted::new(&error.to_string()).to_string();
-        ImagesError::invalid(what("PSF_MASK"), given, "a column of a binary table")
+        let given = Quoted::new(error.to_string()).to_string();
+        Error::invalid("PSF_MASK", given, "a column of a binary table")
     };
     let mut table = fitsio::FitsFile::open(file.path()).map_err(failed)?;
     let values: Vec<f64> =
@@ -266,50 +267,46 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, ImagesError> {
     let samples = size[0] * size[1];
     if values.len() != planes * samples {
         let allowed = format!("{}, one row of {planes} planes", planes * samples);
-        return Err(ImagesError::invalid(what("number of values in PSF_MASK"), values.len(), allowed));
+        return Err(Error::invalid("number of values in PSF_MASK", values.len(), allowed));
     }
     if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
-        return Err(ImagesError::invalid(what("PSF_MASK"), bad, "finite values"));
+        return Err(Error::invalid("PSF_MASK", bad, "finite values"));
     }
-    check_values(&what("PSF_MASK"), &values[..samples])?;
+    check_values(&values[..samples]).map_err(of_table)?;
     let terms = values.chunks_exact(samples).map(<[f64]>::to_vec).collect();
     let grid = PsfGrid { size, step_pix, terms, polynomial };
-    check_extent(&what("PSF_MASK"), &grid)?;
+    check_extent(&grid).map_err(of_table)?;
     Ok(grid)
 }
 
-fn check_size(what: &str, [rows, columns]: [usize; 2]) -> Result<(), ImagesError> {
+fn check_size([rows, columns]: [usize; 2]) -> Result<(), Error> {
     if [rows, columns].iter().any(|side| side % 2 == 0 || *side > MOST_SAMPLES) {
         let given = format!("{columns} by {rows} pixels");
         let allowed = format!("odd numbers up to {MOST_SAMPLES}, so that the star is at the middle pixel");
-        return Err(ImagesError::invalid(format!("{what}: size of the point spread function"), given, allowed));
+        return Err(Error::invalid("size of the point spread function", given, allowed));
     }
     Ok(())
 }
 
-fn check_values(what: &str, values: &[f64]) -> Result<(), ImagesError> {
+fn check_values(values: &[f64]) -> Result<(), Error> {
     if let Some(bad) = values.iter().find(|value| !value.is_finite()) {
-        return Err(ImagesError::invalid(format!("{what}: point spread function"), bad, "finite values"));
+        return Err(Error::invalid("point spread function", bad, "finite values"));
     }
     /// Smallest sum relative to that of the absolute values. A smaller one is that of noise.
     const LEAST_SHARE: f64 = 0.1;
     let (sum, all): (f64, f64) = (values.iter().sum(), values.iter().map(|value| value.abs()).sum());
     if sum <= LEAST_SHARE * all {
         let allowed = format!("above 0, and above {LEAST_SHARE} of the sum of the absolute values, {all}");
-        return Err(ImagesError::invalid(format!("{what}: sum of the point spread function"), sum, allowed));
+        return Err(Error::invalid("sum of the point spread function", sum, allowed));
     }
     Ok(())
 }
 
-fn check_extent(what: &str, grid: &PsfGrid) -> Result<(), ImagesError> {
+fn check_extent(grid: &PsfGrid) -> Result<(), Error> {
     let side = grid.step_pix * grid.size[0].max(grid.size[1]) as f64;
     if side > MOST_PIXELS + 1.0 {
         let given = format!("{side:.0} pixels of the frame");
-        return Err(ImagesError::invalid(
-            format!("{what}: side of the point spread function"),
-            given,
-            format!("at most {MOST_PIXELS}"),
-        ));
+        return Err(Error::invalid("side of the point spread function", given, format!("at most {MOST_PIXELS}")));
     }
     Ok(())
 }

@@ -11,8 +11,8 @@
 
 use std::path::Path;
 
-use super::error::ImagesError;
 use super::fits::{FrameFile, HduKind};
+use crate::error::Error;
 use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
 use crate::input;
 use crate::message::Quoted;
@@ -24,12 +24,12 @@ const ACCEPTED: i64 = 2;
 ///
 /// # Errors
 /// The file cannot be read, or is a FITS file without the table of findsat_mrt.
-pub(super) fn read(path: &Path) -> Result<String, ImagesError> {
-    let bytes = input::read(path).map_err(ImagesError::io(path))?;
+pub(super) fn read(path: &Path) -> Result<String, Error> {
+    let bytes = input::read(path).map_err(Error::io(path))?;
     if bytes.starts_with(b"SIMPLE  =") {
         return findsat(path);
     }
-    let text = input::text_of(bytes).map_err(ImagesError::io(path))?;
+    let text = input::text_of(bytes).map_err(Error::io(path))?;
     if text.starts_with("#ID ") {
         astride(path, &text)
     } else if text.starts_with("# Region file format: DS9") {
@@ -39,15 +39,14 @@ pub(super) fn read(path: &Path) -> Result<String, ImagesError> {
     }
 }
 
-fn ds9(path: &Path, text: &str) -> Result<String, ImagesError> {
+fn ds9(path: &Path, text: &str) -> Result<String, Error> {
     const ALLOWED: &str =
         "line in image, fk5 or icrs, or vector in image, one on each line, all in one coordinate system";
     let mut system: Option<&'static str> = None;
     let mut converted = String::new();
     for (line, number) in text.lines().zip(1..) {
         let invalid = |given: &str| {
-            let what = format!("{}: line {number}: region", path.display());
-            ImagesError::invalid(what, format!("'{}'", Quoted::new(given)), ALLOWED)
+            Error::invalid("region", format!("'{}'", Quoted::new(given)), ALLOWED).in_line("", path, number)
         };
         // Each row keeps its line; the names of the columns are in the first one, which is a comment of DS9.
         converted.push_str(if number == 1 { "" } else { "\n" });
@@ -117,17 +116,17 @@ fn system_of(before: Option<&'static str>, name: &str) -> Option<&'static str> {
     before.is_none_or(|before| before == system).then_some(system)
 }
 
-fn astride(path: &Path, text: &str) -> Result<String, ImagesError> {
+fn astride(path: &Path, text: &str) -> Result<String, Error> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().trim_start_matches('#').split_whitespace().collect();
     let find = |name: &str| {
         names.iter().position(|found| *found == name).ok_or_else(|| {
-            let what = format!("{}: column {name} of ASTRiDE", path.display());
-            ImagesError::invalid(
-                what,
+            Error::invalid(
+                format!("column {name} of ASTRiDE"),
                 "missing",
                 "a table with ID, ep1_x, ep1_y, ep2_x and ep2_y (ASTRiDE of 2024 or newer)",
             )
+            .in_file("", path)
         })
     };
     let columns = [find("ID")?, find("ep1_x")?, find("ep1_y")?, find("ep2_x")?, find("ep2_y")?];
@@ -135,8 +134,12 @@ fn astride(path: &Path, text: &str) -> Result<String, ImagesError> {
     for (line, number) in lines.zip(2..) {
         let cells: Vec<&str> = line.split_whitespace().collect();
         if !cells.is_empty() && cells.len() != names.len() {
-            let what = format!("{}: line {number}: number of cells", path.display());
-            return Err(ImagesError::invalid(what, cells.len(), format!("{}, as in the first line", names.len())));
+            return Err(Error::invalid(
+                "number of cells",
+                cells.len(),
+                format!("{}, as in the first line", names.len()),
+            )
+            .in_line("", path, number));
         }
         let cell = |(index, column): (usize, &usize)| -> String {
             let text = cells.get(*column).copied().unwrap_or_default();
@@ -153,17 +156,17 @@ fn astride(path: &Path, text: &str) -> Result<String, ImagesError> {
     Ok(converted)
 }
 
-fn findsat(path: &Path) -> Result<String, ImagesError> {
+fn findsat(path: &Path) -> Result<String, Error> {
     // The file is checked before CFITSIO reads it.
     let checked = FrameFile::open(path)?;
     if checked.hdus().get(1).is_none_or(|hdu| hdu.kind != HduKind::Table) {
         let allowed = "a catalog of findsat_mrt, with a table in the first extension";
-        return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), "missing", allowed));
+        return Err(Error::invalid("table of streaks", "missing", allowed).in_file("", path));
     }
     let failed = |error: fitsio::errors::Error| {
-        let given = Quoted::new(&error.to_string()).to_string();
+        let given = Quoted::new(error.to_string()).to_string();
         let allowed = "a catalog of findsat_mrt with id, status and endpoints in the first extension";
-        ImagesError::invalid(format!("{}: table of streaks", path.display()), given, allowed)
+        Error::invalid("table of streaks", given, allowed).in_file("", path)
     };
     let mut file = fitsio::FitsFile::open(path).map_err(failed)?;
     let hdu = file.hdu(1).map_err(failed)?;
@@ -175,8 +178,8 @@ fn findsat(path: &Path) -> Result<String, ImagesError> {
         return Ok(converted);
     }
     if ends.len() != 4 * ids.len() || status.len() != ids.len() {
-        let what = format!("{}: numbers in endpoints", path.display());
-        return Err(ImagesError::invalid(what, ends.len(), format!("{}, 4 in each row", 4 * ids.len())));
+        return Err(Error::invalid("numbers in endpoints", ends.len(), format!("{}, 4 in each row", 4 * ids.len()))
+            .in_file("", path));
     }
     for ((id, status), ends) in ids.iter().zip(&status).zip(ends.chunks_exact(4)) {
         if *status == ACCEPTED {

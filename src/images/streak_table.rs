@@ -4,9 +4,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::error::ImagesError;
 use super::pixels::PixelPosition;
 use super::streak_catalogues;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::input::{Column, TableRow, TableRows, comments_warning};
 use crate::message::{Quoted, listed};
@@ -129,11 +129,8 @@ impl StreakTable {
     ///
     /// # Errors
     /// The file cannot be read, no form of the ends has all of its columns, or a unit is invalid.
-    pub(crate) fn read<T>(
-        path: &Path,
-        also: impl FnOnce(&TableRows) -> io::Result<T>,
-    ) -> Result<(Self, T), ImagesError> {
-        let failed = ImagesError::io(path);
+    pub(crate) fn read<T>(path: &Path, also: impl FnOnce(&TableRows) -> io::Result<T>) -> Result<(Self, T), Error> {
+        let failed = Error::io(path);
         let rows = TableRows::new(streak_catalogues::read(path)?).map_err(&failed)?;
         let mut forms = Vec::new();
         for (kind, columns) in &FORM_COLUMNS {
@@ -145,7 +142,7 @@ impl StreakTable {
         }
         if forms.is_empty() {
             let given = format!("columns {}", listed(rows.names().iter().map(String::as_str)));
-            return Err(ImagesError::invalid(format!("{}: table of streaks", path.display()), given, FORMS));
+            return Err(Error::invalid("table of streaks", given, FORMS).in_file("", path));
         }
         let [id, name, streak, image, hdu] = ["id", "name", "streak", "image", "hdu"].map(|column| rows.find(column));
         let id = id.or(name);
@@ -214,23 +211,23 @@ impl StreakRow<'_> {
     }
 
     /// Returns the error of an invalid cell, with file, line and column.
-    pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> ImagesError {
+    pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> Error {
         let given = if given.is_empty() { "missing".to_owned() } else { format!("'{}'", Quoted::new(given)) };
-        ImagesError::invalid(format!("{}: {column}", self.origin()), given, allowed)
+        Error::invalid(column, given, allowed).in_line("", &*self.table.path, self.line as usize)
     }
 
     /// Returns the number in a cell; `None` if the column is missing or the cell is empty.
     ///
     /// # Errors
     /// The cell is not a number, the number is out of range, or it contradicts another column of the same quantity.
-    pub(crate) fn number(&self, column: Option<Bounded>) -> Result<Option<f64>, ImagesError> {
+    pub(crate) fn number(&self, column: Option<Bounded>) -> Result<Option<f64>, Error> {
         let Some(Bounded { name, column, range: [least, most] }) = column else { return Ok(None) };
         let text = self.cells.text(column);
         if self.cells.is_missing(column) {
             return Ok(None);
         }
         if let Some(error) = self.cells.contradiction(column) {
-            return Err(ImagesError::io(&self.table.path)(error));
+            return Err(Error::io(&self.table.path)(error));
         }
         match self.cells.number(column) {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),
@@ -254,7 +251,7 @@ impl StreakRow<'_> {
     ///
     /// # Errors
     /// The cell is not the number of an HDU.
-    pub fn hdu(&self) -> Result<Option<usize>, ImagesError> {
+    pub fn hdu(&self) -> Result<Option<usize>, Error> {
         match self.text(self.table.hdu) {
             "" => Ok(None),
             text => {
@@ -275,7 +272,7 @@ impl StreakRow<'_> {
     ///
     /// # Errors
     /// No form is complete, or a number is out of range.
-    pub fn ends(&self) -> Result<StreakEnds, ImagesError> {
+    pub fn ends(&self) -> Result<StreakEnds, Error> {
         let mut incomplete = None;
         for Form { kind, columns } in &self.table.forms {
             let empty = columns.iter().filter(|column| self.cells.is_missing(column.column));
@@ -288,7 +285,7 @@ impl StreakRow<'_> {
         Err(self.invalid(incomplete.unwrap_or("ends of the streak"), "", FORMS))
     }
 
-    fn ends_of(&self, kind: Kind, columns: &[Bounded; 4]) -> Result<StreakEnds, ImagesError> {
+    fn ends_of(&self, kind: Kind, columns: &[Bounded; 4]) -> Result<StreakEnds, Error> {
         let [mut a, mut b, mut c, mut d] = [0.0; 4];
         for (number, column) in [&mut a, &mut b, &mut c, &mut d].into_iter().zip(columns) {
             *number = self.number(Some(*column))?.unwrap_or_default();

@@ -7,11 +7,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::error::ImagesError;
 use super::magnitude_limit::MagnitudeLimit;
 pub use super::telescope_streak::{
     ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, surface_brightness_mag_arcsec2,
 };
+use crate::error::Error;
 
 /// Speed on the sky of a satellite 550 km overhead, arcsec/s: √(μ / (R + h)) / h.
 const RATE_AT_550_KM_ARCSEC_S: f64 = 2844.7;
@@ -167,7 +167,7 @@ impl Telescope {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn by_name(name: &str) -> Result<Self, ImagesError> {
+    pub fn by_name(name: &str) -> Result<Self, Error> {
         let preset_name = match name.trim().to_ascii_lowercase().as_str() {
             "lsst" | "simonyi" => "rubin".to_owned(),
             "panstarrs" | "ps1" => "pan-starrs".to_owned(),
@@ -176,7 +176,7 @@ impl Telescope {
         };
         let (preset, text) = PRESETS.iter().find(|(preset, _)| *preset == preset_name).ok_or_else(|| {
             let known: Vec<&str> = Self::names().collect();
-            ImagesError::invalid("telescope", format!("{name:?}"), known.join(", "))
+            Error::invalid("telescope", format!("{name:?}"), known.join(", "))
         })?;
         Self::from_toml(text, preset)
     }
@@ -190,18 +190,16 @@ impl Telescope {
     ///
     /// # Errors
     /// The text is not TOML, a key is unknown or missing, a value is out of range, or a limit is for an unknown band.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, ImagesError> {
-        let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
-            origin: format!("telescope file {origin}"),
-            message: crate::input::toml_error(&error, text),
-        })?;
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
+        let telescope: Self = toml::from_str(text)
+            .map_err(|error| Error::format(crate::input::toml_error(&error, text)).in_file("telescope file", origin))?;
         telescope.validate(origin)?;
         Ok(telescope)
     }
 
-    fn validate(&self, origin: &str) -> Result<(), ImagesError> {
+    fn validate(&self, origin: &str) -> Result<(), Error> {
         let range = |key: &str, given: f64, least: f64, greatest: f64| {
-            ImagesError::check_range(&format!("telescope file {origin}: {key}"), given, least, greatest)
+            Error::check_range(key, given, least, greatest).map_err(|error| error.in_file("telescope file", origin))
         };
         range("outer_radius_m", self.outer_radius_m, 0.001, 100.0)?;
         range("inner_radius_m", self.inner_radius_m, 0.0, self.outer_radius_m)?;
@@ -225,7 +223,7 @@ impl Telescope {
             && let Some(band) = magnitudes.keys().find(|band| *band != "default" && !BANDS.contains(&band.as_str()))
         {
             let what = format!("telescope file {origin}: band of bright_mag");
-            return Err(ImagesError::invalid(what, format!("{band:?}"), format!("{}, default", BANDS.join(", "))));
+            return Err(Error::invalid(what, format!("{band:?}"), format!("{}, default", BANDS.join(", "))));
         }
         Ok(())
     }

@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use super::ecsv::{Ecsv, LineError, is_ecsv};
 use super::file::{invalid, read_to_string};
+use crate::error::Error;
 use crate::message::Quoted;
-use crate::units::{Unit, UnitError};
+use crate::units::Unit;
 
 /// Largest number of rows of a table.
 pub const MOST_ROWS: usize = 5_000_000;
@@ -215,7 +216,7 @@ impl TableRows {
     /// # Errors
     /// The unit is unknown or contradicts the name of the column.
     pub fn optional_numbers(&self, accepted: &[&'static str], unit: &'static Unit) -> io::Result<Option<Column>> {
-        let failed = |error: UnitError| invalid(error.to_string());
+        let failed = |error: Error| invalid(error.to_string());
         let Some(index) = unit.find(accepted, &self.names).map_err(failed)? else { return Ok(None) };
         let scale = unit.scale(&self.names[index], &self.units).map_err(failed)?;
         let others = unit.columns(accepted, &self.names).into_iter().filter(|other| *other != index);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::error::LearnError;
 use crate::elements::NoradId;
+use crate::error::{Error, ErrorKind};
 use crate::input::TableRows;
 use crate::passes::LearnedLateness;
 
@@ -47,10 +47,9 @@ impl MeasuredDelay {
 /// no delay and are omitted.
 ///
 /// # Errors
-/// [`LearnError::Table`] if the file cannot be read, a column is missing, a number is invalid, or the table was
-/// measured with a learned file, so that its errors are corrected already.
-pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, LearnError> {
-    let error = |problem: String| LearnError::Table { file: path.display().to_string(), problem };
+/// The file cannot be read, a column is missing, a number is invalid, or the table was measured with a learned file, so that its errors are corrected already.
+pub fn read_delays(path: &Path) -> Result<Vec<MeasuredDelay>, Error> {
+    let error = |problem: String| Error::new(ErrorKind::Invalid, problem).in_file("measurements", path);
     let failed = |problem: std::io::Error| error(problem.to_string());
     let rows = TableRows::open(path).map_err(failed)?;
     if rows.comments.contains("learned") {

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use hifitime::Epoch;
 
-use super::error::LearnError;
 use super::hierarchy::{KindFit, fit_kind};
 use super::lateness::{MeasuredDelay, learn_lateness};
 use super::leave_out::satellites_differ;
 use super::pass::Pass;
 use crate::elements::{Generation, NoradId};
+use crate::error::{Error, ErrorKind};
 use crate::output::{Column, Kind, Table, format_utc};
 use crate::passes::{LearnedFile, LearnedKind, LearnedMagnitude, LearnedSatellite, ModelChoice};
 use crate::watch::Watch;
@@ -57,19 +57,20 @@ impl Extent {
 /// `models` must not apply a learned file. `provenance` names the files and options.
 ///
 /// # Errors
-/// [`LearnError::Nothing`] without passes; [`LearnError::Interrupted`] if `watch` stops.
+/// [`TooFewData`](crate::ErrorKind::TooFewData) without passes; [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` stops.
 pub fn learn(
     passes: &[Pass],
     delays: &BTreeMap<Generation, Vec<MeasuredDelay>>,
     models: &ModelChoice,
     provenance: serde_json::Map<String, serde_json::Value>,
     watch: &Watch,
-) -> Result<Learned, LearnError> {
+) -> Result<Learned, Error> {
     let Some(all) = Extent::of_passes(passes.iter()) else {
-        return Err(LearnError::Nothing {
-            reason: "no pass has a satellite with a brightness model".to_owned(),
-            allowed: "measurements with times and satellite numbers",
-        });
+        return Err(Error::new(
+            ErrorKind::TooFewData,
+            "nothing to learn from: no pass has a satellite with a brightness model",
+        )
+        .allowing("measurements with times and satellite numbers"));
     };
     let mut kinds: BTreeMap<Generation, LearnedKind> = BTreeMap::new();
     for (kind, delays) in delays {

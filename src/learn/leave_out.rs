@@ -7,9 +7,10 @@ use rayon::prelude::*;
 use super::hierarchy::fit_kind;
 use super::pass::Pass;
 use crate::elements::{Generation, NoradId};
+use crate::error::Error;
 use crate::output::{Column, Kind, Table};
 use crate::passes::ModelChoice;
-use crate::watch::{Interrupted, Watch};
+use crate::watch::Watch;
 
 /// Predictions of the passes of one kind, or of all kinds, from a number of other passes of each satellite.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -131,8 +132,8 @@ const MOST_JUDGED: usize = 500;
 /// True with fewer than ten passes of satellites that have others: the offsets are then shrunk towards that of the kind.
 ///
 /// # Errors
-/// [`Interrupted`] if `watch` stops.
-pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64, watch: &Watch) -> Result<bool, Interrupted> {
+/// [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` stops.
+pub(super) fn satellites_differ(of_kind: &[&Pass], sigma_mag: f64, watch: &Watch) -> Result<bool, Error> {
     let mut by_satellite: BTreeMap<NoradId, Vec<&Pass>> = BTreeMap::new();
     of_kind.iter().for_each(|pass| by_satellite.entry(pass.norad_id()).or_default().push(*pass));
     let repeated = by_satellite.values().filter(|passes| passes.len() > 1);

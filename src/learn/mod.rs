@@ -35,7 +35,6 @@
 //! ```
 
 mod alarms;
-mod error;
 mod hierarchy;
 mod lateness;
 mod learned;
@@ -45,7 +44,6 @@ mod pass;
 mod residuals;
 
 pub use alarms::{Alarm, AlarmKind, Alarms, find_alarms};
-pub use error::LearnError;
 pub use lateness::MeasuredDelay;
 pub use learned::{Learned, learn};
 pub use pass::{Pass, PassPoint, group_passes};

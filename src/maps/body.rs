@@ -1,10 +1,11 @@
 //! Standard magnitudes of a satellite (at a range of 1000 km) for all directions below its chassis.
 
+use crate::error::Error;
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, StandardMagnitude};
 use crate::watch::Watch;
 
-use super::error::{MapError, height, latitude};
+use super::error::{height, latitude};
 use super::grid::{Grid, GridRow, fill};
 use super::light::{Fact, FactValue, MapPhotometry, STANDARD_RANGE_KM, rounded};
 
@@ -60,7 +61,7 @@ impl<'a> BodyView<'a> {
         sun_latitude_rad: f64,
         height_km: f64,
         options: PhotometryOptions,
-    ) -> Result<Self, MapError> {
+    ) -> Result<Self, Error> {
         let sun_latitude_rad = latitude("Sun's latitude", sun_latitude_rad)?;
         Ok(Self {
             light: MapPhotometry::new(model, options),
@@ -70,7 +71,7 @@ impl<'a> BodyView<'a> {
         })
     }
 
-    /// Returns the view whose maps stop with [`MapError::Interrupted`] after [`Watch::stop`].
+    /// Returns the view whose maps stop after [`Watch::stop`].
     pub fn watched(self, watch: &Watch) -> Self {
         Self { watch: watch.clone(), ..self }
     }
@@ -132,8 +133,8 @@ impl<'a> BodyView<'a> {
     /// current pool.
     ///
     /// # Errors
-    /// [`MapError::Interrupted`] after [`Watch::stop`].
-    pub fn map(&self, grid: Grid) -> Result<BodyMap, MapError> {
+    /// [`Cancelled`](crate::ErrorKind::Cancelled) after [`Watch::stop`].
+    pub fn map(&self, grid: Grid) -> Result<BodyMap, Error> {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let fill_row = |row: &GridRow, points: &mut [BodyPoint]| {
             if !self.light.is_single() {

@@ -4,10 +4,11 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rayon::prelude::*;
 
+use crate::error::Error;
 use crate::math::healpix::{MOST_NSIDE, cell_count, northern_cell_count, northern_rings};
-use crate::watch::{Interrupted, Watch};
+use crate::watch::Watch;
 
-use super::error::{MapError, in_range};
+use super::error::in_range;
 
 /// Default step of a map, degrees.
 pub const DEFAULT_STEP_DEG: f64 = 2.0;
@@ -59,13 +60,13 @@ impl GridRow {
 /// Computes one value for each direction of the rows, in order, on all threads of the current pool.
 ///
 /// # Errors
-/// [`Interrupted`] after [`Watch::stop`].
+/// [`Cancelled`](crate::ErrorKind::Cancelled) after [`Watch::stop`].
 pub(super) fn fill<T: Copy + Send>(
     rows: Vec<GridRow>,
     blank: T,
     fill_row: impl Fn(&GridRow, &mut [T]) + Sync,
     watch: &Watch,
-) -> Result<Vec<T>, Interrupted> {
+) -> Result<Vec<T>, Error> {
     let mut all = vec![blank; rows.iter().map(|row| row.count).sum()];
     let mut rest = all.as_mut_slice();
     let mut parts = Vec::with_capacity(rows.len());
@@ -88,7 +89,7 @@ impl Grid {
     ///
     /// # Errors
     /// The step is below 0.1 or above 5 degrees, or does not divide 90.
-    pub fn regular(step_deg: f64) -> Result<Self, MapError> {
+    pub fn regular(step_deg: f64) -> Result<Self, Error> {
         let allowed = "0.1 to 5 deg, in whole fractions of 90 deg";
         let steps = 90.0 / step_deg;
         let is_allowed = (0.1..=5.0).contains(&step_deg) && (steps - steps.round()).abs() < 1e-6;
@@ -101,7 +102,7 @@ impl Grid {
     ///
     /// # Errors
     /// `nside` is below 1 or above 1024.
-    pub fn healpix(nside: u32) -> Result<Self, MapError> {
+    pub fn healpix(nside: u32) -> Result<Self, Error> {
         in_range("nside", f64::from(nside), "", "1 to 1024", (1..=MOST_NSIDE).contains(&nside))?;
         Ok(Self(Division::Cells(nside)))
     }

@@ -8,12 +8,12 @@
 
 use std::path::Path;
 
+use crate::error::{Error, ErrorKind};
 use crate::images::{Card, CardValue, Cells, TableColumn, write_table};
 use crate::math::healpix::cell_count;
 use crate::output::ScratchFolder;
 
 use super::body::BodyMap;
-use super::error::MapError;
 use super::grid::Grid;
 use super::light::{Fact, FactValue};
 use super::sky::SkyMap;
@@ -30,9 +30,8 @@ impl BodyMap {
     /// CFITSIO can only write to a file, so a temporary file is created in the folder `scratch` and deleted afterwards.
     ///
     /// # Errors
-    /// [`MapError::Fits`] if the grid is not a HEALPix grid or CFITSIO fails; [`MapError::Scratch`] if files cannot be
-    /// created in `scratch`.
-    pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
+    /// The grid is not a HEALPix grid, CFITSIO fails, or files cannot be created in `scratch`.
+    pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, Error> {
         let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
         let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];
         to_fits(
@@ -50,7 +49,7 @@ impl SkyMap {
     ///
     /// # Errors
     /// The errors of [`BodyMap::to_fits`].
-    pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
+    pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, Error> {
         let magnitude = |index: usize| self.points[index].magnitude.map(|magnitude| magnitude.0);
         let range = |index: usize| Some(self.points[index].range_km);
         let columns: [CellColumn<'_>; 2] =
@@ -71,11 +70,12 @@ fn to_fits(
     columns: &[CellColumn<'_>],
     cells: impl Iterator<Item = Option<u64>>,
     scratch: &Path,
-) -> Result<Vec<u8>, MapError> {
-    let no_cells = || MapError::Fits("a regular grid has no HEALPix cells; specify an nside".to_owned());
+) -> Result<Vec<u8>, Error> {
+    let no_cells = || Error::new(ErrorKind::Invalid, "FITS: a regular grid has no HEALPix cells; specify an nside");
     let nside = grid.nside().ok_or_else(no_cells)?;
     // Error texts of CFITSIO contain the path of the folder.
-    let folder = ScratchFolder::new(scratch).map_err(|error| MapError::Scratch(error.to_string()))?;
+    const IN_SCRATCH: &str = "cannot write a FITS file in the scratch folder";
+    let folder = ScratchFolder::new(scratch).map_err(|error| Error::system(error).at(IN_SCRATCH))?;
     let path = folder.path().join("map.fits");
     let cells: Vec<Option<u64>> = cells.collect();
     let count = cell_count(nside) as usize;
@@ -95,8 +95,10 @@ fn to_fits(
         }
     };
     let columns: Vec<TableColumn> = columns.iter().map(column).collect();
-    write_table(&path, "HEALPIX", &columns, &cards(nside, facts)).map_err(|error| MapError::Fits(error.to_string()))?;
-    crate::input::read(&path).map_err(|error| MapError::Scratch(format!("folder {}: {error}", scratch.display())))
+    write_table(&path, "HEALPIX", &columns, &cards(nside, facts))
+        .map_err(|error| Error::new(ErrorKind::Format, format!("FITS: {error}")))?;
+    let failed = |error| Error::system(error).at(format_args!("folder {}", scratch.display())).at(IN_SCRATCH);
+    crate::input::read(&path).map_err(failed)
 }
 
 fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {

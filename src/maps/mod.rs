@@ -32,7 +32,6 @@ mod sky;
 mod tables;
 
 pub use body::{BodyMap, BodyPoint, BodyView};
-pub use error::MapError;
 pub use grid::Grid;
 pub use sky::{Earth, SkyMap, SkyPoint, SkyView};
 

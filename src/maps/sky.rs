@@ -18,13 +18,15 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::error;
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
 use crate::geometry::{ShadowModel, Site, ViewingGeometry};
 use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, SatellitePositions, StandardMagnitude};
 use crate::watch::Watch;
 
-use super::error::{MapError, height, latitude};
+use super::error::{height, latitude};
 use super::grid::{Grid, GridRow, fill};
 use super::light::{Fact, FactValue, MapPhotometry, rounded};
 
@@ -102,11 +104,11 @@ impl<'a> SkyView<'a> {
         sun_azimuth_rad: f64,
         sun_altitude_rad: f64,
         options: PhotometryOptions,
-    ) -> Result<Self, MapError> {
+    ) -> Result<Self, Error> {
         let sun_altitude_rad = latitude("Sun's altitude", sun_altitude_rad)?;
         let azimuth_deg = sun_azimuth_rad.to_degrees();
         let is_angle = azimuth_deg.abs() <= 360.0 + 1e-9;
-        super::error::in_range("Sun's azimuth", azimuth_deg, " deg", "-360 to 360 deg", is_angle)?;
+        error::in_range("Sun's azimuth", azimuth_deg, " deg", "-360 to 360 deg", is_angle)?;
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height(height_km)?;
         // The rotation of the Earth does not matter here, so that Earth-fixed axes serve as celestial axes.
         let (horizon, observer) = match &earth {
@@ -115,7 +117,11 @@ impl<'a> SkyView<'a> {
                 let observer = *site.itrs().vector();
                 if observer.norm() >= radius_km {
                     let site_km = observer.norm() - EARTH_EQUATORIAL_RADIUS_KM;
-                    return Err(MapError::BelowSite { height_km, site: site.name.clone(), site_km });
+                    return Err(Error::new(
+                        ErrorKind::Invalid,
+                        format!("satellite height is {height_km} km, below site {}", site.name),
+                    )
+                    .allowing(format!("above {site_km:.1} km (over the sphere of 6378.137 km)")));
                 }
                 (site.horizon(), observer)
             }
@@ -143,7 +149,7 @@ impl<'a> SkyView<'a> {
         Self { shadow, ..self }
     }
 
-    /// Returns the view whose maps stop with [`MapError::Interrupted`] after [`Watch::stop`].
+    /// Returns the view whose maps stop after [`Watch::stop`].
     pub fn watched(self, watch: &Watch) -> Self {
         Self { watch: watch.clone(), ..self }
     }
@@ -220,8 +226,8 @@ impl<'a> SkyView<'a> {
     /// pool.
     ///
     /// # Errors
-    /// [`MapError::Interrupted`] after [`Watch::stop`].
-    pub fn map(&self, grid: Grid) -> Result<SkyMap, MapError> {
+    /// [`Cancelled`](crate::ErrorKind::Cancelled) after [`Watch::stop`].
+    pub fn map(&self, grid: Grid) -> Result<SkyMap, Error> {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
         let fill_row = |grid_row: &GridRow, points: &mut [SkyPoint]| {
             let row = self.row(grid_row.latitude_rad);

@@ -1,6 +1,7 @@
 //! Bad pixels from the companion planes of a frame: masks, variances and errors.
 
-use crate::images::{CompanionPlane, FrameFile, Header, ImagesError, Plane, PlaneKind};
+use crate::error::Error;
+use crate::images::{CompanionPlane, FrameFile, Header, Plane, PlaneKind};
 
 /// Mask planes of Rubin's pipelines (`MP_` keywords) whose pixels have no valid light. Planes of detected sources,
 /// cosmic rays and streaks also mark the streaks that are measured, and are not used.
@@ -22,7 +23,7 @@ pub(super) fn remove_bad_pixels(
     hdu: usize,
     companions: &[CompanionPlane],
     plane: &mut Plane,
-) -> Result<Vec<String>, ImagesError> {
+) -> Result<Vec<String>, Error> {
     let mut used = Vec::new();
     for companion in companions.iter().filter(|companion| companion.of == Some(hdu)) {
         let Some(rule) = Rule::from_header(companion.kind, file.header(companion.hdu)?) else { continue };

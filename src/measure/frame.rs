@@ -6,12 +6,12 @@ use rayon::prelude::*;
 use super::background::Background;
 use super::bad_pixels::remove_bad_pixels;
 use super::cut::{StreakCut, streak_cut};
-use super::error::MeasureError;
 use super::measurement::{Estimate, Flag, MeasureOptions, StreakImage, StreakMeasurement};
 use super::predict::{PredictOptions, Prediction, predictions};
 use super::star_table::CatalogueStar;
 use super::streak::{measure_streak, profile_of};
 use super::zero_point::{StarZeroPoint, star_zero_point};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::orbit::LeftOut;
 use crate::passes::Sky;
@@ -122,11 +122,7 @@ struct ChipScale {
 ///
 /// # Errors
 /// Pixels cannot be read, passes cannot be computed, or the image of a star cannot be drawn.
-pub fn measure_frame(
-    sky: &Sky,
-    frame: &TargetFrame,
-    options: &FrameOptions<'_>,
-) -> Result<FrameMeasurements, MeasureError> {
+pub fn measure_frame(sky: &Sky, frame: &TargetFrame, options: &FrameOptions<'_>) -> Result<FrameMeasurements, Error> {
     let expected = PredictOptions {
         sigmas: options.measure.corridor_sigmas,
         size_m: options.satellite_size_m,
@@ -147,7 +143,7 @@ pub fn measure_predictions(
     predicted: &[Prediction],
     options: &FrameOptions<'_>,
     watch: &Watch,
-) -> Result<(Vec<(usize, MeasuredPass)>, FrameMeasurements), MeasureError> {
+) -> Result<(Vec<(usize, MeasuredPass)>, FrameMeasurements), Error> {
     let mut done = FrameMeasurements::default();
     let mut passes = Vec::new();
     for (index, target) in frame.chips.iter().enumerate() {
@@ -197,7 +193,7 @@ pub fn measure_predictions(
             let Some(measured) = measure_streak(&image, &prediction.streak, &optics, &measure)? else {
                 return Ok(None);
             };
-            let cut = options.cuts.then(|| -> Result<StreakCut, MeasureError> {
+            let cut = options.cuts.then(|| -> Result<StreakCut, Error> {
                 // The seeing by which the streak was drawn.
                 let fitted = measured.seeing_arcsec.filter(|_| measure.fit_width);
                 let drawn = Optics { seeing_arcsec: fitted.unwrap_or(optics.seeing_arcsec), ..optics };
@@ -206,7 +202,7 @@ pub fn measure_predictions(
             let cut = cut.transpose()?;
             Ok(on_sky(frame, prediction, measured, &scale).map(|pass| (*number, MeasuredPass { cut, ..pass })))
         });
-        passes.extend(measured.collect::<Result<Vec<_>, MeasureError>>()?.into_iter().flatten());
+        passes.extend(measured.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten());
     }
     Ok((passes, done))
 }

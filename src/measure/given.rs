@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::error::MeasureError;
 use super::frame::{FrameMeasurements, FrameOptions, MeasuredPass, measure_predictions};
 use super::measurement::{Flag, PredictedStreak};
 use super::predict::{KnownSatellite, Prediction};
 use super::streak::LEAST_LENGTH_PIX;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{PixelPosition, StreakEnds, StreakTable};
 use crate::photometry::SIZE_SIGMA;
@@ -75,16 +75,14 @@ impl StreakList {
     ///
     /// # Errors
     /// The table cannot be read, or a cell is invalid.
-    pub fn read(path: &Path) -> Result<Self, MeasureError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let (table, (columns, id, name, norad_id)) = StreakTable::read(path, |rows| {
             Ok((GivenColumns::find(rows)?, rows.find("id"), rows.find("name"), rows.find("norad_id")))
         })?;
         let mut streaks = Vec::new();
         for (row, number) in table.rows().zip(1..) {
             if number > MOST_STREAKS {
-                return Err(row
-                    .invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}"))
-                    .into());
+                return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
             }
             let norad_id = match row.text(norad_id) {
                 "" => None,
@@ -138,7 +136,7 @@ pub fn measure_listed(
     place_sigma_arcsec: Option<f64>,
     options: &FrameOptions<'_>,
     watch: &Watch,
-) -> Result<(Vec<ListedMeasurement>, FrameMeasurements), MeasureError> {
+) -> Result<(Vec<ListedMeasurement>, FrameMeasurements), Error> {
     let mut predicted: Vec<Prediction> = Vec::new();
     // Index of the streak of each prediction, and the reasons why others have none.
     let (mut owners, mut reasons) = (Vec::new(), vec![Flag::Outside; streaks.len()]);
@@ -204,7 +202,7 @@ fn placed(
     number: usize,
     place_sigma_arcsec: Option<f64>,
     options: &FrameOptions<'_>,
-) -> Result<Result<Prediction, Flag>, MeasureError> {
+) -> Result<Result<Prediction, Flag>, Error> {
     let chip = &frame.chips[number].chip;
     // A light of this magnitude has a rate of 1 in the unit of the frame per second.
     let Some((unit_mag, (centre, _))) = chip.scale.magnitude(1.0).zip(chip.circle()) else {
@@ -262,7 +260,7 @@ fn placed(
 }
 
 /// Returns a path that is longer by `pix` at both ends, along its direction there.
-fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, MeasureError> {
+fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, Error> {
     /// Smallest extension, pixels. The times of nodes differ by more than their rounding.
     const LEAST_PIX: f64 = 1e-3;
     let pix = pix.max(LEAST_PIX);
@@ -279,7 +277,7 @@ fn extended(path: &StreakPath, pix: f64) -> Result<StreakPath, MeasureError> {
     let before = beyond(first, &nodes[1]);
     let after = beyond(last, &nodes[nodes.len() - 2]);
     let all = before.into_iter().chain(nodes.iter().copied()).chain(after).collect();
-    Ok(StreakPath::new(all)?)
+    StreakPath::new(all)
 }
 
 /// Returns true if an end of a streak is outside of the illuminated pixels, or nearer to their edge than its error: the

@@ -58,7 +58,6 @@ mod bad_pixels;
 mod band;
 mod corridor;
 mod cut;
-mod error;
 mod fit;
 #[cfg(all(feature = "fits", unix))]
 mod frame;
@@ -82,7 +81,6 @@ mod width;
 mod zero_point;
 
 pub use background::Background;
-pub use error::MeasureError;
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use frame::{FrameMeasurements, FrameOptions, ZeroPoints, measure_frame};
 #[cfg(all(feature = "fits", unix))]

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::error::MeasureError;
 use super::measurement::PredictedStreak;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::ViewingGeometry;
 use crate::orbit::{LeftOut, PositionSource};
@@ -88,10 +88,14 @@ pub fn predictions(
     frame: &TargetFrame,
     photometry: &PhotometryOptions,
     options: &PredictOptions,
-) -> Result<(Vec<Prediction>, Vec<LeftOut>), MeasureError> {
+) -> Result<(Vec<Prediction>, Vec<LeftOut>), Error> {
     let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
-        let what = format!("{}: position of the corners of the frame on the sky", frame.file.path().display());
-        MeasureError::invalid(what, "undefined", "world coordinates that cover the frame")
+        Error::invalid(
+            "position of the corners of the frame on the sky",
+            "undefined",
+            "world coordinates that cover the frame",
+        )
+        .in_file("", frame.file.path())
     })?;
     let exposure = Exposure {
         id: String::new(),
@@ -144,7 +148,7 @@ fn predicted_streak(
     target: &TargetChip,
     interval: &ExposureInterval<'_>,
     options: &PredictOptions,
-) -> Result<Option<PredictedStreak>, MeasureError> {
+) -> Result<Option<PredictedStreak>, Error> {
     let chip = &target.chip;
     let Some((centre, _)) = chip.circle() else { return Ok(None) };
     // A satellite of this magnitude has a rate of 1 in the unit of the frame per second.
@@ -197,7 +201,7 @@ fn drift(pass: &Pass, target: &TargetChip, interval: &ExposureInterval<'_>, time
 }
 
 /// Returns the part of a path between two times; `None` if it is empty.
-fn cut(path: &StreakPath, [from_s, to_s]: [f64; 2]) -> Result<Option<StreakPath>, MeasureError> {
+fn cut(path: &StreakPath, [from_s, to_s]: [f64; 2]) -> Result<Option<StreakPath>, Error> {
     let nodes = path.nodes();
     let (from_s, to_s) = (from_s.max(nodes[0].time_s), to_s.min(nodes[nodes.len() - 1].time_s));
     /// Smallest time between two nodes, seconds.

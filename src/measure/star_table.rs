@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::error::MeasureError;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::input::TableRows;
 use crate::units::{DEGREES, MAGNITUDES};
@@ -39,9 +39,11 @@ impl StarTable {
     ///
     /// # Errors
     /// The file cannot be read, a column is missing, or a value is out of range.
-    pub fn read(path: &Path) -> Result<Self, MeasureError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let origin = format!("table of stars {}", path.display());
-        let failed = |error: std::io::Error| MeasureError::invalid(origin.clone(), format!("invalid ({error})"), FORM);
+        let failed = |error: std::io::Error| {
+            Error::about_file("table of stars", path, format!("is invalid ({error})")).allowing(FORM)
+        };
         let rows = TableRows::open(path).map_err(failed)?;
         let column = |names: &[&'static str], unit| rows.numbers(names, unit, FORM).map_err(failed);
         let ra = column(&["ra_deg", "ra"], &DEGREES)?;
@@ -70,7 +72,7 @@ impl StarTable {
             stars.push((CatalogueStar { direction, magnitude: mag, sigma_mag, colour }, band));
         }
         if stars.is_empty() {
-            return Err(MeasureError::invalid(origin, "empty", FORM));
+            return Err(Error::about_file("table of stars", path, "is empty").allowing(FORM));
         }
         Ok(Self { origin, stars })
     }
@@ -79,14 +81,14 @@ impl StarTable {
     ///
     /// # Errors
     /// No star of the table has such a colour.
-    pub fn in_colours(mut self, [bluest, reddest]: [f64; 2]) -> Result<Self, MeasureError> {
+    pub fn in_colours(mut self, [bluest, reddest]: [f64; 2]) -> Result<Self, Error> {
         let is_in_range = |colour: f64| (bluest..=reddest).contains(&colour);
         let (all, known) = (self.stars.len(), self.stars.iter().filter(|(star, _)| star.colour.is_some()).count());
         self.stars.retain(|(star, _)| star.colour.is_some_and(is_in_range));
         if self.stars.is_empty() {
             let what = format!("number of stars with a colour of {bluest} to {reddest} mag in the {}", self.origin);
             let given = format!("0 of {all}, of which {known} have a colour");
-            return Err(MeasureError::invalid(what, given, "1 or more, with a column colour, color or bp_rp"));
+            return Err(Error::invalid(what, given, "1 or more, with a column colour, color or bp_rp"));
         }
         Ok(self)
     }
@@ -96,7 +98,7 @@ impl StarTable {
     ///
     /// # Errors
     /// The table has bands and none is that of the filter, or the filter is unknown and the table has several bands.
-    pub fn in_band(&self, filter: Option<&str>) -> Result<Vec<CatalogueStar>, MeasureError> {
+    pub fn in_band(&self, filter: Option<&str>) -> Result<Vec<CatalogueStar>, Error> {
         let mut bands: Vec<&str> = self.stars.iter().map(|(_, band)| band.as_str()).collect();
         bands.sort_unstable();
         bands.dedup();
@@ -107,11 +109,7 @@ impl StarTable {
             None if bands.len() == 1 => bands[0],
             None => {
                 let allowed = format!("--band, or FILTER in the header; bands of the table: {}", bands.join(", "));
-                return Err(MeasureError::invalid(
-                    format!("band of the frame for the {}", self.origin),
-                    "missing",
-                    allowed,
-                ));
+                return Err(Error::invalid(format!("band of the frame for the {}", self.origin), "missing", allowed));
             }
         };
         let is_in_band = |band: &str| band.is_empty() || band == wanted;
@@ -119,7 +117,7 @@ impl StarTable {
             self.stars.iter().filter(|(_, band)| is_in_band(band)).map(|(star, _)| *star).collect();
         if found.is_empty() {
             let what = format!("band of the frame for the {}", self.origin);
-            return Err(MeasureError::invalid(what, format!("'{wanted}'"), format!("{}, by --band", bands.join(", "))));
+            return Err(Error::invalid(what, format!("'{wanted}'"), format!("{}, by --band", bands.join(", "))));
         }
         Ok(found)
     }
@@ -134,7 +132,7 @@ fn band_name(filter: &str) -> String {
 mod tests {
     use super::*;
 
-    fn table(text: &str) -> Result<StarTable, MeasureError> {
+    fn table(text: &str) -> Result<StarTable, Error> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         StarTable::read(file.path())

@@ -3,12 +3,12 @@
 use super::background::median_and_sigma;
 use super::band::Band;
 use super::corridor::Corridor;
-use super::error::MeasureError;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks};
 use super::measurement::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement};
 use super::noise::{CONTROLS_A_SIDE, REFINED_FROM, controls, offset_sigma, without_fit_bias};
 use super::search::{Extent, Found, search};
 use super::stars::{mask_stars, without_streak};
+use crate::error::Error;
 use crate::images::{LightArea, PixelPosition};
 use crate::math::minimum::minimum;
 use crate::math::quantile::median;
@@ -76,7 +76,7 @@ pub fn measure_streak(
     predicted: &PredictedStreak,
     optics: &Optics,
     options: &MeasureOptions,
-) -> Result<Option<StreakMeasurement>, MeasureError> {
+) -> Result<Option<StreakMeasurement>, Error> {
     let (rows, columns) = (image.plane.rows(), image.plane.columns());
     // A given streak of this length has at least 1 / √2 as many pixels along the nearer axis.
     let least = if predicted.ends_s.is_some() { LEAST_GIVEN_PIX } else { LEAST_LENGTH_PIX };
@@ -102,9 +102,9 @@ pub(super) fn profile_of(
     image: &StreakImage<'_>,
     predicted: &PredictedStreak,
     optics: &Optics,
-) -> Result<RadialProfile, MeasureError> {
+) -> Result<RadialProfile, Error> {
     let PredictedStreak { range_km, radius_m, .. } = *predicted;
-    Ok(optics.profile(range_km, radius_m, image.pixel_scale_arcsec, image.pixel_aspect)?)
+    optics.profile(range_km, radius_m, image.pixel_scale_arcsec, image.pixel_aspect)
 }
 
 /// State of the measurement of one streak.
@@ -154,7 +154,7 @@ impl Measuring<'_> {
     ///
     /// p(t) = P(t - δ) + n (v + τ u) + e (e · d) δ with the predicted path P, delay δ, offset v, tilt τ, distance u
     /// along the track from the middle, drift d, and unit vectors n across and e along the track.
-    fn path(&self, shift: &Shift) -> Result<Option<StreakPath>, MeasureError> {
+    fn path(&self, shift: &Shift) -> Result<Option<StreakPath>, Error> {
         let Corridor { motion: [ex, ey], middle, .. } = self.corridor;
         let [nx, ny] = self.corridor.normal();
         let [dx, dy] = self.predicted.drift_pix_s;
@@ -190,7 +190,7 @@ impl Measuring<'_> {
     }
 
     /// Draws the shifted streak in the pixels of a band; `None` if its path is too short.
-    pub fn drawn(&self, band: &Band, shift: &Shift) -> Result<Option<Drawn>, MeasureError> {
+    pub fn drawn(&self, band: &Band, shift: &Shift) -> Result<Option<Drawn>, Error> {
         let Some(path) = self.path(shift)? else { return Ok(None) };
         let patch = draw(&path, &self.profile, self.image.plane.rows(), self.image.plane.columns());
         let template = band.template(&patch);
@@ -202,7 +202,7 @@ impl Measuring<'_> {
         found: &Found,
         extent: &Extent,
         options: &MeasureOptions,
-    ) -> Result<Option<StreakMeasurement>, MeasureError> {
+    ) -> Result<Option<StreakMeasurement>, Error> {
         let found = &self.aligned(found);
         let corridor = &self.corridor;
         let cos = corridor.cos();
@@ -498,7 +498,7 @@ impl Measuring<'_> {
     }
 
     /// Returns the sum of the squared residuals for a shift, with one amplitude for all blocks.
-    fn squares(&self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<Option<f64>, MeasureError> {
+    fn squares(&self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<Option<f64>, Error> {
         let Some(drawn) = self.drawn(band, shift)? else { return Ok(None) };
         let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
         Ok(combined(&fits).map(|amplitude| amplitude.squares))
@@ -511,7 +511,7 @@ impl Measuring<'_> {
         blocks: &Blocks,
         extent: &Extent,
         shift: &mut Shift,
-    ) -> Result<(), MeasureError> {
+    ) -> Result<(), Error> {
         // The search has steps of half a width or of a block.
         let block_s = blocks.bounds[1] as f64 / band.cos / self.corridor.speed_pix_s;
         let step_s = block_s.max(2.0 * self.profile.fwhm_pix() / self.corridor.speed_pix_s);
@@ -554,14 +554,7 @@ impl Measuring<'_> {
     }
 
     /// Fits one of the given ends along the streak, within its error.
-    fn fit_end(
-        &self,
-        band: &Band,
-        mask: &[bool],
-        blocks: &Blocks,
-        end: usize,
-        shift: &mut Shift,
-    ) -> Result<(), MeasureError> {
+    fn fit_end(&self, band: &Band, mask: &[bool], blocks: &Blocks, end: usize, shift: &mut Shift) -> Result<(), Error> {
         let sigma_s = self.predicted.cross_sigma_pix / self.corridor.speed_pix_s;
         let reach_s = END_SIGMAS * sigma_s;
         let moved = |time_s: f64| {
@@ -603,8 +596,8 @@ impl Measuring<'_> {
         blocks: &Blocks,
         shift: &Shift,
         ends: &[usize],
-    ) -> Result<f64, MeasureError> {
-        let unit = |shift: &Shift| -> Result<Option<Vec<f32>>, MeasureError> {
+    ) -> Result<f64, Error> {
+        let unit = |shift: &Shift| -> Result<Option<Vec<f32>>, Error> {
             let Some(Drawn { path, template }) = self.drawn(band, shift)? else { return Ok(None) };
             let nodes = path.nodes();
             let duration_s = (nodes[nodes.len() - 1].time_s - nodes[0].time_s) as f32;
@@ -629,7 +622,7 @@ impl Measuring<'_> {
 
     /// Returns the path of a streak with fitted ends in the time between the given ends, and the factor by which its
     /// light per second is larger; any other path and 1.
-    fn within_given_times(&self, path: &StreakPath) -> Result<(StreakPath, f64), MeasureError> {
+    fn within_given_times(&self, path: &StreakPath) -> Result<(StreakPath, f64), Error> {
         let Some([from_s, to_s]) = self.predicted.ends_s else { return Ok((path.clone(), 1.0)) };
         let nodes = path.nodes();
         let (first_s, last_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
@@ -650,7 +643,7 @@ impl Measuring<'_> {
         shift: &Shift,
         amplitude: &Amplitude,
         noise_ratio: f64,
-    ) -> Result<Option<f64>, MeasureError> {
+    ) -> Result<Option<f64>, Error> {
         let step_s = 0.5 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
         let at = |late_s: f64| self.squares(band, mask, blocks, &Shift { late_s, ..*shift });
         let (Some(before), Some(here), Some(after)) =
@@ -673,7 +666,7 @@ impl Measuring<'_> {
         blocks: &Blocks,
         shift: &Shift,
         options: &MeasureOptions,
-    ) -> Result<f64, MeasureError> {
+    ) -> Result<f64, Error> {
         let PredictedStreak { range_km, radius_m, radius_sigma_m, .. } = *self.predicted;
         if radius_sigma_m <= 0.0 {
             return Ok(0.0);
@@ -749,7 +742,7 @@ impl Measuring<'_> {
     }
 
     /// Returns the number of ends of the exposed track that are in the image.
-    fn ends(&self, shift: &Shift) -> Result<usize, MeasureError> {
+    fn ends(&self, shift: &Shift) -> Result<usize, Error> {
         let Some(path) = self.path(shift)? else { return Ok(0) };
         let end_s = self.image.exposure_s;
         // If the prediction does not extend to the ends of the exposure, the path begins or ends elsewhere.

@@ -3,10 +3,10 @@
 
 use super::background::median_and_sigma;
 use super::band::Band;
-use super::error::MeasureError;
 use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks, squares_by_block};
 use super::search::Found;
 use super::streak::{Measuring, Shift, profile_of};
+use crate::error::Error;
 use crate::math::minimum::minimum;
 use crate::math::quantile::median;
 use crate::streaks::{Optics, SeeingForm};
@@ -93,7 +93,7 @@ impl Measuring<'_> {
         mask: &[bool],
         blocks: &Blocks,
         shift: &Shift,
-    ) -> Result<(f64, f64), MeasureError> {
+    ) -> Result<(f64, f64), Error> {
         let given = self.optics;
         let mut best = (0.0, f64::INFINITY);
         let mut of = |this: &mut Self, ln_ratio: f64| -> f64 {
@@ -132,7 +132,7 @@ impl Measuring<'_> {
         assumed: &Amplitude,
         measured_arcsec: f64,
         noise: f64,
-    ) -> Result<f64, MeasureError> {
+    ) -> Result<f64, Error> {
         let (given, profile) = (self.optics, self.profile.clone());
         let mut of = |optics: Optics| -> Option<Amplitude> {
             self.profile = profile_of(self.image, self.predicted, &optics).ok()?;
@@ -178,10 +178,10 @@ impl Measuring<'_> {
         mask: &[bool],
         blocks: &Blocks,
         shift: &Shift,
-    ) -> Result<f64, MeasureError> {
+    ) -> Result<f64, Error> {
         const STEP: f64 = 0.02;
         let given = self.optics;
-        let template = |this: &mut Self, ratio: f64| -> Result<Option<Vec<f32>>, MeasureError> {
+        let template = |this: &mut Self, ratio: f64| -> Result<Option<Vec<f32>>, Error> {
             let optics = Optics { seeing_arcsec: given.seeing_arcsec * ratio, ..given };
             this.profile = profile_of(this.image, this.predicted, &optics)?;
             Ok(this.drawn(band, shift)?.map(|drawn| drawn.template))

@@ -1,9 +1,9 @@
 //! Zero point and seeing of an image from stars of known magnitude.
 
 use super::background::SIGMA_OF_MAD;
-use super::error::MeasureError;
 use super::measurement::{Estimate, StreakImage};
 use super::star_table::CatalogueStar;
+use crate::error::Error;
 use crate::images::{PixelPosition, Wcs};
 use crate::math::quantile::median;
 use crate::streaks::{Optics, RadialProfile, draw_point};
@@ -109,13 +109,13 @@ pub fn star_zero_point(
     optics: &Optics,
     is_width_known: bool,
     watch: &Watch,
-) -> Result<StarZeroPoint, MeasureError> {
+) -> Result<StarZeroPoint, Error> {
     let mut found = StarZeroPoint::default();
     let placed = placed(image, wcs, stars);
-    let star_profile = |seeing_arcsec: f64| -> Result<RadialProfile, MeasureError> {
+    let star_profile = |seeing_arcsec: f64| -> Result<RadialProfile, Error> {
         // Stars are in focus.
         let stars = Optics { seeing_arcsec, outer_radius_m: 0.0, inner_radius_m: 0.0, form: optics.form };
-        Ok(stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)?)
+        stars.profile(1.0, 0.0, image.pixel_scale_arcsec, image.pixel_aspect)
     };
     let assumed = star_profile(optics.seeing_arcsec)?;
     let mut start_arcsec = optics.seeing_arcsec;
@@ -217,7 +217,7 @@ fn candidates(
     profile: &RadialProfile,
     found: &mut StarZeroPoint,
     watch: &Watch,
-) -> Result<Vec<StarCandidate>, MeasureError> {
+) -> Result<Vec<StarCandidate>, Error> {
     let radius_pix = (APERTURE_WIDTHS * profile.fwhm_pix()).max(LEAST_APERTURE_PIX);
     let near_pix = SKY_RADII[0] * radius_pix;
     let mut kept = Vec::new();

@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::propagator::{OrbitError, Propagator};
+use super::propagator::Propagator;
 use super::state::State;
+use crate::error::Error;
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 use crate::math::interpolation::{cubic_slopes, cubic_weights};
 
@@ -37,7 +38,7 @@ impl OrbitArc {
     /// constant: TEME turns by less than 1e-6 arcsec in 30 s.
     ///
     /// # Errors
-    /// [`OrbitError`] where SGP4 fails or the satellite has decayed at one of the nodes, or where velocities differ
+    /// SGP4 fails or the satellite has decayed at one of the nodes, or where velocities differ
     /// from the derivative of positions.
     pub fn new(
         propagator: &Propagator,
@@ -45,7 +46,7 @@ impl OrbitArc {
         start_s: f64,
         duration_s: f64,
         teme_to_gcrs: &Rotation<Teme, Gcrs>,
-    ) -> Result<Self, OrbitError> {
+    ) -> Result<Self, Error> {
         let turning_rad_s = propagator.fastest_turn_rad_s();
         Self::over_pass(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, turning_rad_s)
     }
@@ -62,7 +63,7 @@ impl OrbitArc {
         duration_s: f64,
         teme_to_gcrs: &Rotation<Teme, Gcrs>,
         turning_rad_s: f64,
-    ) -> Result<Self, OrbitError> {
+    ) -> Result<Self, Error> {
         let longest_s = (LONGEST_STEP_RAD / turning_rad_s).max(LONGEST_STEP_S);
         let steps = (duration_s / longest_s).ceil().max(FEWEST_STEPS);
         // An exposure of zero length still requires four nodes.
@@ -71,7 +72,7 @@ impl OrbitArc {
             .map(|node| {
                 propagator.state_at_minutes(reference_minutes + (start_s + step_s * node as f64) / 60.0, teme_to_gcrs)
             })
-            .collect::<Result<Vec<State<Gcrs>>, OrbitError>>()?;
+            .collect::<Result<Vec<State<Gcrs>>, Error>>()?;
         for (node, pair) in nodes.windows(2).enumerate() {
             let minutes = reference_minutes + (start_s + step_s * node as f64) / 60.0;
             propagator.check_step(&pair[0], &pair[1], step_s, minutes)?;
@@ -88,8 +89,8 @@ impl OrbitArc {
     pub(super) fn of_positions(
         start_s: f64,
         duration_s: f64,
-        position: impl Fn(f64) -> Result<Vector3<f64>, OrbitError>,
-    ) -> Result<Self, OrbitError> {
+        position: impl Fn(f64) -> Result<Vector3<f64>, Error>,
+    ) -> Result<Self, Error> {
         let steps = (duration_s / LONGEST_STEP_S).ceil().max(FEWEST_STEPS);
         let step_s = (duration_s / steps).max(1e-3);
         let positions = (0..=steps as usize).map(|node| position(start_s + step_s * node as f64));

@@ -7,9 +7,10 @@ use hifitime::Epoch;
 
 use super::arc::OrbitArc;
 use super::ephemeris::EphemerisTable;
-use super::propagator::{OrbitError, Propagator};
+use super::propagator::Propagator;
 use super::state::State;
 use crate::elements::{ElementSet, Ephemeris};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Gcrs, Rotation, Teme, seconds_after, seconds_between};
 
 /// Orbit of an observing telescope.
@@ -27,8 +28,8 @@ impl ObserverOrbit {
     /// Creates the orbit of an element set.
     ///
     /// # Errors
-    /// [`OrbitError::Elements`] if SGP4 cannot be initialised.
-    pub fn of_elements(elements: &ElementSet) -> Result<Self, OrbitError> {
+    /// SGP4 cannot be initialised.
+    pub fn of_elements(elements: &ElementSet) -> Result<Self, Error> {
         Ok(Self(Source::Elements(Box::new(Propagator::new(elements)?))))
     }
 
@@ -69,9 +70,8 @@ impl ObserverOrbit {
     /// Returns the geocentric state at `epoch`, from the ephemeris created last of those that cover it.
     ///
     /// # Errors
-    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`] for an element set, [`OrbitError::OutsideEphemeris`] for
-    /// ephemerides.
-    pub fn state(&self, epoch: Epoch, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, OrbitError> {
+    /// The errors of [`Propagator::state`] for an element set; no ephemeris covers the time.
+    pub fn state(&self, epoch: Epoch, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, Error> {
         match &self.0 {
             Source::Elements(propagator) => propagator.state(epoch, teme_to_gcrs),
             Source::Ephemerides(tables) => {
@@ -88,14 +88,14 @@ impl ObserverOrbit {
     /// The rotation is taken as constant, as in [`OrbitArc::new`].
     ///
     /// # Errors
-    /// The errors of [`OrbitArc::new`]; [`OrbitError::OutsideEphemeris`] if no ephemeris covers the whole interval.
+    /// The errors of [`OrbitArc::new`]; no ephemeris covers the whole interval.
     pub fn arc(
         &self,
         reference: Epoch,
         inner: [Epoch; 2],
         margin_s: f64,
         teme_to_gcrs: &Rotation<Teme, Gcrs>,
-    ) -> Result<OrbitArc, OrbitError> {
+    ) -> Result<OrbitArc, Error> {
         let outer = [seconds_after(inner[0], -margin_s), seconds_after(inner[1], margin_s)];
         match &self.0 {
             Source::Elements(propagator) => {
@@ -131,7 +131,9 @@ impl ObserverOrbit {
         tables.iter().find_map(|table| table.gap_in(interval.map(|epoch| table.seconds_at(epoch))))
     }
 
-    fn outside(&self, [first, last]: [Epoch; 2]) -> OrbitError {
-        OrbitError::OutsideEphemeris { first, last, gap: self.gap_in([first, last]) }
+    fn outside(&self, [first, last]: [Epoch; 2]) -> Error {
+        let gap = self.gap_in([first, last]).map_or_else(String::new, |reason| format!(": {reason}"));
+        let sentence = format!("no ephemeris covers the time from {first} to {last} as a whole{gap}");
+        Error::new(ErrorKind::NoPosition, sentence)
     }
 }

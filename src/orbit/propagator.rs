@@ -9,7 +9,6 @@ use std::sync::Arc;
 use hifitime::{Epoch, Unit};
 use rayon::prelude::*;
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
-use thiserror::Error;
 
 use super::ephemeris::{Attached, EphemerisTable, PositionSource, Segment};
 use super::resonance::Resonance;
@@ -18,6 +17,7 @@ use super::station_keeping::DragModel;
 use super::uncertainty::{OrbitClass, OrbitUncertainty};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Distance from the Earth's centre below which a satellite counts as decayed: one Earth radius of WGS72, as in the
@@ -32,79 +32,32 @@ const LARGEST_GAP_KM: f64 = 1.0;
 /// and Sun are strongest, the disagreement is some m/s.
 const LARGEST_MISMATCH_KM_S: f64 = 0.1;
 
-/// Reasons for a missing position.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum OrbitError {
-    /// SGP4 cannot be initialised from these elements.
-    #[error("satellite {norad_id}: SGP4 cannot be initialised from its elements: {reason}")]
-    Elements {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// SGP4's message.
-        reason: String,
-    },
-    /// The elements left SGP4's valid range during the propagation.
-    #[error("satellite {norad_id}: SGP4 fails {days_since_epoch:.2} days after the element epoch: {reason}")]
-    Diverged {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// Days from the element epoch to the requested time.
-        days_since_epoch: f64,
-        /// SGP4's message.
-        reason: String,
-    },
-    /// The predicted orbit intersects the ground.
-    #[error(
-        "satellite {norad_id} has decayed: {radius_km:.0} km from the Earth's centre {days_since_epoch:.2} days after the element epoch; expected at least {DECAYED_RADIUS_KM} km"
-    )]
-    Decayed {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// Days from the element epoch to the requested time.
-        days_since_epoch: f64,
-        /// Predicted distance from the Earth's centre, km.
-        radius_km: f64,
-    },
-    /// The elements are so old that the position is unknown ([`OrbitClass::is_known`]).
-    #[error("satellite {norad_id}: position unknown, {}", elements_of_age(*.age_days))]
-    Unknown {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// Days from the element epoch to the requested time; negative if the epoch is later.
-        age_days: f64,
-    },
-    /// The catalogue states that the satellite decayed before the requested time.
-    #[error("satellite {norad_id} has decayed before {decayed} (DECAY_DATE of its element set)")]
-    DecayedByDate {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// End of the day on which it decayed.
-        decayed: Epoch,
-    },
-    /// The ephemeris in use has no state at the requested time.
-    #[error("satellite {norad_id}: its ephemeris does not cover {days_since_epoch:.4} days after the element epoch")]
-    NotCovered {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// Days from the element epoch to the requested time.
-        days_since_epoch: f64,
-    },
-    /// No ephemeris of the observing telescope covers an interval.
-    #[error("no ephemeris covers the time from {first} to {last} as a whole{}", after_colon(.gap.as_deref()))]
-    OutsideEphemeris {
-        /// First time of the interval.
-        first: Epoch,
-        /// Last time of the interval.
-        last: Epoch,
-        /// Gap between states in the interval, with its reason; `None` if the interval is outside of the states.
-        gap: Option<String>,
-    },
+/// Age of elements that do not determine a position: the source of an error of the kind
+/// [`UnknownPosition`](ErrorKind::UnknownPosition).
+#[derive(Debug)]
+pub struct TooOld {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Days from the element epoch to the requested time; negative if the epoch is later.
+    pub age_days: f64,
 }
 
-/// Returns a reason after a colon; an empty text without one.
-fn after_colon(reason: Option<&str>) -> String {
-    reason.map_or_else(String::new, |reason| format!(": {reason}"))
+impl fmt::Display for TooOld {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "satellite {}: position unknown, {}", self.norad_id, elements_of_age(self.age_days))
+    }
+}
+
+impl std::error::Error for TooOld {}
+
+/// Returns the error of a satellite whose position cannot be computed.
+pub fn no_position(norad_id: NoradId, reason: fmt::Arguments<'_>) -> Error {
+    Error::new(ErrorKind::NoPosition, format!("satellite {norad_id}{reason}"))
+}
+
+/// SGP4 cannot be initialised from the elements of a satellite.
+pub fn not_initialised(norad_id: NoradId, reason: &str) -> Error {
+    no_position(norad_id, format_args!(": SGP4 cannot be initialised from its elements: {reason}"))
 }
 
 /// Returns the age of element sets as text: `elements 216 days old`, or `elements 30 days newer than the exposure`.
@@ -144,9 +97,9 @@ impl Propagator {
     /// Initialises SGP4.
     ///
     /// # Errors
-    /// [`OrbitError::Elements`] where the eccentricity is outside [0, 1) or the mean motion is not positive.
-    pub fn new(elements: &ElementSet) -> Result<Self, OrbitError> {
-        let fail = |reason: String| OrbitError::Elements { norad_id: elements.norad_id, reason };
+    /// The eccentricity is outside [0, 1) or the mean motion is not positive.
+    pub fn new(elements: &ElementSet) -> Result<Self, Error> {
+        let fail = |reason: String| not_initialised(elements.norad_id, &reason);
         let orbit = Orbit::from_kozai_elements(
             &WGS72,
             elements.inclination_deg * (PI / 180.0),
@@ -242,7 +195,7 @@ impl Propagator {
     /// # Errors
     /// As [`Propagator::new`].
     #[doc(hidden)]
-    pub fn with_drag(elements: &ElementSet, drag: DragModel) -> Result<Self, OrbitError> {
+    pub fn with_drag(elements: &ElementSet, drag: DragModel) -> Result<Self, Error> {
         Self::new(&drag.propagated(elements))
     }
 
@@ -268,28 +221,27 @@ impl Propagator {
     /// element epoch.
     ///
     /// # Errors
-    /// [`OrbitError::Diverged`] where they do not agree, because the drag terms have diverged.
+    /// They do not agree, because the drag terms have diverged.
     pub fn check_step(
         &self,
         first: &State<Gcrs>,
         second: &State<Gcrs>,
         step_s: f64,
         minutes: f64,
-    ) -> Result<(), OrbitError> {
+    ) -> Result<(), Error> {
         let moved_km = second.position.vector() - first.position.vector();
         let by_velocity_km = (first.velocity.vector() + second.velocity.vector()) * (0.5 * step_s);
         if (moved_km - by_velocity_km).norm() <= LARGEST_GAP_KM.max(LARGEST_MISMATCH_KM_S * step_s) {
             return Ok(());
         }
-        Err(OrbitError::Diverged {
-            norad_id: self.norad_id,
-            days_since_epoch: minutes / 1440.0,
-            reason: format!(
+        Err(self.diverged(
+            minutes,
+            format_args!(
                 "positions change by {:.1} km/s but the velocity is {:.1} km/s: the drag terms have diverged",
                 moved_km.norm() / step_s,
                 by_velocity_km.norm() / step_s
             ),
-        })
+        ))
     }
 
     /// Returns the angular rate about the Earth's centre at perigee, rad/s, with a tenth added for changes since the
@@ -309,20 +261,16 @@ impl Propagator {
     /// Returns the geocentric state at `epoch`.
     ///
     /// # Errors
-    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
-    pub fn state(&self, epoch: Epoch, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, OrbitError> {
+    /// The satellite has decayed, the drag terms have diverged, or the ephemeris in use has no state at that time.
+    pub fn state(&self, epoch: Epoch, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, Error> {
         self.state_at_minutes(self.minutes_since_epoch(epoch), teme_to_gcrs)
     }
 
     /// Returns the geocentric state `minutes` after the element epoch.
     ///
     /// # Errors
-    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
-    pub fn state_at_minutes(
-        &self,
-        minutes: f64,
-        teme_to_gcrs: &Rotation<Teme, Gcrs>,
-    ) -> Result<State<Gcrs>, OrbitError> {
+    /// The satellite has decayed, the drag terms have diverged, or the ephemeris in use has no state at that time.
+    pub fn state_at_minutes(&self, minutes: f64, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, Error> {
         let state = self.teme_state(minutes)?;
         Ok(State { position: *teme_to_gcrs * state.position, velocity: *teme_to_gcrs * state.velocity })
     }
@@ -343,49 +291,60 @@ impl Propagator {
     /// other implementations. An attached ephemeris is not used, and distances that are too large are not rejected.
     ///
     /// # Errors
-    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
-    pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), OrbitError> {
+    /// The satellite has decayed, the drag terms have diverged, or the ephemeris in use has no state at that time.
+    pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), Error> {
         if let Some((decayed, after)) = self.decayed.as_deref().copied()
             && minutes > after
         {
-            return Err(OrbitError::DecayedByDate { norad_id: self.norad_id, decayed });
+            let reason = format_args!(" has decayed before {decayed} (DECAY_DATE of its element set)");
+            return Err(no_position(self.norad_id, reason));
         }
         let mut resonance = self.resonance.as_ref().map(|kept| kept.state_before(&self.constants, minutes));
         let prediction = self
             .constants
             .propagate_from_state(MinutesSinceEpoch(minutes), resonance.as_mut(), true)
-            .map_err(|error| OrbitError::Diverged {
-                norad_id: self.norad_id,
-                days_since_epoch: minutes / 1440.0,
-                reason: error.to_string(),
-            })?;
+            .map_err(|error| self.diverged(minutes, format_args!("{error}")))?;
         let [x, y, z] = prediction.position;
         let radius_km = (x * x + y * y + z * z).sqrt();
         // NaN counts as decayed too.
         if radius_km.is_nan() || radius_km < DECAYED_RADIUS_KM {
-            return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
+            let days = minutes / 1440.0;
+            let reason = format_args!(
+                " has decayed: {radius_km:.0} km from the Earth's centre {days:.2} days after the element epoch; expected at \
+                 least {DECAYED_RADIUS_KM} km"
+            );
+            return Err(no_position(self.norad_id, reason));
         }
         Ok((prediction.position, prediction.velocity))
     }
 
+    /// Returns the error of elements that leave SGP4's valid range during the propagation.
+    fn diverged(&self, minutes: f64, reason: fmt::Arguments<'_>) -> Error {
+        let days = minutes / 1440.0;
+        no_position(self.norad_id, format_args!(": SGP4 fails {days:.2} days after the element epoch: {reason}"))
+    }
+
     /// Returns the state in TEME, `minutes` after the element epoch.
-    pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
+    pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, Error> {
         if let Some(attached) = &self.ephemeris {
-            let not_covered = OrbitError::NotCovered { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0 };
-            return attached.state_at(minutes).ok_or(not_covered);
+            return attached.state_at(minutes).ok_or_else(|| {
+                let days = minutes / 1440.0;
+                let reason = format_args!(": its ephemeris does not cover {days:.4} days after the element epoch");
+                no_position(self.norad_id, reason)
+            });
         }
         let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
         let radius_km = (x * x + y * y + z * z).sqrt();
         // The distance cannot exceed twice the semi-major axis; where it does, the drag terms have diverged.
         if radius_km > self.farthest_km {
-            return Err(OrbitError::Diverged {
-                norad_id: self.norad_id,
-                days_since_epoch: minutes / 1440.0,
-                reason: format!(
-                    "the predicted distance from the Earth's centre is {radius_km:.0} km, above the orbit's limit of {:.0} km",
-                    self.farthest_km
+            let limit_km = self.farthest_km;
+            return Err(self.diverged(
+                minutes,
+                format_args!(
+                    "the predicted distance from the Earth's centre is {radius_km:.0} km, above the orbit's limit of \
+                     {limit_km:.0} km"
                 ),
-            });
+            ));
         }
         Ok(State { position: Position::new(x, y, z), velocity: Velocity::new(u, v, w) })
     }
@@ -400,7 +359,7 @@ pub struct LeftOut {
     /// Position of its element set in the catalogue.
     pub element_index: usize,
     /// Reason for the missing position.
-    pub reason: OrbitError,
+    pub reason: Error,
 }
 
 /// Propagators of a catalogue. Construction takes about 1 µs per satellite and core.
@@ -447,7 +406,7 @@ impl SatelliteIndex {
 
     /// Creates an index of the propagators of satellites, `Err` where SGP4 could not be initialised. They were made
     /// from the elements of an [`OrbitModel`](super::OrbitModel) with this treatment of drag.
-    pub fn of_propagators(elements: &[ElementSet], made: Vec<Result<Propagator, OrbitError>>, drag: DragModel) -> Self {
+    pub fn of_propagators(elements: &[ElementSet], made: Vec<Result<Propagator, Error>>, drag: DragModel) -> Self {
         let mut left_out = Vec::new();
         let propagators = made
             .into_iter()

@@ -9,10 +9,11 @@
 use super::crossing::root;
 use super::scene::Scene;
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, WGS72_MU_KM3_S2};
+use crate::error::Error;
 use crate::frames::{Gcrs, Position};
 use crate::geometry::Observer;
 use crate::math::minimum::minimum;
-use crate::orbit::{OrbitError, Propagator, State};
+use crate::orbit::{Propagator, State};
 
 /// Number of search steps per orbital period; a step is at most [`LONGEST_STEP_S`] long.
 const STEPS_PER_REVOLUTION: f64 = 72.0;
@@ -107,7 +108,7 @@ impl Near {
 
 impl HorizonSearch<'_> {
     /// Returns position and altitude of the satellite at a time, in seconds after the start of the scene.
-    fn sample(&self, time_s: f64) -> Result<Sample, OrbitError> {
+    fn sample(&self, time_s: f64) -> Result<Sample, Error> {
         let orientation = self.scene.orientation.at_s(time_s);
         let state = self.propagator.state_at_minutes(self.minutes + time_s / 60.0, &orientation.teme_to_gcrs)?;
         let here = self.observer.state(&orientation);
@@ -116,13 +117,13 @@ impl HorizonSearch<'_> {
     }
 
     /// Returns the sine of the altitude at a time, in seconds after the start of the scene.
-    fn sine_of_altitude(&self, time_s: f64) -> Result<f64, OrbitError> {
+    fn sine_of_altitude(&self, time_s: f64) -> Result<f64, Error> {
         Ok(self.sample(time_s)?.sine)
     }
 
     /// Returns samples at every step at which the satellite may be above the limit, and the length of a step,
     /// seconds. Steps in which the satellite is still too far from the site are skipped.
-    fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
+    fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), Error> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
         let step_s = span_s / steps;
@@ -150,7 +151,7 @@ impl HorizonSearch<'_> {
         (from_s, until_s): (f64, f64),
         min_altitude_rad: f64,
         treatment: &dyn Fn(&[Sample]) -> Treatment,
-    ) -> Result<(Vec<AboveHorizon>, usize), OrbitError> {
+    ) -> Result<(Vec<AboveHorizon>, usize), Error> {
         let limit = min_altitude_rad.sin();
         let (samples, step_s) = self.samples(from_s, until_s, min_altitude_rad)?;
         let last = samples.len() - 1;
@@ -213,7 +214,7 @@ impl HorizonSearch<'_> {
 
     /// Returns the time of the highest point between two times and the sine of the altitude there; `start` is a sample
     /// between these times.
-    fn highest(&self, ends_s: [f64; 2], start: &Sample) -> Result<(f64, f64), OrbitError> {
+    fn highest(&self, ends_s: [f64; 2], start: &Sample) -> Result<(f64, f64), Error> {
         let mut failed = None;
         let depth = |time_s: f64| match self.sine_of_altitude(time_s) {
             Ok(sine) => -sine,
@@ -229,7 +230,7 @@ impl HorizonSearch<'_> {
     }
 
     /// Returns the time at which the altitude passes the limit, between a time below and a time above the limit.
-    fn border(&self, below_s: f64, above_s: f64, limit: f64) -> Result<f64, OrbitError> {
+    fn border(&self, below_s: f64, above_s: f64, limit: f64) -> Result<f64, Error> {
         // If SGP4 fails between two times at which it did not fail, the sample at the root returns the error.
         let height = |time_s: f64| self.sine_of_altitude(time_s).map_or(f64::NAN, |sine| sine - limit);
         let ends = [below_s, above_s].map(|time_s| (time_s, height(time_s)));

@@ -2,8 +2,10 @@
 
 use hifitime::Epoch;
 
-use super::error::{SkyError, check_epoch};
+use super::error;
+use super::error::check_epoch;
 use super::sky::Sky;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, seconds_after};
 
 /// Altitude and azimuth at a site.
@@ -19,15 +21,14 @@ impl Sky {
     /// Computes altitude and azimuth of the Sun's centre, without refraction and without aberration (20").
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's
-    /// ephemeris.
+    /// The observer is in orbit, or the time is outside the years of the Sun's ephemeris.
     #[doc(hidden)]
-    pub fn sun_altaz(&self, epoch: Epoch) -> Result<AltAz, SkyError> {
+    pub fn sun_altaz(&self, epoch: Epoch) -> Result<AltAz, Error> {
         check_epoch(epoch)?;
         let scene = self.scene_without_windows(epoch, 0.0);
         let here = self.site_observer()?.state(&scene.orientation.at_s(0.0));
         let altaz = here.altitude_azimuth_rad(&(scene.sun.at_s(0.0).sun - here.position));
-        let (altitude_rad, azimuth_rad) = altaz.ok_or(SkyError::NoEphemeris { epoch })?;
+        let (altitude_rad, azimuth_rad) = altaz.ok_or_else(|| error::no_ephemeris(epoch))?;
         Ok(AltAz { altitude_rad, azimuth_rad })
     }
 
@@ -36,13 +37,13 @@ impl Sky {
     ///
     /// # Errors
     /// The errors of [`Sky::sun_altaz`].
-    pub fn sun_reaches(&self, altitude_rad: f64, from: Epoch) -> Result<Option<Epoch>, SkyError> {
+    pub fn sun_reaches(&self, altitude_rad: f64, from: Epoch) -> Result<Option<Epoch>, Error> {
         /// Search step, seconds. In one step the Sun moves by at most 2.5°. It can cross the same altitude twice in a
         /// step only near noon and midnight, where its altitude hardly changes.
         const STEP_S: f64 = 600.0;
         /// Tolerance, seconds; the Sun moves by half a thousandth of a degree in this time.
         const CLOSE_S: f64 = 0.1;
-        let above = |seconds: f64| -> Result<f64, SkyError> {
+        let above = |seconds: f64| -> Result<f64, Error> {
             Ok(self.sun_altaz(seconds_after(from, seconds))?.altitude_rad - altitude_rad)
         };
         let mut low_s = 0.0;
@@ -70,7 +71,7 @@ impl Sky {
     /// # Errors
     /// The errors of [`Sky::sun_altaz`].
     #[doc(hidden)]
-    pub fn pointing_altaz(&self, pointing: &Direction<Gcrs>, epoch: Epoch) -> Result<AltAz, SkyError> {
+    pub fn pointing_altaz(&self, pointing: &Direction<Gcrs>, epoch: Epoch) -> Result<AltAz, Error> {
         check_epoch(epoch)?;
         let orientation = self.orientation_over(epoch, epoch).at_s(0.0);
         let direction = self.site_observer()?.state(&orientation).horizon * *pointing;

@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use super::error::SkyError;
 use super::evaluator::LOWEST_ALTITUDE_RAD;
 use super::exposure::Exposure;
 use super::field::FieldOnSky;
@@ -11,6 +10,7 @@ use super::scene::Scene;
 use super::sky::Sky;
 use super::track::ObserverMotion;
 use crate::constants::EARTH_ROTATION_RAD_S;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_between};
 use crate::geometry::ShadowModel;
 use crate::orbit::{Cone, Cones, CrossingCandidate, OrbitArc, ShadowCone, Window};
@@ -100,7 +100,7 @@ impl Sky {
         flight: Option<&Arc<OrbitArc>>,
         include_dark: bool,
         seen: &mut Vec<CrossingCandidate>,
-    ) -> Result<Vec<CandidateInterval>, SkyError> {
+    ) -> Result<Vec<CandidateInterval>, Error> {
         let start_s = seconds_between(scene.start, exposure.start);
         let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };
         let slices = (exposure.duration_s / longest_s).ceil().max(1.0);

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use hifitime::Epoch;
 
-use super::error::SkyError;
 use super::measured::{LONGEST_PASS_GAP_S, MeasuredMagnitude, MeasuredPass, MeasuredPasses};
 use super::sky::Sky;
 use crate::elements::{NoradId, Origin};
+use crate::error::Error;
 use crate::frames::seconds_between;
 use crate::photometry::{PassResidual, PassUpdate, PhotometryOptions};
 
@@ -23,13 +23,12 @@ impl Sky {
     /// [`PassUpdate`]. The magnitudes must be in the band and system of `photometry`, and so must the predictions.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] for a time outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the
-    /// elements of a telescope in orbit give no position.
+    /// A time is outside the years of the Sun's ephemeris, or the elements of a telescope in orbit give no position.
     pub(crate) fn with_measured(
         mut self,
         measured: &[MeasuredMagnitude],
         photometry: &PhotometryOptions,
-    ) -> Result<(Self, usize), SkyError> {
+    ) -> Result<(Self, usize), Error> {
         self.measured = Arc::default();
         let mut by_satellite = BTreeMap::<NoradId, Vec<&MeasuredMagnitude>>::new();
         measured.iter().for_each(|measurement| by_satellite.entry(measurement.norad_id).or_default().push(measurement));

@@ -6,16 +6,17 @@
 
 use nalgebra::Vector3;
 
-use super::error::SkyError;
+use super::error;
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{Chord, ObserverMotion, SightLine, TrackPoint};
 use crate::constants::DAY_S;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, Orientation, Position, seconds_after, seconds_between};
 use crate::geometry::aspect;
-use crate::orbit::{OrbitArc, OrbitError, OrbitUncertainty, Propagator, State};
+use crate::orbit::{OrbitArc, OrbitUncertainty, Propagator, State, not_initialised};
 use crate::photometry::PhotometryOptions;
 
 /// Time by which tracks extend beyond both ends of the exposure, seconds.
@@ -53,10 +54,10 @@ impl Sky {
     /// Computes the data that the tracks of all delayed satellites in one exposure share.
     ///
     /// # Errors
-    /// [`SkyError`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
+    /// The exposure has no finite length or direction, or lies outside the years of the Sun's
     /// ephemeris, or if the elements of a telescope in orbit give no position.
     #[doc(hidden)]
-    pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, SkyError> {
+    pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, Error> {
         exposure.check()?;
         let start = seconds_after(exposure.start, -MARGIN_S);
         let scene = self.scene_without_windows(start, exposure.duration_s + 2.0 * MARGIN_S);
@@ -64,7 +65,7 @@ impl Sky {
         let mid_s = MARGIN_S + 0.5 * exposure.duration_s;
         let orientation = scene.orientation.at_s(mid_s);
         let motion =
-            self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or(SkyError::NoEphemeris { epoch: start })?;
+            self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or_else(|| error::no_ephemeris(start))?;
         Ok(ExposureInterval { sky: self, scene, orientation, motion, duration_s: exposure.duration_s })
     }
 }
@@ -103,8 +104,8 @@ impl ExposureInterval<'_> {
     /// interpolation on an arc.
     ///
     /// # Errors
-    /// [`OrbitError`] if the propagation fails.
-    pub fn state(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<State<Gcrs>, OrbitError> {
+    /// The propagation fails.
+    pub fn state(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<State<Gcrs>, Error> {
         let minutes = propagator.minutes_since_epoch(self.scene.start) + (MARGIN_S + time_s - late_s) / 60.0;
         propagator.state_at_minutes(minutes, &self.orientation.teme_to_gcrs)
     }
@@ -113,8 +114,8 @@ impl ExposureInterval<'_> {
     /// [`Self::state`].
     ///
     /// # Errors
-    /// [`OrbitError`] if the propagation fails.
-    pub fn sighting(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<Sighting, OrbitError> {
+    /// The propagation fails.
+    pub fn sighting(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<Sighting, Error> {
         let state = self.state(propagator, time_s, late_s)?;
         let earth_velocity = self.scene.sun.at_s(MARGIN_S + time_s).earth_velocity;
         let seen = aspect(&state.position, &state.velocity, &self.observer(time_s), &earth_velocity);
@@ -138,11 +139,13 @@ impl ExposureInterval<'_> {
     /// exposure.
     ///
     /// # Errors
-    /// [`OrbitError`] if the propagation fails; [`OrbitError::Elements`] for the element set of the observer itself.
-    pub fn track(&self, element_index: usize, late_s: f64) -> Result<DelayedTrack<'_>, OrbitError> {
-        let propagator = self.propagator(element_index).ok_or_else(|| OrbitError::Elements {
-            norad_id: self.sky.elements()[element_index].norad_id,
-            reason: "no propagator for this object, or it is the observer".to_owned(),
+    /// The propagation fails, or the element set is that of the observer itself.
+    pub fn track(&self, element_index: usize, late_s: f64) -> Result<DelayedTrack<'_>, Error> {
+        let propagator = self.propagator(element_index).ok_or_else(|| {
+            not_initialised(
+                self.sky.elements()[element_index].norad_id,
+                "no propagator for this object, or it is the observer",
+            )
         })?;
         let minutes = propagator.minutes_since_epoch(self.scene.start) - late_s / 60.0;
         let span_s = self.duration_s + 2.0 * MARGIN_S;

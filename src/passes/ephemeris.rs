@@ -3,16 +3,18 @@
 use hifitime::Epoch;
 use rayon::prelude::*;
 
-use super::error::{SkyError, check_epoch};
+use super::error;
+use super::error::check_epoch;
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{ObserverMotion, SightLine, TrackPoint};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{Direction, Horizontal, Orientation, seconds_after};
 use crate::geometry::ObserverState;
-use crate::orbit::{LeftOut, OrbitArc, OrbitError, OrbitUncertainty, PositionSource};
+use crate::orbit::{LeftOut, OrbitArc, OrbitUncertainty, PositionSource};
 use crate::photometry::PhotometryOptions;
 
 /// Half of the length of the arc that is propagated around each time, seconds.
@@ -80,17 +82,17 @@ impl Sky {
     /// or more of the times. If `photometry` is `None`, brightness is omitted.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the elements of a
-    /// telescope in orbit give no position; [`SkyError::Invalid`] for more than a million points.
+    /// A time is outside the years of the Sun's ephemeris; the elements of a telescope in orbit give no position
+    /// ([`NoPosition`](crate::ErrorKind::NoPosition)); there are more than a million points.
     pub fn ephemeris(
         &self,
         element_indices: &[usize],
         times: &[Epoch],
         photometry: Option<&PhotometryOptions>,
-    ) -> Result<(Vec<EphemerisPoint>, Vec<LeftOut>), SkyError> {
+    ) -> Result<(Vec<EphemerisPoint>, Vec<LeftOut>), Error> {
         let count = element_indices.len().saturating_mul(times.len());
         if count > MOST_POINTS {
-            return Err(SkyError::invalid(
+            return Err(Error::invalid(
                 "number of positions (satellites times times)",
                 count,
                 format!("at most {MOST_POINTS}"),
@@ -106,7 +108,7 @@ impl Sky {
             Ok(element_indices.iter().map(point).collect())
         };
         let by_time: Vec<Vec<Result<Option<EphemerisPoint>, LeftOut>>> =
-            times.par_iter().enumerate().map(at_time).collect::<Result<_, SkyError>>()?;
+            times.par_iter().enumerate().map(at_time).collect::<Result<_, Error>>()?;
         let is_requested = |satellite: &&LeftOut| element_indices.contains(&satellite.element_index);
         let mut left_out: Vec<LeftOut> = self.left_out().iter().filter(is_requested).cloned().collect();
         let mut points = Vec::with_capacity(count);
@@ -124,7 +126,7 @@ impl Sky {
         Ok((points, left_out))
     }
 
-    fn moment(&self, epoch: Epoch) -> Result<Moment, SkyError> {
+    fn moment(&self, epoch: Epoch) -> Result<Moment, Error> {
         check_epoch(epoch)?;
         let scene = self.scene_without_windows(seconds_after(epoch, -HALF_ARC_S), 2.0 * HALF_ARC_S);
         let exposure = Exposure {
@@ -137,7 +139,7 @@ impl Sky {
         let flight = self.flight(&scene, &exposure)?;
         let orientation = scene.orientation.at_s(HALF_ARC_S);
         let motion =
-            self.motion(&scene, &orientation, flight.as_ref(), HALF_ARC_S).ok_or(SkyError::NoEphemeris { epoch })?;
+            self.motion(&scene, &orientation, flight.as_ref(), HALF_ARC_S).ok_or_else(|| error::no_ephemeris(epoch))?;
         let site = self.viewpoint().site().map(|observer| {
             [-RATE_STEP_S, 0.0, RATE_STEP_S].map(|step_s| observer.state(&scene.orientation.at_s(HALF_ARC_S + step_s)))
         });
@@ -152,7 +154,7 @@ impl Sky {
         time_index: usize,
         moment: &Moment,
         photometry: Option<&PhotometryOptions>,
-    ) -> Result<Option<EphemerisPoint>, OrbitError> {
+    ) -> Result<Option<EphemerisPoint>, Error> {
         let Moment { scene, orientation, motion, site } = moment;
         let propagator = self.propagator_over(scene.start, element_index, [0.0, 2.0 * HALF_ARC_S]);
         let Some(propagator) = propagator.filter(|_| !self.is_observer(element_index)) else { return Ok(None) };

@@ -2,8 +2,9 @@
 
 use hifitime::Epoch;
 
-use super::error::{SkyError, check_epoch};
+use super::error::check_epoch;
 use crate::constants::DAY_S;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 
@@ -33,13 +34,14 @@ impl Exposure {
     /// 0 and the identifier is empty.
     ///
     /// # Errors
-    /// [`SkyError`] if a text has another form or a value is out of range. An exposure time out of range is rejected
+    /// A text has another form or a value is out of range. An exposure time out of range is rejected
     /// only when the exposure is used.
-    pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, SkyError> {
-        let pointing = parse_direction(ra, dec).map_err(SkyError::Direction)?;
+    pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, Error> {
+        let pointing = parse_direction(ra, dec)?;
         Ok(Self {
             id: String::new(),
-            start: parse_instant(start, None).map_err(SkyError::Start)?,
+            start: parse_instant(start, None)
+                .map_err(|problem| Error::new(ErrorKind::Invalid, format!("start: {problem}")))?,
             duration_s,
             pointing,
             rotation_rad: 0.0,
@@ -48,17 +50,23 @@ impl Exposure {
 
     /// Rejects numbers that are not finite, exposure times below 0 or above 32 days, and times outside the years of the
     /// ephemeris of Sun and Earth.
-    pub(super) fn check(&self) -> Result<(), SkyError> {
+    pub(super) fn check(&self) -> Result<(), Error> {
         let id = &self.id;
         if !(0.0..=LONGEST_S).contains(&self.duration_s) {
             let given = format!("{} s", self.duration_s);
-            return Err(SkyError::invalid(format!("exposure {id}: duration"), given, format!("0 to {LONGEST_S} s")));
+            return Err(
+                Error::invalid("duration", given, format!("0 to {LONGEST_S} s")).at(format_args!("exposure {id}"))
+            );
         }
         if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) {
-            return Err(SkyError::invalid(format!("exposure {id}: pointing"), "not a direction", "finite numbers"));
+            return Err(
+                Error::invalid("pointing", "not a direction", "finite numbers").at(format_args!("exposure {id}"))
+            );
         }
         if !self.rotation_rad.is_finite() {
-            return Err(SkyError::invalid(format!("exposure {id}: rotation"), self.rotation_rad, "finite numbers"));
+            return Err(
+                Error::invalid("rotation", self.rotation_rad, "finite numbers").at(format_args!("exposure {id}"))
+            );
         }
         check_epoch(self.start)
     }

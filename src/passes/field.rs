@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use super::error::SkyError;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 
 /// Form of a field file, used in error messages.
@@ -65,7 +65,7 @@ impl Field {
     ///
     /// # Errors
     /// The diameter is not above 0 or exceeds 180°.
-    pub fn circle(diameter_rad: f64) -> Result<Self, SkyError> {
+    pub fn circle(diameter_rad: f64) -> Result<Self, Error> {
         let diameter_deg = diameter_rad.to_degrees();
         if !(diameter_deg > 0.0 && diameter_deg <= 180.0) {
             return Err(invalid_diameter("circle", diameter_deg, 180.0));
@@ -78,7 +78,7 @@ impl Field {
     ///
     /// # Errors
     /// The errors of [`Field::circle`].
-    pub fn circle_deg(diameter_deg: f64) -> Result<Self, SkyError> {
+    pub fn circle_deg(diameter_deg: f64) -> Result<Self, Error> {
         Self::circle(diameter_deg.to_radians())
     }
 
@@ -86,7 +86,7 @@ impl Field {
     ///
     /// # Errors
     /// A side is not above 0, or a corner is more than 45° from the pointing.
-    pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, SkyError> {
+    pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, Error> {
         Ok(Self { shapes: vec![rectangle("field".to_owned(), [width_deg, height_deg], [0.0, 0.0])?] })
     }
 
@@ -95,7 +95,7 @@ impl Field {
     ///
     /// # Errors
     /// There are fewer than three corners, the area is 0, or a corner is more than 45° from the pointing.
-    pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, SkyError> {
+    pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, Error> {
         Ok(Self { shapes: vec![polygon("field".to_owned(), corners_deg, [0.0, 0.0])?] })
     }
 
@@ -105,11 +105,11 @@ impl Field {
     ///
     /// # Errors
     /// The JSON is invalid, the unit is not degrees, there are no shapes, or a shape is invalid.
-    pub fn from_json(text: &str) -> Result<Self, SkyError> {
+    pub fn from_json(text: &str) -> Result<Self, Error> {
         let file: FieldFile = serde_json::from_str(text)
-            .map_err(|error| SkyError::invalid("field", format!("invalid ({error})"), FIELD_FORM))?;
+            .map_err(|error| Error::invalid("field", format!("invalid ({error})"), FIELD_FORM))?;
         if let Some(unit) = file.unit.filter(|unit| unit != "deg") {
-            return Err(SkyError::invalid("unit of the field", format!("{unit:?}"), "\"deg\""));
+            return Err(Error::invalid("unit of the field", format!("{unit:?}"), "\"deg\""));
         }
         let shapes = file
             .shapes
@@ -124,13 +124,13 @@ impl Field {
                     (None, None, Some(corners_deg)) => polygon(name, &corners_deg, centre_deg),
                     _ => {
                         let allowed = "exactly one of circle_deg, rectangle_deg, polygon_deg";
-                        Err(SkyError::invalid(format!("field shape {name}"), "none of the forms, or several", allowed))
+                        Err(Error::invalid(format!("field shape {name}"), "none of the forms, or several", allowed))
                     }
                 }
             })
             .collect::<Result<Vec<_>, _>>()?;
         if shapes.is_empty() {
-            return Err(SkyError::invalid("number of shapes of the field", 0, "1 or more"));
+            return Err(Error::invalid("number of shapes of the field", 0, "1 or more"));
         }
         Ok(Self { shapes })
     }
@@ -235,7 +235,7 @@ fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item
     })
 }
 
-fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
+fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, Error> {
     let offset_deg = centre_deg[0].hypot(centre_deg[1]);
     // A circle that is not centred on the pointing must lie within 90° of it, the limit of the tangent plane.
     let allowed_deg = if offset_deg == 0.0 { 180.0 } else { 90.0 };
@@ -249,39 +249,41 @@ fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<Named
     Ok(NamedShape { name, shape })
 }
 
-fn rectangle(name: String, [width, height]: [f64; 2], centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
+fn rectangle(name: String, [width, height]: [f64; 2], centre_deg: [f64; 2]) -> Result<NamedShape, Error> {
     if !(width > 0.0 && height > 0.0) {
         let what = format!("field shape {name}: size");
-        return Err(SkyError::invalid(what, format!("{width} by {height} deg"), "sides above 0"));
+        return Err(Error::invalid(what, format!("{width} by {height} deg"), "sides above 0"));
     }
     let (x, y) = (0.5 * width, 0.5 * height);
     polygon(name, &[[-x, -y], [x, -y], [x, y], [-x, y]], centre_deg)
 }
 
-fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
+fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Result<NamedShape, Error> {
     let corners: Vec<[f64; 2]> =
         corners_deg.iter().map(|corner| [0, 1].map(|axis| (corner[axis] + centre_deg[axis]).to_radians())).collect();
     if corners.len() < 3 {
-        return Err(SkyError::invalid(format!("field shape {name}: number of corners"), corners.len(), "3 or more"));
+        return Err(
+            Error::invalid("number of corners", corners.len(), "3 or more").at(format_args!("field shape {name}"))
+        );
     }
     let limit = LARGEST_TANGENT_DEG.to_radians();
     if !corners.iter().all(|corner| corner[0].hypot(corner[1]) <= limit) {
         return Err(too_far(&name));
     }
     if signed_area(&corners) == 0.0 {
-        return Err(SkyError::invalid(format!("field shape {name}: area"), 0, "above 0"));
+        return Err(Error::invalid("area", 0, "above 0").at(format_args!("field shape {name}")));
     }
     Ok(NamedShape { name, shape: Shape::Polygon(corners) })
 }
 
-fn too_far(shape: &str) -> SkyError {
+fn too_far(shape: &str) -> Error {
     let allowed = format!("finite numbers within {LARGEST_TANGENT_DEG} deg on the tangent plane");
-    SkyError::invalid(format!("field shape {shape}: distance of a point from the centre"), "too large", allowed)
+    Error::invalid("distance of a point from the centre", "too large", allowed).at(format_args!("field shape {shape}"))
 }
 
-fn invalid_diameter(shape: &str, diameter_deg: f64, allowed_deg: f64) -> SkyError {
+fn invalid_diameter(shape: &str, diameter_deg: f64, allowed_deg: f64) -> Error {
     let allowed = format!("above 0, at most {allowed_deg} deg");
-    SkyError::invalid(format!("field shape {shape}: diameter"), format!("{diameter_deg} deg"), allowed)
+    Error::invalid("diameter", format!("{diameter_deg} deg"), allowed).at(format_args!("field shape {shape}"))
 }
 
 /// Returns the area by the shoelace formula; positive if the corners are anticlockwise.

@@ -9,7 +9,8 @@ use super::field::Field;
 use super::predictability::{Predictability, SatelliteLateness};
 use super::scene::{middle_of_window, window_number};
 use super::sky::Sky;
-use crate::orbit::{OrbitError, Propagator};
+use crate::error::Error;
+use crate::orbit::Propagator;
 
 impl Sky {
     /// Returns how well the positions of all satellites are known at a time, in steps of six hours, and whether that of
@@ -56,7 +57,7 @@ impl Sky {
         element_index: usize,
         propagator: &Propagator,
         epoch: Epoch,
-    ) -> Option<OrbitError> {
+    ) -> Option<Error> {
         if propagator.has_ephemeris() { None } else { self.too_old(element_index, epoch) }
     }
 }

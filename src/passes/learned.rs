@@ -6,9 +6,9 @@ use std::path::Path;
 
 use hifitime::Epoch;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::elements::Generation;
+use crate::error::{Error, ErrorKind};
 use crate::photometry::{ErrorDistribution, NormalPart};
 
 /// Version of the schema that is supported.
@@ -20,56 +20,6 @@ const MOST_OFFSET_MAG: f64 = 10.0;
 const SIGMAS_MAG: [f64; 2] = [0.01, 5.0];
 /// Accepted factors of the error along the track.
 const LATENESS_FACTORS: [f64; 2] = [0.1, 10.0];
-
-/// Errors of a learned file.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum LearnedError {
-    /// The file cannot be read.
-    #[error("learned file {path}: {source}")]
-    Io {
-        /// Path of the file.
-        path: String,
-        /// Error of the operating system.
-        source: std::io::Error,
-    },
-    /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains line and column.
-    #[error("learned file {origin}: {source}")]
-    #[doc(hidden)]
-    Json {
-        /// Name of the file.
-        origin: String,
-        /// Cause and position.
-        source: serde_json::Error,
-    },
-    /// A value is out of range.
-    #[error("learned file {origin}: {key} is {given}; allowed: {allowed}")]
-    Value {
-        /// Name of the file.
-        origin: String,
-        /// Key with its path in the file.
-        key: String,
-        /// Value in the file.
-        given: String,
-        /// Accepted values.
-        allowed: String,
-    },
-    /// The offsets are relative to another model than the one that would be corrected.
-    #[error(
-        "learned file {origin}: the offsets of {kind} are relative to the model {learned}, but its model is {used}; \
-         allowed: --model {kind}=MODEL with that model, or a file learned against {used}"
-    )]
-    OtherModel {
-        /// Name of the file.
-        origin: String,
-        /// Kind of satellite.
-        kind: Generation,
-        /// Source of the magnitudes of the model in the file.
-        learned: String,
-        /// Source of the magnitudes of the model in use.
-        used: String,
-    },
-}
 
 /// Content of a learned file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -198,21 +148,19 @@ impl LearnedFile {
     /// Reads and validates a file.
     ///
     /// # Errors
-    /// [`LearnedError`] if the file cannot be read, or as for [`Self::from_json`].
-    pub fn read(path: &Path) -> Result<Self, LearnedError> {
-        let origin = path.display().to_string();
-        let text =
-            crate::input::read_to_string(path).map_err(|source| LearnedError::Io { path: origin.clone(), source })?;
-        Self::from_json(&text, &origin)
+    /// The file cannot be read, or as for [`Self::from_json`].
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let failed = |source| Error::system(source).in_file("learned file", path);
+        Self::from_json(&crate::input::read_to_string(path).map_err(failed)?, &path.display().to_string())
     }
 
     /// Reads and validates the text of a file; errors contain `origin` (the name of the file).
     ///
     /// # Errors
-    /// [`LearnedError`] if the text is not JSON, a key is unknown or missing, or a value is out of range.
-    pub fn from_json(text: &str, origin: &str) -> Result<Self, LearnedError> {
-        let file: Self =
-            serde_json::from_str(text).map_err(|source| LearnedError::Json { origin: origin.to_owned(), source })?;
+    /// The text is not JSON, a key is unknown or missing, or a value is out of range.
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
+        let failed = |source| Error::caused(ErrorKind::Format, source).in_file("learned file", origin);
+        let file: Self = serde_json::from_str(text).map_err(failed)?;
         file.validate(origin)?;
         Ok(file)
     }
@@ -223,12 +171,9 @@ impl LearnedFile {
         serde_json::to_string_pretty(self).unwrap_or_default() + "\n"
     }
 
-    fn validate(&self, origin: &str) -> Result<(), LearnedError> {
-        let wrong = |key: String, given: String, allowed: String| LearnedError::Value {
-            origin: origin.to_owned(),
-            key,
-            given,
-            allowed,
+    fn validate(&self, origin: &str) -> Result<(), Error> {
+        let wrong = |key: String, given: String, allowed: String| {
+            Error::invalid(key, given, allowed).in_file("learned file", origin)
         };
         if self.schema != SCHEMA {
             return Err(wrong("schema".to_owned(), self.schema.to_string(), SCHEMA.to_string()));

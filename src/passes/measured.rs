@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use hifitime::Epoch;
-use thiserror::Error;
 
 use crate::elements::{NoradId, parse_iso};
+use crate::error::Error;
 use crate::frames::seconds_between;
 use crate::geometry::ViewingGeometry;
 use crate::input::TableRows;
@@ -22,16 +22,6 @@ const MAGNITUDE_RANGE: [f64; 2] = [-30.0, 40.0];
 /// Flags of measurements that are not used: limits, fluxes of less than half of a streak, and streaks that may be of
 /// another satellite.
 const UNUSED_FLAGS: [&str; 3] = ["saturated", "masked", "position"];
-
-/// Error of a table of measured magnitudes.
-#[derive(Debug, Error)]
-#[error("{file}: {problem}")]
-pub struct MeasuredError {
-    /// Name of the file.
-    pub file: String,
-    /// Problem, with row and allowed values.
-    pub problem: String,
-}
 
 /// Measured apparent magnitude of a satellite, in the band of the predictions that it corrects.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -52,9 +42,9 @@ pub struct MeasuredMagnitude {
 /// satellites in a table with the column `streak` (`measure --streaks`).
 ///
 /// # Errors
-/// [`MeasuredError`] if the file cannot be read, a column is missing or a value is invalid.
-pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, MeasuredError> {
-    let error = |problem: String| MeasuredError { file: path.display().to_string(), problem };
+/// The file cannot be read, a column is missing or a value is invalid.
+pub fn read_measured(path: &Path) -> Result<Vec<MeasuredMagnitude>, Error> {
+    let error = |problem: String| Error::format(problem).in_file("", path);
     let failed = |problem: std::io::Error| error(problem.to_string());
     let rows = TableRows::open(path).map_err(failed)?;
     let form = "a table with the columns norad_id, mid_utc, magnitude and magnitude_sigma";
@@ -133,7 +123,7 @@ impl MeasuredPasses {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Result<Vec<MeasuredMagnitude>, MeasuredError> {
+    fn read(text: &str) -> Result<Vec<MeasuredMagnitude>, Error> {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), text).unwrap();
         read_measured(file.path())

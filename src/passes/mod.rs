@@ -57,14 +57,14 @@ mod visible_passes;
 
 pub(crate) use delayed_track::{DelayedTrack, Sighting};
 pub use ephemeris::EphemerisPoint;
-pub use error::SkyError;
+pub(crate) use error::{no_ephemeris, no_observer};
 pub use exposure::Exposure;
 pub use field::Field;
 pub use field_passes::{CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes};
 pub(crate) use intervals::intervals_where;
-pub use learned::{LearnedError, LearnedFile};
+pub use learned::LearnedFile;
 pub(crate) use learned::{LearnedMagnitude, LearnedSatellite};
-pub(crate) use measured::{LONGEST_PASS_GAP_S, MeasuredError, read_measured};
+pub(crate) use measured::{LONGEST_PASS_GAP_S, read_measured};
 pub use models::ModelChoice;
 pub(crate) use predictability::Predictability;
 pub use sky::Sky;

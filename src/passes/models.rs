@@ -3,9 +3,10 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use super::learned::{LEARNED_ERRORS, LearnedError, LearnedFile};
+use super::learned::{LEARNED_ERRORS, LearnedFile};
 use crate::elements::{ElementSet, Generation, GenerationTable, Origin};
-use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
+use crate::error::Error;
+use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, StandardMagnitudes};
 
 /// Mean motion below which an orbit is high: periods above 128 min, as usual in statistics of catalogues.
 const HIGH_ORBIT_REV_DAY: f64 = 11.25;
@@ -66,8 +67,8 @@ impl ModelChoice {
     /// Creates the choice with the default models of a library.
     ///
     /// # Errors
-    /// [`PhotometryError`] if the library lacks one of them; the embedded library has all.
-    pub fn new(library: &ModelLibrary) -> Result<Self, PhotometryError> {
+    /// The library lacks one of them; the embedded library has all.
+    pub fn new(library: &ModelLibrary) -> Result<Self, Error> {
         let mut by_generation = BTreeMap::new();
         for generation in Generation::ALL {
             if let Some(name) = default_model(generation) {
@@ -90,8 +91,8 @@ impl ModelChoice {
     /// kinds. `origin` is the name of the file in errors. The models of these kinds must be set before.
     ///
     /// # Errors
-    /// [`LearnedError::OtherModel`] if the model of a kind is not the one in the file.
-    pub fn with_learned(mut self, file: LearnedFile, origin: &str) -> Result<Self, LearnedError> {
+    /// The model of a kind is not the one in the file.
+    pub fn with_learned(mut self, file: LearnedFile, origin: &str) -> Result<Self, Error> {
         for (kind, magnitude) in
             file.kinds.iter().filter_map(|learned| Some((learned.kind, learned.magnitude.as_ref()?)))
         {
@@ -99,7 +100,11 @@ impl ModelChoice {
             let source = used.as_ref().map_or("none".to_owned(), |model| model.source().to_string());
             let Some(model) = used.filter(|_| source == magnitude.model) else {
                 let learned = magnitude.model.clone();
-                return Err(LearnedError::OtherModel { origin: origin.to_owned(), kind, learned, used: source });
+                return Err(Error::format(format!(
+                    "the offsets of {kind} are relative to the model {learned}, but its model is {source}"
+                ))
+                .allowing(format!("--model {kind}=MODEL with that model, or a file learned against {source}"))
+                .in_file("learned file", origin));
             };
             let corrected = |model: &BrightnessModel, offset_mag, sigma_mag| {
                 Arc::new(model.with_learned(offset_mag, sigma_mag, LEARNED_ERRORS))

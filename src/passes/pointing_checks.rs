@@ -1,8 +1,9 @@
 //! Angles of a pointing from zenith, Sun and limb of a telescope in orbit while the shutter is open, and its limits.
 
-use super::error::SkyError;
+use super::error;
 use super::exposure::Exposure;
 use super::sky::Sky;
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::PointingAngles;
 
@@ -14,9 +15,9 @@ impl Sky {
     /// most 10 s; none for a site.
     ///
     /// # Errors
-    /// [`SkyError::Observer`] if the position of the telescope cannot be computed.
+    /// The position of the telescope cannot be computed.
     #[doc(hidden)]
-    pub fn pointing_angles(&self, exposure: &Exposure) -> Result<Vec<PointingAngles>, SkyError> {
+    pub fn pointing_angles(&self, exposure: &Exposure) -> Result<Vec<PointingAngles>, Error> {
         let Some(observer) = self.viewpoint().orbit() else { return Ok(Vec::new()) };
         let end = seconds_after(exposure.start, exposure.duration_s);
         let (orientation, sun) = self.almanac_over(exposure.start, end);
@@ -27,7 +28,7 @@ impl Sky {
             let epoch = seconds_after(orientation.reference(), time_s);
             observer.pointing_angles(&exposure.pointing, epoch, &orientation.at_s(time_s), &sun.at_s(time_s).sun)
         };
-        let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
+        let failed = |reason| error::no_observer(&observer.name(), &reason);
         (0..=steps as usize).map(|step| at(step).map_err(failed)).collect()
     }
 
@@ -37,7 +38,7 @@ impl Sky {
     /// # Errors
     /// Same as [`Sky::pointing_angles`].
     #[doc(hidden)]
-    pub fn broken_limit(&self, exposure: &Exposure) -> Result<Option<String>, SkyError> {
+    pub fn broken_limit(&self, exposure: &Exposure) -> Result<Option<String>, Error> {
         let Some(observer) = self.viewpoint().orbit().filter(|observer| !observer.limits().is_empty()) else {
             return Ok(None);
         };

@@ -10,10 +10,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use hifitime::{Duration, Epoch};
 
 use crate::constants::DAY_S;
+use crate::error::Error;
 use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
 use crate::geometry::SunTable;
-use crate::orbit::{MAX_WINDOW_S, OrbitError, Reach, SatelliteIndex, Window};
-use crate::watch::{Interrupted, Watch};
+use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
+use crate::watch::Watch;
 
 /// Sun, Earth orientation and orbits during one group of exposures. Times are seconds after its start.
 pub(in crate::passes) struct Scene {
@@ -136,10 +137,10 @@ impl WindowCache {
         index: &SatelliteIndex,
         [start, end]: [Epoch; 2],
         scope: SearchScope,
-        unknown: &(dyn Fn(usize, Epoch) -> Option<OrbitError> + Sync),
+        unknown: &(dyn Fn(usize, Epoch) -> Option<Error> + Sync),
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
         watch: &Watch,
-    ) -> Result<Vec<Arc<Window>>, Interrupted> {
+    ) -> Result<Vec<Arc<Window>>, Error> {
         let most = (CACHED_SATELLITES / index.len().max(1)).max(LEAST_CACHED_WINDOWS);
         let grid = Epoch::from_tai_duration(Duration::ZERO);
         (window_number(start)..=window_number(end))

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
-use super::error::SkyError;
+use super::error;
 use super::exposure::Exposure;
 use super::measured::MeasuredPasses;
 use super::models::{ModelChoice, Priors};
@@ -17,11 +17,12 @@ use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel, SunTable};
 use crate::orbit::{
-    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitError,
-    OrbitModel, OrbitUncertainty, Propagator, Reach, SatelliteIndex, uncertainty,
+    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, MeanMotion, OrbitArc, OrbitClass, OrbitModel,
+    OrbitUncertainty, Propagator, Reach, SatelliteIndex, TooOld, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 use crate::watch::Watch;
@@ -154,8 +155,8 @@ impl Sky {
         Self { viewpoint: observer.into(), predictabilities: Arc::default(), ..self }
     }
 
-    /// Returns a sky with the same satellites and observer whose queries stop with [`SkyError::Interrupted`] after
-    /// [`Watch::stop`]. Both skies share their caches.
+    /// Returns a sky with the same satellites and observer whose queries stop after [`Watch::stop`], with an error
+    /// of the kind [`Cancelled`](crate::ErrorKind::Cancelled). Both skies share their caches.
     pub fn watched(&self, watch: &Watch) -> Self {
         Self { watch: watch.clone(), ..self.clone() }
     }
@@ -311,10 +312,14 @@ impl Sky {
     }
 
     /// Returns the reason why an element set does not determine a position at a time; `None` if it does.
-    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<OrbitError> {
+    pub(super) fn too_old(&self, element_index: usize, epoch: Epoch) -> Option<Error> {
         let age_days = self.element_age_days(element_index, epoch);
-        (!self.is_known(element_index, age_days))
-            .then(|| OrbitError::Unknown { norad_id: self.elements[element_index].norad_id, age_days })
+        (!self.is_known(element_index, age_days)).then(|| {
+            Error::caused(
+                ErrorKind::UnknownPosition,
+                TooOld { norad_id: self.elements[element_index].norad_id, age_days },
+            )
+        })
     }
 
     /// Returns the days from the epoch of an element set to a time; negative if the elements are newer.
@@ -353,8 +358,8 @@ impl Sky {
     }
 
     /// Returns the observer at a site, for queries that require a horizon.
-    pub(super) fn site_observer(&self) -> Result<&Observer, SkyError> {
-        self.viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint.name() })
+    pub(super) fn site_observer(&self) -> Result<&Observer, Error> {
+        self.viewpoint.required_site()
     }
 
     pub(super) fn predictabilities(&self) -> &PredictabilityCache {
@@ -366,7 +371,7 @@ impl Sky {
     }
 
     /// Returns an entry for the list of satellites without a position.
-    pub(super) fn failed(&self, element_index: usize, reason: crate::orbit::OrbitError) -> LeftOut {
+    pub(super) fn failed(&self, element_index: usize, reason: Error) -> LeftOut {
         LeftOut { norad_id: self.elements[element_index].norad_id, element_index, reason }
     }
 
@@ -377,9 +382,9 @@ impl Sky {
 
     /// Returns the orbital arc of a telescope in orbit during an exposure, extended on both sides by the margin of
     /// tracks. `None` for a site.
-    pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, SkyError> {
+    pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, Error> {
         let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
-        let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
+        let failed = |reason| error::no_observer(&observer.name(), &reason);
         let opened_s = seconds_between(scene.start, exposure.start);
         let orientation = scene.orientation.at_s(opened_s + 0.5 * exposure.duration_s);
         let interval = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
@@ -410,7 +415,7 @@ impl Sky {
     }
 
     /// Returns a scene with Sun, Earth orientation and search windows.
-    pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Result<Scene, SkyError> {
+    pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Result<Scene, Error> {
         let mut scene = self.scene_without_windows(start, span_s);
         let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
             SearchScope::Nominal => Reach::default(),

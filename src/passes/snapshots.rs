@@ -4,7 +4,7 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::candidates::CandidateInterval;
-use super::error::{SkyError, check_epoch};
+use super::error::check_epoch;
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::field::Field;
@@ -13,9 +13,10 @@ use super::sky::Sky;
 use super::track::{SightLine, TrackPoint};
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::{ObserverState, ViewingGeometry};
-use crate::orbit::{LeftOut, OrbitArc, OrbitError};
+use crate::orbit::{LeftOut, OrbitArc};
 use crate::photometry::{Brightness, PhotometryOptions};
 
 /// Largest time after the start, seconds. It limits the motion of the site during the search.
@@ -96,15 +97,14 @@ impl Sky {
     /// without a position.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
-    /// orbit; [`SkyError::Invalid`] for an altitude below 0 or above π/2, for times out of order or later than an
-    /// hour, and for no times or more than ten thousand.
+    /// A time is outside the years of the Sun's ephemeris; the observer is in orbit; an altitude is below 0 or above π/2;
+    /// times are out of order or later than an hour; there are no times, or more than ten thousand.
     pub fn snapshots(
         &self,
         start: Epoch,
         times_s: &[f64],
         options: &SnapshotOptions,
-    ) -> Result<(Vec<SatelliteTrack>, Vec<LeftOut>), SkyError> {
+    ) -> Result<(Vec<SatelliteTrack>, Vec<LeftOut>), Error> {
         check(times_s, options)?;
         check_epoch(start)?;
         let observer = self.site_observer()?;
@@ -139,7 +139,7 @@ impl Sky {
                 let found = self.snapshots_of(&scene, &times, interval, options);
                 Ok(found.map_err(|reason| self.failed(interval.element_index, reason)))
             })
-            .collect::<Result<Vec<_>, SkyError>>()?;
+            .collect::<Result<Vec<_>, Error>>()?;
         let of_windows = scene.windows.iter().flat_map(|window| window.left_out());
         let mut left_out: Vec<LeftOut> = self.left_out().iter().chain(of_windows).cloned().collect();
         let mut tracks = Vec::new();
@@ -206,7 +206,7 @@ impl Sky {
         times: &[SiteAt],
         interval: &CandidateInterval,
         options: &SnapshotOptions,
-    ) -> Result<Option<SatelliteTrack>, OrbitError> {
+    ) -> Result<Option<SatelliteTrack>, Error> {
         let element_index = interval.element_index;
         let [from_s, to_s] = interval.near_s;
         let all_s = [times[0].time_s, times[times.len() - 1].time_s];
@@ -261,19 +261,19 @@ impl Sky {
     }
 }
 
-fn check(times_s: &[f64], options: &SnapshotOptions) -> Result<(), SkyError> {
+fn check(times_s: &[f64], options: &SnapshotOptions) -> Result<(), Error> {
     if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&options.min_altitude_rad) {
         let given_deg = options.min_altitude_rad.to_degrees();
-        return Err(SkyError::invalid("lowest altitude", format!("{given_deg} deg"), "0 to 90 deg"));
+        return Err(Error::invalid("lowest altitude", format!("{given_deg} deg"), "0 to 90 deg"));
     }
     let count = times_s.len();
     if !(1..=MOST_TIMES).contains(&count) {
-        return Err(SkyError::invalid("number of times", count, format!("1 to {MOST_TIMES}")));
+        return Err(Error::invalid("number of times", count, format!("1 to {MOST_TIMES}")));
     }
     let in_order = times_s.windows(2).all(|pair| pair[0] < pair[1]);
     if let Some(bad_s) = times_s.iter().find(|time_s| !(0.0..=LONGEST_S).contains(*time_s)) {
         let allowed = format!("0 to {LONGEST_S} s after the start");
-        return Err(SkyError::invalid("time", format!("{bad_s} s"), allowed));
+        return Err(Error::invalid("time", format!("{bad_s} s"), allowed));
     }
-    if in_order { Ok(()) } else { Err(SkyError::invalid("order of the times", "not increasing", "increasing times")) }
+    if in_order { Ok(()) } else { Err(Error::invalid("order of the times", "not increasing", "increasing times")) }
 }

@@ -8,9 +8,10 @@ use hifitime::Epoch;
 use super::field::Field;
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, EopTable, Gcrs, Orientation, Position, seconds_after, seconds_between};
 use crate::geometry::{EarthLimb, Observer, PointingAngles, PointingLimits, Site};
-use crate::orbit::{DragModel, ObserverOrbit, OrbitClass, OrbitError, State, elements_of_age, uncertainty};
+use crate::orbit::{DragModel, ObserverOrbit, OrbitClass, State, elements_of_age, uncertainty};
 
 /// Distance of a typical satellite from a telescope in orbit, km: the median is 2,300 km for 219 crossings of fields of
 /// 0.5° by active satellites in random exposures of Hubble.
@@ -41,8 +42,8 @@ impl OrbitingObserver {
     /// Creates an observer from the element set of an object; `limb` bounds its view.
     ///
     /// # Errors
-    /// [`OrbitError::Elements`] if SGP4 cannot be initialised.
-    pub fn new(elements: &ElementSet, limb: EarthLimb) -> Result<Self, OrbitError> {
+    /// SGP4 cannot be initialised.
+    pub fn new(elements: &ElementSet, limb: EarthLimb) -> Result<Self, Error> {
         Ok(Self {
             name: elements.name.to_string(),
             object: EphemerisObject::Norad(elements.norad_id),
@@ -162,8 +163,8 @@ impl OrbitingObserver {
     /// Returns the geocentric position, km.
     ///
     /// # Errors
-    /// [`OrbitError`] if elements or ephemerides give no position at that time.
-    pub fn position(&self, epoch: Epoch, orientation: &Orientation) -> Result<Position<Gcrs>, OrbitError> {
+    /// Elements or ephemerides give no position at that time.
+    pub fn position(&self, epoch: Epoch, orientation: &Orientation) -> Result<Position<Gcrs>, Error> {
         Ok(self.state(epoch, orientation)?.position)
     }
 
@@ -171,7 +172,7 @@ impl OrbitingObserver {
     ///
     /// # Errors
     /// Same as [`OrbitingObserver::position`].
-    pub(super) fn state(&self, epoch: Epoch, orientation: &Orientation) -> Result<State<Gcrs>, OrbitError> {
+    pub(super) fn state(&self, epoch: Epoch, orientation: &Orientation) -> Result<State<Gcrs>, Error> {
         self.orbit.state(epoch, &orientation.teme_to_gcrs)
     }
 
@@ -195,7 +196,7 @@ impl OrbitingObserver {
     /// Returns the angles of a pointing from zenith, Sun and limb; `sun` is the geocentric position of the Sun.
     ///
     /// # Errors
-    /// [`OrbitError`] if elements or ephemerides give no position at that time.
+    /// Elements or ephemerides give no position at that time.
     #[doc(hidden)]
     pub fn pointing_angles(
         &self,
@@ -203,7 +204,7 @@ impl OrbitingObserver {
         epoch: Epoch,
         orientation: &Orientation,
         sun: &Position<Gcrs>,
-    ) -> Result<PointingAngles, OrbitError> {
+    ) -> Result<PointingAngles, Error> {
         Ok(PointingAngles::new(pointing, &self.position(epoch, orientation)?, sun, &self.limb))
     }
 
@@ -248,6 +249,18 @@ impl Viewpoint {
         }
     }
 
+    /// Returns the site, for queries that require a horizon.
+    ///
+    /// # Errors
+    /// The observer is in orbit.
+    #[doc(hidden)]
+    pub fn required_site(&self) -> Result<&Observer, Error> {
+        self.site().ok_or_else(|| {
+            let sentence = format!("observer {} is in orbit and has no horizon", self.name());
+            Error::new(ErrorKind::Invalid, sentence).allowing("a site")
+        })
+    }
+
     /// Returns the telescope in orbit; `None` for a site.
     pub fn orbit(&self) -> Option<&OrbitingObserver> {
         match self {
@@ -276,13 +289,13 @@ impl Viewpoint {
     /// from the horizon, or from the Earth's limb for an observer in orbit.
     ///
     /// # Errors
-    /// [`OrbitError`] if the observer's own elements give no position.
+    /// The observer's own elements give no position.
     pub fn pointing_altitude_rad(
         &self,
         pointing: &Direction<Gcrs>,
         epoch: Epoch,
         orientation: &Orientation,
-    ) -> Result<f64, OrbitError> {
+    ) -> Result<f64, Error> {
         match self {
             Self::Site(observer) => Ok((observer.state(orientation).horizon * *pointing).latitude_rad()),
             Self::Orbit(observer) => Ok(observer.limb.altitude_rad(&observer.position(epoch, orientation)?, pointing)),

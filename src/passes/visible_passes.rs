@@ -9,16 +9,17 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::above_horizon::{AboveHorizon, HorizonSearch, Sample, Treatment};
-use super::error::{SkyError, check_epoch};
+use super::error::check_epoch;
 use super::evaluator::{PassEvaluator, magnitude_of, times};
 use super::intervals::intervals_where;
 use super::scene::Scene;
 use super::sky::Sky;
 use super::track::{ObserverMotion, SightLine, TrackPoint};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};
-use crate::orbit::{LeftOut, OrbitArc, OrbitError, PositionSource};
+use crate::orbit::{LeftOut, OrbitArc, PositionSource};
 use crate::photometry::{Brightness, MagnitudeSource, PhotometryOptions, twilight_limit_mag};
 
 /// Time by which the search extends before and after the night, seconds, for passes that began before it or end after
@@ -182,13 +183,12 @@ impl Sky {
     /// Altitudes are geometric, without refraction. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
-    /// orbit.
+    /// A time is outside the years of the Sun's ephemeris, or the observer is in orbit.
     pub fn visible_passes(
         &self,
         request: &VisibleRequest,
         is_selected: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<VisiblePasses, SkyError> {
+    ) -> Result<VisiblePasses, Error> {
         check_epoch(request.start)?;
         check_epoch(request.end)?;
         let observer = self.site_observer()?;
@@ -212,7 +212,7 @@ impl Sky {
             }
             Ok((kept, failed))
         };
-        let all = selected.par_iter().with_min_len(TOGETHER).map(of_one).collect::<Result<Vec<_>, SkyError>>()?;
+        let all = selected.par_iter().with_min_len(TOGETHER).map(of_one).collect::<Result<Vec<_>, Error>>()?;
         let mut visible = VisiblePasses {
             satellites: selected.len(),
             expected_brighter: request.limit.map(|_| 0.0),
@@ -283,7 +283,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn passes(&self, element_index: usize, span: &Span, kept: &mut Vec<Outcome>) -> Result<(), OrbitError> {
+    fn passes(&self, element_index: usize, span: &Span, kept: &mut Vec<Outcome>) -> Result<(), Error> {
         let ends = [span.from_s, span.until_s].map(|time_s| seconds_after(self.scene.start, time_s));
         let Some(propagator) = self.sky.index().propagator_over(element_index, ends) else { return Ok(()) };
         let middle = seconds_after(ends[0], 0.5 * seconds_between(ends[0], ends[1]));
@@ -337,7 +337,7 @@ impl Search<'_> {
         horizon: &HorizonSearch<'_>,
         span: &Span,
         above: &AboveHorizon,
-    ) -> Result<Option<Outcome>, OrbitError> {
+    ) -> Result<Option<Outcome>, Error> {
         let (begin_s, end_s) = (above.rise_s.unwrap_or(span.from_s), above.set_s.unwrap_or(span.until_s));
         if !self.request.include_dark && both(&[(begin_s, end_s)], &span.dark_s).is_empty() {
             return Ok(None);

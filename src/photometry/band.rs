@@ -6,8 +6,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::error::PhotometryError;
 use super::response::{DIFFUSE_LESS_SUN_MAG, ResponseBand};
+use crate::error::Error;
 
 /// A passband.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
@@ -202,27 +202,30 @@ impl fmt::Display for MagSystem {
 }
 
 impl FromStr for Band {
-    type Err = PhotometryError;
+    type Err = Error;
 
     /// Parses the name of a band. Case matters (`R` is Cousins, `r` is LSST; `G` is Gaia, `g` is LSST). `Ks` is `K`.
-    fn from_str(text: &str) -> Result<Self, PhotometryError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let name = if text.trim() == "Ks" { "K" } else { text.trim() };
-        Band::ALL
-            .into_iter()
-            .find(|band| band.name() == name)
-            .ok_or_else(|| PhotometryError::UnknownBand { given: text.to_owned() })
+        Band::ALL.into_iter().find(|band| band.name() == name).ok_or_else(|| {
+            Error::unknown(
+                "band",
+                text,
+                "B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia), J H K (2MASS), W1 W2 (WISE)",
+            )
+        })
     }
 }
 
 impl FromStr for MagSystem {
-    type Err = PhotometryError;
+    type Err = Error;
 
     /// Parses the name of a magnitude system; upper and lower case are equivalent.
-    fn from_str(text: &str) -> Result<Self, PhotometryError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         match text.trim().to_ascii_lowercase().as_str() {
             "vega" => Ok(MagSystem::Vega),
             "ab" => Ok(MagSystem::Ab),
-            _ => Err(PhotometryError::UnknownSystem { given: text.to_owned() }),
+            _ => Err(Error::unknown("magnitude system", text, "Vega and AB")),
         }
     }
 }

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::error::PhotometryError;
 use super::model::BrightnessModel;
+use crate::error::Error;
+use crate::message::Quoted;
 
 macro_rules! shipped {
     ($($file:literal),* $(,)?) => {
@@ -58,7 +59,7 @@ impl ModelLibrary {
     ///
     /// # Errors
     /// The errors of [`BrightnessModel::from_json`]; the library is then unchanged.
-    pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, PhotometryError> {
+    pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, Error> {
         let model = BrightnessModel::from_json(text, origin)?;
         Ok(self.add(model))
     }
@@ -73,11 +74,11 @@ impl ModelLibrary {
     /// Returns the model with this name or alias; case is ignored.
     ///
     /// # Errors
-    /// [`PhotometryError::UnknownModel`] with the known names.
-    pub fn find(&self, name: &str) -> Result<Arc<BrightnessModel>, PhotometryError> {
-        self.get(name).ok_or_else(|| PhotometryError::UnknownModel {
-            given: name.to_owned(),
-            known: self.names().collect::<Vec<_>>().join(", "),
+    /// An unknown name; the error lists the known ones.
+    pub fn find(&self, name: &str) -> Result<Arc<BrightnessModel>, Error> {
+        self.get(name).ok_or_else(|| {
+            Error::format(format!("unknown model '{}'", Quoted::new(name)))
+                .allowing(self.names().collect::<Vec<_>>().join(", "))
         })
     }
 

@@ -43,7 +43,6 @@ pub(crate) mod two_panel;
 pub(crate) use atmosphere::clear_sky_extinction_mag;
 pub use band::{Band, MagSystem};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
-pub use error::PhotometryError;
 pub use library::ModelLibrary;
 pub(crate) use magnitude::airmass;
 pub use magnitude::{Magnitude, StandardMagnitude};

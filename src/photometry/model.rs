@@ -7,7 +7,6 @@ use nalgebra::Vector3;
 use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::diffuse::{DIFFUSE_SIGMA_MAG, DiffuseBody, Ranges};
-use super::error::PhotometryError;
 use super::error_distribution::ErrorDistribution;
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelKind};
@@ -16,6 +15,7 @@ use super::phase::{PhaseFunction, StandardObject};
 use super::thermal::{Emission, UNKNOWN_SIZE_M};
 use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+use crate::error::Error;
 use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::{KARMAN_LINE_KM, ViewingGeometry};
 
@@ -163,7 +163,7 @@ impl BrightnessModel {
     ///
     /// # Errors
     /// The errors of [`ModelFile::from_json`].
-    pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
         Self::from_file(ModelFile::from_json(text, origin)?, origin)
     }
 
@@ -172,13 +172,10 @@ impl BrightnessModel {
     /// # Errors
     /// The errors of [`ModelFile::validate`].
     #[doc(hidden)]
-    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, PhotometryError> {
+    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, Error> {
         file.validate(origin)?;
-        let needs = |key| PhotometryError::ModelKey {
-            origin: origin.to_owned(),
-            kind: file.kind.name(),
-            problem: "requires",
-            key,
+        let needs = |key| {
+            Error::format(format!("kind {} requires the key {key:?}", file.kind.name())).in_file("model file", origin)
         };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();

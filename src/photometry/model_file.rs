@@ -6,8 +6,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::band::{Band, MagSystem};
-use super::error::{Check, PhotometryError, SCHEMA_VERSION};
+use super::error::{Check, SCHEMA_VERSION};
 use super::panels::PanelsSpec;
+use crate::error::{Error, ErrorKind};
 
 /// Name of the panel offset of chassis and sail, a parameter that may be fitted together with the coefficients.
 pub const PANEL_OFFSET: &str = "panel_offset_deg";
@@ -180,11 +181,11 @@ impl ModelFile {
     /// Reads and validates one model; errors contain `origin` (a file name).
     ///
     /// # Errors
-    /// [`PhotometryError`] if the text is not JSON, a key is unknown, missing or does not fit the kind, the schema
+    /// The text is not JSON, a key is unknown, missing or does not fit the kind, the schema
     /// version differs, a value is out of range, or the covariance is invalid.
-    pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, Error> {
         let file: Self = serde_json::from_str(text)
-            .map_err(|source| PhotometryError::ModelJson { origin: origin.to_owned(), source })?;
+            .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("model file", origin))?;
         file.validate(origin)?;
         Ok(file)
     }
@@ -225,11 +226,11 @@ impl ModelFile {
     /// Checks every value against its range and every key against the kind.
     ///
     /// # Errors
-    /// The first [`PhotometryError`] that is found.
-    pub fn validate(&self, origin: &str) -> Result<(), PhotometryError> {
+    /// The first one that is found.
+    pub fn validate(&self, origin: &str) -> Result<(), Error> {
         let check = Check { origin };
         if self.schema != SCHEMA_VERSION {
-            return Err(PhotometryError::ModelSchema { origin: origin.to_owned(), given: self.schema });
+            return Err(Error::invalid("schema", self.schema, SCHEMA_VERSION.to_string()).in_file("model file", origin));
         }
         check.name("name", &self.name)?;
         self.aliases.iter().try_for_each(|alias| check.name("aliases", alias))?;
@@ -272,7 +273,7 @@ impl ModelFile {
     }
 
     /// Checks that the keys that the kind requires are given, and no others.
-    fn validate_keys(&self, check: &Check) -> Result<(), PhotometryError> {
+    fn validate_keys(&self, check: &Check) -> Result<(), Error> {
         let two_panel = self.kind == ModelKind::TwoPanel;
         let panels = self.kind == ModelKind::Panels;
         let phase = self.kind == ModelKind::PhaseFunction;
@@ -284,11 +285,9 @@ impl ModelFile {
             ("phase_function", self.phase_function.is_some(), phase),
             ("mean_mag", self.mean_mag.is_some(), mean),
         ];
-        let key_error = |problem, key| PhotometryError::ModelKey {
-            origin: check.origin.to_owned(),
-            kind: self.kind.name(),
-            problem,
-            key,
+        let key_error = |problem, key| {
+            Error::format(format!("kind {} {problem} the key {key:?}", self.kind.name()))
+                .in_file("model file", check.origin)
         };
         for (key, present, needed) in keys {
             match (present, needed) {
@@ -305,7 +304,7 @@ impl ModelFile {
 }
 
 impl SatelliteShape {
-    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check) -> Result<(), Error> {
         check.range("shape.sail_length_m", self.sail_length_m, 0.01, 200.0)?;
         check.range("shape.sail_width_m", self.sail_width_m, 0.01, 200.0)?;
         check.range("shape.base_length_m", self.base_length_m, 0.01, 200.0)?;
@@ -315,7 +314,7 @@ impl SatelliteShape {
 }
 
 impl Coefficients {
-    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check) -> Result<(), Error> {
         let weights = [("c1", self.c1), ("c2", self.c2), ("c3", self.c3), ("c4", self.c4), ("c5", self.c5)];
         for (key, value) in weights {
             check.range(&format!("coefficients.{key}"), value, 0.0, 10.0)?;
@@ -328,7 +327,7 @@ impl Coefficients {
 }
 
 impl PhasePolynomial {
-    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check) -> Result<(), Error> {
         check.range("phase_function.coefficients (number)", self.coefficients.len() as f64, 1.0, 8.0)?;
         for (i, &value) in self.coefficients.iter().enumerate() {
             check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
@@ -341,7 +340,7 @@ impl PhasePolynomial {
 }
 
 impl GeometryRange {
-    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check) -> Result<(), Error> {
         let ranges = [
             ("sun_latitude_deg", self.sun_latitude_deg, -90.0, 90.0),
             ("observer_latitude_deg", self.observer_latitude_deg, -90.0, 90.0),

@@ -27,7 +27,7 @@
 //!     println!("{x:.3e} {y:.3e} {z:.3e}");
 //! #   assert!(x < -1e-8 && x > -1e-6, "{x}");
 //! }
-//! # Ok::<(), streakcast::photometry::PhotometryError>(())
+//! # Ok::<(), streakcast::Error>(())
 //! ```
 
 use super::model::BrightnessModel;

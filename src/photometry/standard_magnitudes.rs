@@ -10,8 +10,8 @@
 
 use std::collections::BTreeMap;
 
-use super::error::PhotometryError;
 use super::magnitude::StandardMagnitude;
+use crate::error::Error;
 
 /// Offset from full phase to half phase: 2.5 log10 2 mag.
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953;
@@ -26,8 +26,8 @@ impl StandardMagnitudes {
     /// Reads a `qs.mag` table; magnitudes are converted to half phase.
     ///
     /// # Errors
-    /// [`PhotometryError::NoStandardMagnitudes`] if no line has a NORAD number and a magnitude.
-    pub fn from_qs_mag(text: &str) -> Result<Self, PhotometryError> {
+    /// No line has a NORAD number and a magnitude.
+    pub fn from_qs_mag(text: &str) -> Result<Self, Error> {
         let half_lit: BTreeMap<u32, StandardMagnitude> = text
             .lines()
             .filter_map(|line| {
@@ -40,7 +40,8 @@ impl StandardMagnitudes {
             })
             .collect();
         if half_lit.is_empty() {
-            return Err(PhotometryError::NoStandardMagnitudes { lines: text.lines().count() });
+            return Err(Error::format(format!("none of {} lines is a row of a qs.mag table", text.lines().count()))
+                .allowing("a NORAD id in columns 1-5 and a magnitude in columns 34-37"));
         }
         Ok(Self { half_lit })
     }
@@ -85,7 +86,7 @@ mod tests {
     #[test]
     fn verif_other_text_is_rejected() {
         let error = StandardMagnitudes::from_qs_mag("a,b,c\n1,2,3\n").unwrap_err();
-        assert!(matches!(error, PhotometryError::NoStandardMagnitudes { lines: 2 }));
+        assert!(error.to_string().starts_with("none of 2 lines is a row of a qs.mag table"), "{error}");
         assert!(error.to_string().contains("qs.mag"));
         assert!(StandardMagnitudes::from_qs_mag("").is_err());
     }

@@ -5,10 +5,11 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame};
-use super::error::PlotError;
+use super::error;
 use super::numbers::count;
 use super::picture::{INK, Picture};
 use super::statistics::check;
+use crate::error::Error;
 
 const WIDTH: f64 = 1120.0;
 const SIDES: [f64; 4] = [92.0, 60.0, 1090.0, 540.0];
@@ -47,12 +48,12 @@ pub struct AlarmChart<'a> {
 ///
 /// # Errors
 /// There is no pass, a value is not finite, or columns differ in length.
-pub fn alarm_chart(input: &AlarmChart<'_>) -> Result<Picture, PlotError> {
+pub fn alarm_chart(input: &AlarmChart<'_>) -> Result<Picture, Error> {
     let n = input.days.len();
     for (what, column) in [("days", input.days), ("differences", input.differences_mag), ("sigmas", input.sigmas_mag)] {
         check(what, column)?;
         if column.len() != n {
-            return Err(PlotError::Length { what: what.to_owned(), given: column.len(), expected: n });
+            return Err(error::length(what, column.len(), n));
         }
     }
     let ends = |values: &mut dyn Iterator<Item = f64>| {

@@ -6,9 +6,9 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame};
-use super::error::PlotError;
 use super::numbers::fixed;
 use super::picture::{INK, Picture};
+use crate::error::Error;
 use crate::photometry::{ChassisAndSail, SatelliteShape};
 
 const SAIL: RGBColor = RGBColor(222, 235, 247);
@@ -27,12 +27,9 @@ pub fn blocking_picture(
     shape: &SatelliteShape,
     sun_latitude_rad: f64,
     [observer_longitude_rad, observer_latitude_rad]: [f64; 2],
-) -> Result<Picture, PlotError> {
-    let out = || PlotError::OutOfRange {
-        what: "sizes of the panels".to_owned(),
-        given: format!("{shape:?}"),
-        allowed: "positive lengths and an offset within 90 deg",
-    };
+) -> Result<Picture, Error> {
+    let out =
+        || Error::invalid("sizes of the panels", format!("{shape:?}"), "positive lengths and an offset within 90 deg");
     let panels = ChassisAndSail::new(shape).ok_or_else(out)?;
     let direction = |longitude: f64, latitude: f64| {
         let (sin, cos) = latitude.sin_cos();

@@ -7,10 +7,11 @@ use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame, NAME_SIZE};
 use super::density::Density;
-use super::error::PlotError;
+use super::error;
 use super::numbers::with_errors;
 use super::picture::{INK, Picture, width_of};
 use super::statistics::{ONE_SIGMA, check, check_length, histogram, sorted};
+use crate::error::Error;
 use crate::math::quantile::quantile;
 
 /// Fractions of a two-dimensional normal distribution within one sigma and within two sigma, 1 − exp(−1/2) and 1 −
@@ -59,7 +60,7 @@ pub struct Corner<'a> {
 /// # Errors
 /// There are fewer than 2 or more than 9 parameters; columns, names, true values or bounds differ in length; or samples
 /// are missing or not finite.
-pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
+pub fn corner(input: &Corner<'_>) -> Result<Picture, Error> {
     let axes = axes(input)?;
     let count = axes.len();
     let titles: Vec<Vec<String>> = (0..count).map(|i| title(&input.names[i], &input.samples[i])).collect();
@@ -111,13 +112,13 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
 }
 
 /// Checks the input and returns an axis for each parameter.
-fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
+fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, Error> {
     let count = input.samples.len();
     if !(2..=9).contains(&count) {
         let what = "the number of parameters of a corner plot".to_owned();
-        return Err(PlotError::OutOfRange { what, given: count.to_string(), allowed: "2 to 9" });
+        return Err(Error::invalid(what, count, "2 to 9"));
     }
-    let unequal = |what: &str, given: usize| PlotError::Length { what: what.to_owned(), given, expected: count };
+    let unequal = |what: &str, given: usize| error::length(what, given, count);
     if input.names.len() != count {
         return Err(unequal("names of parameters", input.names.len()));
     }

@@ -7,11 +7,11 @@ use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame, colour_bar};
 use super::density::Density;
-use super::error::PlotError;
 use super::numbers::{count, fixed, per_cent};
 use super::picture::{Picture, width_of};
 use super::scale::{ColourScale, Quantity};
 use super::statistics::{check, check_length, sorted};
+use crate::error::Error;
 use crate::math::quantile::quantile;
 
 const LINE: RGBColor = RGBColor(0, 114, 178);
@@ -42,14 +42,10 @@ pub struct CountsAndSpread<'a> {
 /// # Errors
 /// There is no cell; columns differ in length; a value is not finite; a count is below 1 or a spread below 0; or a
 /// threshold is invalid (fewer than 1 sample, 0 mag).
-pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotError> {
+pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, Error> {
     check("samples of cells", input.counts)?;
     check_length("spreads of cells", input.iqr_mag, input.counts.len())?;
-    let out = |what: &str, given: f64, allowed| PlotError::OutOfRange {
-        what: what.to_owned(),
-        given: given.to_string(),
-        allowed,
-    };
+    let out = |what: &str, given: f64, allowed| Error::invalid(what, given, allowed);
     if let Some(few) = input.counts.iter().find(|count| **count < 1.0) {
         return Err(out("number of samples of a cell", *few, "1 or more"));
     }

@@ -7,10 +7,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use plotters::prelude::{IntoDrawingArea, SVGBackend};
 
-use super::error::PlotError;
 use super::file_options::{FileOptions, NATURAL_DPI, PROGRAM, PROVENANCE, TITLE};
 use super::picture::{Canvas, Picture, Underlay, font_style_sheet};
 use super::raster::Raster;
+use crate::error::{Error, ErrorKind};
 
 /// Supersampling factor of PNGs, which makes the edges of coloured pixels and letters smooth.
 const FINE: usize = 2;
@@ -38,13 +38,18 @@ impl PictureFormat {
     ///
     /// # Errors
     /// The name does not end in `.png` or `.svg`.
-    pub fn from_extension(path: &Path) -> Result<Self, PlotError> {
+    pub fn from_extension(path: &Path) -> Result<Self, Error> {
         let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match end.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("svg") => Ok(Self::Svg),
-            Some("pdf") => Err(PlotError::Pdf { name: path.display().to_string() }),
-            _ => Err(PlotError::UnknownFormat { name: path.display().to_string() }),
+            Some("pdf") => Err(Error::new(
+                ErrorKind::Invalid,
+                format!("invalid picture name {}: PDF is not supported", path.display()),
+            )
+            .allowing("a name that ends in .png or .svg (rsvg-convert and Inkscape convert SVG to PDF)")),
+            _ => Err(Error::new(ErrorKind::Invalid, format!("invalid picture name {}", path.display()))
+                .allowing("a name that ends in .png or .svg")),
         }
     }
 }
@@ -59,7 +64,7 @@ impl Picture {
     ///
     /// # Errors
     /// The drawing or encoding crate fails.
-    pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, PlotError> {
+    pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, Error> {
         self.to_file(format, &FileOptions::default())
     }
 
@@ -67,7 +72,7 @@ impl Picture {
     ///
     /// # Errors
     /// The size or the resolution is out of range, or the drawing or encoding crate fails.
-    pub fn to_file(&self, format: PictureFormat, options: &FileOptions) -> Result<Vec<u8>, PlotError> {
+    pub fn to_file(&self, format: PictureFormat, options: &FileOptions) -> Result<Vec<u8>, Error> {
         match format {
             PictureFormat::Png => self.png_with(options),
             PictureFormat::Svg => self.svg_with(options).map(String::into_bytes),
@@ -78,7 +83,7 @@ impl Picture {
     ///
     /// # Errors
     /// The drawing or encoding crate fails.
-    pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
+    pub fn to_png(&self) -> Result<Vec<u8>, Error> {
         self.png_with(&FileOptions::default())
     }
 
@@ -86,11 +91,11 @@ impl Picture {
     ///
     /// # Errors
     /// The drawing or encoding crate fails.
-    pub fn to_svg(&self) -> Result<String, PlotError> {
+    pub fn to_svg(&self) -> Result<String, Error> {
         self.svg_with(&FileOptions::default())
     }
 
-    fn png_with(&self, options: &FileOptions) -> Result<Vec<u8>, PlotError> {
+    fn png_with(&self, options: &FileOptions) -> Result<Vec<u8>, Error> {
         let (width, height) = options.pixels(self.size())?;
         let canvas = Canvas::for_picture(self, (width * FINE, height * FINE));
         let mut raster = Raster::new((canvas.width, canvas.height), self.underlay(&canvas).rgb);
@@ -99,7 +104,7 @@ impl Picture {
         png(&averaged(&raster.rgb, canvas.width), (width, height), options.dpi(), &metadata)
     }
 
-    fn svg_with(&self, options: &FileOptions) -> Result<String, PlotError> {
+    fn svg_with(&self, options: &FileOptions) -> Result<String, Error> {
         let (width, height) = self.size();
         let canvas = Canvas::for_picture(self, (width * MESH, height * MESH));
         let mut text = String::new();
@@ -107,14 +112,14 @@ impl Picture {
             let size = (canvas.width as u32, canvas.height as u32);
             let area = SVGBackend::with_string(&mut text, size).into_drawing_area();
             self.draw(&area, &canvas)?;
-            area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
+            area.present().map_err(|error| Error::new(ErrorKind::Invalid, format!("drawing failed: {error}")))?;
         }
         let Underlay { width: columns, height: rows, rgb } =
             self.underlay(&Canvas::for_picture(self, (width * FINE, height * FINE)));
         let pixels = STANDARD.encode(png(&rgb, (columns, rows), NATURAL_DPI, &[])?);
         // The pixel image must come first, so that it is below everything else. It follows the opening tag, which is
         // replaced, because it contains the size.
-        let broken = || PlotError::Drawing("the SVG has no opening tag".to_owned());
+        let broken = || Error::new(ErrorKind::Invalid, "drawing failed: the SVG has no opening tag");
         let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
         // The drawing is scaled to the given size, with margins if the shape differs.
         let (across, down) = options.svg_lengths((width, height));
@@ -170,12 +175,7 @@ fn averaged(rgb: &[u8], width: usize) -> Vec<u8> {
     small
 }
 
-fn png(
-    rgb: &[u8],
-    (width, height): (usize, usize),
-    dpi: u32,
-    metadata: &[(&str, String)],
-) -> Result<Vec<u8>, PlotError> {
+fn png(rgb: &[u8], (width, height): (usize, usize), dpi: u32, metadata: &[(&str, String)]) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let mut write = || -> Result<(), png::EncodingError> {
         let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
@@ -193,6 +193,6 @@ fn png(
         writer.write_image_data(rgb)?;
         writer.finish()
     };
-    write().map_err(|error| PlotError::Drawing(error.to_string()))?;
+    write().map_err(|error| Error::new(ErrorKind::Invalid, format!("drawing failed: {error}")))?;
     Ok(bytes)
 }

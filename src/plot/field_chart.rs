@@ -5,13 +5,13 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame, colour_bar};
-use super::error::PlotError;
 use super::graticule::{self, Plane, gnomonic};
 use super::labels::Labels;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
 use super::scale::{ColourScale, Quantity};
 use super::tracks::{MOST_LISTED, arrow, by_brightness, list, magnitude_text, numbers, time_of_day, without_numbers};
+use crate::error::{Error, ErrorKind};
 
 const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
@@ -68,15 +68,15 @@ pub struct FieldStreak {
 /// # Errors
 /// There are neither outlines nor streaks; a streak has fewer than two points; or a position is invalid or more than
 /// 75° from the centre.
-pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
-    let out = |what: &str, given: String, allowed| PlotError::OutOfRange { what: what.to_owned(), given, allowed };
+pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, Error> {
+    let out = |what: &str, given: String, allowed| Error::invalid(what, given, allowed);
     let is_position = |[ra, dec]: [f64; 2]| ra.is_finite() && (-90.0..=90.0).contains(&dec);
     let centre = [input.ra_deg, input.dec_deg];
     if !is_position(centre) {
         return Err(out("the centre of the field", format!("{centre:?}"), "right ascension and declination, degrees"));
     }
     if input.outlines.is_empty() && input.streaks.is_empty() {
-        return Err(PlotError::Empty { what: "streaks and no outline of the field".to_owned() });
+        return Err(Error::new(ErrorKind::TooFewData, "nothing to draw: no streaks and no outline of the field"));
     }
     let project = |position: [f64; 2]| {
         let far = || out("a position of the chart", format!("{position:?} deg"), "at most 75° from the centre");
@@ -91,7 +91,10 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         .map(|streak| streak.track_deg.iter().map(|position| project(*position)).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(short) = streaks.iter().find(|streak| streak.track_deg.len() < 2) {
-        return Err(PlotError::Empty { what: format!("two points of the track of {}", short.name) });
+        return Err(Error::new(
+            ErrorKind::TooFewData,
+            format!("nothing to draw: no two points of the track of {}", short.name),
+        ));
     }
     let sized = if outlines.is_empty() { &tracks } else { &outlines };
     let reach = sized.iter().flatten().map(|[x, y]| x.abs().max(y.abs())).fold(1e-5, f64::max) * 1.1;

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::error::PlotError;
+use crate::error::Error;
 
 /// Resolution at which one pixel of a chart is one pixel of its file, dots per inch.
 pub(super) const NATURAL_DPI: u32 = 96;
@@ -37,9 +37,9 @@ pub struct PictureSize {
 }
 
 impl FromStr for PictureSize {
-    type Err = PlotError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, PlotError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let (numbers, unit) = match text.trim() {
             text if text.ends_with("px") => (&text[..text.len() - 2], Unit::Pixel),
             text if text.ends_with("in") => (&text[..text.len() - 2], Unit::Inch),
@@ -48,11 +48,7 @@ impl FromStr for PictureSize {
         };
         let side = |text: &str| text.trim().parse::<f64>().ok().filter(|side| side.is_finite() && *side > 0.0);
         let sides = numbers.split_once('x').and_then(|(width, height)| Some((side(width)?, side(height)?)));
-        let invalid = || PlotError::OutOfRange {
-            what: "the size of a picture".to_owned(),
-            given: text.to_owned(),
-            allowed: ALLOWED_SIZE,
-        };
+        let invalid = || Error::invalid("the size of a picture", text, ALLOWED_SIZE);
         let (width, height) = sides.ok_or_else(invalid)?;
         Ok(Self { width, height, unit })
     }
@@ -101,7 +97,7 @@ impl FileOptions {
     }
 
     /// Returns the width and height of the PNG of a chart of this size, pixels.
-    pub(super) fn pixels(&self, chart: (usize, usize)) -> Result<(usize, usize), PlotError> {
+    pub(super) fn pixels(&self, chart: (usize, usize)) -> Result<(usize, usize), Error> {
         if self.size.is_none() && self.dpi.is_none() {
             return Ok(chart);
         }
@@ -109,7 +105,7 @@ impl FileOptions {
         if !(DPI[0]..=DPI[1]).contains(&dpi) {
             let what = "the resolution of a picture".to_owned();
             let given = format!("{dpi} dots per inch");
-            return Err(PlotError::OutOfRange { what, given, allowed: "10 to 1200 dots per inch" });
+            return Err(Error::invalid(what, given, "10 to 1200 dots per inch"));
         }
         let natural = |side: usize| side as f64 * f64::from(dpi) / f64::from(NATURAL_DPI);
         let (width, height) = match &self.size {
@@ -121,7 +117,7 @@ impl FileOptions {
         if !is_side(width) || !is_side(height) || width * height > MOST_PIXELS {
             let what = format!("the size of a picture at {dpi} dots per inch");
             let given = format!("{width} x {height} pixels");
-            return Err(PlotError::OutOfRange { what, given, allowed: ALLOWED_PIXELS });
+            return Err(Error::invalid(what, given, ALLOWED_PIXELS));
         }
         Ok((width as usize, height as usize))
     }
@@ -135,7 +131,7 @@ impl FileOptions {
     ///
     /// # Errors
     /// The resolution is out of range, or the size has too few or too many pixels.
-    pub fn check(&self) -> Result<(), PlotError> {
+    pub fn check(&self) -> Result<(), Error> {
         // Without a given size, only the resolution is checked, because the size of the chart is not yet known. At 96
         // dots per inch, every chart is within the bounds.
         let size = self.size.unwrap_or(PictureSize { width: SIDE[0], height: SIDE[0], unit: Unit::Pixel });

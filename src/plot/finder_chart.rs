@@ -4,13 +4,13 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::error::PlotError;
 use super::labels::Labels;
 use super::picture::{INK, Picture, half_size};
 use super::sky_chart::{LONGEST_WITH_STARS_DAYS, SkyTrack, check_track};
 use super::star_field::{SkyDisk, StarField, StarStyle};
 use super::time_axis::LocalClock;
 use super::tracks::{arrow, clock, magnitude_text, minutes_along, place_with_line, positions_beside};
+use crate::error::Error;
 use crate::frames::compass;
 use crate::geometry::Site;
 use crate::message::known_step_s;
@@ -75,7 +75,7 @@ struct Moment {
 ///
 /// # Errors
 /// The pass has fewer than two points; columns differ in length; times do not increase; or an altitude is invalid.
-pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, PlotError> {
+pub fn finder_chart(input: &FinderChart<'_>) -> Result<Picture, Error> {
     let track = input.track;
     check_track(track)?;
     let ahead_days = input.local.as_ref().map_or(0.0, |clock| clock.ahead_of_utc_h / 24.0);

@@ -5,11 +5,12 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame};
-use super::error::PlotError;
+use super::error;
 use super::numbers::fixed;
 use super::picture::Picture;
 use super::statistics::{check, check_length};
 use super::time_axis::{LocalClock, draw_local, draw_utc};
+use crate::error::Error;
 
 const WIDTH: f64 = 1120.0;
 const SIDES: [f64; 4] = [92.0, 118.0, 1090.0, 540.0];
@@ -53,21 +54,20 @@ pub struct LightCurve<'a> {
 /// # Errors
 /// There are fewer than two points, or none of them has a magnitude; columns differ in length; or times are not finite
 /// or do not increase.
-pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
+pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, Error> {
     check("points along the track", input.time_mjd)?;
     let n = input.time_mjd.len();
     for (what, column) in [("magnitudes", input.magnitude), ("sigmas", input.sigma_mag)] {
         if column.len() != n {
-            return Err(PlotError::Length { what: what.to_owned(), given: column.len(), expected: n });
+            return Err(error::length(what, column.len(), n));
         }
     }
     if !input.in_fitted_range.is_empty() && input.in_fitted_range.len() != n {
-        let what = "marks of the fitted range".to_owned();
-        return Err(PlotError::Length { what, given: input.in_fitted_range.len(), expected: n });
+        return Err(error::length("marks of the fitted range", input.in_fitted_range.len(), n));
     }
     if n < 2 || input.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
         let (what, given) = ("the list of times of a track".to_owned(), format!("not increasing ({n} values)"));
-        return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
+        return Err(Error::invalid(what, given, "two or more, each later than the one before"));
     }
     let lit: Vec<f64> = input.magnitude.iter().copied().filter(|magnitude| magnitude.is_finite()).collect();
     check_length("magnitudes along the track", &lit, lit.len())?;

@@ -4,10 +4,11 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-use super::error::PlotError;
+use super::error;
 use super::picture::Picture;
 use super::scale::Quantity;
 use super::sky_disk::{AZIMUTHS, Disk, DiskContent, DiskSheet};
+use crate::error::{Error, ErrorKind};
 use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, SkyView};
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 use crate::photometry::{BrightnessModel, PhotometryOptions};
@@ -61,7 +62,7 @@ pub fn paper_picture(
     figure: &PaperFigure,
     model: &BrightnessModel,
     options: PhotometryOptions,
-) -> Result<Picture, PlotError> {
+) -> Result<Picture, Error> {
     let mut disks = Vec::new();
     let mut labels = (String::new(), "", String::new());
     let mut limit = sky_limit();
@@ -246,8 +247,8 @@ pub struct LayerPanel<'a> {
 /// # Errors
 /// There is no panel or more than 12; no panel has a pixel; nside or a pixel number is invalid; a pixel occurs twice in
 /// a panel; a value is not finite; or a count is below 1.
-pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
-    let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
+pub fn layers(input: &Layers<'_>) -> Result<Picture, Error> {
+    let out = |what: &str, given: String, allowed| Err(Error::invalid(what, given, allowed));
     if !(1..=MOST_PANELS).contains(&input.panels.len()) {
         return out("the number of panels", input.panels.len().to_string(), "1 to 12");
     }
@@ -255,7 +256,7 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
         return out("nside", input.nside.to_string(), "1 to 1024");
     }
     if input.panels.iter().all(|panel| panel.cells.is_empty()) {
-        return Err(PlotError::Empty { what: "cells in any panel".to_owned() });
+        return Err(Error::new(ErrorKind::TooFewData, "nothing to draw: no cells in any panel"));
     }
     let disks = input.panels.iter().map(|panel| disk(input, panel)).collect::<Result<Vec<_>, _>>()?;
     let is_mixed = input.panels.iter().any(|panel| panel.quantity != input.panels[0].quantity);
@@ -291,22 +292,22 @@ fn radius(columns: usize, rows: usize, is_folded: bool, is_mixed: bool) -> usize
     across.min(down).min(270)
 }
 
-fn disk<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disk<'a>, PlotError> {
+fn disk<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disk<'a>, Error> {
     let mut value_of = HashMap::with_capacity(panel.cells.len());
     for (index, &(cell, value)) in panel.cells.iter().enumerate() {
         let what = || format!("cell {cell} of panel {}", panel.title);
         if cell >= cell_count(input.nside) {
             let what = format!("cell {index} (counted from 0) of panel {}", panel.title);
-            return Err(PlotError::OutOfRange { what, given: cell.to_string(), allowed: "below 12 nside²" });
+            return Err(Error::invalid(what, cell, "below 12 nside²"));
         }
         if !value.is_finite() {
-            return Err(PlotError::NotFinite { what: format!("cells of panel {}", panel.title), index, value });
+            return Err(error::not_finite(&format!("cells of panel {}", panel.title), index, value));
         }
         if panel.quantity == Quantity::Count && value < 1.0 {
-            return Err(PlotError::OutOfRange { what: what(), given: value.to_string(), allowed: "1 sample or more" });
+            return Err(Error::invalid(what(), value, "1 sample or more"));
         }
         if value_of.insert(cell, value).is_some() {
-            return Err(PlotError::OutOfRange { what: what(), given: "given twice".to_owned(), allowed: "once" });
+            return Err(Error::invalid(what(), "given twice", "once"));
         }
     }
     let nside = input.nside;

@@ -64,7 +64,6 @@ mod time_axis;
 mod tracks;
 
 pub use encode::PictureFormat;
-pub use error::PlotError;
 pub use file_options::{FileOptions, PictureSize};
 pub use light_curve::{LightCurve, light_curve};
 pub use maps::{body_picture, sky_picture};

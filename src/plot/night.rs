@@ -5,12 +5,13 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame, colour_bar};
-use super::error::PlotError;
+use super::error;
 use super::numbers::{count, fixed, many, per_cent};
 use super::picture::Picture;
 use super::scale::{ColourScale, Quantity};
 use super::statistics::{check, check_length};
 use super::time_axis::{LocalClock, bands_in_time, draw_local, draw_utc, legend};
+use crate::error::Error;
 
 const WIDTH: f64 = 1180.0;
 const LEFT: f64 = 92.0;
@@ -56,25 +57,20 @@ pub struct NightTimeline<'a> {
 ///
 /// # Errors
 /// There is no exposure; columns differ in length; a time is not finite; or exposures are more than two days apart.
-pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
+pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, Error> {
     check("exposures", input.start_mjd)?;
     let n = input.start_mjd.len();
     check_length("lengths of exposures", input.duration_s, n)?;
     check_length("numbers of streaks", input.n_streaks, n)?;
     if input.brightest_mag.len() != n {
-        let what = "brightest magnitudes".to_owned();
-        return Err(PlotError::Length { what, given: input.brightest_mag.len(), expected: n });
+        return Err(error::length("brightest magnitudes", input.brightest_mag.len(), n));
     }
     let end = |k: usize| input.start_mjd[k] + input.duration_s[k] / DAY_S;
     let first = input.start_mjd.iter().copied().fold(f64::INFINITY, f64::min);
     let last = (0..n).map(end).fold(f64::NEG_INFINITY, f64::max);
     if last - first > 2.0 {
         let (what, given) = ("the time from first to last exposure".to_owned(), format!("{:.1} d", last - first));
-        return Err(PlotError::OutOfRange {
-            what,
-            given,
-            allowed: "at most 2 d; select one night of a longer schedule",
-        });
+        return Err(Error::invalid(what, given, "at most 2 d; select one night of a longer schedule"));
     }
     let margin = (0.012 * (last - first)).max(20.0 / DAY_S);
     let x = Axis::linear(first - margin, last + margin);

@@ -16,9 +16,9 @@ use plotters::prelude::{
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
-use super::error::PlotError;
 use super::raster::Raster;
 use super::scale::ColourScale;
+use crate::error::{Error, ErrorKind};
 
 /// Colour of lines and text.
 pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
@@ -322,11 +322,7 @@ impl Picture {
     }
 
     /// Draws lines and text over the pixels, with a drawing backend.
-    pub(super) fn draw<B: DrawingBackend>(
-        &self,
-        area: &DrawingArea<B, Shift>,
-        canvas: &Canvas,
-    ) -> Result<(), PlotError> {
+    pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, canvas: &Canvas) -> Result<(), Error> {
         register_embedded_font()?;
         let scale = canvas.scale;
         let at = |point: &(f64, f64)| canvas.whole(*point);
@@ -361,7 +357,7 @@ impl Picture {
     }
 
     /// Draws smooth lines, and text, over the pixels of a raster.
-    pub(super) fn rasterise(&self, raster: &mut Raster, canvas: &Canvas) -> Result<(), PlotError> {
+    pub(super) fn rasterise(&self, raster: &mut Raster, canvas: &Canvas) -> Result<(), Error> {
         register_embedded_font()?;
         let scale = canvas.scale;
         let at = |point: &(f64, f64)| canvas.at(*point);
@@ -403,8 +399,8 @@ impl Words {
     }
 }
 
-fn drawing_error(error: impl std::fmt::Display) -> PlotError {
-    PlotError::Drawing(error.to_string())
+fn drawing_error(error: impl std::fmt::Display) -> Error {
+    Error::new(ErrorKind::Invalid, format!("drawing failed: {error}"))
 }
 
 fn corners([left, top, right, bottom]: [f64; 4]) -> [(f64, f64); 4] {
@@ -464,8 +460,12 @@ pub(super) fn font_style_sheet() -> String {
 }
 
 /// Registers the font once per process.
-fn register_embedded_font() -> Result<(), PlotError> {
+fn register_embedded_font() -> Result<(), Error> {
     static READY: OnceLock<bool> = OnceLock::new();
     let is_ready = READY.get_or_init(|| register_font(FONT_FAMILY, FontStyle::Normal, DEJAVU_SANS).is_ok());
-    if *is_ready { Ok(()) } else { Err(PlotError::Drawing("the embedded font cannot be loaded".to_owned())) }
+    if *is_ready {
+        Ok(())
+    } else {
+        Err(Error::new(ErrorKind::Invalid, "drawing failed: the embedded font cannot be loaded"))
+    }
 }

@@ -9,10 +9,10 @@ use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame};
 use super::density::dots;
-use super::error::PlotError;
 use super::numbers::{count, fixed, many};
 use super::picture::{INK, Picture};
 use super::statistics::{BandSegment, check, check_length, histogram, mad_sigma, mean_and_sd, running_band, sorted};
+use crate::error::Error;
 use crate::math::quantile::quantile;
 
 const BARS: RGBColor = RGBColor(158, 202, 225);
@@ -39,12 +39,12 @@ pub struct ResidualHistogram<'a> {
 ///
 /// # Errors
 /// There is no residual, a residual is not finite, or sigma is not above 0.
-pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, PlotError> {
+pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, Error> {
     let (values, sigma) = (input.residuals_mag, input.sigma_mag);
     check("residuals", values)?;
     if !(sigma.is_finite() && sigma > 0.0) {
         let what = "sigma of the normal curve".to_owned();
-        return Err(PlotError::OutOfRange { what, given: format!("{sigma} mag"), allowed: "above 0 mag" });
+        return Err(Error::invalid(what, format!("{sigma} mag"), "above 0 mag"));
     }
     let sorted = sorted(values);
     let end =
@@ -129,13 +129,13 @@ pub struct PhaseCurve<'a> {
 ///
 /// # Errors
 /// There is no point; columns differ in length; a value is not finite; or a phase angle is invalid.
-pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
+pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, Error> {
     check("phase angles", input.phase_angle_rad)?;
     check_length("measured magnitudes", input.measured_mag, input.phase_angle_rad.len())?;
     let phase: Vec<f64> = input.phase_angle_rad.iter().map(|angle| angle.to_degrees()).collect();
     if let Some(wrong) = phase.iter().find(|angle| !(0.0..=180.0).contains(*angle)) {
         let (what, given) = ("phase angle".to_owned(), format!("{wrong}°"));
-        return Err(PlotError::OutOfRange { what, given, allowed: "0 to 180°" });
+        return Err(Error::invalid(what, given, "0 to 180°"));
     }
     let mut panels = vec![("measured", MEASURED, input.measured_mag)];
     if !input.model_mag.is_empty() {
@@ -241,7 +241,7 @@ pub struct ResidualPanels<'a> {
 ///
 /// # Errors
 /// There is no residual, columns differ in length, or a value is not finite.
-pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError> {
+pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, Error> {
     let residuals = input.residuals_mag;
     check("residuals", residuals)?;
     let panels = [

@@ -5,7 +5,7 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::colour_bar;
-use super::error::PlotError;
+use super::error;
 use super::labels::Labels;
 use super::picture::{INK, Picture};
 use super::scale::{ColourScale, Quantity};
@@ -15,6 +15,7 @@ use super::time_axis::LocalClock;
 use super::tracks::{
     MOST_LISTED, arrow, by_brightness, clock, list, magnitude_text, minutes_along, numbers, without_numbers,
 };
+use crate::error::Error;
 use crate::geometry::Site;
 use crate::message::known_step_s;
 
@@ -85,7 +86,7 @@ pub struct SkyTrack {
 ///
 /// # Errors
 /// A pass has fewer than two points; columns differ in length; times do not increase; or an altitude is invalid.
-pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
+pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, Error> {
     input.tracks.iter().try_for_each(check_track)?;
     let mut drawn = by_brightness(input.tracks.iter().map(SkyTrack::brightest_magnitude));
     drawn.truncate(MOST_LISTED);
@@ -197,7 +198,7 @@ impl SkyTrack {
 }
 
 /// Rejects a pass that cannot be drawn.
-pub(super) fn check_track(track: &SkyTrack) -> Result<(), PlotError> {
+pub(super) fn check_track(track: &SkyTrack) -> Result<(), Error> {
     let n = track.time_mjd.len();
     let of = |what: &str| format!("{what} of {}", track.name);
     check(&of("the points along the pass"), &track.time_mjd)?;
@@ -208,17 +209,17 @@ pub(super) fn check_track(track: &SkyTrack) -> Result<(), PlotError> {
         ("sigmas", &track.sigma_mag),
     ] {
         if column.len() != n {
-            return Err(PlotError::Length { what: of(what), given: column.len(), expected: n });
+            return Err(error::length(&of(what), column.len(), n));
         }
     }
     check(&of("the azimuths"), &track.azimuth_deg)?;
     if let Some(altitude) = track.altitude_deg.iter().find(|altitude| !(LEAST_DEG..=90.0).contains(*altitude)) {
         let given = format!("{altitude} deg");
-        return Err(PlotError::OutOfRange { what: of("an altitude"), given, allowed: "0 to 90 deg" });
+        return Err(Error::invalid(of("an altitude"), given, "0 to 90 deg"));
     }
     if n < 2 || track.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
         let (what, given) = (of("the list of times"), format!("not increasing ({n} values)"));
-        return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
+        return Err(Error::invalid(what, given, "two or more, each later than the one before"));
     }
     Ok(())
 }

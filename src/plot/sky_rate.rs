@@ -2,12 +2,13 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::error::PlotError;
+use super::error;
 use super::numbers::{fixed, many};
 use super::picture::Picture;
 use super::scale::{ColourScale, Quantity};
 use super::sky_disk::{AZIMUTHS, Disk, DiskContent, DiskSheet};
 use super::statistics::check;
+use crate::error::Error;
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
 const SKY_RADIUS: usize = 270;
@@ -38,11 +39,11 @@ pub struct SkyRate<'a> {
 /// # Errors
 /// There is no pixel; columns differ in length; nside or a pixel number is invalid; or a rate is negative or not
 /// finite.
-pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
+pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, Error> {
     if !input.sun_azimuth_deg.is_finite() {
         let what = "the Sun's azimuth".to_owned();
         let given = input.sun_azimuth_deg.to_string();
-        return Err(PlotError::OutOfRange { what, given, allowed: "a number of degrees" });
+        return Err(Error::invalid(what, given, "a number of degrees"));
     }
     let by_cell = rates_by_cell(input.nside, input.cells, input.rate)?;
     let nside = input.nside;
@@ -95,12 +96,11 @@ fn clipping(scale: &ColourScale, rates: &[f64]) -> String {
 }
 
 /// Returns the rate of each pixel of the sphere, by its number; `None` for a pixel without a rate.
-pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<Vec<Option<f64>>, PlotError> {
-    let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
+pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<Vec<Option<f64>>, Error> {
+    let out = |what: &str, given: String, allowed| Err(Error::invalid(what, given, allowed));
     check("rates", rate)?;
     if cells.len() != rate.len() {
-        let what = "cells".to_owned();
-        return Err(PlotError::Length { what, given: cells.len(), expected: rate.len() });
+        return Err(error::length("cells", cells.len(), rate.len()));
     }
     if !(1..=MOST_NSIDE).contains(&nside) {
         return out("nside", nside.to_string(), "1 to 1024");
@@ -142,7 +142,7 @@ pub struct EquatorialRate<'a> {
 ///
 /// # Errors
 /// The errors of [`super::sky_rate()`].
-pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError> {
+pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, Error> {
     let nside = input.nside;
     let by_cell = rates_by_cell(nside, input.cells, input.rate)?;
     let by_cell = &by_cell;

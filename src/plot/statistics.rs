@@ -1,7 +1,8 @@
 //! Statistics of columns for charts: quantiles, spread, histograms, and running medians with bands.
 
 use super::axes::Axis;
-use super::error::PlotError;
+use super::error;
+use crate::error::{Error, ErrorKind};
 use crate::math::quantile::quantile;
 
 /// Quantiles for the dashed lines and the bands. In a normal distribution they are one standard deviation apart.
@@ -14,22 +15,22 @@ const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
 const LEAST_IN_BAND: usize = 8;
 
 /// Rejects columns that are empty or contain values that are not finite.
-pub(super) fn check(what: &str, values: &[f64]) -> Result<(), PlotError> {
+pub(super) fn check(what: &str, values: &[f64]) -> Result<(), Error> {
     if values.is_empty() {
-        return Err(PlotError::Empty { what: what.to_owned() });
+        return Err(Error::new(ErrorKind::TooFewData, format!("nothing to draw: no {what}")));
     }
     match values.iter().position(|value| !value.is_finite()) {
-        Some(index) => Err(PlotError::NotFinite { what: what.to_owned(), index, value: values[index] }),
+        Some(index) => Err(error::not_finite(what, index, values[index])),
         None => Ok(()),
     }
 }
 
 /// Rejects a column whose length differs from the expected one.
-pub(super) fn check_length(what: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
+pub(super) fn check_length(what: &str, values: &[f64], expected: usize) -> Result<(), Error> {
     if values.len() == expected {
         return check(what, values);
     }
-    Err(PlotError::Length { what: what.to_owned(), given: values.len(), expected })
+    Err(error::length(what, values.len(), expected))
 }
 
 /// Returns the values in increasing order.

@@ -5,10 +5,11 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame};
-use super::error::PlotError;
+use super::error;
 use super::numbers::count;
 use super::picture::{INK, Picture, Pixels};
 use super::statistics::{check, mad_sigma, sorted};
+use crate::error::{Error, ErrorKind};
 use crate::math::quantile::quantile;
 
 const WIDTH: f64 = 1120.0;
@@ -61,15 +62,15 @@ pub struct CutPanel<'a> {
 ///
 /// # Errors
 /// There is no track, or columns differ in length.
-pub fn streak_cuts(title: &str, panels: &[CutPanel<'_>]) -> Result<Picture, PlotError> {
+pub fn streak_cuts(title: &str, panels: &[CutPanel<'_>]) -> Result<Picture, Error> {
     if panels.is_empty() {
-        return Err(PlotError::Empty { what: "tracks".to_owned() });
+        return Err(Error::new(ErrorKind::TooFewData, "nothing to draw: no tracks"));
     }
     for panel in panels {
         let rows = panel.across_pix.len();
         check("distances across the track", panel.across_pix)?;
         if panel.columns == 0 {
-            return Err(PlotError::Empty { what: "columns of the cut".to_owned() });
+            return Err(Error::new(ErrorKind::TooFewData, "nothing to draw: no columns of the cut"));
         }
         for (what, column, expected) in [
             ("values of the cut", panel.values, rows * panel.columns),
@@ -78,7 +79,7 @@ pub fn streak_cuts(title: &str, panels: &[CutPanel<'_>]) -> Result<Picture, Plot
             ("fitted streak", panel.model, rows),
         ] {
             if column.len() != expected {
-                return Err(PlotError::Length { what: what.to_owned(), given: column.len(), expected });
+                return Err(error::length(what, column.len(), expected));
             }
         }
     }

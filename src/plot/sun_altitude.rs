@@ -5,11 +5,11 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::{Axis, Frame};
-use super::error::PlotError;
 use super::numbers::{count, fixed, many};
 use super::picture::Picture;
 use super::statistics::{check, check_length, mean_and_sd};
 use super::time_axis::{bands_in_altitude, legend};
+use crate::error::Error;
 
 const WIDTH: f64 = 1060.0;
 const LEFT: f64 = 92.0;
@@ -44,8 +44,8 @@ pub struct SunAltitude<'a> {
 /// # Errors
 /// There is no exposure; columns differ in length; values are not finite; an altitude is invalid; or the bin width is
 /// out of range.
-pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
-    let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
+pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, Error> {
+    let out = |what: &str, given: String, allowed| Err(Error::invalid(what, given, allowed));
     check("exposures", input.sun_altitude_deg)?;
     let n = input.sun_altitude_deg.len();
     check_length("numbers of trails", input.n_trails, n)?;

@@ -1,7 +1,8 @@
 //! Start of an exposure at which the cost of streaks plus the wait is smallest.
 
+use crate::error::Error;
 use crate::frames::seconds_after;
-use crate::passes::{Exposure, SkyError};
+use crate::passes::Exposure;
 
 use super::flag_request::FlagRequest;
 use super::report::{TICK_S, judge_exposures};
@@ -32,12 +33,12 @@ pub struct BestStart {
 /// applied.
 ///
 /// # Errors
-/// [`SkyError`] if passes cannot be computed.
+/// Passes cannot be computed.
 pub fn best_start(
     row: &ScheduledExposure,
     longest_s: f64,
     request: &FlagRequest<'_>,
-) -> Result<(Option<BestStart>, Option<Verdict>), SkyError> {
+) -> Result<(Option<BestStart>, Option<Verdict>), Error> {
     let verdict = judge_exposures(&[row], request)?.flags.pop();
     let cost_s = verdict.as_ref().and_then(|verdict| verdict.streak_cost_s);
     let (Some(scheduled_cost_s), Ok(exposure)) = (cost_s, &row.exposure) else { return Ok((None, verdict)) };

@@ -7,9 +7,10 @@ use super::flag_request::FlagRequest;
 use super::policy::Blocking;
 use super::report::intervals;
 use super::shift::{Interval, next_clear_start};
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, FieldCrossing, Pass, PassOptions, SkyError};
+use crate::passes::{Exposure, FieldCrossing, Pass, PassOptions};
 
 /// Delays up to which the satellites are searched first, seconds; the longest delay follows.
 const FIRST_DELAYS_S: [f64; 2] = [30.0, 150.0];
@@ -75,7 +76,7 @@ pub(super) fn blockers(
     request: &FlagRequest<'_>,
     options: &PassOptions,
     has_start: impl Fn(usize, &Blockers, f64) -> bool,
-) -> Result<(Vec<Blockers>, Vec<LeftOut>), SkyError> {
+) -> Result<(Vec<Blockers>, Vec<LeftOut>), Error> {
     let FlagRequest { sky, policy, .. } = request;
     let margin_s = policy.margin_or_default_s();
     let delayed =
@@ -127,7 +128,7 @@ fn satellites_in(
     FlagRequest { sky, field, policy, .. }: &FlagRequest<'_>,
     options: &PassOptions,
     excludes_all: impl Fn(usize, &[FieldCrossing]) -> bool + Sync,
-) -> Result<(Vec<PartSatellites>, Vec<LeftOut>), SkyError> {
+) -> Result<(Vec<PartSatellites>, Vec<LeftOut>), Error> {
     // Every lit crossing blocks a clear start.
     if blocking == Blocking::Any && policy.min_probability.is_none() && !policy.include_dark {
         let crossings = sky.field_crossings_until(exposures, field, excludes_all)?;

@@ -2,10 +2,11 @@
 
 use hifitime::Epoch;
 
+use crate::error::Error;
 use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::passes::{Exposure, Viewpoint};
-use crate::watch::{Interrupted, Watch};
+use crate::watch::Watch;
 
 /// Length of one table of the Earth's orientation, seconds. Exposures within this time share a table.
 const GROUP_S: f64 = 43_200.0;
@@ -39,7 +40,7 @@ pub(super) fn lowest_altitudes_over(
     viewpoint: &Viewpoint,
     earth: Earth<'_>,
     watch: &Watch,
-) -> Result<Vec<f64>, Interrupted> {
+) -> Result<Vec<f64>, Error> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
     let mut altitudes = vec![f64::NAN; exposures.len()];
@@ -132,7 +133,7 @@ pub(super) fn last_starts_s(
     earth: Earth<'_>,
     max_delay_s: f64,
     watch: &Watch,
-) -> Result<Vec<f64>, Interrupted> {
+) -> Result<Vec<f64>, Error> {
     let lowest_rad = lowest_altitudes_over(exposures, viewpoint, earth, watch)?;
     let fastest_rad_s = if viewpoint.site().is_some() { FASTEST_SINKING_RAD_S } else { FASTEST_LIMB_RAD_S };
     let each = exposures.iter().zip(lowest_rad);

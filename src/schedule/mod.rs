@@ -49,7 +49,6 @@ mod windows;
 
 pub use crate::images::MagnitudeLimit;
 pub use best_start::{BestStart, best_start};
-pub use error::ScheduleError;
 pub use flag_request::FlagRequest;
 pub use nights::night_of;
 pub use policy::{Blocking, Policy};

@@ -5,12 +5,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use hifitime::{Epoch, TimeScale, Unit};
-use thiserror::Error;
 
+use crate::error::Error;
 use crate::frames::{mjd_utc, seconds_after};
 
 use super::scheduled::{Schedule, ScheduledExposure};
-use crate::message::Quoted;
 
 /// Returns start and end of the night that begins on the evening of a date: from local mean noon to the next, at a
 /// longitude in radians (east positive).
@@ -39,26 +38,21 @@ pub struct Shard {
     count: usize,
 }
 
-/// Invalid shard text.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("invalid shard '{given}'; allowed: I/N with 1 <= I <= N <= 1000000, for example 3/100", given = Quoted::new(.given))]
-pub struct ShardError {
-    given: String,
-}
-
 /// Largest number of shards.
 const MAX_SHARDS: usize = 1_000_000;
 
 impl FromStr for Shard {
-    type Err = ShardError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, ShardError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let parts = text.trim().split_once('/').and_then(|(index, count)| {
             Some(Shard { index: index.trim().parse().ok()?, count: count.trim().parse().ok()? })
         });
         let is_valid =
             |shard: &Shard| (1..=MAX_SHARDS).contains(&shard.count) && (1..=shard.count).contains(&shard.index);
-        parts.filter(is_valid).ok_or_else(|| ShardError { given: text.to_owned() })
+        parts
+            .filter(is_valid)
+            .ok_or_else(|| Error::malformed("shard", text, "I/N with 1 <= I <= N <= 1000000, for example 3/100"))
     }
 }
 

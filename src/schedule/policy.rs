@@ -5,16 +5,17 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::ScheduleError;
+use crate::error::Error;
 use crate::images::MagnitudeLimit;
+use crate::message::Quoted;
 use crate::message::listed;
 use crate::passes::Pass;
 
 impl FromStr for MagnitudeLimit {
-    type Err = ScheduleError;
+    type Err = Error;
 
     /// Parses one number, `7`, or limits by band, `g=7,y=5,default=6`.
-    fn from_str(text: &str) -> Result<Self, ScheduleError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         if let Some(limit) = number(text) {
             return Ok(MagnitudeLimit::All(limit));
@@ -25,9 +26,13 @@ impl FromStr for MagnitudeLimit {
         });
         let mut limits = BTreeMap::new();
         for pair in pairs {
-            let (band, limit) = pair.ok_or_else(|| ScheduleError::PolicyLimit { given: text.to_owned() })?;
+            let (band, limit) = pair.ok_or_else(|| {
+                Error::format(format!("invalid magnitude limit '{}'", Quoted::new(text)))
+                    .allowing("a number, or numbers by band such as g=7,y=5,default=6")
+            })?;
             if limits.insert(band.clone(), limit).is_some() {
-                return Err(ScheduleError::PolicyBand { band, given: text.to_owned() });
+                return Err(Error::format(format!("band {band} has two limits in '{}'", Quoted::new(text)))
+                    .allowing("one number for each band, such as g=7,y=5,default=6"));
             }
         }
         Ok(MagnitudeLimit::PerBand(limits))
@@ -57,14 +62,14 @@ impl Blocking {
 }
 
 impl FromStr for Blocking {
-    type Err = ScheduleError;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<Self, ScheduleError> {
+    fn from_str(text: &str) -> Result<Self, Error> {
         let known = [Blocking::Any, Blocking::Avoid];
         known
             .into_iter()
             .find(|blocking| blocking.name() == text)
-            .ok_or_else(|| ScheduleError::PolicyBlocking { given: text.to_owned() })
+            .ok_or_else(|| Error::format(format!("blocking is '{}'", Quoted::new(text))).allowing("any, avoid"))
     }
 }
 
@@ -120,10 +125,15 @@ impl Policy {
     ///
     /// # Errors
     /// The syntax is invalid, a key is unknown, or a number is out of range.
-    pub fn from_toml(text: &str) -> Result<Self, ScheduleError> {
-        let policy: Policy = toml::from_str(text)
-            .map_err(|error| ScheduleError::PolicySyntax(crate::input::toml_error(&error, text)))?;
-        policy.validate()?;
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
+        Self::parse(text).map_err(|error| error.at("policy"))
+    }
+
+    /// Reads a policy from the TOML of a file, which its errors do not name.
+    pub(crate) fn parse(text: &str) -> Result<Self, Error> {
+        let policy: Policy =
+            toml::from_str(text).map_err(|error| Error::format(crate::input::toml_error(&error, text)))?;
+        policy.check()?;
         Ok(policy)
     }
 
@@ -131,16 +141,20 @@ impl Policy {
     ///
     /// # Errors
     /// A number is out of range.
-    pub fn validate(&self) -> Result<(), ScheduleError> {
+    pub fn validate(&self) -> Result<(), Error> {
+        self.check().map_err(|error| error.at("policy"))
+    }
+
+    fn check(&self) -> Result<(), Error> {
         for value in self.limit_mag.iter().flat_map(MagnitudeLimit::numbers) {
             if !(-30.0..=40.0).contains(&value) {
-                return Err(ScheduleError::PolicyOutOfRange { field: "limit_mag", value, allowed: "-30 to 40 mag" });
+                return Err(Error::invalid("limit_mag", value, "-30 to 40 mag"));
             }
         }
         for value in self.limit_surface_brightness.iter().flat_map(MagnitudeLimit::numbers) {
             if !(-30.0..=60.0).contains(&value) {
                 let (field, allowed) = ("limit_surface_brightness", "-30 to 60 mag/arcsec2");
-                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed });
+                return Err(Error::invalid(field, value, allowed));
             }
         }
         let positive = [
@@ -149,14 +163,14 @@ impl Policy {
         ];
         for (field, value, most, allowed) in positive {
             if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= most)) {
-                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed });
+                return Err(Error::invalid(field, value, allowed));
             }
         }
         let times = [("margin_s", self.margin_s, 3600.0), ("max_delay_s", self.max_delay_s, Self::LONGEST_DELAY_S)];
         for (field, value, longest) in times {
             if let Some(value) = value.filter(|value| !(0.0..=longest).contains(value)) {
                 let allowed = if field == "margin_s" { "0 to 3600 s" } else { "0 to 86400 s" };
-                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed });
+                return Err(Error::invalid(field, value, allowed));
             }
         }
         Ok(())

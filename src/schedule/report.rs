@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 
 use crate::constants::DAY_S;
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 use crate::math::quantile::median;
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, SkyError, Viewpoint};
+use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 
 use super::blockers::{Blockers, blockers};
@@ -75,8 +76,8 @@ impl FlagReport {
 /// degrees rarely has a clear start, and the search would take most of the time.
 ///
 /// # Errors
-/// [`SkyError`] if passes cannot be computed.
-pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
+/// Passes cannot be computed.
+pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, Error> {
     let mut judged = judge(rows, request)?;
     find_starts(Blocking::Any, &mut judged, rows, request)?;
     find_starts(Blocking::Avoid, &mut judged, rows, request)?;
@@ -90,7 +91,7 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
 ///
 /// # Errors
 /// Same as [`flag_exposures`].
-pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
+pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, Error> {
     let Judged { report, flags, counted, .. } = judge(rows, request)?;
     Ok(finished(report, flags, counted))
 }
@@ -101,10 +102,10 @@ impl Sky {
     /// [`flag_exposures`] judges whole schedules, with a telescope and in other bands.
     ///
     /// # Errors
-    /// [`SkyError`] if the direction or duration of the exposure is not finite, or its time is outside the years of the
+    /// The direction or duration of the exposure is not finite, or its time is outside the years of the
     /// Sun's ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
     /// reason.
-    pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, SkyError> {
+    pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, Error> {
         let row = ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure.clone()) };
         let photometry = PhotometryOptions::default();
         let request = FlagRequest { sky: self, field, policy, telescope: None, photometry: &photometry };
@@ -125,7 +126,7 @@ struct Judged<'a> {
     counted: Vec<Vec<Pass>>,
 }
 
-fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Result<Judged<'a>, SkyError> {
+fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Result<Judged<'a>, Error> {
     let mut report = FlagReport::default();
     let mut counted: Vec<Vec<Pass>> = vec![Vec::new(); rows.len()];
     let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
@@ -224,7 +225,7 @@ fn above_the_horizon<'a>(
     rows: &[&'a ScheduledExposure],
     request: &FlagRequest<'_>,
     flags: &mut [Option<Verdict>],
-) -> Result<Vec<(usize, &'a Exposure)>, SkyError> {
+) -> Result<Vec<(usize, &'a Exposure)>, Error> {
     let mut judged: Vec<(usize, &Exposure)> = Vec::with_capacity(rows.len());
     for (row, scheduled) in rows.iter().enumerate() {
         match &scheduled.exposure {
@@ -286,7 +287,7 @@ fn find_starts(
     judged: &mut Judged<'_>,
     rows: &[&ScheduledExposure],
     request: &FlagRequest<'_>,
-) -> Result<(), SkyError> {
+) -> Result<(), Error> {
     let policy = request.policy;
     let band = |row: usize| rows[row].band.as_deref();
     let seeks = policy.max_delay_s.is_some() || matches!(request.sky.viewpoint(), Viewpoint::Site(_));
@@ -448,7 +449,7 @@ fn confirm<'a>(
     options: &PassOptions,
     request: &FlagRequest<'_>,
     flags: &mut [Option<Verdict>],
-) -> Result<(), SkyError> {
+) -> Result<(), Error> {
     let policy = request.policy;
     let scheduled: HashMap<usize, &Exposure> = judged.iter().copied().collect();
     while !searches.is_empty() {

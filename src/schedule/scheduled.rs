@@ -7,16 +7,16 @@ use std::path::Path;
 use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 
-use super::error::ScheduleError;
+use super::error;
 use super::formats::{
     Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, ROTATIONS, RawTable, ScheduleFormat,
-    ScheduleRow, StartColumn, StartForm, display, read_raw, start_columns,
+    ScheduleRow, StartColumn, StartForm, read_raw, start_columns,
 };
 use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{
-    Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
-    seconds_between,
+    Direction, FIRST_YEAR, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant, seconds_between,
 };
 use crate::input::comments_warning;
 use crate::output::{counted, format_utc};
@@ -75,7 +75,7 @@ impl Schedule {
     /// - The file is missing, a directory, empty or in another format.
     /// - A required column is missing, or its unit is unknown or contradicts its name. Other units are converted.
     /// - Times have no time scale, and `options` has none.
-    pub fn read(path: &Path, options: &ScheduleOptions) -> Result<Self, ScheduleError> {
+    pub fn read(path: &Path, options: &ScheduleOptions) -> Result<Self, Error> {
         schedule_from_raw(path, read_raw(path)?, options)
     }
 
@@ -140,20 +140,24 @@ impl Schedule {
 ///
 /// # Errors
 /// Columns or the time scale are missing, units contradict column names, or there are no rows.
-fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) -> Result<Schedule, ScheduleError> {
+fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) -> Result<Schedule, Error> {
     if table.rows.is_empty() {
         // An empty JSON array has no columns.
         let no_columns = table.names.is_empty();
-        let path = display(path);
-        return Err(if no_columns { ScheduleError::Empty { path } } else { ScheduleError::NoRows { path } });
+        return Err(if no_columns { error::empty(path) } else { error::no_rows(path) });
     }
     let map = ColumnMap::find(path, &table.names)?;
     if map.start.form != StartForm::Iso && table.single_precision.contains(&map.start.name) {
-        return Err(ScheduleError::SinglePrecision { path: display(path), column: map.start.name });
+        return Err(Error::format(format!(
+            "column {} has single precision, in which MJD have steps of 5 min and JD of 6 h",
+            map.start.name
+        ))
+        .allowing("double precision (float64 in ECSV, double in VOTable), or times as text")
+        .in_file("schedule", path));
     }
     let scales = Scales::read(path, &table, &map)?;
     if let Some(what) = table.rejected.get(&map.start.name) {
-        return Err(ScheduleError::Format { path: display(path), what: format!("column {} {what}", map.start.name) });
+        return Err(error::format(path, format!("column {} {what}", map.start.name)));
     }
     let scale = start_scale(path, &table, &map.start, options)?;
     let read = [
@@ -241,13 +245,15 @@ fn start_scale(
     table: &RawTable,
     start: &StartColumn,
     options: &ScheduleOptions,
-) -> Result<TimeScale, ScheduleError> {
+) -> Result<TimeScale, Error> {
     let of_header = table.time_scales.get(&start.name).copied();
     if let (Some(named), Some(of_header)) = (start.scale, of_header)
         && named != of_header
     {
-        let (path, column) = (display(path), start.name.clone());
-        return Err(ScheduleError::NamedTimeScale { path, column, header: of_header });
+        let column = &start.name;
+        return Err(Error::format(format!("column {column} is in '{of_header}'"))
+            .allowing("the time scale in the name of the column")
+            .in_file("schedule", path));
     }
     // Times with a zone (Z or an offset) in every cell need no time scale.
     let zoned = || {
@@ -256,14 +262,19 @@ fn start_scale(
                 .rows
                 .iter()
                 .filter_map(|cells| cells.as_ref().as_ref().ok()?.get(start.index)?.text())
-                .all(|text| !matches!(parse_instant(&text, None), Err(FramesError::NoScale(_))))
+                .all(|text| !parse_instant(&text, None).is_err_and(|error| error.kind() == ErrorKind::NoTimeScale))
     };
     if let (Some(named), Some(given)) = (start.scale.or(of_header), options.time_scale)
         && named != given
         && !zoned()
     {
-        let (path, column) = (display(path), start.name.clone());
-        return Err(ScheduleError::OtherTimeScale { path, column, named, given });
+        let column = &start.name;
+        return Err(Error::format(format!("column {column} is in {named}, but --time-scale is {given}"))
+            .allowing(format!(
+                "no --time-scale, --time-scale {}, a column of another name, or times that end in Z",
+                named.to_string().to_ascii_lowercase()
+            ))
+            .in_file("schedule", path));
     }
     start
         .scale
@@ -271,7 +282,7 @@ fn start_scale(
         .or(options.time_scale)
         .or(options.default_time_scale)
         .or_else(|| zoned().then_some(TimeScale::UTC))
-        .ok_or_else(|| ScheduleError::NoTimeScale { path: display(path), column: start.name.clone() })
+        .ok_or_else(|| Error::new(ErrorKind::NoTimeScale, format!("the time scale of column {} is missing", start.name)).allowing("--time-scale utc, tai or tt (opsim files use UTC, ConsDB and many others TAI; TAI read as UTC is wrong by 37 s, which invalidates every result)").in_file("schedule", path))
 }
 
 /// Values of the units of the columns, in the units of an exposure.
@@ -287,7 +298,7 @@ struct Scales {
 }
 
 impl Scales {
-    fn read(path: &Path, table: &RawTable, map: &ColumnMap) -> Result<Self, ScheduleError> {
+    fn read(path: &Path, table: &RawTable, map: &ColumnMap) -> Result<Self, Error> {
         let of = |index: Option<usize>, unit: &Unit| match index {
             Some(index) => table.scale(path, index, unit),
             None => Ok(1.0),

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
-use super::error::ScheduleError;
-use super::formats::{Cell, Checks, DECLINATIONS, RIGHT_ASCENSIONS, ROTATIONS, TARGET_DURATIONS, display, read_raw};
+use super::formats::{Cell, Checks, DECLINATIONS, RIGHT_ASCENSIONS, ROTATIONS, TARGET_DURATIONS, read_raw};
 use super::windows::WindowTarget;
 use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
 use crate::passes::Exposure;
 use crate::units::{DEGREES, SECONDS, Unit};
@@ -47,11 +47,12 @@ pub struct TargetList {
 ///
 /// # Errors
 /// Same as [`Schedule::read`](super::Schedule::read), and missing columns.
-pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> Result<TargetList, ScheduleError> {
+pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> Result<TargetList, Error> {
     let table = read_raw(path)?;
     let find = |accepted: &[&str]| accepted.iter().find_map(|name| table.names.iter().position(|found| found == name));
     let with_unit = |unit: &Unit, accepted: &[&str]| {
-        unit.find(accepted, &table.names).map_err(|source| ScheduleError::Unit { path: display(path), source })
+        unit.find(accepted, &table.names)
+            .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("schedule", path))
     };
     let columns = [
         find(NAME),
@@ -66,14 +67,12 @@ pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> 
         .filter_map(|(column, (name, is_needed))| (column.is_none() && is_needed).then_some(name))
         .collect();
     if !missing.is_empty() {
-        return Err(ScheduleError::MissingTargetColumns {
-            path: display(path),
-            missing: missing.join(", "),
-            found: table.names.join(", "),
-        });
+        return Err(Error::format(format!("missing {}; found {}", missing.join(", "), table.names.join(", ")))
+            .allowing("name, ra_deg, dec_deg, exposure_s (or --exposure) and, if known, unique_id, rotation_deg, band")
+            .in_file("target list", path));
     }
     if table.rows.is_empty() {
-        return Err(ScheduleError::NoRows { path: display(path) });
+        return Err(Error::about_file("schedule", path, "has columns but no exposures").allowing("at least one row"));
     }
     let (unique_id, rotation, band) = (find(UNIQUE_ID), with_unit(ROTATIONS.unit, ROTATIONS.names)?, find(BAND));
     let [name, right_ascension, declination, exposure] = columns;
@@ -164,7 +163,7 @@ impl TargetCells {
 mod tests {
     use super::*;
 
-    fn read(name: &str, text: &str, duration_s: Option<f64>) -> Result<Vec<ListedTarget>, ScheduleError> {
+    fn read(name: &str, text: &str, duration_s: Option<f64>) -> Result<Vec<ListedTarget>, Error> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();

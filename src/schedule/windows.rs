@@ -2,10 +2,11 @@
 
 use hifitime::Epoch;
 
+use crate::error::Error;
 use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
-use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
+use crate::passes::{Chord, Exposure, FieldCrossing, Pass, Viewpoint};
 
 use super::flag_request::FlagRequest;
 use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
@@ -86,14 +87,14 @@ pub struct WindowReport {
 /// such a telescope are not searched.
 ///
 /// # Errors
-/// [`SkyError`] if passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
+/// Passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
 /// no horizon.
 pub fn clear_windows(
     targets: &[WindowTarget],
     from: Epoch,
     to: Epoch,
     request: &WindowRequest<'_>,
-) -> Result<WindowReport, SkyError> {
+) -> Result<WindowReport, Error> {
     windows_of(targets, from, to, request, true)
 }
 
@@ -107,7 +108,7 @@ pub fn clear_windows_without_passes(
     from: Epoch,
     to: Epoch,
     request: &WindowRequest<'_>,
-) -> Result<WindowReport, SkyError> {
+) -> Result<WindowReport, Error> {
     windows_of(targets, from, to, request, false)
 }
 
@@ -117,7 +118,7 @@ fn windows_of(
     to: Epoch,
     request: &WindowRequest<'_>,
     with_passes: bool,
-) -> Result<WindowReport, SkyError> {
+) -> Result<WindowReport, Error> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let margin_s = policy.margin_or_default_s();
     let span_s = seconds_between(from, to);
@@ -177,7 +178,7 @@ fn windows_of(
                 blocking_passes,
             })
         })
-        .collect::<Result<_, SkyError>>()?;
+        .collect::<Result<_, Error>>()?;
     Ok(WindowReport { by_target, left_out })
 }
 
@@ -193,7 +194,7 @@ fn passes(
     from: Epoch,
     exposures: &[Exposure],
     request: &WindowRequest<'_>,
-) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
+) -> Result<(Vec<Blocked>, Vec<LeftOut>), Error> {
     let FlagRequest { sky, field, policy, .. } = request.conditions;
     let passes = sky.field_passes(exposures, field, &pass_options(&request.conditions))?;
     let of = |((target, searched), passes): ((&WindowTarget, &Exposure), Vec<Pass>)| {
@@ -209,7 +210,7 @@ fn passes(
             .collect();
         Ok(Blocked { intervals, blocking_passes })
     };
-    let blocked = targets.iter().zip(exposures).zip(passes.by_exposure).map(of).collect::<Result<_, SkyError>>()?;
+    let blocked = targets.iter().zip(exposures).zip(passes.by_exposure).map(of).collect::<Result<_, Error>>()?;
     Ok((blocked, passes.left_out))
 }
 
@@ -218,7 +219,7 @@ fn crossings(
     from: Epoch,
     exposures: &[Exposure],
     request: &WindowRequest<'_>,
-) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
+) -> Result<(Vec<Blocked>, Vec<LeftOut>), Error> {
     let FlagRequest { sky, field, .. } = request.conditions;
     let crossings = sky.field_crossings(exposures, field)?;
     let of = |(crossings, searched): (Vec<FieldCrossing>, &Exposure)| {
@@ -259,12 +260,11 @@ struct SunLimit<'a> {
 }
 
 impl<'a> ObservabilityConstraint<'a> {
-    fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, SkyError> {
+    fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, Error> {
         let viewpoint = request.conditions.sky.viewpoint();
         let end = seconds_after(from, span_s);
-        let limit = |most_rad: f64| -> Result<_, SkyError> {
-            let no_horizon = || SkyError::NoHorizon { observer: viewpoint.name().to_string() };
-            let observer = viewpoint.site().ok_or_else(no_horizon)?;
+        let limit = |most_rad: f64| -> Result<_, Error> {
+            let observer = viewpoint.required_site()?;
             Ok(SunLimit { observer, sun: SunTable::new(from, end), most_rad })
         };
         Ok(Self {

@@ -5,8 +5,8 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson};
 use serde::Deserialize;
 
-use super::error::StreaksError;
 use super::psf::{RadialProfile, draw_point};
+use crate::error::Error;
 use crate::images::{PixelPosition, Plane};
 
 /// Largest accepted flux of a star, electrons.
@@ -57,13 +57,13 @@ impl RandomStars {
     ///
     /// # Errors
     /// A field of this struct is out of range.
-    pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, StreaksError> {
-        StreaksError::check_range("background: per_megapixel", self.per_megapixel, 0.0, 1e5)?;
-        StreaksError::check_range("background: slope", self.slope, 0.05, 2.0)?;
-        StreaksError::check_range("background: brightest_mag", self.brightest_mag, -30.0, 60.0)?;
-        StreaksError::check_range("background: faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
-        StreaksError::check_range("background: zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
-        StreaksError::check_range("background: margin_pix", margin_pix, 0.0, 1e5)?;
+    pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, Error> {
+        Error::check_range("background: per_megapixel", self.per_megapixel, 0.0, 1e5)?;
+        Error::check_range("background: slope", self.slope, 0.05, 2.0)?;
+        Error::check_range("background: brightest_mag", self.brightest_mag, -30.0, 60.0)?;
+        Error::check_range("background: faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
+        Error::check_range("background: zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
+        Error::check_range("background: margin_pix", margin_pix, 0.0, 1e5)?;
         let (width, height) = (columns as f64 + 2.0 * margin_pix, rows as f64 + 2.0 * margin_pix);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mean = self.per_megapixel * width * height * 1e-6;
@@ -94,12 +94,12 @@ pub fn background(
     sky_e: f64,
     stars: &[Star],
     profile: &RadialProfile,
-) -> Result<Plane, StreaksError> {
-    StreaksError::check_range("background: sky_e", sky_e, 0.0, 1e9)?;
+) -> Result<Plane, Error> {
+    Error::check_range("background: sky_e", sky_e, 0.0, 1e9)?;
     let mut plane = Plane::zeros(rows, columns);
     plane.values_mut().fill(sky_e as f32);
     for star in stars {
-        StreaksError::check_range("background: flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+        Error::check_range("background: flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         draw_point(profile, star.at, star.flux_e, rows, columns).add_to(&mut plane);
     }
     Ok(plane)

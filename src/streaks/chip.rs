@@ -1,10 +1,10 @@
 //! Chip of a camera, and the path of a moving light over it.
 
 use super::count_scale::CountScale;
-use super::error::StreaksError;
 use super::light::{SkyPoint, SkyTrack};
 use super::render::{PathNode, StreakPath};
 use super::tracking::Tracking;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{LightArea, PixelPosition, Wcs};
 
@@ -95,7 +95,7 @@ impl Chip {
         tracking: &Tracking,
         centre: &Direction<Gcrs>,
         margin_pix: f64,
-    ) -> Result<Vec<ChipPath>, StreaksError> {
+    ) -> Result<Vec<ChipPath>, Error> {
         let Some((middle, radius_rad)) = self.circle() else { return Ok(Vec::new()) };
         let margin_rad = (margin_pix * self.pixel_scale_arcsec() / 3600.0).to_radians();
         let reach_rad = radius_rad + margin_rad;
@@ -114,7 +114,7 @@ impl Chip {
         Ok(paths)
     }
 
-    fn chip_path(&self, nodes: Vec<PathNode>) -> Result<Option<ChipPath>, StreaksError> {
+    fn chip_path(&self, nodes: Vec<PathNode>) -> Result<Option<ChipPath>, Error> {
         if nodes.len() < 2 {
             return Ok(None);
         }

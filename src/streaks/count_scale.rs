@@ -1,6 +1,6 @@
 //! Conversion between magnitudes and counts of a frame.
 
-use super::error::StreaksError;
+use crate::error::Error;
 
 /// Conversion between magnitudes and counts per second of a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -15,10 +15,10 @@ impl CountScale {
     ///
     /// # Errors
     /// The zero point is out of range, or the exposure time is not above 0 s.
-    pub fn of_frame(zero_point_mag: f64, exposure_s: f64) -> Result<Self, StreaksError> {
-        StreaksError::check_range("zero point (mag)", zero_point_mag, -20.0, 60.0)?;
+    pub fn of_frame(zero_point_mag: f64, exposure_s: f64) -> Result<Self, Error> {
+        Error::check_range("zero point (mag)", zero_point_mag, -20.0, 60.0)?;
         if !(exposure_s > 0.0 && exposure_s.is_finite()) {
-            return Err(StreaksError::invalid("exposure", format!("{exposure_s} s"), "above 0 s"));
+            return Err(Error::invalid("exposure", format!("{exposure_s} s"), "above 0 s"));
         }
         Ok(Self { zero_point_mag, exposure_s })
     }
@@ -27,7 +27,7 @@ impl CountScale {
     ///
     /// # Errors
     /// The errors of [`CountScale::of_frame`].
-    pub fn of_counts_per_second(zero_point_mag: f64, exposure_s: f64) -> Result<Self, StreaksError> {
+    pub fn of_counts_per_second(zero_point_mag: f64, exposure_s: f64) -> Result<Self, Error> {
         // A star is exposed during the whole exposure time t: ZP_frame = ZP_1s + 2.5 log10 t.
         Self::of_frame(zero_point_mag, exposure_s)?;
         Self::of_frame(zero_point_mag + 2.5 * exposure_s.log10(), exposure_s)

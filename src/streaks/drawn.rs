@@ -3,13 +3,13 @@
 use hifitime::Epoch;
 
 use super::chip::{Chip, ChipPath};
-use super::error::StreaksError;
 use super::light::{SkyPoint, Source, SourcePart};
 use super::optics::Optics;
 use super::render::{StreakPath, draw};
 #[cfg(all(feature = "fits", unix))]
 use super::render::{draw_image, image_width_pix};
 use super::tracking::Tracking;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, seconds_after};
 #[cfg(all(feature = "fits", unix))]
 use crate::images::PsfGrid;
@@ -104,12 +104,8 @@ pub struct StreakPoint {
 /// at its closest approach to the middle of the chip.
 ///
 /// # Errors
-/// [`StreaksError`] if the width of the image is out of range or the path is invalid.
-pub fn draw_on_chip<'a>(
-    source: &'a Source,
-    chip: &'a Chip,
-    shot: &Shot<'_>,
-) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+/// The width of the image is out of range or the path is invalid.
+pub fn draw_on_chip<'a>(source: &'a Source, chip: &'a Chip, shot: &Shot<'_>) -> Result<Vec<DrawnStreak<'a>>, Error> {
     draw_lights(source, chip, shot, None, &|part, nearest_s, optics| {
         let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
         let profile = optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
@@ -128,9 +124,9 @@ pub(crate) fn draw_image_on_chip<'a>(
     shot: &Shot<'_>,
     psf: &PsfGrid,
     watch: &Watch,
-) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+) -> Result<Vec<DrawnStreak<'a>>, Error> {
     let reach_rad = (psf.reach_pix() * chip.pixel_scale_arcsec() / 3600.0).to_radians();
-    let image = |_: &SourcePart, _: f64, _: &Optics| -> Result<Box<dyn PointImage + '_>, StreaksError> {
+    let image = |_: &SourcePart, _: f64, _: &Optics| -> Result<Box<dyn PointImage + '_>, Error> {
         Ok(Box::new(FileImage { psf, watch }))
     };
     let mut drawn = draw_lights(source, chip, shot, Some(reach_rad), &image)?;
@@ -147,7 +143,7 @@ trait PointImage {
     ///
     /// # Errors
     /// The image has no light somewhere on the path, or the computation is stopped.
-    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError>;
+    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, Error>;
 
     /// Returns the full width at half maximum of a line at this position and angle, measured across the line, in pixels
     /// and in arcsec.
@@ -159,7 +155,7 @@ impl PointImage for RadialProfile {
         self.pixel_reach_pix()
     }
 
-    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError> {
+    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, Error> {
         Ok(draw(path, self, chip.rows, chip.columns))
     }
 
@@ -182,7 +178,7 @@ impl PointImage for FileImage<'_> {
         self.psf.reach_pix()
     }
 
-    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, StreaksError> {
+    fn draw(&self, path: &StreakPath, chip: &Chip) -> Result<Patch, Error> {
         draw_image(path, self.psf, chip.rows, chip.columns, self.watch)
     }
 
@@ -196,7 +192,7 @@ impl PointImage for FileImage<'_> {
 }
 
 /// Returns the image of a part of a source that is nearest to the middle of the chip at a time.
-type ImageOf<'b> = &'b dyn Fn(&SourcePart, f64, &Optics) -> Result<Box<dyn PointImage + 'b>, StreaksError>;
+type ImageOf<'b> = &'b dyn Fn(&SourcePart, f64, &Optics) -> Result<Box<dyn PointImage + 'b>, Error>;
 
 /// Draws the lights of a source. `reach_rad` is the distance of the farthest light from a point, radians; `None` for that
 /// of seeing, defocus and size.
@@ -206,7 +202,7 @@ fn draw_lights<'a>(
     shot: &Shot<'_>,
     reach_rad: Option<f64>,
     image_of: ImageOf<'_>,
-) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+) -> Result<Vec<DrawnStreak<'a>>, Error> {
     let mut drawn = Vec::new();
     let Some((middle, _)) = chip.circle().filter(|_| source.hdu.is_none_or(|hdu| hdu == chip.hdu)) else {
         return Ok(drawn);

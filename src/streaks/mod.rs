@@ -58,7 +58,6 @@ mod background;
 mod chip;
 mod count_scale;
 mod drawn;
-mod error;
 #[cfg(all(feature = "fits", unix))]
 mod frame;
 #[cfg(all(feature = "fits", unix))]
@@ -79,11 +78,10 @@ pub(crate) use background::BRIGHTEST_E;
 pub use chip::{Chip, direction_on};
 pub use count_scale::CountScale;
 pub use drawn::{DrawnStreak, Shot, StreakPoint, draw_on_chip};
-pub use error::StreaksError;
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use frame::TargetChip;
 #[cfg(all(feature = "fits", unix))]
-pub(crate) use injection::{Injection, InjectionPlan, InjectionSky, RandomPlan, SyntheticPlan};
+pub(crate) use injection::{Injection, InjectionPlan, InjectionSky, RandomPlan, SyntheticPlan, partly_written};
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use light::{ChosenStreaks, GivenColumns, GivenStreak, GivenWidth};
 pub use light::{

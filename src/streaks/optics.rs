@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-use crate::streaks::{Blur, RadialProfile, Seeing, StreaksError};
+use crate::error::Error;
+use crate::streaks::{Blur, RadialProfile, Seeing};
 
 /// Shape of a star's image.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -62,9 +63,9 @@ impl Optics {
         radius_m: f64,
         pixel_scale_arcsec: f64,
         aspect: f64,
-    ) -> Result<RadialProfile, StreaksError> {
+    ) -> Result<RadialProfile, Error> {
         if !(pixel_scale_arcsec > 0.0 && pixel_scale_arcsec.is_finite()) {
-            return Err(StreaksError::invalid("pixel scale", format!("{pixel_scale_arcsec} arcsec"), "above 0 arcsec"));
+            return Err(Error::invalid("pixel scale", format!("{pixel_scale_arcsec} arcsec"), "above 0 arcsec"));
         }
         // A length r at distance d has the angle r / d. This holds for the size of the body and for the defocused image
         // of the pupil (Ragazzoni 2020).

@@ -1,10 +1,11 @@
 //! The invented satellite of `tests/data/elements`, and functions to read it.
 
 use std::io::Write;
+use streakcast::Error;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use streakcast::elements::{ElementsError, Keep, NoradId, ReadOptions, Satellites, format_tle};
+use streakcast::elements::{Keep, NoradId, ReadOptions, Satellites, format_tle};
 
 /// Returns the element set of the invented satellite in one format.
 pub fn sample(name: &str) -> Vec<u8> {
@@ -13,7 +14,7 @@ pub fn sample(name: &str) -> Vec<u8> {
 }
 
 /// Reads the bytes as one file.
-pub fn read(bytes: &[u8]) -> Result<Satellites, ElementsError> {
+pub fn read(bytes: &[u8]) -> Result<Satellites, Error> {
     Satellites::from_bytes("test", bytes, &ReadOptions::default())
 }
 

@@ -40,7 +40,7 @@ fn with_card(file: &[u8], keyword: &str, card: &str) -> Vec<u8> {
 
 /// Opens a file, reads its images and adds light to them. Returns the first error.
 fn used(path: &Path) -> Result<(), String> {
-    let to_text = |error: streakcast::images::ImagesError| error.to_string();
+    let to_text = |error: streakcast::Error| error.to_string();
     let file = FrameFile::open(path).map_err(to_text)?;
     for hdu in file.images() {
         file.read_plane(hdu).map_err(to_text)?;

@@ -10,7 +10,7 @@ use streakcast::config::Config;
 use streakcast::elements::{Constellation, Generation, ReadOptions, Satellites};
 use streakcast::frames::EopTable;
 use streakcast::identify::parse_regions;
-use streakcast::images::{Detector, ExposureTime, Header, ImagesError, PixelPosition, Telescope, Wcs};
+use streakcast::images::{Detector, ExposureTime, Header, PixelPosition, Telescope, Wcs};
 use streakcast::learn::read_delays;
 use streakcast::passes::{Field, LearnedFile, LearnedKind, LearnedLateness};
 use streakcast::photometry::{BrightnessModel, StandardMagnitudes};
@@ -18,6 +18,7 @@ use streakcast::schedule::{Policy, Schedule, ScheduleOptions, read_targets};
 
 use crate::common::golden_dir;
 use crate::common::mutated::Reader;
+use streakcast::Error;
 
 /// Returns the files of a folder, relative to the project.
 fn files(folder: &str) -> Vec<Vec<u8>> {
@@ -162,7 +163,7 @@ fn headers_and_regions() {
         let wcs = Wcs::from_header(&header)?;
         // A mutated projection may have no position there.
         let _ = wcs.to_sky(PixelPosition { x: 10.0, y: 20.0 }).and_then(|direction| wcs.to_pixel(direction));
-        Ok::<_, ImagesError>(wcs.cards())
+        Ok::<_, Error>(wcs.cards())
     };
     reader("world coordinates", files("tests/data/wcs"), of_text(read)).check();
     let regions =

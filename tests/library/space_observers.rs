@@ -7,12 +7,13 @@ use std::sync::Arc;
 use crate::common::agreement::Agreement;
 use crate::common::random::Random;
 use hifitime::{Epoch, TimeScale, Unit};
+use streakcast::ErrorKind;
 use streakcast::elements::{ElementSet, Ephemeris, NoradId, Origin, ReadOptions, Satellites};
 use streakcast::forecast::{TrailRequest, trail_statistics};
 use streakcast::frames::{Direction, EopTable, Gcrs, Orientation, OrientationTable, seconds_after, seconds_between};
 use streakcast::geometry::{EarthLimb, PointingLimits, SunState, SunTable, aspect};
 use streakcast::orbit::Propagator;
-use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SkyError, SnapshotOptions};
+use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SnapshotOptions};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
     FlagRequest, Policy, ScheduledExposure, VerdictKind, WindowRequest, WindowTarget, clear_windows, flag_exposures,
@@ -435,7 +436,7 @@ fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
     assert!(!below.is_empty() && below.iter().all(|pass| pass.mid.range_km < 4800.0), "{}", below.len());
     assert!(seen(up).iter().any(|pass| pass.mid.range_km > 20_000.0));
     let refused = sky.snapshots(start, &[0.0], &SnapshotOptions::all_above(0.0));
-    assert!(matches!(refused, Err(SkyError::NoHorizon { .. })));
+    assert!(refused.is_err_and(|error| error.to_string().contains("has no horizon")));
     // A decayed telescope is an error, and not an empty sky.
     let mut fallen = own.clone();
     fallen.mean_motion_rev_day = 16.6;
@@ -444,7 +445,10 @@ fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
     let lost = self::sky(vec![own], &fallen);
     let exposure = Exposure { id: "1".into(), start, duration_s: 10.0, pointing: up, rotation_rad: 0.0 };
     let field = Field::circle(0.1).expect("a field");
-    assert!(matches!(lost.field_passes(&[exposure], &field, &PassOptions::default()), Err(SkyError::Observer { .. })));
+    assert!(
+        lost.field_passes(&[exposure], &field, &PassOptions::default())
+            .is_err_and(|error| error.to_string().contains("cannot compute the position of observer"))
+    );
 }
 
 /// Returns an OEM in TEME with the positions of an element set at every `step_s`, rounded to a millimetre.
@@ -615,7 +619,7 @@ fn no_position_is_interpolated_from_a_wrong_state() {
             };
             let field = Field::circle(0.1).expect("a field");
             let found = sky.field_passes(&[exposure], &field, &PassOptions::default());
-            let is_unknown = matches!(found, Err(SkyError::Observer { .. }));
+            let is_unknown = found.is_err_and(|error| error.kind() == ErrorKind::NoPosition);
             assert_eq!(is_unknown, is_wrong && is_near, "{error_km} km, after {after_s} s");
         }
     }

@@ -8,8 +8,7 @@ use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::Watch;
-use streakcast::config::{Config, ConfigError, PreparedSky};
+use streakcast::config::{Config, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Column, Table};
@@ -20,6 +19,7 @@ use streakcast::schedule::{
     StreakColumns, StreakRow, Verdict, VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes,
     flag_exposures, flag_table, judge_exposures, streak_table,
 };
+use streakcast::{ErrorKind, Watch};
 
 use crate::columns::{columns, times};
 use crate::exposures::{Columns, rows, scale_name, start_of, within};
@@ -89,7 +89,7 @@ impl Engine {
         &self,
         rows: &[ScheduledExposure],
         policy: &Policy,
-        judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
+        judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::Error>,
         each: &mut dyn FnMut(&PreparedSky, &[&ScheduledExposure], &mut [Verdict]),
         watch: &Watch,
     ) -> PyResult<WithWarnings<Vec<Verdict>>> {
@@ -146,9 +146,7 @@ impl Engine {
             let field = match setup.field_of_view() {
                 Ok(field) => Ok(field),
                 // Forecasts need no field; the other methods report the missing field when they are called.
-                Err(error @ (ConfigError::Missing { .. } | ConfigError::MissingInput { .. })) => {
-                    Err(failure::as_arguments(&error.to_string()))
-                }
+                Err(error) if error.kind() == ErrorKind::Missing => Err(failure::as_arguments(&error.to_string())),
                 Err(error) => return Err(failure::setup(error)),
             };
             Ok(Self {

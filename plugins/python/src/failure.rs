@@ -24,14 +24,18 @@ pub fn unknown(reason: impl std::fmt::Display) -> PyErr {
     UnknownPositionsError::new_err(reason.to_string())
 }
 
-/// Returns the exception for an invalid request.
+/// Returns the exception for an invalid request. Flags of the command line in the message become arguments.
 pub fn request(error: impl std::fmt::Display) -> PyErr {
-    StreakcastError::new_err(bounded(&error.to_string()).into_owned())
+    StreakcastError::new_err(message_of(error))
 }
 
 /// Returns the exception for invalid arguments of a model. Flags of the command line in the message become arguments.
 pub fn setup(error: impl std::fmt::Display) -> PyErr {
-    SetupError::new_err(bounded(&as_arguments(&error.to_string())).into_owned())
+    SetupError::new_err(message_of(error))
+}
+
+fn message_of(error: impl std::fmt::Display) -> String {
+    bounded(&as_arguments(&error.to_string())).into_owned()
 }
 
 /// Replaces flags by argument names, for example `--observer-elements` by `observer_elements`.

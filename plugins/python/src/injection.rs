@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use streakcast::config::{Config, ConfigError, InjectionConfig, SkyOf, inject_frames};
+use streakcast::config::{Config, InjectionConfig, SkyOf, inject_frames};
 use streakcast::streaks::Injections;
 
 use crate::columns::columns;
@@ -28,17 +28,9 @@ pub fn inject<'py>(
     let injections = failure::without_lock(py, |watch| {
         let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));
         let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
-        inject_frames(&injection, &setup, sky, &[output], watch).map_err(exception)
+        inject_frames(&injection, &setup, sky, &[output], watch).map_err(failure::request)
     })?;
     result_of(py, &injections)
-}
-
-/// Converts an error of the library. Errors in the configuration become `SetupError`.
-pub fn exception(error: ConfigError) -> PyErr {
-    match error {
-        error if !error.is_of_request() => failure::setup(error),
-        other => failure::request(failure::as_arguments(&other.to_string())),
-    }
 }
 
 fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'py, PyDict>> {

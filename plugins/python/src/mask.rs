@@ -8,7 +8,6 @@ use streakcast::config::{Config, MaskConfig, SkyOf};
 
 use crate::columns::columns;
 use crate::failure;
-use crate::injection::exception;
 use crate::sky_cache::{SkyCache, setup_of};
 
 /// Masks the file in the request. Returns `masks`, a dictionary of boolean arrays by the numbers of their HDUs, `streaks`
@@ -25,7 +24,7 @@ pub fn mask<'py>(
     let setup: Config = setup_of(setup, config)?;
     let done = failure::without_lock(py, |watch| {
         let sky = |moment: Epoch| sky_cache.get().prepared(moment);
-        request.mask(&setup, Some(&sky as SkyOf<'_>), &[], watch).map_err(exception)
+        request.mask(&setup, Some(&sky as SkyOf<'_>), &[], watch).map_err(failure::request)
     })?;
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let (result, masks) = (PyDict::new(py), PyDict::new(py));

@@ -7,7 +7,6 @@ use streakcast::config::{Config, MeasureConfig, SkyOf};
 
 use crate::columns::columns;
 use crate::failure;
-use crate::injection::exception;
 use crate::sky_cache::{SkyCache, setup_of};
 
 /// Measures the frames in the request, or the streaks of its tables, which need no satellites. Returns `measurements`
@@ -26,7 +25,7 @@ pub fn measure<'py>(
     let done = failure::without_lock(py, |watch| {
         let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));
         let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
-        measure.measure(&setup, sky, watch).map_err(exception)
+        measure.measure(&setup, sky, watch).map_err(failure::request)
     })?;
     let as_arguments = |texts: &[String]| texts.iter().map(|text| failure::as_arguments(text)).collect::<Vec<_>>();
     let result = PyDict::new(py);

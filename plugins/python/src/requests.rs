@@ -5,10 +5,10 @@ use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::Watch;
-use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
+use streakcast::config::{Config, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
-    EphemerisRow, ForecastError, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris,
-    ephemeris_table, forecast as compute_forecast, night_table, pass_table,
+    EphemerisRow, ForecastRequest, PassColumns, Selection, ephemeris as compute_ephemeris, ephemeris_table,
+    forecast as compute_forecast, night_table, pass_table,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
@@ -17,6 +17,7 @@ use streakcast::output::{Column, Kind, Table};
 use crate::columns::columns;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
+use streakcast::Error;
 
 /// Column for the night of each pass.
 const NIGHT: Column =
@@ -75,7 +76,7 @@ impl Nights {
         let prepared = sky_cache.over(request.start, request.end, watch)?;
         let sky = &prepared.sky;
         prepared.check_known(request.start, request.end, None).map_err(failure::unknown)?;
-        let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
+        let found = compute_forecast(sky, request, selection).map_err(exception)?;
         let rows = found.rows(sky);
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();
         let columns =
@@ -114,10 +115,10 @@ pub fn ephemeris<'py>(
     let setup: Config = setup_of(setup, config)?;
     let (table, warnings) = failure::without_lock(py, |watch| {
         let request = given.resolve(&setup).map_err(exception)?;
-        let (first, last) = request.span().map_err(|error| exception(error.into()))?;
+        let (first, last) = request.span().map_err(exception)?;
         let prepared = sky_cache.get().over(first, last, watch)?;
         let elements = prepared.sky.elements();
-        let found = compute_ephemeris(&prepared.sky, &request).map_err(|error| exception(error.into()))?;
+        let found = compute_ephemeris(&prepared.sky, &request).map_err(exception)?;
         let rows = found.points.iter().map(|point| EphemerisRow { point, elements: &elements[point.element_index] });
         let left_out = prepared.left_out_warning(&found.left_out, first).map_err(failure::setup)?;
         let warnings = [left_out, request.selection.unknown_warning(elements)].into_iter().flatten();
@@ -167,14 +168,12 @@ pub fn identify<'py>(
     Ok(result)
 }
 
-/// Converts an error of the library, with the names of Python arguments.
-fn exception(error: ConfigError) -> PyErr {
-    match error {
-        error if !error.is_of_request() => failure::setup(error),
-        ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
-            let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
-            failure::request(format!("{name} is {given}{unit}; allowed: {allowed}"))
-        }
-        other => failure::request(failure::as_arguments(&other.to_string())),
-    }
+/// Converts an error of the library, with the name of the Python argument.
+fn exception(error: Error) -> PyErr {
+    let text = error.to_string();
+    failure::request(match error.what() {
+        Some("sun-altitude-deg") => text.replacen("sun-altitude-deg", "max_sun_altitude", 1),
+        Some(what) if !what.contains(' ') => text.replacen(what, &what.replace('-', "_"), 1),
+        _ => text,
+    })
 }

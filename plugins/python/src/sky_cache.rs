@@ -6,13 +6,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use hifitime::{Epoch, Unit};
 use pyo3::prelude::*;
 use streakcast::Watch;
-use streakcast::config::{Config, ConfigError, LoadedInputs, PreparedSky};
+use streakcast::config::{Config, LoadedInputs, PreparedSky};
 use streakcast::frames::{mjd_utc, seconds_after};
 use streakcast::message::bounded;
 use streakcast::output::{Section, write_json};
 
 use crate::exposures::start_of;
 use crate::failure;
+use streakcast::Error;
 
 /// Number of cached nights.
 const CACHED_NIGHTS: usize = 3;
@@ -39,7 +40,7 @@ impl SkyCache {
     }
 
     /// Returns the cached sky, with an error of the library instead of a Python exception.
-    pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+    pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, Error> {
         let night = self.night_of(moment);
         if let Some(prepared) = self.find_cached(night) {
             return Ok(prepared);
@@ -71,7 +72,7 @@ impl SkyCache {
         Ok(prepared.map_err(failure::setup)?.watched(watch))
     }
 
-    fn prepare(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+    fn prepare(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, Error> {
         let prepared = Arc::new(self.inputs.prepare(first, last)?);
         let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
         self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);

@@ -1,14 +1,15 @@
 //! Local time of tables, plots and the page: an offset from UTC, or a time zone of the IANA database.
 
 use std::path::PathBuf;
+use streakcast::ErrorKind;
 
 use anyhow::anyhow;
 use clap::{ArgMatches, Args};
 use hifitime::{Epoch, TimeScale};
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
-use streakcast::config::{Config, ConfigError};
-use streakcast::frames::{FramesError, parse_instant, seconds_after};
+use streakcast::config::Config;
+use streakcast::frames::{parse_instant, seconds_after};
 use streakcast::message::Quoted;
 
 /// Largest offset of a local clock from UTC, hours.
@@ -82,10 +83,9 @@ pub fn of_matches(mut matches: &ArgMatches) -> Option<LocalTime> {
 /// Returns the error of a time without a time scale with the same time in a time zone. Other errors are returned
 /// unchanged.
 pub fn with_offset(error: anyhow::Error, zone: &LocalTime) -> anyhow::Error {
-    let given = match (error.downcast_ref::<ConfigError>(), error.downcast_ref::<FramesError>()) {
-        (Some(ConfigError::Frames(FramesError::NoScale(given))), _) | (_, Some(FramesError::NoScale(given))) => given,
-        _ => return error,
-    };
+    let without_scale =
+        error.downcast_ref::<streakcast::Error>().filter(|error| error.kind() == ErrorKind::NoTimeScale);
+    let Some(given) = without_scale.and_then(streakcast::Error::given) else { return error };
     let given = given.trim();
     // A Julian date has no offset.
     let (Ok(local), Err(_)) = (parse_instant(given, Some(TimeScale::UTC)), given.parse::<f64>()) else { return error };
@@ -185,10 +185,8 @@ mod tests {
             ("2026-03-29T01:30", "2026-03-29T01:30+01:00"),
         ] {
             let error = parse_instant(given, None).unwrap_err();
-            for error in [anyhow!(error.clone()), anyhow!(ConfigError::Frames(error))] {
-                let text = with_offset(error, &zone).to_string();
-                assert!(text.contains(&format!("allowed: {with_offset_of} for local time")), "{text}");
-            }
+            let text = with_offset(error.into(), &zone).to_string();
+            assert!(text.contains(&format!("allowed: {with_offset_of} for local time")), "{text}");
         }
         for other in ["61000.5", "x"] {
             let error = parse_instant(other, None).unwrap_err();

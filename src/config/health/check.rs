@@ -47,7 +47,7 @@ impl Config {
         let deployment = self.deployment().and_then(|deployment| {
             // Without a valid site, which has its own finding, nights are those of Greenwich.
             let longitude_rad = self.viewpoint_longitude_rad(Some(now)).unwrap_or_default();
-            Ok(deployment.at(evening_mjd(now, longitude_rad))?)
+            deployment.at(evening_mjd(now, longitude_rad))
         });
         if let Err(error) = deployment {
             health.findings.push(Finding::new(

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-use super::super::error::FitError;
 use super::super::measurements::{
     DropReason, Format, Measurement, Measurements, PhotometryOptions, Placement, RecordReader, Selection, measure,
 };
+use crate::error::{Error, ErrorKind};
 use crate::geometry::{KARMAN_LINE_KM, ViewingGeometry};
 use crate::input;
 use crate::photometry::{
@@ -80,7 +80,7 @@ impl DataSet {
         }
     }
 
-    fn read(self, path: &Path) -> Result<SetMeasurements, FitError> {
+    fn read(self, path: &Path) -> Result<SetMeasurements, Error> {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
@@ -153,14 +153,14 @@ struct SetMeasurements {
 }
 
 /// Reads all rows in the survey's usual filter whose satellite is lit.
-fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<SetMeasurements, FitError> {
+fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<SetMeasurements, Error> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let placement = Placement::recorded(height_km);
-    let read = |selection: &Selection| -> Result<Measurements, FitError> {
+    let read = |selection: &Selection| -> Result<Measurements, Error> {
         let measured = measure(&mut RecordReader::open(&[path], &options)?, &placement, selection)?;
         let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
         if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
-            return Err(FitError::CheckRow(example.clone()));
+            return Err(Error::new(ErrorKind::Invalid, format!("photometry {}", example.clone())));
         }
         Ok(measured)
     };
@@ -188,8 +188,8 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Se
 /// Reads standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, on which the priors are based.
 ///
 /// The name selects the kind of object: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
-fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, FitError> {
-    let unreadable = |problem: String| FitError::CheckUnreadable { path: path.to_owned(), problem };
+fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, Error> {
+    let unreadable = |problem: String| Error::new(ErrorKind::File, problem).in_file("photometry", path);
     let bytes = input::read(path).map_err(|error| unreadable(error.to_string()))?;
     // Names are Latin-1; the numbers are ASCII.
     let text = String::from_utf8_lossy(&bytes);
@@ -213,9 +213,8 @@ impl Photometry {
     /// Reads every known file that is in the folder.
     ///
     /// # Errors
-    /// * [`FitError::NoPhotometry`] if none of the files exists;
-    /// * the other variants if a file exists but is invalid.
-    pub fn read(folder: &Path) -> Result<Self, FitError> {
+    /// None of the files exists, or one is invalid.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
         let mut sets = BTreeMap::new();
         for set in DataSet::ALL {
             let path = folder.join(set.path());
@@ -226,7 +225,7 @@ impl Photometry {
         if sets.is_empty() {
             let mut looked_for = DataSet::ALL.map(DataSet::path).to_vec();
             looked_for.dedup();
-            return Err(FitError::NoPhotometry { folder: folder.to_owned(), looked_for: looked_for.join(", ") });
+            return Err(Error::about_file("no photometry in", folder, "").allowing(looked_for.join(", ")));
         }
         Ok(Self { sets })
     }

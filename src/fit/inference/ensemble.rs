@@ -17,7 +17,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use super::super::error::FitError;
+use crate::error::{Error, ErrorKind};
 
 /// Logarithm of a probability density, up to an additive constant.
 pub trait LogProbability: Sync {
@@ -42,21 +42,21 @@ impl Chain {
     /// Creates a chain from its arrays.
     ///
     /// # Errors
-    /// [`FitError::ChainShape`] if their lengths do not match.
+    /// Their lengths do not match.
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
         positions: Vec<f64>,
         log_probabilities: Vec<f64>,
         accepted: Vec<u64>,
-    ) -> Result<Self, FitError> {
+    ) -> Result<Self, Error> {
         let fits = walkers > 0
             && parameters > 0
             && accepted.len() == walkers
             && log_probabilities.len().is_multiple_of(walkers)
             && positions.len() == log_probabilities.len() * parameters;
         if !fits {
-            return Err(FitError::ChainShape { given: positions.len(), walkers, parameters });
+            return Err(wrong_length(positions.len(), walkers, parameters));
         }
         Ok(Self { walkers, parameters, positions, log_probabilities, accepted })
     }
@@ -136,11 +136,12 @@ impl Chain {
 /// Checks the number of walkers, which must be even, at least 4, and at least twice the number of parameters.
 ///
 /// # Errors
-/// [`FitError::Walkers`] for an invalid number.
-pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> {
+/// An invalid number.
+pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), Error> {
     let least = (2 * parameters).max(4);
     if walkers < least || walkers % 2 == 1 {
-        return Err(FitError::Walkers { walkers, parameters, least });
+        return Err(Error::new(ErrorKind::Invalid, format!("{walkers} walkers for {parameters} parameters"))
+            .allowing(format!("an even number of at least {least}")));
     }
     Ok(())
 }
@@ -158,17 +159,25 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Creates an ensemble with one walker at each starting position.
     ///
     /// # Errors
-    /// [`FitError`] if the number of walkers is too small or odd, a starting position has probability zero, or all
+    /// The number of walkers is too small or odd, a starting position has probability zero, or all
     /// starting positions are equal in a parameter.
-    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
+    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, Error> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
         if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|position| position[i] == starts[0][i])) {
-            return Err(FitError::FlatWalkers { parameter });
+            return Err(Error::new(
+                ErrorKind::Invalid,
+                format!("the starting positions of the walkers are equal in parameter {parameter}"),
+            )
+            .allowing("positions that differ in each"));
         }
         let log_probabilities = posterior.of_many(&starts);
         if let Some(walker) = log_probabilities.iter().position(|value| !value.is_finite()) {
-            return Err(FitError::WalkerStart { walker, position: starts[walker].clone() });
+            return Err(Error::new(
+                ErrorKind::Invalid,
+                format!("the starting position of walker {walker} is {:?}", starts[walker].clone()),
+            )
+            .allowing("positions with a probability above 0"));
         }
         let chain = Chain { walkers, parameters, accepted: vec![0; walkers], ..Chain::default() };
         Ok(Self { posterior, seed, positions: starts, log_probabilities, chain })
@@ -177,10 +186,10 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Continues a chain that was drawn from the same posterior with the same seed.
     ///
     /// # Errors
-    /// [`FitError::ChainShape`] if the chain is empty; the errors of [`Self::new`] if its last positions are invalid.
-    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, FitError> {
+    /// The chain is empty; the errors of [`Self::new`] if its last positions are invalid.
+    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, Error> {
         let Some(last) = chain.steps().checked_sub(1) else {
-            return Err(FitError::ChainShape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
+            return Err(wrong_length(0, chain.walkers, chain.parameters));
         };
         let starts = (0..chain.walkers).map(|walker| chain.at(last, walker).to_vec()).collect();
         Ok(Self { chain, ..Self::new(posterior, starts, seed)? })
@@ -313,4 +322,10 @@ fn integrated(tracks: &[Vec<f64>], steps: usize) -> f64 {
         }
     }
     tau
+}
+
+/// The length of a chain does not match its numbers of walkers and parameters.
+fn wrong_length(numbers: usize, walkers: usize, parameters: usize) -> Error {
+    Error::new(ErrorKind::Invalid, format!("the chain has {numbers} numbers"))
+        .allowing(format!("as many as {walkers} walkers and {parameters} parameters give in whole steps"))
 }

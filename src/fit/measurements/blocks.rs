@@ -6,8 +6,9 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
-use super::super::error::FitError;
+use super::super::error;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::input::{self, Ecsv, TimeColumn};
 
 /// Number of bytes per block.
@@ -50,15 +51,15 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Opens a file and reads its head.
-    pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), FitError> {
-        let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
+    pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), Error> {
+        let unreadable = |error: io::Error| Error::cannot("read", name, error);
         let file = input::open(path).map_err(unreadable)?;
         Self::from_source(Box::new(file), name)
     }
 
     /// Decompresses the source if needed and reads its head.
-    pub(super) fn from_source(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
-        let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
+    pub(super) fn from_source(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), Error> {
+        let unreadable = |error: io::Error| Error::cannot("read", name, error);
         let mut raw = BufReader::with_capacity(BLOCK, source);
         let is_gzipped = raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
         let mut source: Box<dyn BufRead + Send> = if is_gzipped {
@@ -71,7 +72,7 @@ impl Blocks {
             let mut line = Vec::new();
             let length = source.by_ref().take(LONGEST_ROW as u64).read_until(b'\n', &mut line).map_err(unreadable)?;
             if length == 0 {
-                return Err(FitError::EmptyFile { file: name.to_owned() });
+                return Err(error::empty_file(name));
             }
             let text = String::from_utf8_lossy(&line);
             head.push_str(text.trim_start_matches('\u{feff}'));
@@ -84,7 +85,7 @@ impl Blocks {
         };
         let norad_id = norad_of(&comments);
         if input::is_ecsv(&head) {
-            let invalid = |problem: String| FitError::Unreadable { file: name.to_owned(), problem };
+            let invalid = |problem: String| Error::format(problem).in_file("cannot read", name);
             let ecsv = Ecsv::parse(&head).map_err(|error| invalid(error.to_string()))?;
             ecsv.check_utc().map_err(invalid)?;
             let scale = |time: TimeColumn<'_>| Some((time.name.to_owned(), time.scale_name?.to_owned()));

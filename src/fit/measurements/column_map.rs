@@ -25,7 +25,8 @@ use std::collections::BTreeMap;
 
 use hifitime::TimeScale;
 
-use super::super::error::FitError;
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// Quantity that a column contains.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -120,7 +121,7 @@ impl ColumnMap {
     /// * a unit or time scale is unknown;
     /// * the magnitude is missing, or a time has no scale;
     /// * a pair of coordinates is incomplete.
-    pub fn from_text(text: &str) -> Result<Self, FitError> {
+    pub fn from_text(text: &str) -> Result<Self, Error> {
         let mut map = Self::default();
         for (key, value) in pairs(text)? {
             map.set(&key, &value)?;
@@ -141,7 +142,7 @@ impl ColumnMap {
         self.columns[field as usize].as_deref()
     }
 
-    fn set(&mut self, key: &str, value: &str) -> Result<(), FitError> {
+    fn set(&mut self, key: &str, value: &str) -> Result<(), Error> {
         let unit = |allowed: &[(&str, f64)]| {
             let found = allowed.iter().find(|(name, _)| name.eq_ignore_ascii_case(value)).map(|(_, size)| *size);
             let names: Vec<_> = allowed.iter().map(|(name, _)| *name).collect();
@@ -177,13 +178,17 @@ impl ColumnMap {
         Ok(())
     }
 
-    fn checked(self) -> Result<Self, FitError> {
+    fn checked(self) -> Result<Self, Error> {
         let has = |field: Field| self.column(field).is_some();
         if !has(Field::Magnitude) {
             return Err(wrong("missing key 'magnitude'".to_owned()));
         }
         if let (Some(column), None) = (self.column(Field::Time), self.time_scale) {
-            return Err(FitError::NoTimeScale { column: column.to_owned() });
+            return Err(Error::new(
+                ErrorKind::NoTimeScale,
+                format!("column map: the times of column '{}' have no scale", Quoted::new(column)),
+            )
+            .allowing("time_scale = utc, tai or tt"));
         }
         let together: [&[Field]; 5] = [
             &[Field::Latitude, Field::Longitude, Field::SiteHeight],
@@ -209,12 +214,12 @@ impl ColumnMap {
     }
 }
 
-fn wrong(problem: String) -> FitError {
-    FitError::ColumnMap { problem }
+fn wrong(problem: String) -> Error {
+    Error::new(ErrorKind::Invalid, format!("column map: {problem}"))
 }
 
 /// Returns the keys and values in a text.
-fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
+fn pairs(text: &str) -> Result<Vec<(String, String)>, Error> {
     let plain = |value: &serde_json::Value| match value {
         serde_json::Value::String(text) => Some(text.clone()),
         serde_json::Value::Number(number) => Some(number.to_string()),

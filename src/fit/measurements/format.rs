@@ -2,9 +2,11 @@
 
 use std::fmt;
 
-use super::super::error::FitError;
+use super::super::error::FORMATS;
 use super::column_map::{ColumnMap, Field};
-use crate::geometry::{GeometryError, Site};
+use crate::error::{Error, ErrorKind};
+use crate::geometry::Site;
+use crate::message::Quoted;
 use crate::photometry::Band;
 
 /// Layout of a table of photometry.
@@ -43,10 +45,13 @@ impl Format {
     /// Returns the format with this name; upper and lower case are equivalent.
     ///
     /// # Errors
-    /// [`FitError::UnknownFormatName`] for an unknown name.
-    pub fn by_name(name: &str) -> Result<Self, FitError> {
+    /// An unknown name.
+    pub fn by_name(name: &str) -> Result<Self, Error> {
         let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
-        found.ok_or_else(|| FitError::UnknownFormatName { name: name.to_owned() })
+        found.ok_or_else(|| {
+            Error::new(ErrorKind::Invalid, format!("unknown format of photometry '{}'", Quoted::new(name)))
+                .allowing(FORMATS)
+        })
     }
 
     /// Returns the format that has these columns; never [`Csv`](Self::Csv).
@@ -117,7 +122,7 @@ impl Format {
     }
 
     /// Returns the site of a format whose data all come from one site.
-    pub(super) fn site(self) -> Result<Option<Site>, GeometryError> {
+    pub(super) fn site(self) -> Result<Option<Site>, Error> {
         match self {
             // 43°38'59.5" N, 41°25'53.3" E, 2030 m.
             Self::Mmt => Site::by_name("MMT-9").map(Some),

@@ -4,12 +4,13 @@
 use hifitime::Epoch;
 use rayon::prelude::*;
 
-use super::super::error::FitError;
+use super::super::error;
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::placement::{OrbitRadius, Placement, Placer, PositionSource};
 use super::record::{Record, RecordSource};
 use super::selection::{Selection, Stations};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::geometry::ViewingGeometry;
 use crate::output::{Column, Kind, Table};
 use crate::photometry::StandardMagnitude;
@@ -103,7 +104,7 @@ pub fn measure(
     source: &mut impl RecordSource,
     placement: &Placement,
     selection: &Selection,
-) -> Result<Measurements, FitError> {
+) -> Result<Measurements, Error> {
     let mut points = Vec::new();
     let dropped = measure_each(source, placement, selection, |chunk| points.extend_from_slice(chunk))?;
     Ok(Measurements { points, groups: source.groups().to_vec(), dropped })
@@ -121,12 +122,12 @@ pub fn measure_each(
     placement: &Placement,
     selection: &Selection,
     mut take: impl FnMut(&[Measurement]),
-) -> Result<DropCounts, FitError> {
+) -> Result<DropCounts, Error> {
     selection.check()?;
     check(placement)?;
     let stations = match (&selection.station, placement.history) {
         (Some(rule), Some(history)) => Some(Stations::new(history, rule)),
-        (Some(_), None) => return Err(FitError::NoHistory { what: "the rule of on-station satellites" }),
+        (Some(_), None) => return Err(error::no_history("the rule of on-station satellites")),
         (None, _) => None,
     };
     let whole_tracks = matches!(placement.source, PositionSource::Elements { fit_offset_s: Some(_) });
@@ -158,20 +159,20 @@ pub fn measure_each(
     Ok(all)
 }
 
-fn check(placement: &Placement) -> Result<(), FitError> {
+fn check(placement: &Placement) -> Result<(), Error> {
     let positive = |name: &'static str, value: f64, allowed: &'static str| {
         let is_sound = value > 0.0 && value.is_finite();
-        if is_sound { Ok(()) } else { Err(FitError::Setting { name, given: value.to_string(), allowed }) }
+        if is_sound { Ok(()) } else { Err(Error::invalid(name, value, allowed)) }
     };
     positive("max_element_age_days", placement.max_element_age_days, "more than 0 days")?;
     match placement.source {
         PositionSource::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
-            Err(FitError::Setting { name: "fit_offset_s", given: limit.to_string(), allowed: "more than 0, to 600 s" })
+            Err(Error::invalid("fit_offset_s", limit, "more than 0, to 600 s"))
         }
         PositionSource::Elements { .. } | PositionSource::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
-            Err(FitError::NoHistory { what: "the geometry" })
+            Err(error::no_history("the geometry"))
         }
         PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")

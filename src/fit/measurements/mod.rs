@@ -30,7 +30,7 @@
 //! let dropped = measure_each(&mut reader, &placement, &Selection::default(), |points| reducer.add(points))?;
 //! assert_eq!(reducer.finish().kept().count(), 1);
 //! assert_eq!(dropped.total(), 1);
-//! # Ok::<(), streakcast::fit::FitError>(())
+//! # Ok::<(), streakcast::Error>(())
 //! ```
 //!
 //! ```
@@ -74,7 +74,6 @@ mod selection;
 mod triangle;
 mod untimed;
 
-pub(crate) use dropped::DropExample;
 pub use measure::{Measurement, Measurements};
 pub(crate) use record::{Record, Sighting};
 

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::super::error::FitError;
+use super::super::error;
+use super::super::error::FORMATS;
 use super::blocks::{Blocks, Head};
 use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
@@ -15,7 +16,9 @@ use super::format::{FilterCounts, Format};
 use super::record::{Record, RecordSource};
 use super::rows::{Layout, Parsed, UNKNOWN_PASS};
 use super::untimed::passes_without_times;
+use crate::error::{Error, ErrorKind};
 use crate::geometry::Site;
+use crate::message::Quoted;
 
 /// Options for reading photometry.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -89,10 +92,10 @@ impl RecordReader {
     /// Creates a reader of files, which are opened one after another.
     ///
     /// # Errors
-    /// [`FitError::NoFiles`] if the list is empty.
-    pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, FitError> {
+    /// The list is empty.
+    pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, Error> {
         if paths.is_empty() {
-            return Err(FitError::NoFiles);
+            return Err(Error::new(ErrorKind::Missing, "no file of photometry is given").allowing("one or more"));
         }
         let queue = paths.iter().map(|path| path.as_ref().to_owned()).collect();
         Ok(Self::empty(queue, options))
@@ -102,11 +105,7 @@ impl RecordReader {
     ///
     /// # Errors
     /// Errors of the head: it is unreadable, empty or of unknown format, or a required column is missing.
-    pub fn from_reader(
-        name: &str,
-        source: Box<dyn Read + Send>,
-        options: &PhotometryOptions,
-    ) -> Result<Self, FitError> {
+    pub fn from_reader(name: &str, source: Box<dyn Read + Send>, options: &PhotometryOptions) -> Result<Self, Error> {
         let mut reader = Self::empty(VecDeque::new(), options);
         let (head, blocks) = Blocks::from_source(source, name)?;
         reader.begin(name.to_owned(), &head, blocks)?;
@@ -133,31 +132,32 @@ impl RecordReader {
         &self.filters
     }
 
-    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), FitError> {
+    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), Error> {
         let sniffed = || {
-            Format::sniff(&head.header).ok_or_else(|| FitError::UnknownFormat {
-                file: name.clone(),
-                header: head.header.join(",").chars().take(100).collect(),
+            Format::sniff(&head.header).ok_or_else(|| {
+                Error::new(
+                    ErrorKind::Invalid,
+                    format!("the format with the header '{}' is unknown", Quoted::new(head.header.join(","))),
+                )
+                .allowing(format!("{FORMATS}, or any table with a column map"))
+                .in_file("", &name)
             })
         };
         let (format, map) = match (&self.options.columns, self.options.format) {
             (Some(map), None | Some(Format::Csv)) => (Format::Csv, map.clone()),
             (Some(_), Some(format)) => {
                 let problem = format!("format {} has fixed columns; a column map requires csv", format.name());
-                return Err(FitError::ColumnMap { problem });
+                return Err(Error::new(ErrorKind::Invalid, format!("column map: {problem}")));
             }
             (None, Some(Format::Csv)) => {
-                let problem = "csv requires a column map".to_owned();
-                return Err(FitError::ColumnMap { problem });
+                return Err(Error::new(ErrorKind::Missing, "csv requires a column map").at("column map"));
             }
             (None, Some(format)) => (format, format.columns()),
             (None, None) => sniffed().map(|format| (format, format.columns()))?,
         };
         let site = match &self.options.site {
             Some(site) => Some(site.clone()),
-            None => format
-                .site()
-                .map_err(|error| FitError::Unreadable { file: name.clone(), problem: error.to_string() })?,
+            None => format.site()?,
         };
         let mut filters = self.options.filters.clone();
         if filters.is_empty() {
@@ -175,13 +175,22 @@ impl RecordReader {
     }
 
     /// Appends the contents of a parsed block.
-    fn take(&mut self, open: &mut OpenFile, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), FitError> {
+    fn take(&mut self, open: &mut OpenFile, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), Error> {
         let name = self.name();
         for (row, filter) in parsed.first_filter.into_iter().chain(parsed.other_filter) {
             let first = open.filter.get_or_insert_with(|| filter.clone());
             if *first != filter {
                 let (first, row) = (first.clone(), open.rows + row);
-                return Err(FitError::MixedFilters { file: name, row, first, other: filter });
+                return Err(Error::about_file(
+                    "",
+                    name,
+                    format!(
+                        "data row {row}: filter is '{}' after rows of filter '{}'",
+                        Quoted::new(filter),
+                        Quoted::new(first)
+                    ),
+                )
+                .allowing("one filter, unless the filters are specified"));
             }
         }
         let groups: Vec<u32> = parsed
@@ -253,7 +262,7 @@ fn read_some(blocks: &mut Blocks) -> std::io::Result<Vec<Vec<u8>>> {
 }
 
 impl RecordSource for RecordReader {
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError> {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, Error> {
         let Some(mut open) = self.open.take() else {
             let Some(path) = self.queue.pop_front() else { return Ok(None) };
             let name = path.display().to_string();
@@ -262,14 +271,13 @@ impl RecordSource for RecordReader {
             return Ok(Some(Vec::new()));
         };
         let name = self.name();
-        let unreadable =
-            |error: std::io::Error| FitError::Unreadable { file: name.clone(), problem: error.to_string() };
+        let unreadable = |error: std::io::Error| Error::cannot("read", &name, error);
         if open.read.is_empty() {
             open.read = read_some(&mut open.blocks).map_err(unreadable)?;
         }
         if open.read.is_empty() {
             if open.rows == 0 {
-                return Err(FitError::EmptyFile { file: name });
+                return Err(error::empty_file(&name));
             }
             return Ok(Some(Vec::new()));
         }

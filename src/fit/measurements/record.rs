@@ -2,9 +2,9 @@
 
 use hifitime::Epoch;
 
-use super::super::error::FitError;
 use super::dropped::DropCounts;
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
 
@@ -93,7 +93,7 @@ pub trait RecordSource {
     ///
     /// # Errors
     /// Errors after which the rest of a file cannot be used.
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError>;
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, Error>;
 
     /// Returns the names of the groups (tracks, satellites, nights or files) that have occurred so far.
     fn groups(&self) -> &[String];
@@ -128,7 +128,7 @@ impl Records {
     ///
     /// # Errors
     /// The errors of the source.
-    pub fn collect(source: &mut impl RecordSource) -> Result<Self, FitError> {
+    pub fn collect(source: &mut impl RecordSource) -> Result<Self, Error> {
         let mut records = Vec::new();
         while let Some(chunk) = source.next_chunk()? {
             records.extend(chunk);
@@ -170,7 +170,7 @@ pub struct RecordsSource<'a> {
 const CHUNK: usize = 1 << 16;
 
 impl RecordSource for RecordsSource<'_> {
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError> {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, Error> {
         let rest = &self.of.records[self.at..];
         let chunk = &rest[..rest.len().min(CHUNK)];
         self.at += chunk.len();

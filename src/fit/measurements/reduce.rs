@@ -7,9 +7,9 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::super::error::FitError;
 use super::density_mode::{DensityMode, interquartile_range};
 use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
+use crate::error::Error;
 use crate::math::healpix::{MOST_NSIDE, ring_cell};
 use crate::math::quantile::quantile;
 use crate::output::{Column, Kind, Table};
@@ -168,10 +168,9 @@ impl Reducer {
     /// Creates an empty reducer.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the
-    /// spread that is not positive.
-    pub fn new(options: ReduceOptions) -> Result<Self, FitError> {
-        let setting = |name, given: String, allowed| Err(FitError::Setting { name, given, allowed });
+    /// A layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not positive.
+    pub fn new(options: ReduceOptions) -> Result<Self, Error> {
+        let setting = |name, given: String, allowed| Err(Error::invalid(name, given, allowed));
         let width_deg = options.layer_width_rad.to_degrees();
         if !(0.01..=180.0).contains(&width_deg) {
             return setting("layer width", format!("{width_deg} deg"), "0.01 to 180 deg");
@@ -256,7 +255,7 @@ fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sum
 ///
 /// # Errors
 /// The errors of [`Reducer::new`].
-pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, FitError> {
+pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, Error> {
     let mut reducer = Reducer::new(options)?;
     reducer.add(points);
     Ok(reducer.finish())

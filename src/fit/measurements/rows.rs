@@ -6,16 +6,17 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use hifitime::{Epoch, TimeScale};
 
-use super::super::error::FitError;
 use super::blocks::{Delimiter, Head};
 use super::column_map::{ColumnMap, FIELDS, Field};
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::format::FilterCounts;
 use super::record::{Record, Sighting};
 use crate::elements::{NoradId, parse_iso};
+use crate::error::{Error, ErrorKind};
 use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
 use crate::geometry::Site;
 use crate::input::blank_record;
+use crate::message::Quoted;
 use crate::photometry::Magnitude;
 use crate::units::{DEGREES, KILOMETRES, MAGNITUDES, Unit};
 
@@ -59,7 +60,7 @@ impl Layout {
         site: Option<Site>,
         filters: &[String],
         file: &str,
-    ) -> Result<Self, FitError> {
+    ) -> Result<Self, Error> {
         let (mut columns, mut constants) = ([None; FIELDS], [None; FIELDS]);
         for (field, _) in Field::ALL {
             let Some(column) = map.column(field) else { continue };
@@ -67,7 +68,9 @@ impl Layout {
             let can_be_number = matches!(field, Field::Latitude | Field::Longitude | Field::SiteHeight);
             let number = column.parse::<f64>().ok().filter(|_| can_be_number);
             if index.is_none() && number.is_none() && !map.optional.contains(&field) {
-                return Err(FitError::Column { file: file.to_owned(), column: column.to_owned() });
+                return Err(
+                    Error::new(ErrorKind::Invalid, format!("no column '{}'", Quoted::new(column))).in_file("", file)
+                );
             }
             if index.is_some() {
                 check_unit(&map, field, column, head, file)?;
@@ -76,9 +79,8 @@ impl Layout {
             constants[field as usize] = number.filter(|_| index.is_none());
         }
         if !filters.is_empty() && columns[Field::Filter as usize].is_none() && !map.optional.contains(&Field::Filter) {
-            return Err(FitError::ColumnMap {
-                problem: format!("filters are selected, but {file} has no column of filters"),
-            });
+            let sentence = format!("filters are selected, but {file} has no column of filters");
+            return Err(Error::new(ErrorKind::Invalid, sentence).at("column map"));
         }
         let filters = filters.iter().map(|filter| filter.to_ascii_lowercase()).collect();
         let (delimiter, norad_id) = (head.delimiter, head.norad_id);
@@ -131,12 +133,11 @@ impl Layout {
 }
 
 /// Checks that a column has the unit and the time scale of the column map, if the file states them.
-fn check_unit(map: &ColumnMap, field: Field, column: &str, head: &Head, file: &str) -> Result<(), FitError> {
-    let error = |stated: &str, allowed: &str| FitError::StatedUnit {
-        file: file.to_owned(),
-        column: column.to_owned(),
-        stated: stated.to_owned(),
-        allowed: allowed.to_owned(),
+fn check_unit(map: &ColumnMap, field: Field, column: &str, head: &Head, file: &str) -> Result<(), Error> {
+    let error = |stated: &str, allowed: &str| {
+        Error::new(ErrorKind::Invalid, format!("column {} is in '{}'", Quoted::new(column), Quoted::new(stated)))
+            .allowing(allowed)
+            .in_file("", file)
     };
     if let (Field::Time, Some(stated), Some(scale)) = (field, head.time_scales.get(column), map.time_scale) {
         let allowed = scale.to_string().to_ascii_lowercase();
@@ -484,7 +485,7 @@ mod tests {
     use super::*;
 
     /// Returns the records of ECSV with these units and this row, or the error.
-    fn read(units: [&str; 4], scale: &str, row: &str) -> Result<Vec<Record>, FitError> {
+    fn read(units: [&str; 4], scale: &str, row: &str) -> Result<Vec<Record>, Error> {
         let names = ["mag", "alt", "az", "height"];
         let columns: String = names
             .iter()

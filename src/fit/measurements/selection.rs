@@ -5,11 +5,11 @@ use std::collections::HashMap;
 
 use hifitime::Epoch;
 
-use super::super::error::FitError;
 use super::dropped::DropReason;
 use super::placement::Placed;
 use super::record::Record;
 use crate::elements::{ElementSet, History, NoradId, OrbitPhase, StationRule, orbit_phases};
+use crate::error::Error;
 use crate::geometry::KARMAN_LINE_KM;
 use crate::photometry::StandardMagnitude;
 
@@ -70,22 +70,22 @@ impl Selection {
     /// Checks the thresholds.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for a threshold that is not finite, or is negative where it must not be.
-    pub(super) fn check(&self) -> Result<(), FitError> {
+    /// A threshold is not finite, or is negative where it must not be.
+    pub(super) fn check(&self) -> Result<(), Error> {
         let not_negative = [
             ("max_range_difference_km", self.max_range_difference_km),
             ("max_phase_difference_rad", self.max_phase_difference_rad),
         ];
         for (name, value) in not_negative {
             if let Some(value) = value.filter(|value| !(0.0..).contains(value)) {
-                return Err(FitError::Setting { name, given: value.to_string(), allowed: "0 or more" });
+                return Err(Error::invalid(name, value, "0 or more"));
             }
         }
         for (name, value) in
             [("least_grazing_height_km", self.least_grazing_height_km), ("least_altitude_rad", self.least_altitude_rad)]
         {
             if let Some(value) = value.filter(|value| !value.is_finite()) {
-                return Err(FitError::Setting { name, given: value.to_string(), allowed: "a finite number" });
+                return Err(Error::invalid(name, value, "a finite number"));
             }
         }
         Ok(())

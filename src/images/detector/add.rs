@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::error::Error;
 use crate::images::{Patch, Plane};
 
-use super::super::error::ImagesError;
 use super::conversion::{Purpose, electrons, fraction, stream};
 use super::saturation::{Bleeding, Saturated, Saturation};
 use super::settings::Detector;
@@ -38,7 +38,7 @@ impl Detector {
     ///
     /// # Errors
     /// The errors of [`added_light`](Detector::added_light).
-    pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, ImagesError> {
+    pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, Error> {
         let (added, saturated) = self.added_light(frame, patches, seed)?;
         for light in added {
             let pixel = &mut frame.row_mut(light.row)[light.column];
@@ -69,13 +69,13 @@ impl Detector {
         frame: &Plane,
         patches: &[Patch],
         seed: u64,
-    ) -> Result<(Vec<AddedLight>, Saturated), ImagesError> {
+    ) -> Result<(Vec<AddedLight>, Saturated), Error> {
         let (rows, columns) = (frame.rows(), frame.columns());
         self.validate_for(rows, columns)?;
         if let Some(patch) = patches.iter().find(|patch| (patch.rows(), patch.columns()) != (rows, columns)) {
             let size = |rows, columns| format!("{rows} rows by {columns} columns");
             let allowed = format!("{}, the size of the frame", size(rows, columns));
-            return Err(ImagesError::invalid("size of the light", size(patch.rows(), patch.columns()), allowed));
+            return Err(Error::invalid("size of the light", size(patch.rows(), patch.columns()), allowed));
         }
         let mut changes: Vec<Change> =
             (0..rows).into_par_iter().flat_map_iter(|row| self.light_of_row(frame, patches, seed, row)).collect();

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use serde::Deserialize;
 
-use super::super::error::ImagesError;
+use crate::error::Error;
 
 /// Rounding of counts to integers within the range of the converter.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
@@ -31,14 +31,9 @@ impl Default for Quantisation {
 }
 
 impl Quantisation {
-    pub(super) fn validate(&self) -> Result<(), ImagesError> {
-        ImagesError::check_range("detector: quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
-        ImagesError::check_range(
-            "detector: quantisation.greatest_adu",
-            self.greatest_adu,
-            self.least_adu + 1.0,
-            16_777_216.0,
-        )
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        Error::check_range("detector: quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
+        Error::check_range("detector: quantisation.greatest_adu", self.greatest_adu, self.least_adu + 1.0, 16_777_216.0)
     }
 
     /// Returns the change of a count when a signal is added and the sum is rounded to an integer. The result is limited

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use std::fmt::Display;
 
-use super::super::error::ImagesError;
+use crate::error::Error;
 
 /// Corner of an amplifier's area at which the readout begins. Rows and columns are counted from 0.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -84,9 +84,9 @@ impl Amplifier {
 }
 
 impl Crosstalk {
-    pub(super) fn validate(&self) -> Result<(), ImagesError> {
+    pub(super) fn validate(&self) -> Result<(), Error> {
         let invalid = |what: String, given: &dyn Display, allowed: String| {
-            Err(ImagesError::invalid(format!("detector: crosstalk: {what}"), given, allowed))
+            Err(Error::invalid(format!("crosstalk: {what}"), given, allowed).at("detector"))
         };
         let count = self.amplifiers.len();
         if count < 2 {
@@ -110,7 +110,7 @@ impl Crosstalk {
             return invalid("coefficients".into(), &given, format!("{count} rows of {count} numbers"));
         }
         for (victim, row) in self.coefficients.iter().enumerate() {
-            row.iter().try_for_each(|c| ImagesError::check_range("detector: crosstalk.coefficients", *c, -0.1, 0.1))?;
+            row.iter().try_for_each(|c| Error::check_range("detector: crosstalk.coefficients", *c, -0.1, 0.1))?;
             if row[victim] != 0.0 {
                 return invalid(format!("coefficient of amplifier {victim} on itself"), &row[victim], "0".into());
             }
@@ -122,16 +122,17 @@ impl Crosstalk {
     ///
     /// # Errors
     /// An amplifier that extends beyond the frame.
-    pub(super) fn check_shape(&self, rows: usize, columns: usize) -> Result<(), ImagesError> {
+    pub(super) fn check_shape(&self, rows: usize, columns: usize) -> Result<(), Error> {
         for (number, amplifier) in self.amplifiers.iter().enumerate() {
             if amplifier.end_row() > rows || amplifier.end_column() > columns {
                 let Amplifier { first_row, first_column, .. } = *amplifier;
                 let (last_row, last_column) = (amplifier.end_row() - 1, amplifier.end_column() - 1);
-                return Err(ImagesError::invalid(
-                    format!("detector: amplifier {number}"),
+                return Err(Error::invalid(
+                    format!("amplifier {number}"),
                     format!("rows {first_row} to {last_row} and columns {first_column} to {last_column}"),
                     format!("rows and columns of the frame of {rows} rows by {columns} columns"),
-                ));
+                )
+                .at("detector"));
             }
         }
         Ok(())

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
+use crate::error::Error;
 use crate::images::Plane;
 
-use super::super::error::ImagesError;
 use super::conversion::{Purpose, electrons, gaussian, stream};
 use super::saturation::Saturated;
 use super::settings::Detector;
@@ -15,7 +15,7 @@ impl Detector {
     ///
     /// # Errors
     /// The errors of [`Detector::validate`], and an amplifier that extends beyond the frame.
-    pub fn expose(&self, light: &Plane, seed: u64) -> Result<(Plane, Saturated), ImagesError> {
+    pub fn expose(&self, light: &Plane, seed: u64) -> Result<(Plane, Saturated), Error> {
         let (rows, columns) = (light.rows(), light.columns());
         self.validate_for(rows, columns)?;
         let mut frame = light.clone();

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::super::error::ImagesError;
+use crate::error::Error;
 
 /// Polynomial non-linearity. The measured signal of e electrons is e (1 + c₀ s + c₁ s² + ...) with s = e / scale. Above
 /// the scale, the signal follows the tangent at the scale; below 0 it is e.
@@ -17,14 +17,13 @@ pub struct NonLinearity {
 }
 
 impl NonLinearity {
-    pub(super) fn validate(&self) -> Result<(), ImagesError> {
-        ImagesError::check_range("detector: non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        Error::check_range("detector: non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
         self.coefficients
             .iter()
-            .try_for_each(|c| ImagesError::check_range("detector: non_linearity.coefficients", *c, -1.0, 1.0))?;
-        let invalid = |given: &str, allowed: &str| {
-            Err(ImagesError::invalid("detector: non_linearity.coefficients", given, allowed))
-        };
+            .try_for_each(|c| Error::check_range("detector: non_linearity.coefficients", *c, -1.0, 1.0))?;
+        let invalid =
+            |given: &str, allowed: &str| Err(Error::invalid("detector: non_linearity.coefficients", given, allowed));
         if self.coefficients.is_empty() {
             return invalid("empty", "at least one number");
         }

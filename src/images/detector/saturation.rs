@@ -2,9 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::error::Error;
 use crate::images::Plane;
-
-use super::super::error::ImagesError;
 
 /// Full well of the pixels, and what happens to charge above it.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
@@ -41,8 +40,8 @@ pub struct Saturated {
 }
 
 impl Saturation {
-    pub(super) fn validate(&self) -> Result<(), ImagesError> {
-        ImagesError::check_range("detector: saturation.full_well_e", self.full_well_e, 1.0, 1e9)
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        Error::check_range("detector: saturation.full_well_e", self.full_well_e, 1.0, 1e9)
     }
 
     /// Limits all pixels to their capacity, and distributes the excess charge by bleeding.

@@ -2,12 +2,12 @@
 
 use serde::Deserialize;
 
-use super::super::error::ImagesError;
 use super::conversion::Quantisation;
 use super::crosstalk::Crosstalk;
 use super::non_linearity::NonLinearity;
 use super::saturation::Saturation;
 use super::vignetting::Vignetting;
+use crate::error::Error;
 
 /// Detector, as described by a TOML table. Omitted stages are not applied. By default, electrons are converted to the
 /// same number of counts, with photon noise only.
@@ -24,7 +24,7 @@ use super::vignetting::Vignetting;
 ///      quantisation = { greatest_adu = 65535 }",
 /// )?;
 /// assert_eq!(detector.saturation.map(|saturation| saturation.full_well_e), Some(140_000.0));
-/// # Ok::<(), streakcast::images::ImagesError>(())
+/// # Ok::<(), streakcast::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -71,11 +71,9 @@ impl Detector {
     ///
     /// # Errors
     /// The text is not a valid detector table, or a value fails [`Detector::validate`].
-    pub fn from_toml(text: &str) -> Result<Self, ImagesError> {
-        let detector: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
-            origin: "detector".to_owned(),
-            message: crate::input::toml_error(&error, text),
-        })?;
+    pub fn from_toml(text: &str) -> Result<Self, Error> {
+        let detector: Self = toml::from_str(text)
+            .map_err(|error| Error::format(crate::input::toml_error(&error, text)).in_file("", "detector"))?;
         detector.validate()?;
         Ok(detector)
     }
@@ -83,11 +81,11 @@ impl Detector {
     /// Checks the range of every number.
     ///
     /// # Errors
-    /// [`ImagesError`] for the first value that is out of range, not finite, or inconsistent with the others.
-    pub fn validate(&self) -> Result<(), ImagesError> {
-        ImagesError::check_range("detector: gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
-        ImagesError::check_range("detector: bias_adu", self.bias_adu, -1e6, 1e6)?;
-        ImagesError::check_range("detector: read_noise_e", self.read_noise_e, 0.0, 1e5)?;
+    /// The first value that is out of range, not finite, or inconsistent with the others.
+    pub fn validate(&self) -> Result<(), Error> {
+        Error::check_range("detector: gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
+        Error::check_range("detector: bias_adu", self.bias_adu, -1e6, 1e6)?;
+        Error::check_range("detector: read_noise_e", self.read_noise_e, 0.0, 1e5)?;
         self.vignetting.as_ref().map_or(Ok(()), Vignetting::validate)?;
         self.saturation.as_ref().map_or(Ok(()), Saturation::validate)?;
         self.non_linearity.as_ref().map_or(Ok(()), NonLinearity::validate)?;
@@ -99,7 +97,7 @@ impl Detector {
     ///
     /// # Errors
     /// The errors of [`Detector::validate`], and an amplifier that extends beyond the frame.
-    pub(super) fn validate_for(&self, rows: usize, columns: usize) -> Result<(), ImagesError> {
+    pub(super) fn validate_for(&self, rows: usize, columns: usize) -> Result<(), Error> {
         self.validate()?;
         self.crosstalk.as_ref().map_or(Ok(()), |crosstalk| crosstalk.check_shape(rows, columns))
     }

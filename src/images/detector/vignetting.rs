@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::super::error::ImagesError;
+use crate::error::Error;
 
 /// Transmission as a function of the distance from a centre; 1 means no loss.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -31,47 +31,35 @@ pub enum Vignetting {
 }
 
 impl Vignetting {
-    pub(super) fn validate(&self) -> Result<(), ImagesError> {
+    pub(super) fn validate(&self) -> Result<(), Error> {
         let centre = match self {
             Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. } => centre_pix,
         };
         for coordinate in centre.iter().flatten() {
-            ImagesError::check_range("detector: vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
+            Error::check_range("detector: vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
         }
         match self {
             Self::Polynomial { radius_pix, coefficients, .. } => {
-                ImagesError::check_range("detector: vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
+                Error::check_range("detector: vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
                 if coefficients.is_empty() {
-                    return Err(ImagesError::invalid(
-                        "detector: vignetting.coefficients",
-                        "empty",
-                        "at least one number",
-                    ));
+                    return Err(Error::invalid("detector: vignetting.coefficients", "empty", "at least one number"));
                 }
                 coefficients
                     .iter()
-                    .try_for_each(|c| ImagesError::check_range("detector: vignetting.coefficients", *c, -10.0, 10.0))
+                    .try_for_each(|c| Error::check_range("detector: vignetting.coefficients", *c, -10.0, 10.0))
             }
             Self::Table { radii_pix, transmission, .. } => {
                 if radii_pix.len() != transmission.len() || radii_pix.first() != Some(&0.0) {
                     let allowed = "as many numbers as in transmission, of which the first is 0";
-                    return Err(ImagesError::invalid(
-                        "detector: vignetting.radii_pix",
-                        format!("{radii_pix:?}"),
-                        allowed,
-                    ));
+                    return Err(Error::invalid("detector: vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
                 }
                 if radii_pix.windows(2).any(|pair| !(pair[1] > pair[0] && pair[1].is_finite())) {
                     let allowed = "numbers that increase";
-                    return Err(ImagesError::invalid(
-                        "detector: vignetting.radii_pix",
-                        format!("{radii_pix:?}"),
-                        allowed,
-                    ));
+                    return Err(Error::invalid("detector: vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
                 }
                 transmission
                     .iter()
-                    .try_for_each(|t| ImagesError::check_range("detector: vignetting.transmission", *t, 0.0, 2.0))
+                    .try_for_each(|t| Error::check_range("detector: vignetting.transmission", *t, 0.0, 2.0))
             }
         }
     }

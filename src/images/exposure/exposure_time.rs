@@ -2,9 +2,9 @@
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
+use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::comment::Role;
 use super::instants::{Instant, Instants, unreadable};
@@ -61,7 +61,7 @@ impl ExposureTime {
     /// # Errors
     /// Keywords are missing, invalid or contradictory; a comment states a local time or the time of an event after the
     /// exposure; a year has two digits; the exposure time is 0 or less, or that of one of several co-added exposures.
-    pub fn from_headers(headers: &[&Header]) -> Result<Self, ImagesError> {
+    pub fn from_headers(headers: &[&Header]) -> Result<Self, Error> {
         let keywords = Keywords(headers);
         let (duration_s, duration_from) = duration(keywords)?;
         let start = start(keywords, duration_s)?;
@@ -72,7 +72,7 @@ impl ExposureTime {
     ///
     /// # Errors
     /// The errors of [`from_headers`](ExposureTime::from_headers) that concern the exposure time.
-    pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, ImagesError> {
+    pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, Error> {
         duration(Keywords(headers)).map(|(seconds, _)| seconds)
     }
 
@@ -81,13 +81,13 @@ impl ExposureTime {
     ///
     /// # Errors
     /// The errors of [`from_headers`](ExposureTime::from_headers) that concern the start.
-    pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, ImagesError> {
+    pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, Error> {
         start(Keywords(headers), duration_s).map(|start| start.epoch)
     }
 }
 
 /// Returns the exposure time, seconds, and its keyword, after comparing it with the keywords of the end.
-fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ImagesError> {
+fn duration(keywords: Keywords<'_>) -> Result<(f64, String), Error> {
     let length = length(keywords)?;
     let is_confirmed = span_is_confirmed(keywords, &length)?;
     match length.of_parts {
@@ -97,7 +97,7 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ImagesError> {
 }
 
 /// Compares the exposure time with the keywords of the end. Returns true if one of them confirms it.
-fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, ImagesError> {
+fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Error> {
     // An invalid start is reported when the start is read.
     let Ok((instants, start)) = instants(keywords).and_then(|mut instants| {
         let start = chosen(&mut instants, length.seconds)?;
@@ -117,7 +117,7 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Im
                 "an exposure without gaps; specify --exposure {span_s:.0}s for the whole span, or --start and --exposure for \
                  another part of it"
             );
-            return Err(ImagesError::invalid(length.keyword.clone(), given, allowed));
+            return Err(Error::invalid(length.keyword.clone(), given, allowed));
         }
         is_confirmed |= !end.is_loose;
     }
@@ -125,7 +125,7 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Im
 }
 
 /// Reads all instants in the scale of TIMESYS.
-fn instants(keywords: Keywords<'_>) -> Result<Instants, ImagesError> {
+fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
     // Times at the Sun or the barycentre differ by up to 500 s (FITS standard 4.0, section 9.2.3).
     let begins_with = |place: &str, words: &[&str]| {
         let place = place.to_ascii_uppercase();
@@ -144,7 +144,7 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, ImagesError> {
 }
 
 /// Returns the time scale of dates, which is given by TIMESYS, and whether it is given.
-fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), ImagesError> {
+fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
     let Some((keyword, value)) = keywords.text(&["TIMESYS"]) else { return Ok((TimeScale::UTC, false)) };
     let name = value.to_ascii_uppercase();
     let name = name.split('(').next().unwrap_or_default().trim();
@@ -160,7 +160,7 @@ fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), ImagesError> {
 }
 
 /// Returns the start with the highest precedence, after checking that all instants in the header agree.
-fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> {
+fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, Error> {
     let mut instants = instants(keywords)?;
     let first = chosen(&mut instants, duration_s)?;
     if let Some(error) = same_as_local(keywords, &instants, &first) {
@@ -179,7 +179,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> 
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
                 [first.epoch, other_start.epoch].map(|start| start.round(1.milliseconds()));
-            return Err(ImagesError::invalid(
+            return Err(Error::invalid(
                 format!("start of {} ({scale})", first.from),
                 format!(
                     "{first_start}, and {} ({scale}) gives {second_start}: {difference_s:.1} s apart",
@@ -193,7 +193,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> 
 }
 
 /// Returns the start with the highest precedence: a keyword of the start, then of the middle, then of the end.
-fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, ImagesError> {
+fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     let order = [
         (Role::Start, false),
         (Role::Middle, false),
@@ -221,14 +221,14 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, ImagesError
         return Err(error);
     }
     first.ok_or_else(|| {
-        let missing = || ImagesError::invalid("start of the exposure", "missing", START_KEYWORDS);
+        let missing = || Error::invalid("start of the exposure", "missing", START_KEYWORDS);
         instants.day_alone.take().unwrap_or_else(missing)
     })
 }
 
 /// Returns the error of a start that is the same reading of the clock as a local time, unless the zone may be that of
 /// universal time.
-fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<ImagesError> {
+fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> Option<Error> {
     let seconds_of_day = |epoch: Epoch| {
         let (.., hours, minutes, seconds, nanoseconds) = epoch.to_gregorian_utc();
         3600.0 * f64::from(hours) + 60.0 * f64::from(minutes) + f64::from(seconds) + 1e-9 * f64::from(nanoseconds)
@@ -246,7 +246,7 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
     let given =
         format!("{}, the same reading of the clock as the local time {name}", start.epoch.round(1.milliseconds()));
     let allowed = "a start in UTC and a local time of another zone, a site, TIMEZONE = 0, or --start";
-    Some(ImagesError::invalid(format!("start of {}", start.from), given, allowed))
+    Some(Error::invalid(format!("start of {}", start.from), given, allowed))
 }
 
 /// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
@@ -258,14 +258,14 @@ fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
 
 /// Returns the error of a date and a time of day of the middle or the end, if the start is on the day before and
 /// nothing states whether the date is that of the start.
-fn day_problem(instant: &Instant, duration_s: f64) -> Option<ImagesError> {
+fn day_problem(instant: &Instant, duration_s: f64) -> Option<Error> {
     let (midnight, is_start) = instant.day?;
     let start = start_of(instant, duration_s);
     let is_before = start.epoch < midnight;
     let given = || format!("{} on the day before the date", start.epoch.round(1.milliseconds()));
     (is_before && !is_start).then(|| {
         let allowed = "a date that its comment states to be that of the start, or --start";
-        ImagesError::invalid(format!("start of {}", start.from), given(), allowed)
+        Error::invalid(format!("start of {}", start.from), given(), allowed)
     })
 }
 

@@ -3,9 +3,9 @@
 use hifitime::{Epoch, TimeScale};
 
 use crate::constants::DAY_S;
+use crate::error::Error;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
-use super::super::error::ImagesError;
 use super::comment::{Comment, Role};
 use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
 
@@ -110,11 +110,11 @@ pub struct Instant {
 pub struct Instants {
     pub found: Vec<Instant>,
     /// Error of a date with a year of two digits, or with an ambiguous order.
-    pub unclear: Option<ImagesError>,
+    pub unclear: Option<Error>,
     /// Error of a date without a time.
-    pub day_alone: Option<ImagesError>,
+    pub day_alone: Option<Error>,
     /// Error of an instant that its comment makes unusable, such as a local time.
-    unusable: Option<ImagesError>,
+    unusable: Option<Error>,
     /// Instants in local time, read as if they were UTC.
     local: Vec<Epoch>,
     /// Local times of day, seconds, with their keywords.
@@ -126,7 +126,7 @@ impl Instants {
     ///
     /// # Errors
     /// A date or a time that cannot be parsed, or that is twice in the header.
-    pub fn read(keywords: Keywords<'_>, scale: TimeScale, is_stated: bool) -> Result<Self, ImagesError> {
+    pub fn read(keywords: Keywords<'_>, scale: TimeScale, is_stated: bool) -> Result<Self, Error> {
         let lists = [DATES, TIMES, MODIFIED_DATES, JULIAN_DATES, OTHER_STARTS, MIDDLES, ENDS];
         keywords.are_unique(lists.into_iter().flatten().copied())?;
         let mut reader = Reader { keywords, scale, is_stated, tried: Vec::new(), instants: Self::default() };
@@ -167,7 +167,7 @@ impl Instants {
     }
 
     /// Returns the error that concerns the first unusable instant, unless `chosen` comes from another clock.
-    pub fn unusable(&mut self, chosen: Option<Epoch>) -> Option<ImagesError> {
+    pub fn unusable(&mut self, chosen: Option<Epoch>) -> Option<Error> {
         let is_same =
             |chosen: Epoch| self.local.iter().any(|local| seconds_between(*local, chosen).abs() < SAME_CLOCK_S);
         if chosen.is_some_and(|chosen| !is_same(chosen)) { None } else { self.unusable.take() }
@@ -185,7 +185,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Reads a keyword of [`DATES`], with a time of day in another keyword if it has none.
-    fn date(&mut self, keyword: &str) -> Result<(), ImagesError> {
+    fn date(&mut self, keyword: &str) -> Result<(), Error> {
         let Some((from, value, comment)) = self.keywords.text_and_comment(keyword) else { return Ok(()) };
         match parse_date(&value, self.scale_of(&comment)) {
             DateText::Moment(epoch) => self.add(instant(epoch, from, Role::Start), &value, &[comment]),
@@ -193,7 +193,7 @@ impl Reader<'_> {
                 if !self.time_of(day, &from, &value, &comment)? && self.instants.day_alone.is_none() {
                     let loose = self.keywords.number(LOOSE_TIMES, |_| true);
                     let beside = loose.map(|(name, number, _)| format!(" ({name} is {number} without a unit)"));
-                    self.instants.day_alone = Some(ImagesError::invalid(
+                    self.instants.day_alone = Some(Error::invalid(
                         from,
                         format!("the date {value} without a time{}", beside.unwrap_or_default()),
                         "also the time, in TIME-OBS, UTC-OBS, UTSTART, ..., or MJD-OBS, or --start",
@@ -202,7 +202,7 @@ impl Reader<'_> {
             }
             DateText::Unclear if self.instants.unclear.is_none() => {
                 let given = format!("the ambiguous date {value:?}");
-                self.instants.unclear = Some(ImagesError::invalid(from, given, "yyyy-mm-dd, or --start"));
+                self.instants.unclear = Some(Error::invalid(from, given, "yyyy-mm-dd, or --start"));
             }
             DateText::Unclear => {}
             DateText::Unreadable => {
@@ -214,20 +214,20 @@ impl Reader<'_> {
     }
 
     /// Combines a date with the time of day in another keyword. Returns false if there is none.
-    fn time_of(&mut self, day: [u32; 3], date: &str, text: &str, of_date: &Comment) -> Result<bool, ImagesError> {
+    fn time_of(&mut self, day: [u32; 3], date: &str, text: &str, of_date: &Comment) -> Result<bool, Error> {
         if let Some((name, other, _)) = UNIVERSAL_DATES.iter().find_map(|name| self.keywords.text_and_comment(name))
             && let DateText::Day(other_day) = parse_date(&other, self.scale)
             && other_day != day
         {
             let given = format!("{text}, and {name} is {other}");
             // A Julian date may give the start.
-            let error = ImagesError::invalid(date.to_owned(), given, "one date in universal time; specify --start");
+            let error = Error::invalid(date.to_owned(), given, "one date in universal time; specify --start");
             self.instants.unusable.get_or_insert(error);
             return Ok(true);
         }
         if of_date.has("night nights evening") {
             let given = format!("{text:?}, perhaps the date of the evening, by its comment {:?}", of_date.text());
-            let error = ImagesError::invalid(date.to_owned(), given, "the date of the start in UTC, or --start");
+            let error = Error::invalid(date.to_owned(), given, "the date of the start in UTC, or --start");
             self.instants.unusable.get_or_insert(error);
             return Ok(true);
         }
@@ -285,7 +285,7 @@ impl Reader<'_> {
     }
 
     /// Reads a keyword with a date and time, a Julian date, or a time of day. A date without a time is ignored.
-    fn any_form(&mut self, keyword: &str, role: Role) -> Result<(), ImagesError> {
+    fn any_form(&mut self, keyword: &str, role: Role) -> Result<(), Error> {
         let Some((header, from)) = self.keywords.find(keyword) else { return Ok(()) };
         if header.number(&from).is_some() {
             // Other numbers in EXPSTART and EXPEND count from another instant.
@@ -327,7 +327,7 @@ impl Reader<'_> {
     }
 
     /// Reads a Julian date or a modified Julian date. One that is loose is not loose if its comment states the start.
-    fn days(&mut self, keyword: &str, role: Role, is_loose: bool) -> Result<(), ImagesError> {
+    fn days(&mut self, keyword: &str, role: Role, is_loose: bool) -> Result<(), Error> {
         let Some((header, from)) = self.keywords.find(keyword) else { return Ok(()) };
         let comment = self.keywords.comment(header, &from);
         let scale = self.scale_of(&comment);
@@ -387,7 +387,7 @@ impl Reader<'_> {
                 let given = format!("{value:?}, {problem} by its comment {:?}", comment.text());
                 let allowed =
                     "the start of the exposure in UTC, in this or another keyword (DATE-BEG, MJD-OBS, ...), or --start";
-                self.instants.unusable.get_or_insert(ImagesError::invalid(instant.from, given, allowed));
+                self.instants.unusable.get_or_insert(Error::invalid(instant.from, given, allowed));
             }
         }
     }
@@ -414,6 +414,6 @@ fn clock_in(text: &str) -> Option<f64> {
     Some(f64::from(3600 * hours + 60 * minutes) + seconds)
 }
 
-pub(super) fn unreadable(keyword: String, value: &str, allowed: &str) -> ImagesError {
-    ImagesError::invalid(keyword, format!("{value:?}"), allowed)
+pub(super) fn unreadable(keyword: String, value: &str, allowed: &str) -> Error {
+    Error::invalid(keyword, format!("{value:?}"), allowed)
 }

@@ -1,9 +1,9 @@
 //! Exposure time in a header: its keywords, units, and the number of co-added exposures.
 
 use crate::constants::LONGEST_EXPOSURE_S;
+use crate::error::Error;
 
 use super::super::card::CardValue;
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::comment::{Comment, seconds_in};
 use super::instants::unreadable;
@@ -62,7 +62,7 @@ pub struct Length {
     pub seconds: f64,
     pub keyword: String,
     /// Error of an exposure of several parts, unless another keyword confirms that the time is that of all parts.
-    pub of_parts: Option<ImagesError>,
+    pub of_parts: Option<Error>,
 }
 
 /// One keyword of the exposure time.
@@ -76,7 +76,7 @@ struct Stated {
 ///
 /// # Errors
 /// The exposure time is missing, invalid or contradictory, or its comment states an unknown unit.
-pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
+pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     keywords.are_unique(LENGTHS.iter().copied())?;
     let mut lengths: Vec<Stated> = Vec::new();
     for keyword in LENGTHS {
@@ -100,16 +100,16 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
     let mut lengths = lengths.into_iter();
     let first = lengths.next().ok_or_else(|| {
         let allowed = "EXPTIME, XPOSURE, EXPOSURE, ITIME, ..., or for example --exposure 30s";
-        ImagesError::invalid("length of the exposure", "missing", allowed)
+        Error::invalid("length of the exposure", "missing", allowed)
     })?;
     let Stated { seconds, keyword, comment } = first;
     if !(seconds > 0.0 && seconds <= LONGEST_EXPOSURE_S) {
         let allowed = format!("above 0 s, at most {LONGEST_EXPOSURE_S} s (a bias frame has no exposure)");
-        return Err(ImagesError::invalid(keyword, format!("{seconds} s"), allowed));
+        return Err(Error::invalid(keyword, format!("{seconds} s"), allowed));
     }
     if let Some(other) = lengths.find(|other| !agree(seconds, other.seconds)) {
         let given = format!("{seconds} s and {} is {} s", other.keyword, other.seconds);
-        return Err(ImagesError::invalid(keyword, given, "one length; specify it, for example --exposure 30s"));
+        return Err(Error::invalid(keyword, given, "one length; specify it, for example --exposure 30s"));
     }
     let mut of_sum = None;
     for name in SPANS.iter().chain(SUMS) {
@@ -120,7 +120,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
         let given = format!("{seconds} s, but {} is {} s ({what})", other.keyword, other.seconds);
         let allowed =
             "an exposure without gaps; specify --exposure of the whole span, or --start and --exposure of one part";
-        let error = ImagesError::invalid(keyword.clone(), given, allowed);
+        let error = Error::invalid(keyword.clone(), given, allowed);
         if is_span && (other.seconds - seconds).abs() > slack_s {
             return Err(error);
         }
@@ -147,13 +147,13 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, ImagesError> {
         let allowed = format!(
             "the time from the first to the last exposure; specify it, for example --exposure {least_s}s if there are no gaps"
         );
-        Some(ImagesError::invalid(keyword.clone(), given, allowed))
+        Some(Error::invalid(keyword.clone(), given, allowed))
     });
     Ok(Length { seconds, keyword, of_parts: of_parts.or(of_sum) })
 }
 
 /// Returns the time of one keyword; `None` if the header does not have it.
-fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, ImagesError> {
+fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Error> {
     let Some((header, keyword)) = keywords.find(keyword) else { return Ok(None) };
     let Some(number) = header.number(&keyword) else {
         let value = header.text(&keyword).unwrap_or_default();
@@ -163,7 +163,7 @@ fn stated(keywords: Keywords<'_>, keyword: &str) -> Result<Option<Stated>, Image
     let in_unit = |unit: String| {
         let given = format!("{number} in {unit} (comment {:?})", comment.text());
         let allowed = "one of [s], [ms], [us], [ns], [min], [h], [d]; or for example --exposure 30s";
-        ImagesError::invalid(keyword.clone(), given, allowed)
+        Error::invalid(keyword.clone(), given, allowed)
     };
     let unit_s = match comment.unit_s().map_err(in_unit)? {
         Some(unit_s) => unit_s,

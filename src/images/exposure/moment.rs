@@ -2,9 +2,9 @@
 
 use hifitime::{Epoch, TimeScale};
 
+use crate::error::Error;
 use crate::frames::seconds_after;
 use crate::images::card::{Card, CardValue};
-use crate::images::error::ImagesError;
 use crate::images::header::Header;
 
 use super::comment::Comment;
@@ -98,7 +98,7 @@ impl<'a> Keywords<'a> {
 
     /// Checks that none of several keywords is twice in a header with different values (FITS standard 4.0, section
     /// 4.1.2.1, leaves the value of such a keyword undefined).
-    pub fn are_unique<'b>(self, keywords: impl Iterator<Item = &'b str> + Clone) -> Result<(), ImagesError> {
+    pub fn are_unique<'b>(self, keywords: impl Iterator<Item = &'b str> + Clone) -> Result<(), Error> {
         for header in self.0 {
             for (at, card) in header.cards().iter().enumerate() {
                 let name = card.keyword();
@@ -115,7 +115,7 @@ impl<'a> Keywords<'a> {
                 let is_same = first == second || (number(&first).is_some() && number(&first) == number(&second));
                 if !is_same && second.is_some() && header.position(&name) != Some(at) {
                     let given = format!("in two cards with different values: {:?}", card.text().trim_end());
-                    return Err(ImagesError::invalid(name, given, "one card, or --start and --exposure"));
+                    return Err(Error::invalid(name, given, "one card, or --start and --exposure"));
                 }
             }
         }

@@ -1,8 +1,8 @@
 //! Site of a telescope, from the header of its frame.
 
+use crate::error::Error;
 use crate::geometry::{SAME_SITE_KM, Site};
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::moment::Keywords;
 
@@ -50,7 +50,7 @@ pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known 
 /// A position that is not on the Earth; names and positions more than 15 km apart; SITELAT, SITELONG, ... of another
 /// place; or a name that fits several
 /// sites, such as ATLAS, without a keyword that decides between them.
-pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesError> {
+pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
     let keywords = Keywords(headers);
     let numbers = |names: [&str; 3]| -> Option<[f64; 3]> {
         let [Some((_, a, _)), Some((_, b, _)), Some((_, c, _))] = names.map(|name| keywords.number(&[name], |_| true))
@@ -68,11 +68,11 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
         let site = site.map_err(|_| {
             let allowed =
                 "a position on the Earth, in metres or degrees, or another site with --site, --mpc or --lat and --lon";
-            ImagesError::invalid(names.join(", "), format!("{a}, {b}, {c}"), allowed)
+            Error::invalid(names.join(", "), format!("{a}, {b}, {c}"), allowed)
         })?;
         if [a, b, c] == [0.0; 3] {
             let allowed = "the position of the telescope, or for example --site, --mpc or --lat and --lon";
-            return Err(ImagesError::invalid(names.join(", "), "0, 0, 0", allowed));
+            return Err(Error::invalid(names.join(", "), "0, 0, 0", allowed));
         }
         stated.push((format!("{}, ...", names[0]), site));
     }
@@ -93,7 +93,7 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
             Some((from, sites)) => {
                 let names: Vec<&str> = sites.iter().map(|site| site.name.as_str()).collect();
                 let given = format!("one of several sites: {}", names.join(", "));
-                Err(ImagesError::invalid(from.clone(), given, "the name of one site, or for example --site or --mpc"))
+                Err(Error::invalid(from.clone(), given, "the name of one site, or for example --site or --mpc"))
             }
         };
     };
@@ -105,12 +105,12 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, ImagesErro
         Some((from, distance_km)) => {
             let given = format!("{distance_km:.0} km from that of {from}");
             let allowed = format!("one site within {SAME_SITE_KM} km, or for example --site, --mpc or --lat and --lon");
-            Err(ImagesError::invalid(format!("site of {first_from}"), given, allowed))
+            Err(Error::invalid(format!("site of {first_from}"), given, allowed))
         }
         None => match rough_contradiction(keywords, first) {
             Some(given) => {
                 let allowed = "the coordinates of the named site, or for example --site, --mpc or --lat and --lon";
-                Err(ImagesError::invalid(format!("site of {first_from}"), given, allowed))
+                Err(Error::invalid(format!("site of {first_from}"), given, allowed))
             }
             None => Ok(Some(first.clone())),
         },
@@ -162,7 +162,7 @@ fn degrees(text: &str) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn site(text: &str) -> Result<Option<Site>, ImagesError> {
+    fn site(text: &str) -> Result<Option<Site>, Error> {
         site_from_headers(&[&Header::from_text(text), &Header::from_text("OBSERVAT= 'CTIO'\n")])
     }
 

@@ -25,7 +25,7 @@ use fitsio_sys::{
 };
 
 use super::super::card::Card;
-use super::super::error::ImagesError;
+use crate::error::{Error, ErrorKind};
 
 /// Codes of `fitsio.h`.
 const READONLY: c_int = 0;
@@ -90,20 +90,20 @@ pub(super) struct Handle<'a> {
 
 impl<'a> Handle<'a> {
     /// Opens a file for reading.
-    pub fn open(path: &'a Path) -> Result<Self, ImagesError> {
+    pub fn open(path: &'a Path) -> Result<Self, Error> {
         // SAFETY: the name is NUL-terminated and lives until the call returns; the other pointers are valid for
         // writing.
         Self::begin(path, READONLY, |file, name, status| unsafe { ffdkopn(file, name, READONLY, status) })
     }
 
     /// Opens a file for reading and writing.
-    pub fn edit(path: &'a Path) -> Result<Self, ImagesError> {
+    pub fn edit(path: &'a Path) -> Result<Self, Error> {
         // SAFETY: as in `open`.
         Self::begin(path, READWRITE, |file, name, status| unsafe { ffdkopn(file, name, READWRITE, status) })
     }
 
     /// Creates a file, which must not exist.
-    pub fn create(path: &'a Path) -> Result<Self, ImagesError> {
+    pub fn create(path: &'a Path) -> Result<Self, Error> {
         // SAFETY: as in `open`.
         Self::begin(path, READWRITE, |file, name, status| unsafe { ffdkinit(file, name, status) })
     }
@@ -112,7 +112,7 @@ impl<'a> Handle<'a> {
         path: &'a Path,
         mode: c_int,
         call: impl FnOnce(*mut *mut fitsfile, *const c_char, *mut c_int) -> c_int,
-    ) -> Result<Self, ImagesError> {
+    ) -> Result<Self, Error> {
         let name = c_name(path)?;
         let _guard = lock();
         let (mut file, mut status) = (ptr::null_mut(), 0);
@@ -131,14 +131,14 @@ impl<'a> Handle<'a> {
     }
 
     /// Applies a function of `fitsio` to the file.
-    pub fn fitsio<T>(&mut self, work: impl FnOnce(&mut FitsFile) -> Result<T, FitsioError>) -> Result<T, ImagesError> {
+    pub fn fitsio<T>(&mut self, work: impl FnOnce(&mut FitsFile) -> Result<T, FitsioError>) -> Result<T, Error> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
         work(file).map_err(|error| of_fitsio(path, error))
     }
 
     /// Calls a function of CFITSIO with the file and a status.
-    fn call(&mut self, work: impl FnOnce(*mut fitsfile, &mut c_int)) -> Result<(), ImagesError> {
+    fn call(&mut self, work: impl FnOnce(*mut fitsfile, &mut c_int)) -> Result<(), Error> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
         let mut status = 0;
@@ -148,7 +148,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Writes all buffered data and closes the file.
-    pub fn close(mut self) -> Result<(), ImagesError> {
+    pub fn close(mut self) -> Result<(), Error> {
         // `fitsio` ignores the status of closing. The buffers are therefore written before, so that closing cannot
         // fail.
         // SAFETY: the file is open.
@@ -158,7 +158,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Moves to an HDU, with HDUs counted from 0.
-    pub fn go_to(&mut self, hdu: usize) -> Result<(), ImagesError> {
+    pub fn go_to(&mut self, hdu: usize) -> Result<(), Error> {
         // SAFETY: the file is open; CFITSIO accepts a null pointer for a type that is not needed.
         self.call(|file, status| unsafe {
             ffmahd(file, hdu as c_int + 1, ptr::null_mut(), status);
@@ -168,12 +168,7 @@ impl<'a> Handle<'a> {
     /// Reads physical values of pixels of the current image from an index on; pixels are counted row by row from 0.
     /// With `is_marked`, pixels without a value become NaN. Uncompressed floating-point pixels without a value are NaN
     /// in any case.
-    pub fn read_pixels<T: CPixel>(
-        &mut self,
-        first: usize,
-        values: &mut [T],
-        is_marked: bool,
-    ) -> Result<(), ImagesError> {
+    pub fn read_pixels<T: CPixel>(&mut self, first: usize, values: &mut [T], is_marked: bool) -> Result<(), Error> {
         let (mut no_value, mut any) = (T::NO_VALUE, 0);
         let mark = if is_marked { (&raw mut no_value).cast::<c_void>() } else { ptr::null_mut() };
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
@@ -185,7 +180,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Appends an HDU, given by its complete header. The data must be written afterwards.
-    pub fn append_hdu(&mut self, cards: &[Card]) -> Result<(), ImagesError> {
+    pub fn append_hdu(&mut self, cards: &[Card]) -> Result<(), Error> {
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffcrhd(file, status);
@@ -198,7 +193,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Appends cards to the current header.
-    pub fn append_cards(&mut self, cards: &[Card]) -> Result<(), ImagesError> {
+    pub fn append_cards(&mut self, cards: &[Card]) -> Result<(), Error> {
         for card in cards {
             // The text of a card has no zeros: characters that are not ASCII are `?`.
             let text = CString::new(card.text()).unwrap_or_default();
@@ -211,7 +206,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Appends an image without a name, compressed by RICE with one tile per row. `bitpix` is a code of `fitsio.h`.
-    pub fn append_rice(&mut self, rice: Rice, bitpix: c_int, [rows, columns]: [usize; 2]) -> Result<(), ImagesError> {
+    pub fn append_rice(&mut self, rice: Rice, bitpix: c_int, [rows, columns]: [usize; 2]) -> Result<(), Error> {
         let mut tile: [c_long; 2] = [columns as c_long, 1];
         let mut axes: [c_long; 2] = [columns as c_long, rows as c_long];
         // SAFETY: the file is open and the arrays have two entries as announced; each call does nothing if `status` is
@@ -227,7 +222,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Writes all pixels of the current image. Pixels equal to `mark` are stored as pixels without a value.
-    pub fn write_marked<T: CPixel>(&mut self, values: &mut [T], mut mark: T) -> Result<(), ImagesError> {
+    pub fn write_marked<T: CPixel>(&mut self, values: &mut [T], mut mark: T) -> Result<(), Error> {
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
         let mark = (&raw mut mark).cast::<c_void>();
         // SAFETY: `values` contains `count` numbers of the type of `T::CODE`, `mark` points to one more.
@@ -237,7 +232,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Removes gaps from the heap of the current table.
-    pub fn compact_heap(&mut self) -> Result<(), ImagesError> {
+    pub fn compact_heap(&mut self) -> Result<(), Error> {
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffcmph(file, status);
@@ -245,7 +240,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Returns the two sums of the current HDU: that of its data, for DATASUM, and that of the whole HDU, for CHECKSUM.
-    pub fn sums(&mut self) -> Result<[c_ulong; 2], ImagesError> {
+    pub fn sums(&mut self) -> Result<[c_ulong; 2], Error> {
         let [mut data, mut all] = [0, 0];
         // SAFETY: the file is open, and the pointers to both sums are valid for writing.
         self.call(|file, status| unsafe {
@@ -271,31 +266,30 @@ pub(super) fn checksum_text(sum: c_ulong) -> String {
     text_of(&text)
 }
 
-fn c_name(path: &Path) -> Result<CString, ImagesError> {
+fn c_name(path: &Path) -> Result<CString, Error> {
     // CFITSIO interprets a blank or a tilde at the beginning of a name; a folder before the name prevents that.
     let path = if path.is_relative() { &Path::new(".").join(path) } else { path };
-    CString::new(path.as_os_str().as_encoded_bytes()).map_err(|error| ImagesError::Io {
-        path: path.to_owned(),
-        source: std::io::Error::new(std::io::ErrorKind::InvalidInput, error),
+    CString::new(path.as_os_str().as_encoded_bytes()).map_err(|error| {
+        Error::caused(ErrorKind::File, std::io::Error::new(std::io::ErrorKind::InvalidInput, error)).in_file("", path)
     })
 }
 
-fn of_fitsio(path: &Path, error: FitsioError) -> ImagesError {
+fn of_fitsio(path: &Path, error: FitsioError) -> Error {
     let message = match error {
         FitsioError::Fits(error) => return failed(path, error.status),
         FitsioError::Utf8(_) => "the name of the file is not UTF-8".to_owned(),
         other => other.to_string(),
     };
     clear_messages();
-    ImagesError::Cfitsio { path: path.to_owned(), status: 0, message }
+    Error::new(ErrorKind::File, format!("CFITSIO: {message} (status {})", 0)).in_file("", path)
 }
 
-fn check(path: &Path, status: c_int) -> Result<(), ImagesError> {
+fn check(path: &Path, status: c_int) -> Result<(), Error> {
     if status == 0 { Ok(()) } else { Err(failed(path, status)) }
 }
 
 /// Returns an error for a status, with the first message of CFITSIO.
-fn failed(path: &Path, status: c_int) -> ImagesError {
+fn failed(path: &Path, status: c_int) -> Error {
     let mut buffer = [0; MESSAGE_LENGTH];
     // SAFETY: the short text of a status is at most 30 characters long.
     unsafe { ffgerr(status, buffer.as_mut_ptr()) };
@@ -309,7 +303,7 @@ fn failed(path: &Path, status: c_int) -> ImagesError {
         message.push_str("; the disk may be full");
     }
     clear_messages();
-    ImagesError::Cfitsio { path: path.to_owned(), status, message }
+    Error::new(ErrorKind::File, format!("CFITSIO: {message} (status {status})")).in_file("", path)
 }
 
 /// Converts a text that ends in a zero byte; the last byte of the buffer is always zero.

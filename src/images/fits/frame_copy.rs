@@ -12,11 +12,11 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+use crate::error::{Error, ErrorKind};
 use crate::input;
 use crate::output::{AtomicFile, ScratchFolder};
 
 use super::super::card::{Card, CardValue};
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice, checksum_text};
 use super::deltas::Deltas;
@@ -53,18 +53,18 @@ impl<'a> FrameCopy<'a> {
     ///
     /// # Errors
     /// The target is the input, or the folder of the target is missing or not writable.
-    pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, ImagesError> {
-        let input = input::open(source.path()).map_err(ImagesError::io(source.path()))?;
+    pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, Error> {
+        let input = input::open(source.path()).map_err(Error::io(source.path()))?;
         if let (Ok(here), Ok(there)) = (source.path().canonicalize(), target.canonicalize())
             && here == there
         {
-            return Err(ImagesError::invalid(target.display().to_string(), "also the input", "another output"));
+            return Err(Error::invalid(target.display().to_string(), "also the input", "another output"));
         }
         Ok(Self {
             source: source.clone(),
             input,
             target: target.to_owned(),
-            output: AtomicFile::new(target).map_err(ImagesError::io(target))?,
+            output: AtomicFile::new(target).map_err(Error::io(target))?,
             headers: BTreeMap::new(),
             light: BTreeMap::new(),
             seed: 0,
@@ -96,7 +96,7 @@ impl<'a> FrameCopy<'a> {
         row: usize,
         first_column: usize,
         values: impl Into<Cow<'a, [f32]>>,
-    ) -> Result<(), ImagesError> {
+    ) -> Result<(), Error> {
         let values = values.into();
         let (_, [rows, columns]) = self.source.image(hdu)?;
         if row >= rows || first_column + values.len() > columns {
@@ -111,7 +111,7 @@ impl<'a> FrameCopy<'a> {
     ///
     /// # Errors
     /// The file does not have this HDU.
-    pub fn set_card(&mut self, hdu: usize, keyword: &str, value: &CardValue, comment: &str) -> Result<(), ImagesError> {
+    pub fn set_card(&mut self, hdu: usize, keyword: &str, value: &CardValue, comment: &str) -> Result<(), Error> {
         self.header_mut(hdu)?.set(keyword, value, comment);
         Ok(())
     }
@@ -120,7 +120,7 @@ impl<'a> FrameCopy<'a> {
     ///
     /// # Errors
     /// The file does not have this HDU.
-    pub fn add_history(&mut self, hdu: usize, text: &str) -> Result<(), ImagesError> {
+    pub fn add_history(&mut self, hdu: usize, text: &str) -> Result<(), Error> {
         self.header_mut(hdu)?.add_remark("HISTORY", text);
         Ok(())
     }
@@ -134,7 +134,7 @@ impl<'a> FrameCopy<'a> {
     ///
     /// # Errors
     /// Columns differ in length.
-    pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), ImagesError> {
+    pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), Error> {
         self.appended.push(NewHdu::table(name, columns.to_vec(), cards)?);
         Ok(())
     }
@@ -144,8 +144,8 @@ impl<'a> FrameCopy<'a> {
     /// # Errors
     /// Errors of the operating system and of CFITSIO, and tiles that cannot be changed. An existing file at the target
     /// is then kept, and no other file remains.
-    pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, ImagesError> {
-        let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(ImagesError::io(&self.target))?;
+    pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, Error> {
+        let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(Error::io(&self.target))?;
         let (mut changed, mut repacked) = (BTreeMap::new(), BTreeMap::new());
         for (&hdu, light) in &mut self.light {
             light.sort();
@@ -169,14 +169,14 @@ impl<'a> FrameCopy<'a> {
         let headers_at = self.write(&repacked, &new, &mut changed).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => {
                 let why = "the input was truncated while it was copied";
-                ImagesError::Io { path: self.source.path().to_owned(), source: io::Error::new(source.kind(), why) }
+                Error::caused(ErrorKind::File, io::Error::new(source.kind(), why)).in_file("", self.source.path())
             }
-            _ => ImagesError::Io { path: self.target.clone(), source },
+            _ => Error::system(source).in_file("", &self.target),
         })?;
         for (hdu, at) in headers_at {
             self.sum_up(hdu, at)?;
         }
-        self.output.finish_lazily().map_err(ImagesError::io(&self.target))?;
+        self.output.finish_lazily().map_err(Error::io(&self.target))?;
         Ok(changed)
     }
 
@@ -226,15 +226,15 @@ impl<'a> FrameCopy<'a> {
     }
 
     /// Updates DATASUM and CHECKSUM, if present, in the HDU of the output whose header begins at the byte `at`.
-    fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), ImagesError> {
+    fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), Error> {
         let path = self.output.path().to_owned();
         let mut output = self.output.file();
         let header = entry_of(&mut self.headers, &self.source, hdu)?;
-        let mut write = |header: &Header| -> Result<(), ImagesError> {
-            output.seek(SeekFrom::Start(at)).map_err(ImagesError::io(&self.target))?;
-            output.write_all(&header_bytes(header)).map_err(ImagesError::io(&self.target))
+        let mut write = |header: &Header| -> Result<(), Error> {
+            output.seek(SeekFrom::Start(at)).map_err(Error::io(&self.target))?;
+            output.write_all(&header_bytes(header)).map_err(Error::io(&self.target))
         };
-        let sums = || -> Result<_, ImagesError> {
+        let sums = || -> Result<_, Error> {
             let mut handle = Handle::open(&path)?;
             handle.go_to(hdu)?;
             handle.sums()
@@ -253,7 +253,7 @@ impl<'a> FrameCopy<'a> {
         write(header)
     }
 
-    fn header_mut(&mut self, hdu: usize) -> Result<&mut Header, ImagesError> {
+    fn header_mut(&mut self, hdu: usize) -> Result<&mut Header, Error> {
         entry_of(&mut self.headers, &self.source, hdu)
     }
 }
@@ -263,7 +263,7 @@ fn entry_of<'a>(
     headers: &'a mut BTreeMap<usize, Header>,
     source: &FrameFile,
     hdu: usize,
-) -> Result<&'a mut Header, ImagesError> {
+) -> Result<&'a mut Header, Error> {
     let header = source.header(hdu)?;
     Ok(headers.entry(hdu).or_insert_with(|| header.clone()))
 }

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::super::pixels::Plane;
 use super::cfitsio::{CPixel, Handle};
 use super::hdu::{HduInfo, HduKind, scan};
 use super::tile_header::columns;
 use super::tile_table::TileTable;
+use crate::error::Error;
 use crate::input;
 
 /// FITS file with its structure: single images, mosaics, compressed tiles (`.fz`) and tables.
@@ -27,8 +27,8 @@ impl FrameFile {
     /// # Errors
     /// - The file is missing, a directory, not readable, compressed as a whole, not FITS or truncated.
     /// - A header does not describe its data, or an HDU is followed by bytes that are not a header.
-    pub fn open(path: &Path) -> Result<Self, ImagesError> {
-        let io = ImagesError::io(path);
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let io = Error::io(path);
         let mut file = input::open(path).map_err(&io)?;
         let (hdus, headers) = scan(path, &mut file)?.into_iter().unzip();
         Ok(Self { path: path.to_owned(), hdus, headers })
@@ -55,10 +55,10 @@ impl FrameFile {
     /// # Errors
     /// The file does not have this HDU.
     #[doc(hidden)]
-    pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, ImagesError> {
+    pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, Error> {
         self.hdus.get(hdu).ok_or_else(|| {
-            let what = format!("{}: HDU {hdu}", self.path.display());
-            ImagesError::invalid(what, "missing", format!("0 to {}", self.hdus.len() - 1))
+            Error::invalid(format!("HDU {hdu}"), "missing", format!("0 to {}", self.hdus.len() - 1))
+                .in_file("", &self.path)
         })
     }
 
@@ -66,7 +66,7 @@ impl FrameFile {
     ///
     /// # Errors
     /// The file does not have this HDU.
-    pub fn header(&self, hdu: usize) -> Result<&Header, ImagesError> {
+    pub fn header(&self, hdu: usize) -> Result<&Header, Error> {
         self.hdu(hdu).map(|info| &self.headers[info.index])
     }
 
@@ -74,30 +74,33 @@ impl FrameFile {
     ///
     /// # Errors
     /// The HDU is missing or not a two-dimensional image.
-    pub fn image_size(&self, hdu: usize) -> Result<[usize; 2], ImagesError> {
+    pub fn image_size(&self, hdu: usize) -> Result<[usize; 2], Error> {
         self.image(hdu).map(|(_, size)| size)
     }
 
     /// Returns the HDU of an image, with its numbers of rows and columns.
-    pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), ImagesError> {
+    pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), Error> {
         let info = self.hdu(hdu)?;
         let size = info.image_size().ok_or_else(|| {
-            let what = format!("{}: HDU {hdu}", self.path.display());
             let allowed = match self.images() {
                 images if images.is_empty() => "an image of two axes (the file has none)".to_owned(),
                 images => format!("an image of two axes: HDU {images:?}"),
             };
-            ImagesError::invalid(what, info.words(), allowed)
+            Error::invalid(format!("HDU {hdu}"), info.words(), allowed).in_file("", &self.path)
         })?;
         Ok((info, size))
     }
 
     /// Returns an error for pixels outside an image; `columns` are the first column and the one after the last.
-    pub(super) fn outside(&self, hdu: usize, row: usize, columns: [usize; 2]) -> ImagesError {
+    pub(super) fn outside(&self, hdu: usize, row: usize, columns: [usize; 2]) -> Error {
         let [first, end] = columns;
-        let what = format!("{}: HDU {hdu}: row {row}, columns {first} to {}", self.path.display(), end.max(1) - 1);
         let [rows, columns] = self.image_size(hdu).unwrap_or_default();
-        ImagesError::invalid(what, "outside the image", format!("{rows} rows and {columns} columns, counted from 0"))
+        Error::invalid(
+            format!("row {row}, columns {first} to {}", end.max(1) - 1),
+            "outside the image",
+            format!("{rows} rows and {columns} columns, counted from 0"),
+        )
+        .in_hdu(&self.path, hdu)
     }
 
     /// Reads all pixels of an image as physical values (BSCALE and BZERO applied) in single precision. Pixels without a
@@ -105,7 +108,7 @@ impl FrameFile {
     ///
     /// # Errors
     /// The HDU is missing or not a two-dimensional image, headers or tiles are invalid, or CFITSIO fails.
-    pub fn read_plane(&self, hdu: usize) -> Result<Plane, ImagesError> {
+    pub fn read_plane(&self, hdu: usize) -> Result<Plane, Error> {
         let (info, [rows, columns]) = self.image(hdu)?;
         let mut handle = self.checked(info)?;
         let mut plane = Plane::zeros(rows, columns);
@@ -118,7 +121,7 @@ impl FrameFile {
     ///
     /// # Errors
     /// The errors of [`read_plane`](FrameFile::read_plane), and rows outside the image.
-    pub fn read_rows(&self, hdu: usize, rows: impl IntoIterator<Item = usize>) -> Result<Vec<f64>, ImagesError> {
+    pub fn read_rows(&self, hdu: usize, rows: impl IntoIterator<Item = usize>) -> Result<Vec<f64>, Error> {
         let (info, [row_count, columns]) = self.image(hdu)?;
         let rows: Vec<usize> = rows.into_iter().collect();
         if let Some(&row) = rows.iter().max().filter(|row| **row >= row_count) {
@@ -137,7 +140,7 @@ impl FrameFile {
 
     /// Opens the file in CFITSIO at an image, after checking the headers of all HDUs before it, which CFITSIO also
     /// reads.
-    fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, ImagesError> {
+    fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, Error> {
         for (before, header) in self.hdus.iter().zip(&self.headers).take(info.index) {
             if before.kind == HduKind::Table {
                 columns(header).map_err(|error| error.in_hdu(&self.path, before.index))?;

@@ -6,10 +6,10 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::super::card::{CARD_LENGTH, Card};
-use super::super::error::ImagesError;
 use super::super::header::{Header, is_end};
 use super::pixel_format::{Bitpix, PixelFormat};
 use super::tile_header::check_compressed;
+use crate::error::Error;
 
 /// Length of a block in a FITS file, bytes.
 pub(super) const BLOCK: usize = 2880;
@@ -117,8 +117,8 @@ pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>)
 }
 
 /// Finds all HDUs of a file and reads their headers. Zeros and blanks after the last HDU are ignored.
-pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, ImagesError> {
-    let io = ImagesError::io(path);
+pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, Error> {
+    let io = Error::io(path);
     let length = file.metadata().map_err(&io)?.len();
     let mut found: Vec<(HduInfo, Header)> = Vec::new();
     let mut at = 0;
@@ -136,9 +136,13 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
             file.seek(SeekFrom::Start(at)).map_err(&io)?;
             let mut shown = [0; 16];
             let count = file.read(&mut shown).map_err(&io)?;
-            let what = format!("{}: data after HDU {} at byte {at}", path.display(), index - 1);
             let allowed = format!("XTENSION or the end of the file (check the NAXISn of HDU {})", index - 1);
-            return Err(ImagesError::invalid(what, format!("{:?}", readable(&shown[..count])), allowed));
+            return Err(Error::invalid(
+                format!("data after HDU {} at byte {at}", index - 1),
+                format!("{:?}", readable(&shown[..count])),
+                allowed,
+            )
+            .in_file("", path));
         }
         let header = read_header(path, file, index, at, length)?;
         let data_at = file.stream_position().map_err(&io)?;
@@ -153,7 +157,7 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
     Ok(found)
 }
 
-fn check_begin(path: &Path, begin: &[u8]) -> Result<(), ImagesError> {
+fn check_begin(path: &Path, begin: &[u8]) -> Result<(), Error> {
     let packers: [(&[u8], &str); 5] = [
         (b"\x1f\x8b", "gzip"),
         (b"BZh", "bzip2"),
@@ -163,19 +167,18 @@ fn check_begin(path: &Path, begin: &[u8]) -> Result<(), ImagesError> {
     ];
     if let Some((_, packer)) = packers.iter().find(|(magic, _)| begin.starts_with(magic)) {
         let allowed = "a decompressed FITS file, or compressed tiles (.fz)";
-        return Err(ImagesError::invalid(path.display().to_string(), format!("compressed with {packer}"), allowed));
+        return Err(Error::about_file("", path, format!("is compressed with {packer}")).allowing(allowed));
     }
     if begin.starts_with(b"SIMPLE  =") {
         return Ok(());
     }
-    let given = format!("not a FITS file (it begins with {:?})", readable(&begin[..begin.len().min(16)]));
-    Err(ImagesError::invalid(path.display().to_string(), given, "a file that begins with \"SIMPLE  =\""))
+    let predicate = format!("is not a FITS file (it begins with {:?})", readable(&begin[..begin.len().min(16)]));
+    Err(Error::about_file("", path, predicate).allowing("a file that begins with \"SIMPLE  =\""))
 }
 
-fn truncated(path: &Path, hdu: usize, part: &str, needed: u64, length: u64) -> ImagesError {
-    let what = format!("{}: HDU {hdu}", path.display());
+fn truncated(path: &Path, hdu: usize, part: &str, needed: u64, length: u64) -> Error {
     let allowed = format!("at least {needed} bytes for its {part} (the file has {length})");
-    ImagesError::invalid(what, "truncated", allowed)
+    Error::invalid(format!("HDU {hdu}"), "truncated", allowed).in_file("", path)
 }
 
 fn readable(bytes: &[u8]) -> String {
@@ -197,8 +200,8 @@ fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> io::Result<bool> {
     }
 }
 
-fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -> Result<Header, ImagesError> {
-    let io = ImagesError::io(path);
+fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -> Result<Header, Error> {
+    let io = Error::io(path);
     file.seek(SeekFrom::Start(at)).map_err(&io)?;
     let mut cards = Vec::new();
     let mut block = vec![0; BLOCK];
@@ -216,21 +219,21 @@ fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -
             cards.push(card);
         }
     }
-    Err(ImagesError::invalid("END", "missing", "a header that ends with END").in_hdu(path, hdu))
+    Err(Error::invalid("END", "missing", "a header that ends with END").in_hdu(path, hdu))
 }
 
-fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, ImagesError> {
+fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, Error> {
     let invalid_value =
-        |keyword: &str, value: String, allowed: &str| ImagesError::invalid(keyword, value, allowed).in_hdu(path, index);
+        |keyword: &str, value: String, allowed: &str| Error::invalid(keyword, value, allowed).in_hdu(path, index);
     let given = |keyword: &str| {
         header.integer(keyword).map_or_else(|| "missing or not a number".to_owned(), |number| number.to_string())
     };
-    let count = |keyword: &str, default: Option<u64>, allowed: &str| -> Result<u64, ImagesError> {
+    let count = |keyword: &str, default: Option<u64>, allowed: &str| -> Result<u64, Error> {
         let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
         let number = number.or(default.filter(|_| !header.contains(keyword)));
         number.ok_or_else(|| invalid_value(keyword, given(keyword), allowed))
     };
-    let bitpix = |keyword: &str| -> Result<Bitpix, ImagesError> {
+    let bitpix = |keyword: &str| -> Result<Bitpix, Error> {
         let known = header.integer(keyword).and_then(Bitpix::from_number);
         known.ok_or_else(|| invalid_value(keyword, given(keyword), "8, 16, 32, 64, -32 or -64"))
     };

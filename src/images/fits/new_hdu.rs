@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::path::Path;
 
+use crate::error::Error;
 use crate::output::{AtomicFile, ScratchFolder};
 
 use super::super::card::{Card, CardValue, to_ascii};
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice};
 use super::pixel_format::ImageValues;
@@ -35,7 +35,7 @@ pub struct NewImage<'a> {
 ///
 /// # Errors
 /// Errors of the operating system and of CFITSIO; no partial file remains.
-pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), ImagesError> {
+pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), Error> {
     let mut hdus: Vec<NewHdu> =
         images.iter().map(|image| NewHdu::image(image.name, image.values, image.cards, image.rice)).collect();
     if let Some(NewHdu { data: NewData::Image(_), is_primary, .. }) = hdus.first_mut() {
@@ -48,12 +48,12 @@ pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), ImagesE
 ///
 /// # Errors
 /// The errors of [`write_frame`], and columns of different lengths.
-pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), ImagesError> {
+pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), Error> {
     write_hdus(target, &[NewHdu::table(name, columns.to_vec(), cards)?])
 }
 
-fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError> {
-    let io = ImagesError::io(target);
+fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), Error> {
+    let io = Error::io(target);
     let mut output = AtomicFile::new(target).map_err(&io)?;
     let folder = ScratchFolder::new(folder_of(output.path())).map_err(&io)?;
     let path = folder.path().join("new.fits");
@@ -68,7 +68,7 @@ pub(super) fn folder_of(target: &Path) -> &Path {
 }
 
 /// Creates a file from HDUs. If the first of them is not a primary HDU, an empty primary HDU precedes them.
-pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError> {
+pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), Error> {
     let mut handle = Handle::create(path)?;
     let mut number = 0;
     if hdus.first().is_none_or(|hdu| !hdu.is_primary) {
@@ -145,7 +145,7 @@ impl Cells {
         cells.contains(&None).then(|| if cells.contains(&Some(-1)) { i64::MIN } else { -1 })
     }
 
-    fn write(&self, handle: &mut Handle<'_>, hdu: usize, name: &str) -> Result<(), ImagesError> {
+    fn write(&self, handle: &mut Handle<'_>, hdu: usize, name: &str) -> Result<(), Error> {
         let null = self.null().unwrap_or(-1);
         handle.fitsio(|file| {
             let table = file.hdu(hdu)?;
@@ -204,26 +204,22 @@ impl<'a> NewHdu<'a> {
     ///
     /// # Errors
     /// Columns differ in length, or there are more than 999 columns.
-    pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, ImagesError> {
+    pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, Error> {
         let rows = columns.first().map_or(0, |column| column.cells.len());
         if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
             let what = format!("table {name:?}: length of column {}", column.name);
-            return Err(ImagesError::invalid(
-                what,
-                column.cells.len(),
-                format!("{rows}, the length of the first column"),
-            ));
+            return Err(Error::invalid(what, column.cells.len(), format!("{rows}, the length of the first column")));
         }
         if columns.len() > 999 {
             let what = format!("table {name:?}: number of columns");
-            return Err(ImagesError::invalid(what, columns.len(), "at most 999 in a FITS table"));
+            return Err(Error::invalid(what, columns.len(), "at most 999 in a FITS table"));
         }
         let data = NewData::Table(columns);
         Ok(Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false })
     }
 
     /// Appends the HDU to a file in which it becomes HDU number `hdu`.
-    fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), ImagesError> {
+    fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), Error> {
         let mut header = match &self.data {
             NewData::Image(values) => image_header(values, self.is_primary),
             NewData::Rice(..) => Header::default(),

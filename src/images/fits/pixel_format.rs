@@ -1,8 +1,8 @@
 //! Stored numbers of pixels: their types, the conversion to physical values, and arrays of pixels.
 
-use super::super::error::ImagesError;
 use super::cfitsio::{CPixel, Handle, Rice};
 use super::deltas::Outcome;
+use crate::error::Error;
 use crate::images::card::Card;
 use crate::images::pixels::Plane;
 
@@ -277,7 +277,7 @@ impl ImageValues {
     }
 
     /// Writes the pixels to the current image of CFITSIO; `hdu` is its number.
-    pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), ImagesError> {
+    pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), Error> {
         handle.fitsio(|file| {
             let image = file.hdu(hdu)?;
             match &self.pixels {
@@ -298,7 +298,7 @@ impl ImageValues {
         hdu: usize,
         rice: Rice,
         cards: &[Card],
-    ) -> Result<(), ImagesError> {
+    ) -> Result<(), Error> {
         // USHORT_IMG of `fitsio.h`: 16 bits with BZERO.
         let bitpix = if let Pixels::U16(_) = self.pixels { 20 } else { self.format().bitpix.number() as i32 };
         handle.append_rice(rice, bitpix, self.size())?;

@@ -1,10 +1,10 @@
 //! Roles of the images of a file: frames, companion planes of frames (masks, variances, maps), and other HDUs.
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::super::pixels::PixelPosition;
 use super::super::wcs::Wcs;
 use super::frame_file::FrameFile;
+use crate::error::{Error, ErrorKind};
 
 /// Content of a companion plane.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -109,7 +109,7 @@ impl FrameFile {
     /// # Errors
     /// An image that can be both a frame and a companion plane.
     #[doc(hidden)]
-    pub fn frame_images(&self) -> Result<FrameImages, ImagesError> {
+    pub fn frame_images(&self) -> Result<FrameImages, Error> {
         FrameImages::from_file(self)
     }
 }
@@ -126,7 +126,7 @@ impl FrameImages {
     /// # Errors
     /// An image that can be both a frame and a companion plane, because neither its name nor its world coordinates
     /// decide.
-    fn from_file(file: &FrameFile) -> Result<Self, ImagesError> {
+    fn from_file(file: &FrameFile) -> Result<Self, Error> {
         let mut found = Self::default();
         for info in file.hdus() {
             if info.is_image() && info.shape.len() > 2 && info.image_size().is_none() {
@@ -152,14 +152,14 @@ impl FrameImages {
                             planes.push((earlier, PlaneKind::Other));
                         }
                         Role::Unclear => {
-                            let what = format!("{}: HDU {hdu}{}", file.path().display(), shown(&image.name));
+                            let what = format!("HDU {hdu}{}", shown(&image.name));
                             let earlier = frames[at].hdu;
                             let given = format!(
                                 "an image like HDU {earlier}{}: a frame or a companion plane",
                                 shown(&frames[at].name)
                             );
                             let allowed = format!("--hdu {earlier}, --hdu {hdu} or --hdu {earlier},{hdu}");
-                            return Err(ImagesError::invalid(what, given, allowed));
+                            return Err(Error::invalid(what, given, allowed).in_file("", file.path()));
                         }
                     },
                 }
@@ -239,14 +239,14 @@ enum Role {
 }
 
 impl Image {
-    fn from_hdu(file: &FrameFile, hdu: usize) -> Result<Self, ImagesError> {
+    fn from_hdu(file: &FrameFile, hdu: usize) -> Result<Self, Error> {
         let header = file.header(hdu)?;
         let [name, of_type] =
             ["EXTNAME", "EXTTYPE"].map(|keyword| header.text(keyword).unwrap_or_default().to_ascii_uppercase());
         // The planes of compressed files of Rubin's pipelines have their name in EXTTYPE.
         let is_by_type = name.is_empty() || (kind_of(&name).is_none() && kind_of(&of_type).is_some());
         let sky = Wcs::from_header(header);
-        let has_axes = !matches!(sky, Err(ImagesError::NoCelestialAxes { .. }));
+        let has_axes = !sky.as_ref().is_err_and(|error| error.kind() == ErrorKind::NoCoordinates);
         let invalid_sky = if sky.is_err() && has_axes { coordinates(header) } else { String::new() };
         Ok(Self {
             hdu,

@@ -3,8 +3,8 @@
 //! CFITSIO divides by ZTILEn and allocates memory according to ZNAXISn. The checks compare these keywords with one
 //! another and with the size of the table.
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
+use crate::error::Error;
 
 /// Supported compression algorithms.
 const ALGORITHMS: [&str; 7] = ["RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1", "NOCOMPRESS"];
@@ -47,7 +47,7 @@ pub(super) struct Column {
 }
 
 /// Reads the columns of a binary table and checks that their widths fill its rows.
-pub(super) fn columns(header: &Header) -> Result<Vec<Column>, ImagesError> {
+pub(super) fn columns(header: &Header) -> Result<Vec<Column>, Error> {
     let count = integer(header, "TFIELDS", 0, 999)?;
     let mut columns = Vec::new();
     let mut at: usize = 0;
@@ -56,7 +56,7 @@ pub(super) fn columns(header: &Header) -> Result<Vec<Column>, ImagesError> {
         let form = header.text(&keyword).unwrap_or_default().to_ascii_uppercase();
         let widths = parse_form(&form).and_then(|form| Some((at.checked_add(form.0)?, form)));
         let Some((end, (_, letter, variable))) = widths else {
-            return Err(ImagesError::invalid(
+            return Err(Error::invalid(
                 keyword,
                 format!("{form:?}"),
                 "a form of a binary table such as 1D, 12A or 1PB(260)",
@@ -68,22 +68,18 @@ pub(super) fn columns(header: &Header) -> Result<Vec<Column>, ImagesError> {
     }
     if header.integer("NAXIS1") != i64::try_from(at).ok() {
         let given = header.integer("NAXIS1").unwrap_or_default();
-        return Err(ImagesError::invalid(
-            "NAXIS1",
-            given.to_string(),
-            format!("{at}, the sum of the widths of the columns"),
-        ));
+        return Err(Error::invalid("NAXIS1", given.to_string(), format!("{at}, the sum of the widths of the columns")));
     }
     Ok(columns)
 }
 
 /// Checks the header of a compressed image. Returns the lengths of the image's axes and of the tiles' axes.
-pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], ImagesError> {
+pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Error> {
     for (index, card) in header.cards().iter().enumerate() {
         let keyword = card.keyword();
         let is_once = ONCE.contains(&keyword.trim_end_matches(|c: char| c.is_ascii_digit())) || keyword == "ZDITHER0";
         if is_once && header.cards()[..index].iter().any(|other| other.keyword() == keyword) {
-            return Err(ImagesError::invalid(keyword, "given twice", "once in the header of a compressed image"));
+            return Err(Error::invalid(keyword, "given twice", "once in the header of a compressed image"));
         }
     }
     for (keyword, value) in [("BITPIX", 8), ("NAXIS", 2), ("GCOUNT", 1)] {
@@ -91,11 +87,11 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
     }
     let algorithm = header.text("ZCMPTYPE").unwrap_or_default();
     if !ALGORITHMS.contains(&algorithm.as_str()) {
-        return Err(ImagesError::invalid("ZCMPTYPE", format!("{algorithm:?}"), ALGORITHMS.join(", ")));
+        return Err(Error::invalid("ZCMPTYPE", format!("{algorithm:?}"), ALGORITHMS.join(", ")));
     }
     let bitpix = header.integer("ZBITPIX").unwrap_or_default();
     if ![8, 16, 32, -32, -64].contains(&bitpix) {
-        return Err(ImagesError::invalid("ZBITPIX", shown(header, "ZBITPIX"), "8, 16, 32, -32 or -64"));
+        return Err(Error::invalid("ZBITPIX", shown(header, "ZBITPIX"), "8, 16, 32, -32 or -64"));
     }
     let axes = integer(header, "ZNAXIS", 1, MOST_AXES)?;
     let (mut sides, mut tile) = (Vec::new(), Vec::new());
@@ -110,16 +106,16 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
         sides.push(side);
     }
     let product = |sides: &[u64]| sides.iter().try_fold(1u64, |product, side| product.checked_mul(*side));
-    let too_large = |keyword: &str, allowed: String| ImagesError::invalid(keyword, format!("{sides:?}"), allowed);
+    let too_large = |keyword: &str, allowed: String| Error::invalid(keyword, format!("{sides:?}"), allowed);
     let pixels = product(&sides).filter(|pixels| *pixels < 1 << 40);
     let pixels = pixels.ok_or_else(|| too_large("ZNAXISn", "lengths of fewer than 2^40 pixels".into()))?;
     if product(&tile).is_none_or(|tile| tile > pixels.max(LARGEST_TILE)) {
-        return Err(ImagesError::invalid("ZTILEn", format!("{tile:?}"), "tiles that are no larger than the image"));
+        return Err(Error::invalid("ZTILEn", format!("{tile:?}"), "tiles that are no larger than the image"));
     }
     let tiles: u64 = sides.iter().zip(&tile).map(|(side, tile)| side.div_ceil(*tile)).product();
     if header.integer("NAXIS2") != i64::try_from(tiles).ok() {
         let allowed = format!("{tiles}, the number of tiles of {tile:?} pixels in an image of {sides:?}");
-        return Err(ImagesError::invalid("NAXIS2", shown(header, "NAXIS2"), allowed));
+        return Err(Error::invalid("NAXIS2", shown(header, "NAXIS2"), allowed));
     }
     let per_byte = if algorithm == "HCOMPRESS_1" { PIXELS_PER_BYTE_HCOMPRESS } else { PIXELS_PER_BYTE };
     let heap = integer(header, "PCOUNT", 0, i64::MAX as u64)?;
@@ -131,7 +127,7 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
         let has_bytes = header.contains("ZVAL2") && header.text("ZNAME2").as_deref() != Some("NOISEBIT");
         // Some writers exchange the two parameters of RICE.
         if has_bytes && !matches!(header.integer("ZVAL2"), Some(1 | 2 | 4 | 8 | 16 | 32)) {
-            return Err(ImagesError::invalid("ZVAL2", shown(header, "ZVAL2"), "1, 2 or 4 (bytes of a pixel)"));
+            return Err(Error::invalid("ZVAL2", shown(header, "ZVAL2"), "1, 2 or 4 (bytes of a pixel)"));
         }
     }
     if header.contains("ZDITHER0") {
@@ -140,7 +136,7 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
     let columns = columns(header)?;
     if !columns.iter().any(|column| column.name == COMPRESSED && column.variable.is_some()) {
         let allowed = format!("a column {COMPRESSED} of variable length");
-        return Err(ImagesError::invalid("TTYPEn", "missing", allowed));
+        return Err(Error::invalid("TTYPEn", "missing", allowed));
     }
     let rows = integer(header, "NAXIS1", 0, u64::MAX >> 1)?.saturating_mul(tiles);
     if header.contains("THEAP") {
@@ -151,7 +147,7 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
 }
 
 /// Reads an integer and checks its range.
-fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64, ImagesError> {
+fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64, Error> {
     let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
     number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
         let allowed = if most > i64::MAX as u64 >> 1 {
@@ -159,7 +155,7 @@ fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64,
         } else {
             format!("a whole number from {least} to {most}")
         };
-        ImagesError::invalid(keyword, shown(header, keyword), allowed)
+        Error::invalid(keyword, shown(header, keyword), allowed)
     })
 }
 

@@ -6,10 +6,10 @@
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::hdu::{HduInfo, HduKind};
 use super::tile_header::{COMPRESSED, Column, UNCOMPRESSED, check_compressed, columns};
+use crate::error::Error;
 use crate::input;
 
 /// Rows of the table, and sizes of the image and its tiles.
@@ -28,11 +28,10 @@ impl TileTable {
     /// that is possible for its pixels.
     ///
     /// # Errors
-    /// Invalid keywords, invalid tiles ([`ImagesError::Tiles`] with the number of the tile), and errors of the
-    /// operating system.
-    pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, ImagesError> {
-        let io = ImagesError::io(path);
-        let of_hdu = |error: ImagesError| error.in_hdu(path, info.index);
+    /// Invalid keywords, invalid tiles, and errors of the operating system.
+    pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, Error> {
+        let io = Error::io(path);
+        let of_hdu = |error: Error| error.in_hdu(path, info.index);
         let [sides, tile] = check_compressed(header).map_err(of_hdu)?;
         let columns = columns(header).map_err(of_hdu)?;
         let count = |keyword: &str| header.integer(keyword).map_or(0, |number| number as usize);
@@ -44,7 +43,7 @@ impl TileTable {
         let table = Self { columns, bytes, row_length, sides, tile };
         let heap = if header.contains("THEAP") { count("THEAP") } else { row_length * rows };
         let heap_length = info.data_length - heap as u64;
-        let mut begin = |offset: u64, length: usize| -> Result<Vec<u8>, ImagesError> {
+        let mut begin = |offset: u64, length: usize| -> Result<Vec<u8>, Error> {
             let mut bytes = vec![0; length];
             file.seek(SeekFrom::Start(info.data_at + heap as u64 + offset)).map_err(&io)?;
             file.read_exact(&mut bytes).map_err(&io)?;
@@ -53,10 +52,8 @@ impl TileTable {
         for row in 0..rows {
             let pixels = table.pixels(row);
             for column in table.columns.iter().filter(|column| column.variable.is_some()) {
-                let broken = |why: &str| ImagesError::Tiles {
-                    path: path.to_owned(),
-                    hdu: info.index,
-                    problem: format!("{} of tile {}: {why}", column.name, row + 1),
+                let broken = |why: &str| {
+                    Error::format(format!("{} of tile {}: {why}", column.name, row + 1)).in_hdu(path, info.index)
                 };
                 let (count, size) = table.length(column, row);
                 let (offset, length) = (table.offset(column, row), count.saturating_mul(size));

@@ -18,7 +18,6 @@ use fitsio::hdu::FitsHdu;
 use fitsio::images::{ReadImage, WriteImage};
 
 use super::super::card::{Card, CardValue};
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::cfitsio::Handle;
 use super::deltas::Deltas;
@@ -29,6 +28,7 @@ use super::new_hdu::empty_primary;
 use super::pixel_format::{Bitpix, PixelFormat, Stored};
 use super::tile_header::{COMPRESSED, GZIPPED};
 use super::tile_table::TileTable;
+use crate::error::Error;
 use crate::input;
 
 /// Quantised number of a pixel without a value (ZBLANK), and of a pixel that is exactly 0 (SUBTRACTIVE_DITHER_2).
@@ -76,17 +76,16 @@ struct Quantised {
 /// updates `header`. `seed` is that of the rounding.
 ///
 /// # Errors
-/// [`ImagesError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and of the
-/// operating system.
+/// Tiles are invalid, or their algorithm is not supported; errors of CFITSIO and of the operating system.
 pub(super) fn repack(
     source: &Path,
     info: &HduInfo,
     header: &mut Header,
     (light, seed): (&Deltas<'_>, u64),
     scratch: &Path,
-) -> Result<(Changed, Repacked), ImagesError> {
-    let failed = |problem: String| ImagesError::Tiles { path: source.to_owned(), hdu: info.index, problem };
-    let io = ImagesError::io(source);
+) -> Result<(Changed, Repacked), Error> {
+    let failed = |problem: String| Error::format(problem).in_hdu(source, info.index);
+    let io = Error::io(source);
     let table = TileTable::read(source, info, header)?;
     let HduKind::CompressedImage(algorithm) = &info.kind else {
         return Err(failed("the image is not compressed".to_owned()));
@@ -237,7 +236,7 @@ fn edit(
     tiles: &BTreeMap<usize, Vec<Touched>>,
     format_of: impl Fn(usize) -> TileFormat,
     changed: &mut Changed,
-) -> Result<(), ImagesError> {
+) -> Result<(), Error> {
     let mut handle = Handle::edit(scratch)?;
     handle.fitsio(|file| {
         let image = file.hdu(1)?;

@@ -1,7 +1,7 @@
 //! Distortion polynomials (SIP, TPV, TNX, ZPX), from pixels to the projection plane and within that plane.
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
+use crate::error::Error;
 
 /// Powers (m, n) of (u, v) in the term PVi_k of TPV, by k; `None` for a radial term: r, r³, r⁵, r⁷.
 ///
@@ -76,18 +76,18 @@ impl Distortion {
     ///
     /// Shupe et al. (2005, ASP Conf. 347, 491): u' = u + Σ A_pq uᵖ v^q. The coefficients AP and BP, which approximate
     /// the inverse, are not used; the inverse is solved numerically.
-    pub fn sip(header: &Header) -> Result<Option<Self>, ImagesError> {
+    pub fn sip(header: &Header) -> Result<Option<Self>, Error> {
         if !header.contains("A_ORDER") && !header.contains("B_ORDER") {
             return Ok(None);
         }
-        let surface = |letter: char| -> Result<Surface, ImagesError> {
+        let surface = |letter: char| -> Result<Surface, Error> {
             let keyword = format!("{letter}_ORDER");
             let order =
-                header.integer(&keyword).ok_or_else(|| ImagesError::invalid(keyword.clone(), "missing", "a number"))?;
+                header.integer(&keyword).ok_or_else(|| Error::invalid(keyword.clone(), "missing", "a number"))?;
             let order = usize::try_from(order)
                 .ok()
                 .filter(|order| *order <= HIGHEST_ORDER)
-                .ok_or_else(|| ImagesError::invalid(keyword, order.to_string(), "an order from 0 to 20"))?;
+                .ok_or_else(|| Error::invalid(keyword, order.to_string(), "an order from 0 to 20"))?;
             let mut polynomial = Polynomial::zero(order);
             for p in 0..=order {
                 for q in 0..=order - p {
@@ -131,10 +131,10 @@ impl Distortion {
     /// are missing.
     ///
     /// Source: F. Valdes and L. Davis, "The TNX world coordinate system" (registry of FITS conventions).
-    pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, ImagesError> {
+    pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, Error> {
         let read = |words: &str, name: &str| {
             match attribute(words, name) {
-            Some(numbers) => surface_of(&numbers).map(Some).ok_or_else(|| ImagesError::invalid("WATj_nnn".to_owned(), format!("{name} = {numbers:?}"), "the numbers of a surface: type (1 Chebyshev, 2 Legendre, 3 plain), orders, cross terms, limits, coefficients")),
+            Some(numbers) => surface_of(&numbers).map(Some).ok_or_else(|| Error::invalid("WATj_nnn".to_owned(), format!("{name} = {numbers:?}"), "the numbers of a surface: type (1 Chebyshev, 2 Legendre, 3 plain), orders, cross terms, limits, coefficients")),
             None => Ok(None),
         }
         };

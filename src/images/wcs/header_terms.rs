@@ -1,11 +1,12 @@
 //! World coordinates in a header, including common non-standard keywords. "Paper II" is Calabretta and Greisen (2002,
 //! A&A 395, 1077).
 
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::distortion::{Distortion, attribute};
 use super::projection::NativePole;
 use super::projection::{Projection, Zpn};
+use crate::error::{Error, ErrorKind};
+use crate::message::Quoted;
 
 /// Codes of the supported projections.
 pub(super) const KNOWN_PROJECTIONS: &str = "TAN (with SIP or PVi_m), TPV, TNX, ZPX, SIN, STG, ARC, ZEA, ZPN, CAR";
@@ -36,14 +37,15 @@ pub(super) struct HeaderTerms {
 
 impl HeaderTerms {
     /// Reads the parameters from a header.
-    pub fn from_header(header: &Header) -> Result<Self, ImagesError> {
+    pub fn from_header(header: &Header) -> Result<Self, Error> {
         let types: Vec<String> = (1..=2).map(|axis| header.text(&format!("CTYPE{axis}")).unwrap_or_default()).collect();
         let longitude_axis = match (types[0].split('-').next(), types[1].split('-').next()) {
             (Some("RA"), Some("DEC")) => 0,
             (Some("DEC"), Some("RA")) => 1,
             _ => {
-                let (ctype1, ctype2) = (types[0].clone(), types[1].clone());
-                return Err(ImagesError::NoCelestialAxes { location: String::new(), ctype1, ctype2 });
+                let [ctype1, ctype2] = [&types[0], &types[1]].map(Quoted::new);
+                let sentence = format!("no celestial coordinates: CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}");
+                return Err(Error::new(ErrorKind::NoCoordinates, sentence).allowing("one RA---xxx and one DEC--xxx"));
             }
         };
         check_system(header)?;
@@ -54,7 +56,7 @@ impl HeaderTerms {
         };
         let (code, other) = (code(longitude_axis), code(latitude_axis));
         if code != other {
-            return Err(ImagesError::invalid(
+            return Err(Error::invalid(
                 format!("CTYPE{}", latitude_axis + 1),
                 format!("{:?}", types[latitude_axis]),
                 "the projection of the other axis",
@@ -66,7 +68,7 @@ impl HeaderTerms {
         let values = [required(header, "CRVAL1")? * units[0], required(header, "CRVAL2")? * units[1]];
         let declination_deg = values[latitude_axis];
         if declination_deg.abs() > 90.0 {
-            return Err(ImagesError::invalid(
+            return Err(Error::invalid(
                 format!("CRVAL{}", latitude_axis + 1),
                 format!("{declination_deg} degrees"),
                 "a declination from -90 to 90 degrees",
@@ -106,7 +108,7 @@ impl HeaderTerms {
             }
             "ZPN" => zpn(&|m| pv(latitude_axis, m))?,
             "SIN" if (1..=2).any(|m| pv(latitude_axis, m).is_some_and(|slant| slant != 0.0)) => {
-                return Err(ImagesError::invalid(
+                return Err(Error::invalid(
                     format!("PV{}_1", latitude_axis + 1),
                     "that of a slant SIN",
                     KNOWN_PROJECTIONS,
@@ -119,7 +121,7 @@ impl HeaderTerms {
             "CAR" => Projection::Car,
             _ => {
                 let what = format!("projection of CTYPE{}", longitude_axis + 1);
-                return Err(ImagesError::invalid(what, format!("{code:?}"), KNOWN_PROJECTIONS));
+                return Err(Error::invalid(what, format!("{code:?}"), KNOWN_PROJECTIONS));
             }
         };
         // PVi_1 to PVi_4 of the longitude axis are the native position of the reference point, and LONPOLE and LATPOLE,
@@ -130,11 +132,7 @@ impl HeaderTerms {
         for (m, usual_deg) in (1..).zip(reference) {
             if let Some(given_deg) = native_pole(m).filter(|given_deg| *given_deg != usual_deg) {
                 let what = format!("PV{}_{m}", longitude_axis + 1);
-                return Err(ImagesError::invalid(
-                    what,
-                    given_deg,
-                    format!("{usual_deg} (the reference point of {code})"),
-                ));
+                return Err(Error::invalid(what, given_deg, format!("{usual_deg} (the reference point of {code})")));
             }
         }
         let pole = NativePole {
@@ -157,20 +155,18 @@ impl HeaderTerms {
     }
 }
 
-fn required(header: &Header, keyword: &str) -> Result<f64, ImagesError> {
+fn required(header: &Header, keyword: &str) -> Result<f64, Error> {
     if let Some(number) = header.number(keyword) {
         return Ok(number);
     }
     match header.card(keyword) {
-        None => Err(ImagesError::invalid(keyword.to_owned(), "missing", "a number")),
-        Some(card) => {
-            Err(ImagesError::invalid(keyword.to_owned(), format!("{:?}", card.text()[9..].trim()), "a number"))
-        }
+        None => Err(Error::invalid(keyword.to_owned(), "missing", "a number")),
+        Some(card) => Err(Error::invalid(keyword.to_owned(), format!("{:?}", card.text()[9..].trim()), "a number")),
     }
 }
 
 /// Returns the number of degrees in the unit of an axis; 1 without CUNIT.
-fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
+fn unit_deg(header: &Header, axis: usize) -> Result<f64, Error> {
     let keyword = format!("CUNIT{axis}");
     let unit = header.text(&keyword).unwrap_or_default();
     match unit.to_ascii_lowercase().as_str() {
@@ -179,7 +175,7 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
         "arcsec" | "arcsecond" | "arcseconds" | "asec" => Ok(1.0 / 3600.0),
         "mas" => Ok(1.0 / 3.6e6),
         "rad" | "radian" | "radians" => Ok(1f64.to_degrees()),
-        _ => Err(ImagesError::invalid(
+        _ => Err(Error::invalid(
             keyword,
             format!("{unit:?}"),
             "deg, arcmin, arcsec, mas or rad (or one of these spelt out)",
@@ -188,7 +184,7 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
 }
 
 /// Rejects distortions that are tables in other HDUs (FITS standard distortion paper; HST's CPDIS and D2IM).
-fn reject_lookup_tables(header: &Header) -> Result<(), ImagesError> {
+fn reject_lookup_tables(header: &Header) -> Result<(), Error> {
     let stems = ["CPDIS", "CQDIS", "D2IMDIS"];
     let keywords = stems.iter().flat_map(|stem| [1, 2].map(|axis| format!("{stem}{axis}")));
     let of_axes = keywords.filter_map(|keyword| header.text(&keyword).map(|text| (keyword, text)));
@@ -197,7 +193,7 @@ fn reject_lookup_tables(header: &Header) -> Result<(), ImagesError> {
         Some((keyword, text)) => {
             let allowed = "world coordinates without distortion tables (SIP, TPV, TNX and ZPX are read); resample the frame, \
                            or fit a SIP polynomial";
-            Err(ImagesError::invalid(keyword, format!("{text:?}"), allowed))
+            Err(Error::invalid(keyword, format!("{text:?}"), allowed))
         }
         None => Ok(()),
     }
@@ -212,7 +208,7 @@ const MATRIX_SLACK: f64 = 1e-4;
 ///
 /// # Errors
 /// CDi_j and PCi_j give different matrices.
-fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f64; 2]; 2], ImagesError> {
+fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f64; 2]; 2], Error> {
     let entry = |stem: &str, i: usize, j: usize| header.number(&format!("{stem}{}_{}", i + 1, j + 1));
     let entries = [(0, 0), (0, 1), (1, 0), (1, 1)];
     let steps = [0, 1].map(|axis| header.number(&format!("CDELT{}", axis + 1)).unwrap_or(1.0) * units[axis]);
@@ -249,7 +245,7 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
     let largest = given.iter().flatten().fold(0.0, |largest: f64, term| largest.max(term.abs()));
     let differs = |&(i, j): &(usize, usize)| (given[i][j] - matrix[i][j]).abs() > MATRIX_SLACK * largest;
     if is_turned && (has_steps || !is_unit) && entries.iter().any(differs) {
-        return Err(ImagesError::invalid(
+        return Err(Error::invalid(
             "matrix of CDi_j",
             format!("{given:?}, and that of PCi_j with CDELTi is {matrix:?} deg"),
             "one of the two; remove the other from the header",
@@ -258,19 +254,19 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> Result<[[f6
     Ok(given)
 }
 
-fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, ImagesError> {
+fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, Error> {
     let mut coefficients: Vec<f64> = (0..30).map(|m| named(m).unwrap_or(0.0)).collect();
     let used = coefficients.iter().rposition(|c| *c != 0.0).map_or(0, |last| last + 1);
     coefficients.truncate(used);
     let shown = format!("{coefficients:?}");
     Zpn::new(coefficients).map(Projection::Zpn).ok_or_else(|| {
-        ImagesError::invalid("PV2_m (or projpm)".to_owned(), shown, "a polynomial that grows from the centre on")
+        Error::invalid("PV2_m (or projpm)".to_owned(), shown, "a polynomial that grows from the centre on")
     })
 }
 
 /// Checks that the reference system is ICRS or FK5 of equinox 2000. Without RADESYS, the equinox determines the system
 /// (paper II, section 3.1).
-fn check_system(header: &Header) -> Result<(), ImagesError> {
+fn check_system(header: &Header) -> Result<(), Error> {
     let year = |keyword: &str| {
         // EQUINOX = 'J2000'
         header.number(keyword).or_else(|| header.text(keyword)?.trim_start_matches(['J', 'j']).trim().parse().ok())
@@ -291,7 +287,7 @@ fn check_system(header: &Header) -> Result<(), ImagesError> {
     let equinox = unreadable.or_else(|| equinox.map(|year| year.to_string()));
     let system = equinox.map_or(name.clone(), |equinox| format!("{name}, equinox {equinox}"));
     let allowed = "ICRS, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)";
-    Err(ImagesError::invalid("reference system", system, allowed))
+    Err(Error::invalid("reference system", system, allowed))
 }
 
 /// Returns the numbers of columns and rows: of the image inside a compressed HDU, of the image, or from the keywords of

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 
 use super::super::card::Card;
-use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::header_terms::HeaderTerms;
 use super::projection::NativePole;
@@ -75,7 +75,7 @@ impl Wcs {
     /// # Errors
     /// The header has no celestial axes; a number is missing or invalid; the projection or the reference system is not
     /// supported; the matrix has no inverse; or the distortion folds within the frame.
-    pub fn from_header(header: &Header) -> Result<Self, ImagesError> {
+    pub fn from_header(header: &Header) -> Result<Self, Error> {
         Self::from_terms(HeaderTerms::from_header(header)?)
     }
 
@@ -91,7 +91,7 @@ impl Wcs {
         rotation_rad: f64,
         columns: usize,
         rows: usize,
-    ) -> Result<Self, ImagesError> {
+    ) -> Result<Self, Error> {
         let scale_deg = scale_arcsec / 3600.0;
         let (sine, cosine) = rotation_rad.sin_cos();
         Self::from_terms(HeaderTerms {
@@ -112,18 +112,18 @@ impl Wcs {
         })
     }
 
-    fn from_terms(terms: HeaderTerms) -> Result<Self, ImagesError> {
+    fn from_terms(terms: HeaderTerms) -> Result<Self, Error> {
         let [[a, b], [c, d]] = terms.matrix_deg;
         let matrix = Matrix2::new(a, b, c, d);
         let inverse =
             matrix.try_inverse().filter(|inverse| inverse.iter().all(|entry| entry.is_finite())).ok_or_else(|| {
                 let allowed = "a matrix that has an inverse (CDi_j, or PCi_j with CDELTi)";
-                ImagesError::invalid("matrix of pixels to degrees", format!("[{a}, {b}; {c}, {d}]"), allowed)
+                Error::invalid("matrix of pixels to degrees", format!("[{a}, {b}; {c}, {d}]"), allowed)
             })?;
         let to_sky = terms.pole.to_sky().ok_or_else(|| {
             let given =
                 |angle_deg: Option<f64>| angle_deg.map_or("missing".to_owned(), |angle_deg| angle_deg.to_string());
-            ImagesError::invalid(
+            Error::invalid(
                 "LONPOLE".to_owned(),
                 format!("{} with LATPOLE {}", given(terms.pole.lonpole_deg), given(terms.pole.latpole_deg)),
                 "a native pole that is consistent with CRVAL",
@@ -134,7 +134,7 @@ impl Wcs {
         if let Some(kind) = wcs.distortion() {
             let trusted = wcs.trusted_area().ok_or_else(|| {
                 let allowed = "one position on the sky for each pixel";
-                ImagesError::invalid(format!("distortion ({kind})"), "folded within the frame", allowed)
+                Error::invalid(format!("distortion ({kind})"), "folded within the frame", allowed)
             })?;
             wcs.trusted = Some(trusted);
         }

@@ -24,14 +24,15 @@ use hifitime::Epoch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::super::propagator::{DECAYED_RADIUS_KM, OrbitError};
+use super::super::propagator::DECAYED_RADIUS_KM;
 use super::super::state::State;
 use super::kepler::Phase;
 use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;
+use crate::error::Error;
 use crate::frames::{Teme, seconds_between};
 use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
-use crate::watch::{Interrupted, Watch};
+use crate::watch::Watch;
 
 /// Longest interval of one window, seconds. During six hours an orbit's node moves by at most 2.5°, and above 250 km
 /// drag changes the mean longitude by less than the margin.
@@ -123,7 +124,7 @@ pub struct Window {
 enum Kind {
     Regular(Box<Entry>),
     Always,
-    LeftOut(Box<OrbitError>),
+    LeftOut(Box<Error>),
     Absent,
 }
 
@@ -139,15 +140,15 @@ impl Window {
     /// split longer intervals.
     ///
     /// # Errors
-    /// [`Interrupted`] if `watch` is stopped.
+    /// [`Cancelled`](crate::ErrorKind::Cancelled) if `watch` is stopped.
     pub fn new(
         index: &SatelliteIndex,
         start: Epoch,
         end: Epoch,
-        unknown: &(dyn Fn(usize) -> Option<OrbitError> + Sync),
+        unknown: &(dyn Fn(usize) -> Option<Error> + Sync),
         reach: &(dyn Fn(usize) -> Reach + Sync),
         watch: &Watch,
-    ) -> Result<Self, Interrupted> {
+    ) -> Result<Self, Error> {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<Kind> = (0..index.len())
             .into_par_iter()
@@ -173,7 +174,7 @@ impl Window {
                     _ => Kind::Always,
                 })
             })
-            .collect::<Result<_, Interrupted>>()?;
+            .collect::<Result<_, Error>>()?;
 
         let mut window = Self { start, span_s, chunks: Vec::new(), always: Vec::new(), left_out: Vec::new() };
         let mut entries = Vec::with_capacity(made.len());

@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 
 use super::super::candidates::{ABERRATION_MARGIN_RAD, CandidateInterval};
 use super::super::crossing::cross;
-use super::super::error::SkyError;
 use super::super::exposure::Exposure;
 use super::super::field::{Field, FieldOnSky};
 use super::super::scene::SearchScope;
@@ -13,8 +12,9 @@ use super::super::sky::Sky;
 use super::super::track::{Chord, ObserverMotion, SightLine};
 use super::exposed_field::{ExposedField, NearSatellite};
 use crate::constants::WGS72_MU_KM3_S2;
+use crate::error::Error;
 use crate::frames::Gcrs;
-use crate::orbit::{Beam, LeftOut, OrbitError, State};
+use crate::orbit::{Beam, LeftOut, State};
 
 /// Longest interval that one SGP4 position covers, seconds. During half of it, the path deviates from its tangent by 4
 /// km.
@@ -54,7 +54,7 @@ impl Sky {
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
-    pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, SkyError> {
+    pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, Error> {
         self.field_crossings_until(exposures, field, |_, _| false)
     }
 
@@ -65,7 +65,7 @@ impl Sky {
         exposures: &[Exposure],
         field: &Field,
         is_enough: impl Fn(usize, &[FieldCrossing]) -> bool + Sync,
-    ) -> Result<FieldCrossings, SkyError> {
+    ) -> Result<FieldCrossings, Error> {
         let (by_exposure, left_out) =
             self.by_exposure(exposures, SearchScope::Nominal, |scene, (index, exposure), seen| {
                 let exposed = ExposedField::new(self, scene, exposure, field)?;
@@ -85,7 +85,7 @@ impl Sky {
 
 impl ExposedField<'_> {
     /// Returns the crossing of one satellite; `None` if it does not cross the field or is dark.
-    fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, OrbitError> {
+    fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, Error> {
         let &CandidateInterval { element_index, start_s, end_s, near_s, .. } = interval;
         let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };
         let near_the_ground = self.sky.reaches_the_ground(self.exposure, &self.field, &satellite.orientation);
@@ -110,12 +110,12 @@ impl ExposedField<'_> {
 /// Returns the parts of an interval in which a satellite may be in a field, from one SGP4 position per minute.
 ///
 /// # Errors
-/// [`OrbitError`] if a position cannot be computed, or if velocities are inconsistent with positions.
+/// A position cannot be computed, or if velocities are inconsistent with positions.
 fn intervals_near(
     [from_s, to_s]: [f64; 2],
     satellite: &NearSatellite<'_>,
     field: &FieldOnSky,
-) -> Result<Vec<[f64; 2]>, OrbitError> {
+) -> Result<Vec<[f64; 2]>, Error> {
     let steps = ((to_s - from_s) / LONGEST_STEP_S).ceil().max(1.0);
     let half_s = 0.5 * (to_s - from_s) / steps;
     let mut near: Vec<[f64; 2]> = Vec::new();

@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use super::super::candidates::CandidateInterval;
-use super::super::error::SkyError;
 use super::super::evaluator::PassEvaluator;
 use super::super::exposure::Exposure;
 use super::super::field::{Field, FieldOnSky};
 use super::super::scene::Scene;
 use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, SightLine};
+use crate::error::Error;
 use crate::frames::{Orientation, seconds_after, seconds_between};
-use crate::orbit::{CrossingCandidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
+use crate::orbit::{CrossingCandidate, LeftOut, OrbitArc, OrbitUncertainty, Propagator};
 use crate::photometry::PhotometryOptions;
 
 /// Field on the sky during an exposure. Times are seconds after the start of the scene.
@@ -38,13 +38,13 @@ pub(super) struct NearSatellite<'a> {
 
 impl NearSatellite<'_> {
     /// Returns the orbital arc of the satellite between two times.
-    pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, OrbitError> {
+    pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, Error> {
         OrbitArc::new(self.propagator, self.minutes, from_s, to_s - from_s, &self.orientation.teme_to_gcrs)
     }
 }
 
 impl<'a> ExposedField<'a> {
-    pub fn new(sky: &'a Sky, scene: &'a Scene, exposure: &'a Exposure, field: &'a Field) -> Result<Self, SkyError> {
+    pub fn new(sky: &'a Sky, scene: &'a Scene, exposure: &'a Exposure, field: &'a Field) -> Result<Self, Error> {
         let opened_s = seconds_between(scene.start, exposure.start);
         Ok(Self {
             sky,
@@ -63,9 +63,9 @@ impl<'a> ExposedField<'a> {
         &self,
         include_dark: bool,
         seen: &mut Vec<CrossingCandidate>,
-        of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
+        of: impl Fn(&CandidateInterval) -> Result<Option<T>, Error>,
         is_enough: impl Fn(&[T]) -> bool,
-    ) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> {
+    ) -> Result<(Vec<T>, Vec<LeftOut>), Error> {
         let flight = self.flight.as_ref();
         let (mut found, mut left_out) = (Vec::new(), Vec::new());
         for interval in

@@ -6,12 +6,13 @@ use super::super::probability::{REACH_SIGMAS, crossing_probability_in_flight};
 use super::super::track::{Chord, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
+use crate::error::Error;
 use crate::frames::seconds_after;
-use crate::orbit::{Lateness, OrbitError, OrbitUncertainty};
+use crate::orbit::{Lateness, OrbitUncertainty};
 
 impl ExposedField<'_> {
     /// Returns the pass of one satellite; `None` if it does not cross the field or the options exclude it.
-    pub fn pass(&self, interval: &CandidateInterval, options: &PassOptions) -> Result<Option<Pass>, OrbitError> {
+    pub fn pass(&self, interval: &CandidateInterval, options: &PassOptions) -> Result<Option<Pass>, Error> {
         let &CandidateInterval { element_index, start_s, end_s, .. } = interval;
         let (field, is_in_flight) = (&self.field, self.flight.is_some());
         let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };

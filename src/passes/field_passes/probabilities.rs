@@ -23,7 +23,6 @@ use std::cell::OnceCell;
 
 use super::super::candidates::PlacedCone;
 use super::super::crossing::{Crossing, cross};
-use super::super::error::SkyError;
 use super::super::evaluator::LOWEST_ALTITUDE_RAD;
 use super::super::exposure::Exposure;
 use super::super::field::Field;
@@ -34,6 +33,7 @@ use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
+use crate::error::Error;
 use crate::frames::{Orientation, seconds_after};
 use crate::geometry::{Aspect, Observer, ViewingGeometry};
 use crate::orbit::{Cones, CrossingCandidate, OrbitArc, OrbitUncertainty};
@@ -119,7 +119,7 @@ impl Sky {
         &self,
         exposures: &[Exposure],
         field: &Field,
-    ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
+    ) -> Result<Vec<Vec<CrossingProbability>>, Error> {
         self.probabilities_with(exposures, field, false, Band::V)
     }
 
@@ -132,7 +132,7 @@ impl Sky {
         field: &Field,
         include_dark: bool,
         band: Band,
-    ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
+    ) -> Result<Vec<Vec<CrossingProbability>>, Error> {
         let Some(observer) = self.viewpoint().site() else {
             return self.probabilities_in_flight(exposures, field, include_dark, band);
         };
@@ -149,7 +149,7 @@ impl Sky {
         field: &Field,
         include_dark: bool,
         band: Band,
-    ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
+    ) -> Result<Vec<Vec<CrossingProbability>>, Error> {
         let options = PassOptions {
             photometry: PhotometryOptions::in_band(band, band.usual_system()),
             include_dark,
@@ -201,7 +201,7 @@ impl ExposedField<'_> {
         observer: &Observer,
         with_shadow: bool,
         seen: &mut Vec<CrossingCandidate>,
-    ) -> Result<Vec<CrossingProbability>, SkyError> {
+    ) -> Result<Vec<CrossingProbability>, Error> {
         let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
         // The pieces are computed only if a satellite may be late.
         let pieces: Vec<OnceCell<Vec<Piece>>> = parts.iter().map(|_| OnceCell::new()).collect();

@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 
 use super::super::candidates::CandidateInterval;
-use super::super::error::SkyError;
 use super::super::exposure::{Exposure, groups};
 use super::super::field::Field;
 use super::super::scene::{Scene, SearchScope, middle_of_window, window_number};
@@ -11,6 +10,7 @@ use super::super::sky::Sky;
 use super::super::track::Pass;
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
+use crate::error::Error;
 use crate::orbit::{CrossingCandidate, LeftOut};
 
 /// Passes through a field, grouped by exposure.
@@ -32,14 +32,9 @@ impl Sky {
     /// exposure of hours) has a separate pass each time.
     ///
     /// # Errors
-    /// [`SkyError`] if an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
+    /// An exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
     /// or if the elements of a telescope in orbit give no position.
-    pub fn field_passes(
-        &self,
-        exposures: &[Exposure],
-        field: &Field,
-        options: &PassOptions,
-    ) -> Result<Passes, SkyError> {
+    pub fn field_passes(&self, exposures: &[Exposure], field: &Field, options: &PassOptions) -> Result<Passes, Error> {
         let scope = if options.min_probability.is_some() { SearchScope::Delayed } else { SearchScope::Nominal };
         let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, (_, exposure), seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
@@ -62,7 +57,7 @@ impl Sky {
         exposures: &[Exposure],
         field: &Field,
         options: &PassOptions,
-    ) -> Result<Vec<Vec<Pass>>, SkyError> {
+    ) -> Result<Vec<Vec<Pass>>, Error> {
         exposures.iter().try_for_each(Exposure::check)?;
         exposures
             .par_iter()
@@ -94,9 +89,8 @@ impl Sky {
         &self,
         exposures: &[Exposure],
         scope: SearchScope,
-        of: impl Fn(&Scene, (usize, &Exposure), &mut Vec<CrossingCandidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError>
-        + Sync,
-    ) -> Result<(Vec<Vec<T>>, Vec<LeftOut>), SkyError> {
+        of: impl Fn(&Scene, (usize, &Exposure), &mut Vec<CrossingCandidate>) -> Result<(Vec<T>, Vec<LeftOut>), Error> + Sync,
+    ) -> Result<(Vec<Vec<T>>, Vec<LeftOut>), Error> {
         exposures.iter().try_for_each(Exposure::check)?;
         let mut by_exposure: Vec<Vec<T>> = exposures.iter().map(|_| Vec::new()).collect();
         let mut left_out = self.left_out().to_vec();
@@ -111,7 +105,7 @@ impl Sky {
                     self.watch().check()?;
                     Ok((index, of(&scene, (index, &exposures[index]), seen)?))
                 })
-                .collect::<Result<Vec<_>, SkyError>>()?;
+                .collect::<Result<Vec<_>, Error>>()?;
             for (index, (of_one, without)) in found {
                 by_exposure[index] = of_one;
                 left_out.extend(without);

@@ -3,12 +3,12 @@
 use hifitime::Epoch;
 
 use super::super::altaz::AltAz;
-use super::super::error::SkyError;
 use super::super::exposure::Exposure;
 use super::super::field::Field;
 use super::super::sky::Sky;
 use super::super::track::Pass;
 use super::options::PassOptions;
+use crate::error::Error;
 use crate::frames::{Direction, Horizontal, seconds_after};
 use crate::orbit::LeftOut;
 use crate::photometry::PhotometryOptions;
@@ -54,9 +54,9 @@ impl Sky {
     /// Counts the streaks of one exposure in every direction at every time.
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise the errors of [`Sky::field_passes`].
+    /// The observer is in orbit; otherwise the errors of [`Sky::field_passes`].
     #[doc(hidden)]
-    pub fn streak_counts(&self, request: &CountRequest<'_>) -> Result<Counts, SkyError> {
+    pub fn streak_counts(&self, request: &CountRequest<'_>) -> Result<Counts, Error> {
         let mut counts = Counts::default();
         let options = PassOptions { photometry: request.photometry, ..PassOptions::default() };
         let mut exposures = Vec::new();

@@ -2,13 +2,13 @@
 
 use nalgebra::Vector3;
 
-use super::super::error::PhotometryError;
 use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
 use super::panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
 use super::shapes::{MOST_BLOCKERS, Sphere};
+use crate::error::Error;
 use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };
@@ -22,7 +22,7 @@ const ENERGY_SLACK: f64 = 2e-3;
 
 impl PanelsSpec {
     /// Checks that every number is in its range and that every reference is the name of a panel or a parameter.
-    pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
+    pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), Error> {
         check.count("panels.panels", self.panels.len(), 1, 32)?;
         check.count("panels.parameters", self.parameters.len(), 0, 64)?;
         for (index, parameter) in self.parameters.iter().enumerate() {
@@ -152,7 +152,7 @@ impl PanelsSpec {
         }
     }
 
-    fn validate_blocking(&self, check: &Check, names: &[&str]) -> Result<(), PhotometryError> {
+    fn validate_blocking(&self, check: &Check, names: &[&str]) -> Result<(), Error> {
         for BlockingSpec { panel, by } in &self.blocking {
             for name in [panel, by] {
                 if !names.contains(&name.as_str()) {
@@ -168,7 +168,7 @@ impl PanelsSpec {
         Ok(())
     }
 
-    fn validate_energy(&self, check: &Check) -> Result<(), PhotometryError> {
+    fn validate_energy(&self, check: &Check) -> Result<(), Error> {
         if !self.conserves_energy {
             return Ok(());
         }
@@ -228,7 +228,7 @@ impl PanelAssembly {
 }
 
 impl SphereSpec {
-    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), Error> {
         let key = format!("panels.spheres.{}", self.name);
         check.range(&format!("{key}.area_m2"), self.area_m2, 1e-4, 1e4)?;
         self.term().validate(check, &key, spec)
@@ -247,7 +247,7 @@ impl PanelSpec {
         front.chain(back).chain(self.through.iter().map(|law| ("through", law)))
     }
 
-    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), Error> {
         let key = |rest: &str| format!("panels.{}.{rest}", self.name);
         for (axis, value) in ["x", "y", "z"].into_iter().zip(self.anchor_m) {
             check.range(&key(&format!("anchor_m ({axis})")), value, -200.0, 200.0)?;
@@ -268,7 +268,7 @@ impl PanelSpec {
 }
 
 impl AttitudeSpec {
-    fn validate(&self, check: &Check, key: &str) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check, key: &str) -> Result<(), Error> {
         match self {
             Self::Nadir {} => Ok(()),
             Self::SunAzimuth { offset_deg } | Self::SunTracking { offset_deg } => {
@@ -337,7 +337,7 @@ impl<'a> Term<'a> {
         Self { is_linear: true, ..self }
     }
 
-    fn validate(&self, check: &Check, owner: &str, spec: &PanelsSpec) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check, owner: &str, spec: &PanelsSpec) -> Result<(), Error> {
         let key = format!("{owner}.{}", self.key);
         match (spec.value(self.coefficient, &[]), self.coefficient) {
             (Some(value), _) => check.range(&key, value, self.allowed[0], self.allowed[1]),
@@ -393,7 +393,7 @@ impl LawSpec {
         }
     }
 
-    fn validate(&self, check: &Check, key: &str, spec: &PanelsSpec) -> Result<(), PhotometryError> {
+    fn validate(&self, check: &Check, key: &str, spec: &PanelsSpec) -> Result<(), Error> {
         self.terms().iter().try_for_each(|term| term.validate(check, key, spec))?;
         let Self::Binomial { b, c, d, first } = self else { return Ok(()) };
         check.count(&format!("{key}.b (rows)"), b.len(), 1, 8)?;

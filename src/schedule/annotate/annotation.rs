@@ -4,8 +4,9 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::super::error::ScheduleError;
-use super::super::formats::{ID, display};
+use super::super::error;
+use super::super::formats::ID;
+use crate::error::Error;
 use crate::output::{AtomicFile, Provenance, Table};
 
 /// Column of the exposure identifier; not added if the schedule has one.
@@ -32,12 +33,12 @@ impl Annotation<'_> {
     }
 
     /// Checks that the file has the same number of rows as when it was judged.
-    pub(super) fn check_rows(&self, input: &Path, rows: usize) -> Result<(), ScheduleError> {
+    pub(super) fn check_rows(&self, input: &Path, rows: usize) -> Result<(), Error> {
         let expected = self.keep.map_or(self.flags.rows.len(), <[bool]>::len);
         if rows == expected {
             return Ok(());
         }
-        Err(ScheduleError::Changed { path: display(input), rows, flags: expected })
+        Err(error::changed(input, rows, expected))
     }
 
     /// Returns the verdict columns, without the exposure identifier if the schedule has a column of identifiers.
@@ -49,25 +50,20 @@ impl Annotation<'_> {
     ///
     /// # Errors
     /// An earlier annotation exists and `replace` is false.
-    pub(super) fn earlier_columns(
-        &self,
-        input: &Path,
-        names: &[String],
-        flags: &Table,
-    ) -> Result<Vec<usize>, ScheduleError> {
+    pub(super) fn earlier_columns(&self, input: &Path, names: &[String], flags: &Table) -> Result<Vec<usize>, Error> {
         let is_flag = |name: &String| flags.columns.iter().any(|column| column.name == name);
         let earlier: Vec<usize> = (0..names.len()).filter(|&index| is_flag(&names[index])).collect();
         if earlier.is_empty() || self.replace {
             return Ok(earlier);
         }
         let shown: Vec<&str> = earlier.iter().map(|&index| names[index].as_str()).collect();
-        Err(ScheduleError::AlreadyThere { path: display(input), what: format!("columns {}", shown.join(", ")) })
+        Err(error::already_there(input, &format!("columns {}", shown.join(", "))))
     }
 }
 
 /// Reads a schedule as text.
-pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
-    crate::input::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
+pub(super) fn read_text(input: &Path) -> Result<String, Error> {
+    crate::input::read_to_string(input).map_err(|source| Error::system(source).in_file("schedule", input))
 }
 
 /// Insertions into a text and removals of byte ranges. All other bytes are unchanged.
@@ -114,8 +110,8 @@ pub(super) fn streaks_path(output: &Path, extension: &str) -> PathBuf {
 pub(super) fn write_new(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<AtomicFile, ScheduleError> {
-    let error = |source| ScheduleError::Write { path: display(path), source };
+) -> Result<AtomicFile, Error> {
+    let error = |source| Error::cannot("write", path, source);
     let file = AtomicFile::new(path).map_err(error)?;
     let mut out = io::BufWriter::new(file.file());
     write(&mut out).and_then(|()| out.flush()).map_err(error)?;
@@ -124,10 +120,10 @@ pub(super) fn write_new(
 }
 
 /// Renames temporary files to their paths, the annotated schedule last. Returns the paths, the schedule first.
-pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, ScheduleError> {
+pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, Error> {
     let mut written = Vec::new();
     for (file, path) in files {
-        file.finish().map_err(|source| ScheduleError::Write { path: display(&path), source })?;
+        file.finish().map_err(|source| Error::cannot("write", &path, source))?;
         written.push(path);
     }
     written.reverse();

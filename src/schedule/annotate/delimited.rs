@@ -5,16 +5,13 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::super::error::ScheduleError;
-use super::super::formats::{csv_layout, display, ecsv_layout};
+use super::super::error;
+use super::super::formats::{csv_layout, ecsv_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, streaks_path, write_new};
+use crate::error::Error;
 use crate::output::{Table, ecsv_column, write_csv, write_ecsv};
 
-pub(super) fn annotate_csv(
-    input: &Path,
-    output: &Path,
-    annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, ScheduleError> {
+pub(super) fn annotate_csv(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(input)?;
     // The byte order mark is kept, and is not part of the first column name.
     let (mark, body) = match text.strip_prefix('\u{feff}') {
@@ -51,11 +48,7 @@ pub(super) fn annotate_csv(
     finish(vec![(streaks, beside), (main, output.to_owned())])
 }
 
-pub(super) fn annotate_ecsv(
-    input: &Path,
-    output: &Path,
-    annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, ScheduleError> {
+pub(super) fn annotate_ecsv(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(input)?;
     let layout = ecsv_layout(input, &text)?;
     annotation.check_rows(input, layout.rows.len())?;
@@ -75,8 +68,7 @@ pub(super) fn annotate_ecsv(
         let mut entries = String::new();
         for (index, column) in flags.columns.iter().enumerate() {
             let values = flags.rows.iter().filter_map(|row| row.get(index));
-            let entry = ecsv_column(column, values)
-                .map_err(|error| ScheduleError::Format { path: display(input), what: error.to_string() })?;
+            let entry = ecsv_column(column, values).map_err(|error| error::format(input, error.to_string()))?;
             entries += &format!("# - {entry}{line_end}");
         }
         lines.edits.insert(layout.datatype_end, entries);
@@ -104,14 +96,14 @@ fn trailing_columns(
     names: &[String],
     flags: &Table,
     annotation: &Annotation<'_>,
-) -> Result<usize, ScheduleError> {
+) -> Result<usize, Error> {
     let earlier = annotation.earlier_columns(input, names, flags)?;
     if earlier.iter().rev().zip((0..names.len()).rev()).all(|(index, last)| *index == last) {
         return Ok(earlier.len());
     }
     let earlier: Vec<&str> = earlier.iter().map(|&index| names[index].as_str()).collect();
     let what = format!("columns {}, which are not the last ones", earlier.join(", "));
-    Err(ScheduleError::AlreadyThere { path: display(input), what })
+    Err(error::already_there(input, &what))
 }
 
 /// Lines of the file, with the edits that append the verdict columns and remove those of an earlier annotation.
@@ -132,7 +124,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Appends the names of the verdict columns to the line of names.
-    fn append_names(&mut self, line: Range<usize>) -> Result<(), ScheduleError> {
+    fn append_names(&mut self, line: Range<usize>) -> Result<(), Error> {
         let names = self.flags.columns.iter().map(|column| column.name.to_owned());
         let names = cells(names, self.delimiter)?;
         self.append(line, self.earlier, names);
@@ -140,7 +132,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Appends the next row of verdicts to a line, after `empty` empty cells; removes the last `earlier` cells.
-    fn append_flags(&mut self, line: Range<usize>, earlier: usize, empty: usize) -> Result<(), ScheduleError> {
+    fn append_flags(&mut self, line: Range<usize>, earlier: usize, empty: usize) -> Result<(), Error> {
         let row = self.flag_rows.next().into_iter().flat_map(|row| self.flags.columns.iter().zip(row));
         let texts = cells(row.map(|(column, value)| column.text(value)), self.delimiter)?;
         let filled = char::from(self.delimiter).to_string().repeat(empty) + &texts;
@@ -170,7 +162,7 @@ fn before_record(piece: &str) -> &str {
 }
 
 /// Returns cells as text to append: each with a separator before it, quoted if necessary.
-fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, ScheduleError> {
+fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, Error> {
     if delimiter == b' ' {
         // With a blank as separator, an empty cell must be quoted.
         let quoted = |text: String| {
@@ -179,7 +171,7 @@ fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, S
         };
         return Ok(texts.map(quoted).collect());
     }
-    let error = |source| ScheduleError::Write { path: "cells".to_owned(), source };
+    let error = |source| Error::cannot("write", "cells", source);
     let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(vec![delimiter]);
     writer.write_record(texts).map_err(|source| error(source.into()))?;
     let bytes = writer.into_inner().map_err(|source| error(io::Error::other(source.to_string())))?;
@@ -218,11 +210,11 @@ mod tests {
         }
     }
 
-    fn run(text: &str, verdicts: &[&str], replace: bool) -> Result<String, ScheduleError> {
+    fn run(text: &str, verdicts: &[&str], replace: bool) -> Result<String, Error> {
         run_rows(text, verdicts, replace, None)
     }
 
-    fn run_rows(text: &str, verdicts: &[&str], replace: bool, keep: Option<&[bool]>) -> Result<String, ScheduleError> {
+    fn run_rows(text: &str, verdicts: &[&str], replace: bool, keep: Option<&[bool]>) -> Result<String, Error> {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
         std::fs::write(&input, text).unwrap();
@@ -277,6 +269,6 @@ mod tests {
     #[test]
     fn a_file_that_grew_is_an_error() {
         let result = run("id,n\n1,2\n", &["clear", "clear"], false);
-        assert!(matches!(result, Err(ScheduleError::Changed { rows: 1, flags: 2, .. })));
+        assert!(result.unwrap_err().to_string().contains("has 1 rows; allowed: the 2 rows that were judged"));
     }
 }

@@ -3,19 +3,16 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::ScheduleError;
-use super::super::formats::{Members, display, json_layout};
+use super::super::error;
+use super::super::formats::{Members, json_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, streaks_path, write_new};
+use crate::error::Error;
 use crate::output::{Section, json_members, json_rows, write_json};
 
 /// Members added to a document.
 const ADDED: [&str; 2] = ["streaks", "streak_provenance"];
 
-pub(super) fn annotate(
-    input: &Path,
-    output: &Path,
-    annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, ScheduleError> {
+pub(super) fn annotate(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(input)?;
     let layout = json_layout(input, &text)?;
     annotation.check_rows(input, layout.rows.len())?;
@@ -25,8 +22,7 @@ pub(super) fn annotate(
     let is_annotated = keys().any(|key| names.contains(&key))
         || layout.document.iter().flat_map(|document| document.keys()).any(|key| ADDED.contains(&key));
     if is_annotated && !annotation.replace {
-        let what = "members of an annotation (verdict, streaks)".to_owned();
-        return Err(ScheduleError::AlreadyThere { path: display(input), what });
+        return Err(error::already_there(input, "members of an annotation (verdict, streaks)"));
     }
 
     let mut edits = Edits::default();

@@ -5,11 +5,12 @@ use std::time::Duration;
 
 use rusqlite::backup::Backup;
 use rusqlite::types::Value as SqlValue;
-use rusqlite::{Connection, Error, params, params_from_iter};
+use rusqlite::{Connection, params, params_from_iter};
 
-use super::super::error::ScheduleError;
-use super::super::formats::{ID, display, open_read_only};
+use super::super::error;
+use super::super::formats::{ID, open_read_only};
 use super::annotation::Annotation;
+use crate::error::{Error, ErrorKind};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 const STREAKS: &str = "streaks";
@@ -20,27 +21,25 @@ const JOINED: &str = "observations_streaks";
 /// Number of database pages copied in one step.
 const PAGES_PER_STEP: i32 = 16_384;
 
-pub(super) fn annotate(
-    input: &Path,
-    output: &Path,
-    annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, ScheduleError> {
+pub(super) fn annotate(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let source = open_read_only(input)?;
-    let of_input = |source| ScheduleError::Sqlite { path: display(input), source };
+    let of_input = |source| Error::caused(ErrorKind::File, source).in_file("schedule", input);
     let earlier = earlier_tables(&source).map_err(of_input)?;
     if !annotation.replace && !earlier.is_empty() {
         let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();
         let what = format!("tables {}", names.join(", "));
-        return Err(ScheduleError::AlreadyThere { path: display(input), what });
+        return Err(error::already_there(input, &what));
     }
     let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(of_input)?;
     annotation.check_rows(input, usize::try_from(rows).unwrap_or(0))?;
-    let write_error = |source| ScheduleError::Write { path: display(output), source };
+    let write_error = |source| Error::cannot("write", output, source);
     let file = AtomicFile::new(output).map_err(write_error)?;
     write_copy(&source, file.path(), &earlier, annotation).map_err(|source| match source {
         // Texts and numbers of the input that cannot be read.
-        Error::FromSqlConversionFailure(..) | Error::InvalidColumnType(..) | Error::Utf8Error(..) => of_input(source),
-        source => ScheduleError::AnnotateSqlite { path: display(output), source },
+        rusqlite::Error::FromSqlConversionFailure(..)
+        | rusqlite::Error::InvalidColumnType(..)
+        | rusqlite::Error::Utf8Error(..) => of_input(source),
+        source => Error::caused(ErrorKind::File, source).in_file("cannot write", output),
     })?;
     drop(source);
     file.finish().map_err(write_error)?;

@@ -3,18 +3,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::ScheduleError;
-use super::super::formats::{Span, display, votable_layout};
+use super::super::error;
+use super::super::formats::{Span, votable_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, write_new};
+use crate::error::Error;
 use crate::output::{votable_cells, votable_fields, votable_table};
 
 const STREAKS: &str = "streaks";
 
-pub(super) fn annotate(
-    input: &Path,
-    output: &Path,
-    annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, ScheduleError> {
+pub(super) fn annotate(input: &Path, output: &Path, annotation: &Annotation<'_>) -> Result<Vec<PathBuf>, Error> {
     let text = read_text(input)?;
     let layout = votable_layout(input, &text)?;
     annotation.check_rows(input, layout.rows.len())?;
@@ -22,12 +19,12 @@ pub(super) fn annotate(
     let earlier_columns = annotation.earlier_columns(input, &layout.names, &flags)?;
     let earlier_tables = || layout.others.iter().filter(|(name, _)| name == STREAKS).map(|(_, span)| span);
     if earlier_tables().next().is_some() && !annotation.replace {
-        return Err(ScheduleError::AlreadyThere { path: display(input), what: format!("a table {STREAKS}") });
+        return Err(error::already_there(input, &format!("a table {STREAKS}")));
     }
     if let Some(short) = layout.rows.iter().position(|row| row.cells.len() != layout.names.len()) {
         let (cells, fields) = (layout.rows[short].cells.len(), layout.names.len());
         let what = format!("row {} has {cells} cells but the header has {fields}", short + 1);
-        return Err(ScheduleError::Format { path: display(input), what });
+        return Err(error::format(input, what));
     }
 
     let mut edits = Edits::default();

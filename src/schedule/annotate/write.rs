@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::ScheduleError;
 use super::super::formats::{ScheduleFormat, display};
 use super::annotation::{Annotation, streaks_path};
 use super::{delimited, json, votable};
+use crate::error::Error;
 
 /// Writes a copy of the schedule at `input`, with verdicts and streaks, to `output`. Returns the files written.
 ///
@@ -32,7 +32,7 @@ pub fn annotate(
     format: ScheduleFormat,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, ScheduleError> {
+) -> Result<Vec<PathBuf>, Error> {
     check_extension(input, format, output)?;
     match format {
         ScheduleFormat::Csv => delimited::annotate_csv(input, output, annotation),
@@ -42,7 +42,10 @@ pub fn annotate(
         #[cfg(feature = "sqlite")]
         ScheduleFormat::Opsim => super::opsim::annotate(input, output, annotation),
         #[cfg(not(feature = "sqlite"))]
-        unwritten => Err(ScheduleError::AnnotateFormat { path: display(input), format: unwritten.to_string() }),
+        unwritten => {
+            Err(Error::about_file("schedule", input, format!("is {unwritten}, which this build cannot write"))
+                .allowing("CSV, ECSV, JSON and VOTable"))
+        }
     }
 }
 
@@ -51,15 +54,12 @@ pub fn annotate(
 /// # Errors
 /// The extension of `output` is that of another format (that of `input` is always allowed), or the file of the streaks is
 /// the schedule.
-pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> Result<(), ScheduleError> {
+pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> Result<(), Error> {
     let is_parquet = output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
     let is_other = is_parquet || ScheduleFormat::by_extension(output).is_some_and(|other| other != format);
     if is_other && output.extension() != input.extension() {
-        return Err(ScheduleError::OutputExtension {
-            path: display(output),
-            format: format.to_string(),
-            allowed: format.extensions().join(", ."),
-        });
+        return Err(Error::about_file("output", output, "has the extension of another format")
+            .allowing(format!(".{}, because the schedule is {format}", format.extensions().join(", ."))));
     }
     let extension = match format {
         ScheduleFormat::Csv => "csv",
@@ -70,7 +70,8 @@ pub fn check_extension(input: &Path, format: ScheduleFormat, output: &Path) -> R
     let streaks = streaks_path(output, extension);
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     if real(&streaks).is_some_and(|streaks| real(input) == Some(streaks)) {
-        return Err(ScheduleError::StreaksAreInput { output: display(output), streaks: display(&streaks) });
+        let predicate = format!("are written to {}, which is the schedule", display(&streaks));
+        return Err(Error::about_file("the streaks of", output, predicate).allowing("an output of another name"));
     }
     Ok(())
 }

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::super::error::ScheduleError;
-use super::columns::{Cell, Quantity, display};
+use super::super::error;
+use super::columns::{Cell, Quantity};
 use super::raw_table::RawTable;
+use crate::error::Error;
 use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
 use crate::message::Quoted;
 use crate::units::{DEGREES, Unit, is_right_ascension};
@@ -105,13 +106,13 @@ impl Checks {
         table: &RawTable,
         read: &[(Option<usize>, &'static Quantity)],
         counted: Option<usize>,
-    ) -> Result<Self, ScheduleError> {
+    ) -> Result<Self, Error> {
         let mut others = Vec::new();
         for (index, Quantity { names, unit }) in read {
             let Some(index) = *index else { continue };
             if let Some(what) = table.rejected.get(&table.names[index]) {
                 let what = format!("column {} {what}", table.names[index]);
-                return Err(ScheduleError::Format { path: display(path), what });
+                return Err(error::format(path, what));
             }
             let scale = table.scale(path, index, unit)?;
             for other in unit.columns(names, &table.names).into_iter().filter(|at| *at != index) {
@@ -146,7 +147,7 @@ impl Checks {
             if !other.unit.is_same(&other.names[0], first, second) {
                 let [first_name, second_name] = &other.names;
                 let [first_text, second_text] =
-                    [index, second_index].map(|index| Quoted::new(&cell(index).text().unwrap_or_default()).to_string());
+                    [index, second_index].map(|index| Quoted::new(cell(index).text().unwrap_or_default()).to_string());
                 return Err(format!(
                     "{first_name} is {first_text} and {second_name} is {second_text}: they contradict each other; allowed: one \
                      of these columns, or equal values"

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::super::error::ScheduleError;
+use super::super::error::ALLOWED_COLUMNS;
+use crate::error::{Error, ErrorKind};
 use crate::message::{Quoted, listed};
 use crate::units::{DEGREES, SECONDS, Unit};
 
@@ -117,17 +118,20 @@ impl ColumnMap {
     ///
     /// # Errors
     /// One error with all missing columns and all columns of the file; or a column that is read occurs twice.
-    pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
+    pub fn find(path: &Path, names: &[String]) -> Result<Self, Error> {
         let starts = STARTS.iter().map(|(name, ..)| name);
         let read = [ID, DURATIONS.names, SNAPS, VISIT, RIGHT_ASCENSION, DECLINATION, ROTATIONS.names, BAND].concat();
         for name in read.iter().chain(starts) {
             if names.iter().filter(|found| found == name).count() > 1 {
-                return Err(ScheduleError::RepeatedColumn { path: display(path), column: (*name).to_owned() });
+                return Err(Error::format(format!("column {} occurs twice", *name))
+                    .allowing("once")
+                    .in_file("schedule", path));
             }
         }
         let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
         let with_unit = |unit: &Unit, accepted: &[&str]| {
-            unit.find(accepted, names).map_err(|source| ScheduleError::Unit { path: display(path), source })
+            unit.find(accepted, names)
+                .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("schedule", path))
         };
         let start = start_columns(names).next();
         let (id, duration, right_ascension, declination) = (
@@ -156,11 +160,13 @@ impl ColumnMap {
         .into_iter()
         .filter_map(|(name, is_missing)| is_missing.then_some(name))
         .collect();
-        Err(ScheduleError::MissingColumns {
-            path: display(path),
-            missing: missing.iter().map(|name| with_hint(name, names)).collect::<Vec<_>>().join(", "),
-            found: names_text(names),
-        })
+        Err(Error::format(format!(
+            "missing {}; found {}",
+            missing.iter().map(|name| with_hint(name, names)).collect::<Vec<_>>().join(", "),
+            names_text(names)
+        ))
+        .allowing(ALLOWED_COLUMNS)
+        .in_file("schedule", path))
     }
 }
 
@@ -296,7 +302,7 @@ pub(in crate::schedule) type ScheduleRow = Result<Vec<Cell>, String>;
 mod tests {
     use super::*;
 
-    fn find(names: &[&str]) -> Result<ColumnMap, ScheduleError> {
+    fn find(names: &[&str]) -> Result<ColumnMap, Error> {
         let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
         ColumnMap::find(Path::new("night.csv"), &names)
     }

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use super::super::error::ScheduleError;
-use super::columns::{Cell, ScheduleRow, display};
+use super::super::error;
+use super::columns::{Cell, ScheduleRow};
+use crate::error::Error;
 use crate::input::{MOST_ROWS, UNCLOSED, comments_like_rows, delimiter_of, first_line};
 
 /// Byte positions of the header and the rows of a CSV file.
@@ -23,7 +24,7 @@ pub(in crate::schedule) struct CsvLayout {
 ///
 /// # Errors
 /// There is no line of names.
-pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayout, ScheduleError> {
+pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayout, Error> {
     let mut rows = Vec::new();
     let (header, header_end) = visit(path, text, |record, end| rows.push((end, record.len())))?;
     Ok(CsvLayout { delimiter: delimiter_of(first_line(text)), names: names_of(&header), header_end, rows })
@@ -34,19 +35,17 @@ fn visit(
     path: &Path,
     text: &str,
     mut row: impl FnMut(&csv::StringRecord, usize),
-) -> Result<(csv::StringRecord, usize), ScheduleError> {
+) -> Result<(csv::StringRecord, usize), Error> {
     if first_line(text).is_empty() {
-        return Err(ScheduleError::Empty { path: display(path) });
+        return Err(error::empty(path));
     }
     let mut reader = reader(text);
     let (mut header, mut record) = (None, csv::StringRecord::new());
     loop {
         let line = reader.position().line();
-        let more = reader.read_record(&mut record).map_err(|error| ScheduleError::Line {
-            path: display(path),
-            line,
-            what: error.to_string(),
-        })?;
+        let more = reader
+            .read_record(&mut record)
+            .map_err(|error| Error::format(error.to_string()).in_line("schedule", path, line as usize))?;
         if !more {
             break;
         }
@@ -57,7 +56,7 @@ fn visit(
             Some(_) => row(&record, end),
         }
     }
-    header.ok_or_else(|| ScheduleError::Empty { path: display(path) })
+    header.ok_or_else(|| error::empty(path))
 }
 
 fn reader(text: &str) -> csv::Reader<&[u8]> {
@@ -90,16 +89,15 @@ impl CsvText {
     ///
     /// # Errors
     /// There is no line of names, or there are too many rows.
-    pub fn new(path: &Path, text: String) -> Result<(Vec<String>, Self), ScheduleError> {
+    pub fn new(path: &Path, text: String) -> Result<(Vec<String>, Self), Error> {
         let mut rows = 0;
         let (header, _) = visit(path, &text, |_, _| rows += 1)?;
         if rows > MOST_ROWS {
-            return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+            return Err(error::too_many_rows(path, MOST_ROWS));
         }
         let width = header.len();
-        let comments_like_rows = comments_like_rows(&text, delimiter_of(first_line(&text))).map_err(|line| {
-            ScheduleError::Line { path: display(path), line: line as u64, what: UNCLOSED.to_owned() }
-        })?;
+        let comments_like_rows = comments_like_rows(&text, delimiter_of(first_line(&text)))
+            .map_err(|line| Error::format(UNCLOSED).in_line("schedule", path, line))?;
         Ok((names_of(&header), Self { text, width, rows, comments_like_rows }))
     }
 

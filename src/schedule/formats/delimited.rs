@@ -3,17 +3,18 @@
 
 use std::path::Path;
 
-use super::super::error::ScheduleError;
-use super::columns::{ScheduleFormat, display};
+use super::super::error;
+use super::columns::ScheduleFormat;
 use super::csv_text::{CsvText, cells};
 use super::raw_table::{RawTable, Rows};
+use crate::error::Error;
 use crate::input::{Ecsv, MOST_ROWS};
 
 /// Reads CSV text.
 ///
 /// # Errors
 /// There is no line of names, or there are too many rows.
-pub(super) fn read_csv(path: &Path, text: String) -> Result<RawTable, ScheduleError> {
+pub(super) fn read_csv(path: &Path, text: String) -> Result<RawTable, Error> {
     let (names, rows) = CsvText::new(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Csv, names);
     table.comments_like_rows = rows.comments_like_rows;
@@ -25,18 +26,18 @@ pub(super) fn read_csv(path: &Path, text: String) -> Result<RawTable, ScheduleEr
 ///
 /// # Errors
 /// The errors of [`Ecsv::parse`], and too many rows.
-pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<Ecsv, ScheduleError> {
+pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<Ecsv, Error> {
     if text.matches('\n').count() > MOST_ROWS {
-        return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+        return Err(error::too_many_rows(path, MOST_ROWS));
     }
-    Ecsv::parse(text).map_err(|error| ScheduleError::Line { path: display(path), line: error.line, what: error.what })
+    Ecsv::parse(text).map_err(|error| Error::format(error.what).in_line("schedule", path, error.line as usize))
 }
 
 /// Reads ECSV text with commas or blanks as separators.
 ///
 /// # Errors
 /// Same as [`ecsv_layout`].
-pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
+pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, Error> {
     let ecsv = ecsv_layout(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Ecsv, ecsv.names.clone());
     let width = table.names.len();

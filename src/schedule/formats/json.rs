@@ -4,13 +4,14 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
+use serde::de::{Deserializer, Error as _, MapAccess, Visitor};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
-use super::super::error::ScheduleError;
-use super::columns::{Cell, ScheduleFormat, display};
+use super::super::error;
+use super::columns::{Cell, ScheduleFormat};
 use super::raw_table::RawTable;
+use crate::error::Error;
 use crate::input::MOST_ROWS;
 use crate::message::Quoted;
 
@@ -27,7 +28,7 @@ const MOST_COMMAS: usize = 40 * MOST_ROWS;
 ///
 /// # Errors
 /// The text is not JSON, or has no array of rows.
-pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
+pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, Error> {
     let mut table = RawTable::new(ScheduleFormat::Json, Vec::new());
     let mut columns: HashMap<String, usize> = HashMap::new();
     let mut rows = Vec::new();
@@ -63,7 +64,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
 }
 
 /// Returns the document, unless it is an array, and its rows.
-fn raw_rows<'a>(path: &Path, text: &'a str) -> Result<(Option<Object<'a>>, Vec<&'a RawValue>), ScheduleError> {
+fn raw_rows<'a>(path: &Path, text: &'a str) -> Result<(Option<Object<'a>>, Vec<&'a RawValue>), Error> {
     let document: &RawValue = serde_json::from_str(text).map_err(|error| bad(path, &error))?;
     let (document, array) = match object_of(path, text, document)? {
         Some(object) => {
@@ -83,17 +84,17 @@ fn raw_rows<'a>(path: &Path, text: &'a str) -> Result<(Option<Object<'a>>, Vec<&
     }
     // Before memory is taken for each row.
     if array.get().bytes().filter(|byte| *byte == b',').take(MOST_COMMAS + 1).count() > MOST_COMMAS {
-        return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+        return Err(error::too_many_rows(path, MOST_ROWS));
     }
     let rows: Vec<&RawValue> = serde_json::from_str(array.get()).map_err(|error| bad_at(path, text, array, &error))?;
     if rows.len() > MOST_ROWS {
-        return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+        return Err(error::too_many_rows(path, MOST_ROWS));
     }
     Ok((document, rows))
 }
 
 /// Returns the members of a value; `None` if it is not an object.
-fn object_of<'a>(path: &Path, text: &str, value: &'a RawValue) -> Result<Option<Object<'a>>, ScheduleError> {
+fn object_of<'a>(path: &Path, text: &str, value: &'a RawValue) -> Result<Option<Object<'a>>, Error> {
     let object = value.get().starts_with('{').then(|| serde_json::from_str(value.get())).transpose();
     object.map_err(|error| bad_at(path, text, value, &error))
 }
@@ -136,7 +137,7 @@ pub(in crate::schedule) struct JsonLayout {
 ///
 /// # Errors
 /// Same as [`read`].
-pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, ScheduleError> {
+pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, Error> {
     let offset = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
     let (document, rows) = raw_rows(path, text)?;
     let document = document.map(|object| members(text, &object, offset));
@@ -152,7 +153,7 @@ pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLa
             });
             Ok(JsonRow { span: (start, start + row.get().len()), members })
         })
-        .collect::<Result<_, ScheduleError>>()?;
+        .collect::<Result<_, Error>>()?;
     Ok(JsonLayout { rows, document })
 }
 
@@ -194,22 +195,22 @@ impl<'de> serde::Deserialize<'de> for Object<'de> {
     }
 }
 
-fn bad(path: &Path, error: &serde_json::Error) -> ScheduleError {
-    ScheduleError::Line { path: display(path), line: error.line() as u64, what: error.to_string() }
+fn bad(path: &Path, error: &serde_json::Error) -> Error {
+    Error::format(error.to_string()).in_line("schedule", path, error.line())
 }
 
 /// Returns the error of a part of the text, with its line in the text.
-fn bad_at(path: &Path, text: &str, part: &RawValue, error: &serde_json::Error) -> ScheduleError {
+fn bad_at(path: &Path, text: &str, part: &RawValue, error: &serde_json::Error) -> Error {
     let start = part.get().as_ptr() as usize - text.as_ptr() as usize;
     let line = text[..start].matches('\n').count() + error.line().max(1);
     // The error ends with its line and column in this part.
     let what = error.to_string();
     let what = what.rsplit_once(" at line ").map_or(&*what, |(what, _)| what).to_owned();
-    ScheduleError::Line { path: display(path), line: line as u64, what }
+    Error::format(what).in_line("schedule", path, line)
 }
 
-fn format(path: &Path, what: &str) -> ScheduleError {
-    ScheduleError::Format { path: display(path), what: what.to_owned() }
+fn format(path: &Path, what: &str) -> Error {
+    error::format(path, what)
 }
 
 fn cell(raw: &str, value: &Value) -> Cell {

@@ -5,9 +5,10 @@ use std::path::Path;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags};
 
-use super::super::error::ScheduleError;
-use super::columns::{Cell, ColumnMap, ScheduleFormat, display};
+use super::super::error;
+use super::columns::{Cell, ColumnMap, ScheduleFormat};
 use super::raw_table::RawTable;
+use crate::error::{Error, ErrorKind};
 use crate::input::MOST_ROWS;
 
 /// Largest total length of text, bytes: 100 bytes for each of the largest number of rows. Rubin's ten-year simulations
@@ -21,29 +22,29 @@ const MOST_INSTRUCTIONS: i32 = 1_000_000_000;
 ///
 /// # Errors
 /// SQLite reports an error.
-pub(in crate::schedule) fn open_read_only(path: &Path) -> Result<Connection, ScheduleError> {
+pub(in crate::schedule) fn open_read_only(path: &Path) -> Result<Connection, Error> {
     Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
-        .map_err(|source| ScheduleError::Sqlite { path: display(path), source })
+        .map_err(|source| Error::caused(ErrorKind::File, source).in_file("schedule", path))
 }
 
 /// Reads the columns of `observations` that a schedule needs, in row order.
 ///
 /// # Errors
 /// There is no table `observations`, columns are missing, a limit is exceeded, or SQLite reports an error.
-pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
+pub(super) fn read(path: &Path) -> Result<RawTable, Error> {
     read_bounded(path, MOST_ROWS, MOST_INSTRUCTIONS)
 }
 
-fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result<RawTable, ScheduleError> {
-    let sqlite = |source| ScheduleError::Sqlite { path: display(path), source };
-    let without_end = |what: String| ScheduleError::Format { path: display(path), what };
+fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result<RawTable, Error> {
+    let sqlite = |source| Error::caused(ErrorKind::File, source).in_file("schedule", path);
+    let without_end = |what: String| error::format(path, what);
     let mut connection = open_read_only(path)?;
     connection.progress_handler(most_instructions, Some(|| true)).map_err(sqlite)?;
     let names = column_names(&connection).map_err(sqlite)?;
     if names.is_empty() {
         let what =
             format!("SQLite without a table 'observations'; found tables: {}", tables(&connection).map_err(sqlite)?);
-        return Err(ScheduleError::Format { path: display(path), what });
+        return Err(error::format(path, what));
     }
     let map = ColumnMap::find(path, &names)?;
     let needed: Vec<usize> = [map.start.index, map.duration, map.right_ascension, map.declination]
@@ -67,7 +68,7 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
     let (mut text_bytes, mut cells_of_rows) = (0, Vec::new());
     while let Some(row) = rows.next().map_err(next_error)? {
         if cells_of_rows.len() == most_rows {
-            return Err(ScheduleError::TooManyRows { path: display(path), most: most_rows });
+            return Err(error::too_many_rows(path, most_rows));
         }
         let cells: Result<Vec<Cell>, rusqlite::Error> =
             (0..table.names.len()).map(|index| row.get_ref(index).map(cell)).collect();
@@ -108,7 +109,7 @@ mod tests {
     use super::*;
 
     /// Reads a view `observations` that contains the positive integers selected by `condition`.
-    fn read_view(condition: &str, most_rows: usize) -> Result<RawTable, ScheduleError> {
+    fn read_view(condition: &str, most_rows: usize) -> Result<RawTable, Error> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("view.db");
         let query = format!(

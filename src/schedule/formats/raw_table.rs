@@ -6,9 +6,9 @@ use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::super::error::ScheduleError;
-use super::columns::{ScheduleFormat, ScheduleRow, display};
+use super::columns::{ScheduleFormat, ScheduleRow};
 use super::csv_text::CsvText;
+use crate::error::{Error, ErrorKind};
 use crate::units::Unit;
 
 /// Rows of a table.
@@ -84,8 +84,9 @@ impl RawTable {
     ///
     /// # Errors
     /// The unit is unknown or contradicts the name of the column.
-    pub fn scale(&self, path: &Path, index: usize, unit: &Unit) -> Result<f64, ScheduleError> {
+    pub fn scale(&self, path: &Path, index: usize, unit: &Unit) -> Result<f64, Error> {
         let name = self.names.get(index).map_or("", String::as_str);
-        unit.scale(name, &self.units).map_err(|source| ScheduleError::Unit { path: display(path), source })
+        unit.scale(name, &self.units)
+            .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("schedule", path))
     }
 }

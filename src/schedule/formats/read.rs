@@ -4,20 +4,21 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use super::super::error::ScheduleError;
-use super::columns::display;
+use super::super::error;
 use super::raw_table::RawTable;
 use super::{delimited, json, votable};
+use crate::error::Error;
 use crate::input;
 
 /// Reads a file into a table of cells.
 ///
 /// # Errors
 /// Same as [`Schedule::read`](super::super::Schedule::read), except for errors of columns and time scales.
-pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleError> {
-    let io_error = |source| ScheduleError::Io { path: display(path), source };
+pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, Error> {
+    let io_error = |source| Error::system(source).in_file("schedule", path);
     if fs::metadata(path).map_err(io_error)?.is_dir() {
-        return Err(ScheduleError::Directory { path: display(path) });
+        return Err(Error::about_file("schedule", path, "is a directory")
+            .allowing("one file, opsim SQLite, CSV, ECSV, JSON or VOTable"));
     }
     let mut file = input::open(path).map_err(io_error)?;
     let mut head = Vec::new();
@@ -36,23 +37,22 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
         _ => None,
     };
     if let Some(what) = what {
-        return Err(ScheduleError::Format { path: display(path), what: what.to_owned() });
+        return Err(error::format(path, what));
     }
     input::check_size(&file).map_err(io_error)?;
     let bytes = input::read_at_most(head.as_slice().chain(file), input::LARGEST_INPUT).map_err(io_error)?;
-    let text = input::text_of(bytes)
-        .map_err(|error| ScheduleError::Format { path: display(path), what: error.to_string() })?;
+    let text = input::text_of(bytes).map_err(|error| error::format(path, error.to_string()))?;
     let text = match text.strip_prefix('\u{feff}') {
         Some(text) => text.to_owned(),
         None => text,
     };
     let body = text.trim_start();
     if body.is_empty() {
-        Err(ScheduleError::Empty { path: display(path) })
+        Err(error::empty(path))
     } else if votable::is_votable(body) {
         votable::read(path, &text)
     } else if body.starts_with('<') {
-        Err(ScheduleError::Format { path: display(path), what: "XML or HTML, but not a VOTable".to_owned() })
+        Err(error::format(path, "XML or HTML, but not a VOTable"))
     } else if body.starts_with(['{', '[']) {
         json::read(path, body)
     } else if input::is_ecsv(body) {
@@ -63,12 +63,12 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
 }
 
 #[cfg(feature = "sqlite")]
-fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
+fn read_sqlite(path: &Path) -> Result<RawTable, Error> {
     super::opsim::read(path)
 }
 
 #[cfg(not(feature = "sqlite"))]
-fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
+fn read_sqlite(path: &Path) -> Result<RawTable, Error> {
     let what = "SQLite, which this build does not support (cargo feature sqlite)".to_owned();
-    Err(ScheduleError::Format { path: display(path), what })
+    Err(error::format(path, what))
 }

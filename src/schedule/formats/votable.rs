@@ -8,11 +8,12 @@ use quick_xml::Reader;
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
-use super::super::error::ScheduleError;
-use super::columns::{Cell, ScheduleFormat, ScheduleRow, display};
+use super::super::error;
+use super::columns::{Cell, ScheduleFormat, ScheduleRow};
 use super::csv_text::cells;
 use super::raw_table::{RawTable, Rows};
 use crate::elements::excerpt;
+use crate::error::Error;
 use crate::input::MOST_ROWS;
 use crate::message::Quoted;
 
@@ -81,8 +82,8 @@ pub(super) fn is_votable(text: &str) -> bool {
 ///
 /// # Errors
 /// The XML is invalid, there is no table, or its rows are not in TABLEDATA.
-pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoTableLayout, ScheduleError> {
-    let fail = |what: &str| ScheduleError::Format { path: display(path), what: what.to_owned() };
+pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoTableLayout, Error> {
+    let fail = |what: &str| error::format(path, what);
     let mut reader = Reader::from_str(text);
     let mut layout = VoTableLayout {
         names: Vec::new(),
@@ -104,7 +105,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
     loop {
         let event = reader.read_event().map_err(|error| {
             let line = 1 + text[..before.min(text.len())].matches('\n').count();
-            ScheduleError::Line { path: display(path), line: line as u64, what: excerpt(error.to_string().as_bytes()) }
+            Error::format(excerpt(error.to_string().as_bytes())).in_line("schedule", path, line)
         })?;
         let now = reader.buffer_position() as usize;
         match event {
@@ -182,7 +183,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                         row.span.end = now;
                         layout.rows.push(std::mem::take(&mut row));
                         if layout.rows.len() > MOST_ROWS {
-                            return Err(ScheduleError::TooManyRows { path: display(path), most: MOST_ROWS });
+                            return Err(error::too_many_rows(path, MOST_ROWS));
                         }
                     }
                     "TABLE" => {
@@ -264,7 +265,7 @@ impl VoTableLayout {
 ///
 /// # Errors
 /// Same as [`votable_layout`].
-pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
+pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, Error> {
     let layout = votable_layout(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::VoTable, layout.names);
     let width = table.names.len();

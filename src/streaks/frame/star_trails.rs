@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use super::super::chip::Chip;
-use super::super::error::StreaksError;
 use super::super::light::{SkyPoint, SkyTrack};
 use super::super::render::draw;
 use super::super::tracking::Tracking;
 use super::synthetic_shot::SyntheticShot;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{Patch, PixelPosition, Plane};
 use crate::streaks::{BRIGHTEST_E, RadialProfile, RandomStars, Star};
@@ -48,7 +48,7 @@ pub(super) fn draw_stars(
     chip: &Chip,
     shot: &SyntheticShot<'_>,
     reach_pix: f64,
-) -> Result<Vec<SkyStar>, StreaksError> {
+) -> Result<Vec<SkyStar>, Error> {
     let Tracking::Rate { reference_s, .. } = shot.tracking else { return Ok(Vec::new()) };
     // Motion of the stars in pixels per second, at the middle of the chip and at the reference time of the WCS.
     let step_s = 1e-3 * shot.exposure_s;
@@ -60,7 +60,7 @@ pub(super) fn draw_stars(
     let width = (chip.rows as f64).hypot(chip.columns as f64) + 2.0 * reach_pix;
     let (rows, columns) = (width.ceil() as usize, (width + speed * shot.exposure_s).ceil() as usize);
     let expected = field.per_megapixel * 1e-6 * rows as f64 * columns as f64;
-    StreaksError::check_range("background: stars that trail over the frame", expected, 0.0, MAX_MEAN_STARS)?;
+    Error::check_range("background: stars that trail over the frame", expected, 0.0, MAX_MEAN_STARS)?;
     let middle = chip.middle();
     let on_sky = |star: Star| {
         // Position of the star in the strip at the reference time of the WCS.
@@ -93,8 +93,8 @@ pub(super) fn add_trails(
     chip: &Chip,
     shot: &SyntheticShot<'_>,
     profile: &RadialProfile,
-) -> Result<(), StreaksError> {
-    let trail = |star: &SkyStar| -> Result<Vec<Patch>, StreaksError> {
+) -> Result<(), Error> {
+    let trail = |star: &SkyStar| -> Result<Vec<Patch>, Error> {
         shot.watch.check()?;
         let [first_s, last_s] = star.over_s;
         let point = |moment: u32| SkyPoint {
@@ -106,13 +106,13 @@ pub(super) fn add_trails(
         let track = SkyTrack { points: (0..=MOMENTS).map(point).collect() };
         let paths = chip.paths(&track, &shot.tracking, &shot.centre, profile.pixel_reach_pix())?;
         if !paths.is_empty() {
-            StreaksError::check_range("background: flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+            Error::check_range("background: flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         }
         Ok(paths.iter().map(|chip_path| draw(&chip_path.path, profile, chip.rows, chip.columns)).collect())
     };
     for batch in stars.chunks(TRAILS_AT_ONCE) {
         // Trails are drawn in parallel and added in order, so that the sums do not depend on the number of threads.
-        let trails = batch.par_iter().map(trail).collect::<Result<Vec<_>, StreaksError>>()?;
+        let trails = batch.par_iter().map(trail).collect::<Result<Vec<_>, Error>>()?;
         trails.iter().flatten().for_each(|patch| patch.add_to(light));
     }
     Ok(())

@@ -7,10 +7,10 @@ use serde::Deserialize;
 
 use super::super::chip::Chip;
 use super::super::count_scale::CountScale;
-use super::super::error::StreaksError;
 use super::super::tracking::Tracking;
 use super::star_trails::{SkyStar, add_trails, draw_stars};
 use super::synthetic_shot::SyntheticShot;
+use crate::error::Error;
 use crate::frames::{Direction, mjd_utc};
 use crate::images::{
     Card, CardValue, Detector, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs, write_frame,
@@ -34,7 +34,7 @@ use crate::units::{DEGREES, MAGNITUDES};
 ///     "sky.toml",
 /// )?;
 /// assert_eq!(frame.columns, 1024);
-/// # Ok::<(), streakcast::streaks::StreaksError>(())
+/// # Ok::<(), streakcast::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -85,33 +85,30 @@ impl SyntheticFrame {
     ///
     /// # Errors
     /// The text is not TOML, a key is unknown or missing, or a value is out of range.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, StreaksError> {
-        let frame: Self = toml::from_str(text).map_err(|error| StreaksError::Toml {
-            origin: origin.to_owned(),
-            message: crate::input::toml_error(&error, text),
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
+        let frame: Self = toml::from_str(text).map_err(|error| {
+            Error::format(crate::input::toml_error(&error, text)).in_file("synthetic frame", origin)
         })?;
-        frame.validate()?;
+        frame.validate().map_err(|error| error.in_file("synthetic frame", origin))?;
         Ok(frame)
     }
 
-    fn validate(&self) -> Result<(), StreaksError> {
-        let held = |key: &str, given: f64, [least, most]: [f64; 2]| {
-            StreaksError::check_range(&format!("synthetic frame: {key}"), given, least, most)
-        };
+    fn validate(&self) -> Result<(), Error> {
+        let held = |key: &str, given: f64, [least, most]: [f64; 2]| Error::check_range(key, given, least, most);
         held("columns", self.columns as f64, [16.0, 32768.0])?;
         held("rows", self.rows as f64, [16.0, 32768.0])?;
         held("pixel_scale_arcsec", self.pixel_scale_arcsec, [0.001, 600.0])?;
         held("rotation_deg", self.rotation_deg, [-360.0, 360.0])?;
         held("zero_point_1s_mag", self.zero_point_1s_mag, [0.0, 50.0])?;
         held("sky_mag_arcsec2", self.sky_mag_arcsec2, [0.0, 40.0])?;
-        Ok(self.detector.validate().map_err(|error| error.at("synthetic frame"))?)
+        self.detector.validate()
     }
 
     /// Computes the counts of sky and stars, with the effects of the detector, and the world coordinates of the frame.
     ///
     /// # Errors
     /// A value is out of range, or the list of stars is invalid.
-    pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), StreaksError> {
+    pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), Error> {
         let rotation_rad = self.rotation_deg.to_radians();
         let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
         let profile = RadialProfile::new(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
@@ -155,7 +152,7 @@ impl SyntheticFrame {
     }
 
     /// Returns the frame as a chip whose count scale gives one electron for a star of magnitude 0.
-    fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, StreaksError> {
+    fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, Error> {
         Ok(Chip {
             hdu: 0,
             name: String::new(),
@@ -173,7 +170,7 @@ impl SyntheticFrame {
     ///
     /// # Errors
     /// A value is out of range, the list of stars is invalid, or the file cannot be written; no partial file remains.
-    pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), StreaksError> {
+    pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), Error> {
         let (counts, wcs) = self.expose(shot)?;
         let whole = self.detector.quantisation.is_some();
         let largest = counts.values().iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -187,7 +184,7 @@ impl SyntheticFrame {
         let cards = self.cards(shot, &wcs);
         let rice = self.compress.then(Rice::default);
         let image = NewImage { name: "", values: &values, cards: &cards, rice };
-        Ok(write_frame(path, &[image])?)
+        write_frame(path, &[image])
     }
 
     fn cards(&self, shot: &SyntheticShot<'_>, wcs: &Wcs) -> Vec<Card> {
@@ -236,10 +233,10 @@ impl SyntheticFrame {
 /// Columns and ranges of a list of stars, for errors.
 const STAR_LIST_FORM: &str = "CSV with ra_deg, dec_deg (-90 to 90) and magnitude (-30 to 60)";
 
-fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, StreaksError> {
+fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, Error> {
     let shown = path.display();
     let failed = |error: std::io::Error| {
-        StreaksError::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
+        Error::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
     };
     let rows = TableRows::open(path).map_err(failed)?;
     let column = |names: &[&'static str], unit| rows.numbers(names, unit, STAR_LIST_FORM).map_err(failed);

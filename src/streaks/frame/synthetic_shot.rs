@@ -24,7 +24,6 @@ pub struct SyntheticShot<'a> {
     pub filter: &'a str,
     /// Seed of the random stars and of the noise.
     pub seed: u64,
-    /// Handle that stops the computation of the frame with
-    /// [`StreaksError::Interrupted`](crate::streaks::StreaksError::Interrupted).
+    /// Handle that stops the computation of the frame.
     pub watch: &'a Watch,
 }

@@ -7,12 +7,11 @@ use hifitime::Epoch;
 
 use super::super::chip::{Chip, circle_of};
 use super::super::count_scale::CountScale;
-use super::super::error::StreaksError;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
 use crate::images::{
-    Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, ImagesError, LightArea, PixelUnit, Wcs,
-    site_from_headers,
+    Calibration, CountBasis, ExposureTime, FrameFile, FrameImages, Header, LightArea, PixelUnit, Wcs, site_from_headers,
 };
 
 /// Values that replace those of a frame's header.
@@ -81,15 +80,15 @@ impl TargetFrame {
     /// # Errors
     /// The file cannot be read; it has no images; the start, the exposure time or the zero point is missing; or a value
     /// is invalid.
-    pub fn open(path: &Path, overrides: &FrameOverrides) -> Result<Self, StreaksError> {
+    pub fn open(path: &Path, overrides: &FrameOverrides) -> Result<Self, Error> {
         let file = FrameFile::open(path)?;
         let shown = path.display().to_string();
         let images = images(&file, overrides)?;
         let Some(&first) = images.frames.first() else {
             let (given, allowed) = images.no_frame();
-            return Err(StreaksError::invalid(format!("{shown}: number of images of two axes"), given, allowed));
+            return Err(Error::invalid("number of images of two axes", given, allowed).in_file("", path));
         };
-        let headers = |hdu: usize| -> Result<[&Header; 2], ImagesError> { Ok([file.header(hdu)?, file.header(0)?]) };
+        let headers = |hdu: usize| -> Result<[&Header; 2], Error> { Ok([file.header(hdu)?, file.header(0)?]) };
         let (opened, exposure_s) = exposure(&headers(first)?, overrides, &shown)?;
         let (mut chips, mut left_out) = (Vec::new(), Vec::new());
         for &hdu in &images.frames {
@@ -102,7 +101,7 @@ impl TargetFrame {
         }
         if chips.is_empty() && !left_out.is_empty() {
             let (hdu, error) = left_out.swap_remove(0);
-            return Err(error.in_hdu(path, hdu).into());
+            return Err(error.in_hdu(path, hdu));
         }
         let first_headers = headers(first)?;
         let calibration = Calibration::from_headers(&first_headers);
@@ -123,7 +122,7 @@ impl TargetFrame {
     ///
     /// # Errors
     /// A position that is not on the Earth.
-    pub fn site(&self) -> Result<Option<Site>, ImagesError> {
+    pub fn site(&self) -> Result<Option<Site>, Error> {
         let first = self.chips.first().map_or(0, |target| target.chip.hdu);
         let headers = [self.file.header(first)?, self.file.header(0)?];
         site_from_headers(&headers).map_err(|error| error.at(self.file.path().display()))
@@ -137,7 +136,7 @@ impl TargetFrame {
 }
 
 /// Returns the images of the sky and their companion planes.
-fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<FrameImages, ImagesError> {
+fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<FrameImages, Error> {
     if !overrides.hdus.is_empty() {
         let mut hdus = overrides.hdus.clone();
         hdus.sort_unstable();
@@ -156,11 +155,11 @@ fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<FrameImages, I
     file.frame_images()
 }
 
-fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), StreaksError> {
+fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), Error> {
     if let (Some(start), Some(duration_s)) = (overrides.start, overrides.duration_s) {
         return Ok((start, duration_s));
     }
-    let failed = |error: ImagesError| error.at(path);
+    let failed = |error: Error| error.at(path);
     // The overrides replace missing or wrong values of the header.
     let duration_s =
         overrides.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;
@@ -170,13 +169,13 @@ fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> R
 }
 
 /// Returns the world coordinates of a chip, and whether they come from its header (true) or are a substitute (false).
-fn chip_wcs(file: &FrameFile, hdu: usize, overrides: &FrameOverrides) -> Result<(Wcs, bool), ImagesError> {
+fn chip_wcs(file: &FrameFile, hdu: usize, overrides: &FrameOverrides) -> Result<(Wcs, bool), Error> {
     let error = match Wcs::from_header(file.header(hdu)?) {
         Ok(wcs) => return Ok((wcs, true)),
         Err(error) => error,
     };
-    match (overrides.pixel_scale_arcsec, &error) {
-        (Some(scale_arcsec), ImagesError::NoCelestialAxes { .. }) => {
+    match overrides.pixel_scale_arcsec {
+        Some(scale_arcsec) if error.kind() == ErrorKind::NoCoordinates => {
             let [rows, columns] = file.image_size(hdu)?;
             let centre = Direction::from_lon_lat_rad(0.0, 0.0);
             Wcs::tangent(centre, scale_arcsec, 0.0, columns, rows).map(|wcs| (wcs, false))
@@ -193,7 +192,7 @@ fn target_chip(
     exposure_s: f64,
     overrides: &FrameOverrides,
     path: &str,
-) -> Result<TargetChip, StreaksError> {
+) -> Result<TargetChip, Error> {
     let calibration = Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]);
     let (mag, basis) = match (overrides.zero_point, &calibration.zero_point) {
         (Some(given), _) => given,
@@ -201,16 +200,17 @@ fn target_chip(
             Some(basis) => (stated.mag, basis),
             None => {
                 let (keyword, mag) = (&stated.keyword, stated.mag);
-                return Err(StreaksError::invalid(
-                    format!("{path}: {keyword}"),
+                return Err(Error::invalid(
+                    keyword,
                     format!("{mag}, the magnitude of one count either in the whole exposure or per second"),
                     format!("--zero-point {mag} or --zero-point-1s {mag} to choose one"),
-                ));
+                )
+                .in_file("", path));
             }
         },
         (None, None) => {
             let allowed = "FLUXMAG0, MAGZERO, MAGZP, MAGZPT, ..., or --zero-point";
-            return Err(StreaksError::invalid(format!("{path}: HDU {hdu}: zero point"), "missing", allowed));
+            return Err(Error::invalid("zero point", "missing", allowed).in_hdu(path.as_ref(), hdu));
         }
     };
     let scale = match basis {
@@ -243,7 +243,7 @@ fn target_chip(
 
 /// Returns the HDU of the variance plane that belongs to an image of Rubin's pipelines: the HDU of the same size after
 /// the planes IMAGE and MASK. The planes are named by EXTNAME, or by EXTTYPE if the file is compressed in tiles.
-fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, ImagesError> {
+fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, Error> {
     let is_plane = |hdu: usize, name: &str| {
         let header = file.header(hdu).ok();
         let text_of = |keyword| header.and_then(|header| header.text(keyword)).is_some_and(|text| text == name);
@@ -254,7 +254,7 @@ fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, ImagesErro
 }
 
 /// Returns the mask planes, with their bits, in the `MP_` keywords of all masks in the file.
-fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, ImagesError> {
+fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, Error> {
     let mut planes = BTreeMap::new();
     for info in file.hdus() {
         for card in file.header(info.index)?.cards() {

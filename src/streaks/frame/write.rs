@@ -3,15 +3,15 @@
 use std::path::Path;
 
 use super::super::drawn::DrawnStreak;
-use super::super::error::StreaksError;
 use super::super::truth::{
     MaskPlanes, NoiseMap, TruthRow, changed_spans, mask_spans, points_table, truth_rows, truth_table,
 };
 use super::target_frame::{TargetChip, TargetFrame};
+use crate::error::Error;
 use crate::frames::tai_ns;
 use crate::images::{
-    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, FrameFile, ImageValues, ImagesError,
-    Patch, Pixels, Quantisation, Saturation, TableColumn,
+    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, FrameFile, ImageValues, Patch, Pixels,
+    Quantisation, Saturation, TableColumn,
 };
 use crate::output::{Column, Kind, Table, Value};
 use crate::watch::Watch;
@@ -57,14 +57,14 @@ pub struct Injected {
 /// order.
 ///
 /// # Errors
-/// [`StreaksError`]; an existing file at `output` is then left unchanged.
+/// The file cannot be written, or the streaks do not fit the frame; an existing file at `output` is then unchanged.
 pub fn inject(
     frame: &TargetFrame,
     streaks: &[DrawnStreak<'_>],
     options: &InjectOptions,
     output: &Path,
     watch: &Watch,
-) -> Result<Injected, StreaksError> {
+) -> Result<Injected, Error> {
     let mut copy = FrameCopy::begin(&frame.file, output)?;
     // Frames of different times have different patterns of rounding also with the same seed.
     copy.set_seed(options.seed ^ tai_ns(frame.opened) as u64);
@@ -162,7 +162,7 @@ fn clipped_counts(
     target: &TargetChip,
     streaks: &[&DrawnStreak<'_>],
     most: f64,
-) -> Result<Vec<f64>, ImagesError> {
+) -> Result<Vec<f64>, Error> {
     let mut clipped = vec![0.0; streaks.len()];
     let is_lit = |row: &usize| streaks.iter().any(|streak| !streak.patch.row(*row).values.is_empty());
     let rows: Vec<usize> = (0..target.chip.rows).filter(is_lit).collect();
@@ -186,13 +186,13 @@ fn clipped_counts(
 }
 
 /// Adds the light to the pixels without the effects of a detector.
-fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), ImagesError> {
+fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), Error> {
     let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
     spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
 }
 
 /// Returns the standard deviation of the noise in a chip's pixels, estimated from some of its rows.
-pub(in crate::streaks) fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<NoiseMap, ImagesError> {
+pub(in crate::streaks) fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<NoiseMap, Error> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let values = frame.file.read_rows(hdu, NoiseMap::rows(lit))?;
     Ok(NoiseMap::of_rows(lit, target.chip.columns, &values))
@@ -207,7 +207,7 @@ fn expose(
     streaks: &[&DrawnStreak<'_>],
     detector: &Detector,
     seed: u64,
-) -> Result<Vec<AddedLight>, StreaksError> {
+) -> Result<Vec<AddedLight>, Error> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let before = frame.file.read_plane(hdu)?;
     let electrons = |patch: &Patch| {
@@ -239,7 +239,7 @@ fn add_variance(
     file: &FrameFile,
     target: &TargetChip,
     added: &[AddedLight],
-) -> Result<(), ImagesError> {
+) -> Result<(), Error> {
     let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_per_unit) else { return Ok(()) };
     /// Number of rows that are read at once.
     const ROWS: usize = 256;
@@ -300,7 +300,7 @@ fn append_masks(
     frame: &TargetFrame,
     masks: Vec<(&TargetChip, ImageValues)>,
     planes: &MaskPlanes,
-) -> Result<(), ImagesError> {
+) -> Result<(), Error> {
     let has_mask = frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case("MASK"));
     let is_one = frame.chips.len() == 1 && !has_mask;
     let mut taken = Vec::new();
@@ -324,7 +324,7 @@ pub(in crate::streaks) fn mask_name(
     target: &TargetChip,
     is_one: bool,
     taken: &mut Vec<(String, i64)>,
-) -> Result<(String, Vec<Card>), ImagesError> {
+) -> Result<(String, Vec<Card>), Error> {
     let hdu = target.chip.hdu;
     let chip = if target.chip.name.is_empty() { hdu.to_string() } else { target.chip.name.clone() };
     let name = if is_one { "MASK".to_owned() } else { format!("MASK_{chip}") };

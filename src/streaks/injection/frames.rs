@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::StreaksError;
 use super::super::frame::{FrameOverrides, SyntheticFrame, SyntheticShot, TargetFrame};
 use super::plan::{InjectionPlan, SyntheticPlan};
-use crate::images::{HduKind, ImagesError};
+use crate::error::{Error, ErrorKind};
+use crate::images::HduKind;
 use crate::output::ScratchFolder;
 use crate::watch::Watch;
 
@@ -16,18 +16,20 @@ pub struct Frames<'a> {
 }
 
 /// Adds the flag that replaces the coordinates of a frame to the error that it has none.
-fn without_coordinates(error: StreaksError) -> StreaksError {
-    match error {
-        StreaksError::Images(error @ ImagesError::NoCelestialAxes { .. }) => StreaksError::NoCoordinates(error),
-        other => other,
+fn without_coordinates(error: Error) -> Error {
+    if error.kind() != ErrorKind::NoCoordinates {
+        return error;
     }
+    let allowed = error.allowed().unwrap_or_default();
+    let allowed = format!("{allowed}, or --pixel-scale ANGLE with random streaks or --streaks in pixels");
+    error.allowing(allowed)
 }
 
 /// Rejects a name that ends in .fz for the copy of a frame that is not compressed in tiles.
-pub fn reject_untiled(frame: &TargetFrame, output: &Path) -> Result<(), StreaksError> {
+pub fn reject_untiled(frame: &TargetFrame, output: &Path) -> Result<(), Error> {
     let is_tiled = frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
     if output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz")) && !is_tiled {
-        return Err(StreaksError::invalid(
+        return Err(Error::invalid(
             output.display().to_string(),
             "the copy of a frame that is not compressed in tiles",
             "a name that ends in .fits",
@@ -45,17 +47,17 @@ struct SyntheticMaker<'a> {
 }
 
 impl<'a> Frames<'a> {
-    pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, StreaksError> {
+    pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, Error> {
         let Some(synthetic) = &plan.synthetic else {
             let open = |path: &PathBuf| TargetFrame::open(path, &plan.overrides).map_err(without_coordinates);
-            return Ok(Self { known: plan.images.iter().map(open).collect::<Result<_, StreaksError>>()?, maker: None });
+            return Ok(Self { known: plan.images.iter().map(open).collect::<Result<_, Error>>()?, maker: None });
         };
         let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
         let maker = SyntheticMaker {
             synthetic,
             plan,
             overrides: FrameOverrides { start: None, duration_s: None, ..plan.overrides.clone() },
-            scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
+            scratch: ScratchFolder::new(folder.unwrap_or(Path::new("."))).map_err(Error::system)?,
         };
         // Only the header of this frame is used. It is made without stars, which is faster.
         let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };
@@ -70,7 +72,7 @@ impl<'a> Frames<'a> {
 
     /// Rejects output names that end in .fz for frames that are not compressed in tiles, because their copies are not
     /// compressed either.
-    pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), StreaksError> {
+    pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), Error> {
         for (index, output) in outputs.iter().enumerate() {
             let frame = self.known.get(if self.maker.is_some() { 0 } else { index });
             frame.map_or(Ok(()), |frame| reject_untiled(frame, output))?;
@@ -84,13 +86,13 @@ impl<'a> Frames<'a> {
         index: usize,
         seed: u64,
         watch: &Watch,
-        work: impl FnOnce(&TargetFrame) -> Result<T, StreaksError>,
-    ) -> Result<T, StreaksError> {
+        work: impl FnOnce(&TargetFrame) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         match &self.maker {
             None => work(
                 self.known
                     .get(index)
-                    .ok_or_else(|| StreaksError::invalid("frame", index, format!("below {}", self.known.len())))?,
+                    .ok_or_else(|| Error::invalid("frame", index, format!("below {}", self.known.len())))?,
             ),
             Some(maker) => {
                 let frame = maker.make(&maker.synthetic.frame, index + 1, seed, watch)?;
@@ -105,13 +107,7 @@ impl<'a> Frames<'a> {
 }
 
 impl SyntheticMaker<'_> {
-    fn make(
-        &self,
-        synthetic: &SyntheticFrame,
-        number: usize,
-        seed: u64,
-        watch: &Watch,
-    ) -> Result<TargetFrame, StreaksError> {
+    fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64, watch: &Watch) -> Result<TargetFrame, Error> {
         let path = self.scratch.path().join(format!("{number}.fits"));
         let SyntheticPlan { opened, exposure_s, centre, .. } = *self.synthetic;
         let shot = SyntheticShot {

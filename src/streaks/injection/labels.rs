@@ -13,10 +13,10 @@ use serde_json::{Value, json};
 
 use super::super::chip::Chip;
 use super::super::drawn::DrawnStreak;
-use super::super::error::StreaksError;
 use super::super::masking::{Cell, polygons};
 use super::super::regions::{Region, region_text};
-use crate::images::{ImagesError, PixelPosition};
+use crate::error::Error;
+use crate::images::PixelPosition;
 use crate::output::write_atomically;
 
 /// Smallest distance of the outline from the middle of the streak, pixels.
@@ -85,10 +85,10 @@ impl LabelFormat {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn by_name(name: &str) -> Result<Self, StreaksError> {
+    pub fn by_name(name: &str) -> Result<Self, Error> {
         let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
         found.ok_or_else(|| {
-            StreaksError::invalid("format of labels", format!("{name:?}"), Self::ALL.map(Self::name).join(", "))
+            Error::invalid("format of labels", format!("{name:?}"), Self::ALL.map(Self::name).join(", "))
         })
     }
 
@@ -261,9 +261,9 @@ pub fn label_files(formats: &[LabelFormat], frames: &[(&Path, &[LabelledImage])]
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write_labels(files: &[LabelFile]) -> Result<(), StreaksError> {
+pub fn write_labels(files: &[LabelFile]) -> Result<(), Error> {
     for LabelFile { path, text } in files {
-        write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(ImagesError::io(path))?;
+        write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(Error::io(path))?;
     }
     Ok(())
 }

@@ -6,7 +6,6 @@ use serde_json::json;
 
 use super::super::chip::{Chip, direction_on};
 use super::super::drawn::{DrawnStreak, Shot, draw_image_on_chip, draw_on_chip};
-use super::super::error::StreaksError;
 use super::super::frame::TargetFrame;
 use super::super::light::{
     ChosenLight, ChosenStreak, GivenStreak, GivenWidth, Modulation, RandomStreaks, SatelliteLight, SkyPoint, SkyTrack,
@@ -15,6 +14,7 @@ use super::super::light::{
 use super::labels::file_name;
 use super::plan::{InjectionPlan, RandomPlan};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{Direction, EopTable, Gcrs};
 use crate::images::StreakEnds;
 use crate::message::listed;
@@ -47,11 +47,14 @@ pub fn sources(
     photometry: &PhotometryOptions,
     seed: u64,
     output: &Path,
-) -> Result<(Vec<Source>, Option<String>), StreaksError> {
+) -> Result<(Vec<Source>, Option<String>), Error> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
-        let shown = frame.file.path().display();
-        let what = format!("{shown}: position of the corners of the frame on the sky");
-        StreaksError::invalid(what, "undefined", "world coordinates that cover the frame")
+        Error::invalid(
+            "position of the corners of the frame on the sky",
+            "undefined",
+            "world coordinates that cover the frame",
+        )
+        .in_file("", frame.file.path())
     })?;
     if let Some(random) = &plan.random {
         return Ok((random_sources(random, plan, frame, (centre, radius_rad), seed), None));
@@ -135,7 +138,7 @@ fn chosen_source(
     plan: &InjectionPlan,
     frame: &TargetFrame,
     (shot, watch): (&Shot<'_>, &Watch),
-) -> Result<Source, StreaksError> {
+) -> Result<Source, Error> {
     let given = &streak.given;
     let chip = chip_of(given, frame)?;
     if !chip.is_on_sky && matches!(given.ends, StreakEnds::Sky(_)) {
@@ -201,7 +204,7 @@ pub fn drawn<'a>(
     plan: &InjectionPlan,
     shot: &Shot<'_>,
     watch: &Watch,
-) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
+) -> Result<Vec<DrawnStreak<'a>>, Error> {
     let chip = &frame.chips[index].chip;
     match &plan.psf_file {
         Some(file) => {
@@ -213,7 +216,7 @@ pub fn drawn<'a>(
 }
 
 /// Returns the chip of a streak; the first one for ends on the sky without an HDU.
-fn chip_of<'a>(streak: &GivenStreak, frame: &'a TargetFrame) -> Result<&'a Chip, StreaksError> {
+fn chip_of<'a>(streak: &GivenStreak, frame: &'a TargetFrame) -> Result<&'a Chip, Error> {
     let hdus: Vec<usize> = frame.chips.iter().map(|target| target.chip.hdu).collect();
     let index = streak.chip_index(&hdus, frame.file.path())?;
     Ok(&frame.chips[index.unwrap_or(0)].chip)

@@ -15,5 +15,6 @@ pub use labels::{LabelFile, LabelFormat};
 pub use lights::InjectionSky;
 pub(super) use lights::provenance_lines;
 pub use plan::{InjectionPlan, RandomPlan, SyntheticPlan};
+pub(crate) use run::partly_written;
 pub(super) use run::reject_packed;
 pub use run::{InjectedFrame, Injection, Injections};

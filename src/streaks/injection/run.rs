@@ -9,7 +9,6 @@ use rayon::prelude::*;
 
 use super::super::chip::Chip;
 use super::super::drawn::{DrawnStreak, Shot};
-use super::super::error::StreaksError;
 use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
 use super::super::light::{ChosenStreaks, Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
@@ -17,9 +16,10 @@ use super::frames::Frames;
 use super::labels::{LabelFile, LabelledImage, file_name, label_files, write_labels};
 use super::lights::{InjectionSky, drawn, has_light, history, sources, state};
 use super::plan::InjectionPlan;
+use crate::error::Error;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
-use crate::images::{ImagesError, PixelPosition};
+use crate::images::PixelPosition;
 use crate::message::{Quoted, listed};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted};
 use crate::watch::Watch;
@@ -93,10 +93,10 @@ impl<'a> Injection<'a> {
     ///   No frame is read in this case.
     /// - A file of labels cannot be written, or is also an input.
     /// - A frame cannot be opened or created.
-    pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, StreaksError> {
+    pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, Error> {
         for output in outputs {
             reject_packed(output)?;
-            AtomicFile::check(output).map_err(ImagesError::io(output))?;
+            AtomicFile::check(output).map_err(Error::io(output))?;
         }
         let frames = Frames::open(plan, outputs)?;
         frames.reject_untiled(outputs)?;
@@ -115,7 +115,7 @@ impl<'a> Injection<'a> {
     ///
     /// # Errors
     /// A position that is not on the Earth.
-    pub fn sites(&self) -> Result<Vec<Site>, StreaksError> {
+    pub fn sites(&self) -> Result<Vec<Site>, Error> {
         let mut sites: Vec<Site> = Vec::new();
         for frame in self.frames.known() {
             let is_new = |site: &Site| !sites.iter().any(|known| (known.itrs() - site.itrs()).norm_km() < ONE_SITE_KM);
@@ -125,12 +125,12 @@ impl<'a> Injection<'a> {
     }
 
     /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool. It stops
-    /// with [`StreaksError::Interrupted`] after [`Watch::stop`].
+    /// after [`Watch::stop`].
     ///
     /// # Errors
     /// Errors of frames, detectors, passes and drawing. Each output is written completely or not at all. If one of
     /// several frames fails, others may have been written; the error contains their number.
-    pub fn run(&self, sky: Option<InjectionSky<'_>>, watch: &Watch) -> Result<Injections, StreaksError> {
+    pub fn run(&self, sky: Option<InjectionSky<'_>>, watch: &Watch) -> Result<Injections, Error> {
         let (plan, known) = (self.plan, self.frames.known());
         if let (Some(chosen), true) = (&plan.chosen, plan.synthetic.is_some() || !plan.images.is_empty()) {
             check_images(chosen, known, self.outputs)?;
@@ -142,7 +142,7 @@ impl<'a> Injection<'a> {
         let warnings: Vec<String> = left_out.collect();
         let count = self.outputs.len();
         let written = AtomicUsize::new(0);
-        let frames: Result<Vec<InjectedFrame>, StreaksError> = self
+        let frames: Result<Vec<InjectedFrame>, Error> = self
             .outputs
             .par_iter()
             .enumerate()
@@ -157,7 +157,7 @@ impl<'a> Injection<'a> {
             .collect();
         let frames = frames.map_err(|error| match written.into_inner() {
             0 => error,
-            done => StreaksError::Batch { source: Box::new(error), done, count },
+            done => partly_written(&error, done, count),
         })?;
 
         let labelled: Vec<(&Path, &[LabelledImage])> =
@@ -186,7 +186,7 @@ impl<'a> Injection<'a> {
 }
 
 /// Checks that the files of labels, of which frames with several chips have one for each, can be written and are no inputs.
-fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]) -> Result<(), StreaksError> {
+fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]) -> Result<(), Error> {
     let place = |path: &Path| std::fs::canonicalize(path).ok();
     let inputs: Vec<PathBuf> = plan.inputs.iter().filter_map(|input| place(input)).collect();
     for (index, output) in outputs.iter().enumerate() {
@@ -196,21 +196,20 @@ fn check_labels(plan: &InjectionPlan, outputs: &[PathBuf], known: &[TargetFrame]
             let path = format.path(output, outputs.len(), (!is_only).then_some(chip.chip.hdu));
             if place(&path).is_some_and(|path| inputs.contains(&path)) {
                 let allowed = "labels that replace no input: another name of the output or of the input";
-                return Err(StreaksError::invalid(path.display().to_string(), "also an input", allowed));
+                return Err(Error::about_file("", path, "is also an input").allowing(allowed));
             }
-            AtomicFile::check(&path).map_err(ImagesError::io(&path))?;
+            AtomicFile::check(&path).map_err(Error::io(&path))?;
         }
     }
     Ok(())
 }
 
 /// Rejects names of compressed files, because the program does not compress whole files.
-pub fn reject_packed(output: &Path) -> Result<(), StreaksError> {
+pub fn reject_packed(output: &Path) -> Result<(), Error> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
-        let shown = output.display();
         let allowed = format!("a name without .{end}, for example .fits");
-        return Err(StreaksError::invalid(shown.to_string(), "the name of a compressed file", allowed));
+        return Err(Error::about_file("", output, "is the name of a compressed file").allowing(allowed));
     }
     Ok(())
 }
@@ -239,7 +238,7 @@ fn inject_frame(
     output: &Path,
     seed: u64,
     watch: &Watch,
-) -> Result<InjectedFrame, StreaksError> {
+) -> Result<InjectedFrame, Error> {
     let (photometry, unknown_filter) = plan.photometry_of(frame);
     let tracking = plan.tracking(frame.exposure_s);
     let (centre, _) = frame.circle().unwrap_or((Direction::from_lon_lat_rad(0.0, 0.0), 0.0));
@@ -267,7 +266,7 @@ fn inject_frame(
             let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
             Ok(drawn.into_iter().flatten().collect())
         })
-        .collect::<Result<Vec<Vec<_>>, StreaksError>>()?
+        .collect::<Result<Vec<Vec<_>>, Error>>()?
         .into_iter()
         .flatten()
         .collect();
@@ -312,7 +311,7 @@ fn inject_frame(
 }
 
 /// Checks that each row of a table of streaks belongs to a frame.
-fn check_images(chosen: &ChosenStreaks, frames: &[TargetFrame], outputs: &[PathBuf]) -> Result<(), StreaksError> {
+fn check_images(chosen: &ChosenStreaks, frames: &[TargetFrame], outputs: &[PathBuf]) -> Result<(), Error> {
     let paths = frames.iter().map(|frame| frame.file.path()).chain(outputs.iter().map(PathBuf::as_path));
     let names: Vec<String> = paths.map(file_name).collect();
     for streak in &chosen.streaks {
@@ -411,4 +410,9 @@ fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     (z ^ (z >> 31)) >> 11
+}
+
+/// Returns the error in one of several frames with the number of frames that were written completely.
+pub(crate) fn partly_written(error: &Error, done: usize, count: usize) -> Error {
+    Error::new(error.kind(), format!("{error}; {done} of {count} frames have already been written, without tables"))
 }

@@ -3,9 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::super::error::StreaksError;
 use super::given_streaks::{GivenColumns, GivenStreak};
 use super::modulation::LightCurve;
+use crate::error::Error;
 use crate::images::{Bounded, StreakRow, StreakTable};
 use crate::input::{Column, TableRows};
 use crate::message::listed;
@@ -75,19 +75,17 @@ impl ChosenStreaks {
     ///
     /// # Errors
     /// The file cannot be read, a column is missing, or a cell is invalid.
-    pub fn read(path: &Path) -> Result<Self, StreaksError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         let (table, columns) = StreakTable::read(path, Columns::find)?;
         let mut streaks = Vec::new();
         for (row, number) in table.rows().zip(1..) {
             if number > MOST_STREAKS {
-                return Err(row
-                    .invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}"))
-                    .into());
+                return Err(row.invalid("number of streaks", &number.to_string(), format!("1 to {MOST_STREAKS}")));
             }
             streaks.push(ChosenStreak::of_row(&row, number, &columns, path)?);
         }
         if streaks.is_empty() {
-            return Err(StreaksError::invalid(format!("{}: number of streaks", path.display()), 0, "1 or more"));
+            return Err(Error::invalid("number of streaks", 0, "1 or more").in_file("", path));
         }
         let names = [&GivenColumns::NAMES[..], &["magnitude", "peak", "light_curve"]].concat();
         Ok(Self { path: path.to_owned(), streaks, remarks: table.remarks(&names) })
@@ -95,13 +93,13 @@ impl ChosenStreaks {
 }
 
 impl ChosenStreak {
-    fn of_row(row: &StreakRow<'_>, number: usize, columns: &Columns, path: &Path) -> Result<Self, StreaksError> {
+    fn of_row(row: &StreakRow<'_>, number: usize, columns: &Columns, path: &Path) -> Result<Self, Error> {
         let light = match (row.number(columns.magnitude)?, row.number(columns.peak)?) {
             (Some(magnitude), None) => ChosenLight::Magnitude(magnitude),
             (None, Some(peak)) => ChosenLight::Peak(peak),
-            (None, None) => return Err(row.invalid("magnitude", "", "a magnitude or a peak").into()),
+            (None, None) => return Err(row.invalid("magnitude", "", "a magnitude or a peak")),
             (Some(_), Some(peak)) => {
-                return Err(row.invalid("peak", &peak.to_string(), "no peak with a magnitude").into());
+                return Err(row.invalid("peak", &peak.to_string(), "no peak with a magnitude"));
             }
         };
         let curve = match row.text(columns.curve) {

@@ -7,9 +7,9 @@ use std::path::Path;
 use hifitime::Epoch;
 
 use super::super::chip::Chip;
-use super::super::error::StreaksError;
 use super::super::tracking::Tracking;
 use super::sky_track::{SkyPoint, SkyTrack};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_moment, seconds_between};
 use crate::images::{Bounded, PixelPosition, StreakEnds, StreakRow};
 use crate::input::{Column, TableRows};
@@ -124,7 +124,7 @@ impl GivenStreak {
     ///
     /// # Errors
     /// A cell is invalid, or the width is given twice.
-    pub fn of_row(row: &StreakRow<'_>, number: usize, columns: &GivenColumns) -> Result<Self, StreaksError> {
+    pub fn of_row(row: &StreakRow<'_>, number: usize, columns: &GivenColumns) -> Result<Self, Error> {
         let (range_km, size_m) = (row.number(columns.range_km)?, row.number(columns.size_m)?);
         let fwhm_arcsec = row.number(columns.fwhm_arcsec)?;
         let width = match (row.number(columns.fwhm_pix)?, fwhm_arcsec, range_km) {
@@ -134,21 +134,21 @@ impl GivenStreak {
             (None, None, None) => GivenWidth::Unknown,
             _ => {
                 let allowed = "one of fwhm_pix, fwhm_arcsec and range_km (a width contains defocus and size)";
-                return Err(row.invalid("width of the streak", "given twice", allowed).into());
+                return Err(row.invalid("width of the streak", "given twice", allowed));
             }
         };
         if let Some(size_m) = size_m.filter(|_| range_km.is_none()) {
-            return Err(row.invalid("size_m", &size_m.to_string(), "with range_km, which gives the angle").into());
+            return Err(row.invalid("size_m", &size_m.to_string(), "with range_km, which gives the angle"));
         }
-        let time = |name: &str, utc: Option<Column>, seconds: Option<Bounded>| -> Result<EndTime, StreaksError> {
+        let time = |name: &str, utc: Option<Column>, seconds: Option<Bounded>| -> Result<EndTime, Error> {
             let text = row.text(utc);
             match (text, row.number(seconds)?) {
                 ("", None) => Ok(EndTime::Shutter),
                 ("", Some(seconds)) => Ok(EndTime::Seconds(seconds)),
                 (text, None) => parse_moment(text, Some(hifitime::TimeScale::UTC))
                     .map(EndTime::At)
-                    .map_err(|_| row.invalid(name, text, "a time in UTC, such as 2026-08-14T23:36:25Z").into()),
-                (text, Some(_)) => Err(row.invalid(name, text, "either a time in UTC or seconds").into()),
+                    .map_err(|_| row.invalid(name, text, "a time in UTC, such as 2026-08-14T23:36:25Z")),
+                (text, Some(_)) => Err(row.invalid(name, text, "either a time in UTC or seconds")),
             }
         };
         Ok(Self {
@@ -185,7 +185,7 @@ impl GivenStreak {
     ///
     /// # Errors
     /// No chip has the HDU of the streak, or a streak in pixels has no HDU and there are several chips.
-    pub(crate) fn chip_index(&self, hdus: &[usize], frame: &Path) -> Result<Option<usize>, StreaksError> {
+    pub(crate) fn chip_index(&self, hdus: &[usize], frame: &Path) -> Result<Option<usize>, Error> {
         let allowed = || {
             let listed: Vec<String> = hdus.iter().map(usize::to_string).collect();
             format!("HDU {} of {}", listed.join(", "), frame.display())
@@ -202,12 +202,12 @@ impl GivenStreak {
     }
 
     /// Returns the error of a value of this row.
-    pub(crate) fn invalid(&self, what: &str, given: impl Display, allowed: impl Into<String>) -> StreaksError {
-        StreaksError::invalid(format!("{}: {what}", self.origin), given, allowed)
+    pub(crate) fn invalid(&self, what: &str, given: impl Display, allowed: impl Into<String>) -> Error {
+        Error::invalid(what, given, allowed).at(&self.origin)
     }
 
     /// Returns the times at which the light is at the ends, seconds after the shutter opened.
-    fn seconds(&self, opened: Epoch, exposure_s: f64) -> Result<[f64; 2], StreaksError> {
+    fn seconds(&self, opened: Epoch, exposure_s: f64) -> Result<[f64; 2], Error> {
         let at = |time: EndTime, shutter_s: f64| match time {
             EndTime::Shutter => shutter_s,
             EndTime::Seconds(seconds) => seconds,
@@ -242,10 +242,10 @@ impl GivenStreak {
         (opened, exposure_s): (Epoch, f64),
         (tracking, centre): (&Tracking, &Direction<Gcrs>),
         magnitude: f64,
-    ) -> Result<SkyTrack, StreaksError> {
+    ) -> Result<SkyTrack, Error> {
         let [from_s, to_s] = self.seconds(opened, exposure_s)?;
         let range_km = if let GivenWidth::Distance { range_km, .. } = self.width { range_km } else { Self::FAR_KM };
-        let point = |index: usize| -> Result<SkyPoint, StreaksError> {
+        let point = |index: usize| -> Result<SkyPoint, Error> {
             let share = index as f64 / (POINTS - 1) as f64;
             let time_s = from_s + share * (to_s - from_s);
             let direction = match &self.ends {

@@ -3,8 +3,8 @@
 #[cfg(all(feature = "fits", unix))]
 use std::path::Path;
 
-use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
+use crate::error::Error;
 #[cfg(all(feature = "fits", unix))]
 use crate::input::TableRows;
 #[cfg(all(feature = "fits", unix))]
@@ -46,23 +46,19 @@ impl LightCurve {
     ///
     /// # Errors
     /// Fewer than two points, numbers that are not finite, or times that do not increase.
-    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, StreaksError> {
+    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, Error> {
         if points.len() < 2 {
-            return Err(StreaksError::invalid("light curve: number of points", points.len(), "2 or more"));
+            return Err(Error::invalid("light curve: number of points", points.len(), "2 or more"));
         }
         for (index, point) in points.iter().enumerate() {
             if !(point.0.is_finite() && point.1.is_finite()) {
                 let given = format!("{} s, {} mag", point.0, point.1);
-                return Err(StreaksError::invalid(
-                    format!("light curve: point {}", index + 1),
-                    given,
-                    "finite numbers",
-                ));
+                return Err(Error::invalid(format!("point {}", index + 1), given, "finite numbers").at("light curve"));
             }
             if index > 0 && points[index - 1].0 >= point.0 {
                 let what = format!("light curve: time of point {}", index + 1);
                 let allowed = format!("later than the previous point at {} s", points[index - 1].0);
-                return Err(StreaksError::invalid(what, format!("{} s", point.0), allowed));
+                return Err(Error::invalid(what, format!("{} s", point.0), allowed));
             }
         }
         Ok(Self { points })
@@ -73,12 +69,9 @@ impl LightCurve {
     /// # Errors
     /// The file cannot be read, a column is missing, a cell is not a number, and the errors of [`LightCurve::new`].
     #[cfg(all(feature = "fits", unix))]
-    pub fn read(path: &Path) -> Result<Self, StreaksError> {
+    pub fn read(path: &Path) -> Result<Self, Error> {
         const FORM: &str = "time_s, delta_mag";
-        let failed = |error: &dyn std::fmt::Display| StreaksError::Table {
-            path: path.to_owned(),
-            problem: format!("light curve: {error}"),
-        };
+        let failed = |error: &dyn std::fmt::Display| Error::format(format!("light curve: {error}")).in_file("", path);
         let rows = TableRows::open(path).map_err(|error| failed(&error))?;
         let column = |names: &[&'static str], unit| rows.numbers(names, unit, FORM).map_err(|error| failed(&error));
         let columns = [column(&["time_s"], &SECONDS)?, column(&["delta_mag"], &MAGNITUDES)?];
@@ -132,9 +125,9 @@ impl Modulation {
     ///
     /// # Errors
     /// A number out of range.
-    pub fn check(&self) -> Result<(), StreaksError> {
+    pub fn check(&self) -> Result<(), Error> {
         let held = |what: &str, given: f64, allowed: &str, right: bool| {
-            if right { Ok(()) } else { Err(StreaksError::invalid(what, given, allowed)) }
+            if right { Ok(()) } else { Err(Error::invalid(what, given, allowed)) }
         };
         if let Some(Tumbling { period_s, amplitude_mag, phase }) = self.tumbling {
             held("tumbling period (s)", period_s, "0.02 to 1e5", (0.02..=1e5).contains(&period_s))?;

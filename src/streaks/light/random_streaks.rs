@@ -5,8 +5,8 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson};
 
-use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 
 /// Number, magnitudes and rates of random streaks.
@@ -48,11 +48,11 @@ impl RandomStreaks {
     ///
     /// # Errors
     /// A number is outside its allowed range, or the ends of a range are in the wrong order.
-    pub fn check(&self) -> Result<(), StreaksError> {
+    pub fn check(&self) -> Result<(), Error> {
         let held = |what: &str, [from, to]: [f64; 2], allowed: &str, [least, most]: [f64; 2]| {
             let right = from >= least && to <= most && from <= to;
             let given = if from == to { from.to_string() } else { format!("{from} to {to}") };
-            if right { Ok(()) } else { Err(StreaksError::invalid(format!("random streaks: {what}"), given, allowed)) }
+            if right { Ok(()) } else { Err(Error::invalid(what, given, allowed).at("random streaks")) }
         };
         let number = match self.number {
             StreakNumber::Exactly(number) => number as f64,

@@ -1,11 +1,11 @@
 //! Satellites that cross the field during an exposure, as lights to be drawn.
 
-use super::super::error::StreaksError;
 use super::modulation::Modulation;
 use super::resolved::ResolvedPanels;
 use super::sky_track::{SkyPoint, SkyTrack};
 use super::source::{Source, SourceName};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
 use crate::orbit::PositionSource;
 use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, Viewpoint};
@@ -48,14 +48,14 @@ pub struct SatelliteExposure {
 /// which the frame moves.
 ///
 /// # Errors
-/// [`StreaksError`] if passes cannot be computed, or if the field covers more than half of the sky.
+/// Passes cannot be computed, or if the field covers more than half of the sky.
 pub fn satellites(
     sky: &Sky,
     eop: &EopTable,
     exposure: &Exposure,
     radius_rad: f64,
     light: &SatelliteLight<'_>,
-) -> Result<SatelliteExposure, StreaksError> {
+) -> Result<SatelliteExposure, Error> {
     let of_known_age = sky;
     // Satellites of unknown position are counted where they are predicted.
     let sky = &sky.clone().with_elements_of_any_age();

@@ -8,10 +8,10 @@
 use nalgebra::Vector3;
 
 use super::super::chip::Chip;
-use super::super::error::StreaksError;
 use super::super::light::{SkyPoint, SkyTrack};
 use super::super::render::StreakPath;
 use super::super::tracking::Tracking;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::images::PixelPosition;
 
@@ -116,14 +116,14 @@ impl UncertainTrack<'_> {
     /// `reach_pix` is the largest such distance.
     ///
     /// # Errors
-    /// [`StreaksError`] if a position is not finite.
+    /// A position is not finite.
     pub fn cells(
         &self,
         chip: &Chip,
         rate: &dyn Fn(f64) -> f64,
         reach_pix: f64,
         mut half_width_pix: impl FnMut(&LocalLight) -> Option<f64>,
-    ) -> Result<Vec<Cell>, StreaksError> {
+    ) -> Result<Vec<Cell>, Error> {
         let Some((middle, radius_rad)) = chip.circle() else { return Ok(Vec::new()) };
         let pixel_rad = (chip.pixel_scale_arcsec() / 3600.0).to_radians();
         let near_rad = radius_rad + reach_pix * pixel_rad;

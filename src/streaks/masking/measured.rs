@@ -7,9 +7,9 @@ use hifitime::Epoch;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::super::chip::Chip;
-use super::super::error::StreaksError;
 use super::super::frame::TargetFrame;
 use crate::elements::{NoradId, parse_iso};
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, seconds_between};
 use crate::input::TableRows;
 
@@ -59,8 +59,8 @@ pub struct MeasuredStreak {
 ///
 /// # Errors
 /// The file cannot be read, a column is missing, or a value is invalid.
-pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, StreaksError> {
-    let failed = |error: std::io::Error| StreaksError::Table { path: path.to_owned(), problem: error.to_string() };
+pub fn read_measured_streaks(path: &Path) -> Result<Vec<MeasuredStreak>, Error> {
+    let failed = |error: std::io::Error| Error::system(error).in_file("", path);
     let rows = TableRows::open(path).map_err(failed)?;
     let column = |name| rows.column(name, COLUMNS).map_err(failed);
     let [image, hdu, id, detected] = [column("image")?, column("hdu")?, column("norad_id")?, column("detected")?];

@@ -8,7 +8,6 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::super::chip::Chip;
-use super::super::error::StreaksError;
 use super::super::frame::{TargetFrame, noise_of_chip};
 use super::super::optics::Optics;
 use super::super::truth::{NoiseMap, SHARE_WITHOUT_NOISE};
@@ -17,6 +16,7 @@ use super::corridor::{Cell, LocalLight, UncertainTrack};
 use super::light_width::LightWidth;
 use super::measured::{MeasuredStreak, UnusedReason};
 use crate::elements::NoradId;
+use crate::error::Error;
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::images::PixelPosition;
 use crate::orbit::Lateness;
@@ -154,10 +154,14 @@ pub fn mask_frame(
     frame: &TargetFrame,
     measured: &[MeasuredStreak],
     options: &MaskOptions,
-) -> Result<FrameMask, StreaksError> {
+) -> Result<FrameMask, Error> {
     let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
-        let what = format!("{}: position of the corners of the frame on the sky", frame.file.path().display());
-        StreaksError::invalid(what, "undefined", "world coordinates that cover the frame")
+        Error::invalid(
+            "position of the corners of the frame on the sky",
+            "undefined",
+            "world coordinates that cover the frame",
+        )
+        .in_file("", frame.file.path())
     })?;
     let exposure =
         Exposure { id: String::new(), start: frame.opened, duration_s: frame.exposure_s, pointing, rotation_rad: 0.0 };
@@ -208,7 +212,7 @@ pub fn mask_frame(
         let measured = of_satellite.get(&element_index).map_or(&[][..], Vec::as_slice);
         Ok((element_index, masking.satellite(element_index, probability, measured)?))
     });
-    let parts = parts.collect::<Result<BTreeMap<usize, FrameMask>, StreaksError>>()?;
+    let parts = parts.collect::<Result<BTreeMap<usize, FrameMask>, Error>>()?;
     let is_listed = |part: &FrameMask| !part.streaks.is_empty() || !part.left_out.is_empty();
     let unknown = found.left_out.iter().filter(|satellite| !parts.get(&satellite.element_index).is_some_and(is_listed));
     mask.left_out.extend(unknown.map(|satellite| LeftOutSatellite {
@@ -348,7 +352,7 @@ impl Masking<'_> {
         element_index: usize,
         probability: f64,
         measured: &[&MeasuredStreak],
-    ) -> Result<FrameMask, StreaksError> {
+    ) -> Result<FrameMask, Error> {
         let (sky, middle_s) = (self.interval.sky(), 0.5 * self.frame.exposure_s);
         let left_out = |reason: LeftOutReason| {
             let elements = &sky.elements()[element_index];
@@ -431,7 +435,7 @@ impl Masking<'_> {
         &self,
         satellite: &Satellite<'_>,
         measured: &[&MeasuredStreak],
-    ) -> Result<(FrameMask, Option<LeftOutReason>), StreaksError> {
+    ) -> Result<(FrameMask, Option<LeftOutReason>), Error> {
         let (light, chips) = (satellite.light, 0..self.frame.chips.len());
         let mut mask = FrameMask::default();
         for &streak in measured {
@@ -482,7 +486,7 @@ impl Masking<'_> {
         satellite: &Satellite<'_>,
         index: usize,
         streak: &MeasuredStreak,
-    ) -> Result<Option<MaskedStreak>, StreaksError> {
+    ) -> Result<Option<MaskedStreak>, Error> {
         let (options, chip, exposure_s) = (self.options, &self.frame.chips[index].chip, self.frame.exposure_s);
         // Without a measured delay it is that of the prediction.
         let (late_s, error_s) = streak
@@ -548,7 +552,7 @@ impl Masking<'_> {
     }
 
     /// Returns the cells of a corridor on a chip, and the light of the brightest pixel of the chip.
-    fn corridor(&self, satellite: &Satellite<'_>, request: &CorridorRequest<'_>) -> Result<ChipCorridor, StreaksError> {
+    fn corridor(&self, satellite: &Satellite<'_>, request: &CorridorRequest<'_>) -> Result<ChipCorridor, Error> {
         let chip: &Chip = &self.frame.chips[request.chip].chip;
         let scale_arcsec = chip.pixel_scale_arcsec();
         if let Some(width_arcsec) = self.options.width_arcsec {

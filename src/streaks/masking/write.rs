@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::super::error::StreaksError;
 use super::super::frame::{TargetChip, TargetFrame, mask_name};
 use super::super::injection::{provenance_lines, reject_packed, reject_untiled};
 use super::area::Area;
 use super::satellites::{FrameMask, MaskOptions};
+use crate::error::Error;
 use crate::images::{
     Bitpix, Card, CardValue, FrameCopy, Header, ImageValues, NewImage, Pixels, PlaneKind, Rice, write_frame,
 };
@@ -64,12 +64,7 @@ pub fn mask_history(provenance: &Provenance, mask: &FrameMask, options: &MaskOpt
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_mask_file(
-    frame: &TargetFrame,
-    mask: &FrameMask,
-    history: &[String],
-    output: &Path,
-) -> Result<(), StreaksError> {
+pub fn write_mask_file(frame: &TargetFrame, mask: &FrameMask, history: &[String], output: &Path) -> Result<(), Error> {
     reject_packed(output)?;
     let rice = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz")).then(Rice::default);
     let mut taken = Vec::new();
@@ -84,13 +79,13 @@ pub fn write_mask_file(
     }
     let images: Vec<NewImage<'_>> =
         images.iter().map(|(name, cards, values)| NewImage { name, values, cards, rice }).collect();
-    Ok(write_frame(output, &images)?)
+    write_frame(output, &images)
 }
 
-fn values(area: &Area, target: &TargetChip) -> Result<ImageValues, StreaksError> {
+fn values(area: &Area, target: &TargetChip) -> Result<ImageValues, Error> {
     let (rows, columns) = (target.chip.rows, target.chip.columns);
     ImageValues::new(columns, Pixels::U8(area.values([rows, columns], [0, 1])))
-        .ok_or_else(|| StreaksError::invalid(format!("HDU {}", target.chip.hdu), "empty", "at least one pixel"))
+        .ok_or_else(|| Error::invalid(format!("HDU {}", target.chip.hdu), "empty", "at least one pixel"))
 }
 
 /// Returns the cards of the world coordinates of a header.
@@ -114,7 +109,7 @@ pub fn write_mask_planes(
     planes: &ChosenPlanes,
     history: &[String],
     output: &Path,
-) -> Result<(), StreaksError> {
+) -> Result<(), Error> {
     reject_packed(output)?;
     reject_untiled(frame, output)?;
     let mut copy = FrameCopy::begin(&frame.file, output)?;
@@ -123,8 +118,8 @@ pub fn write_mask_planes(
         let hdu = target.chip.hdu;
         let Some((_, plane)) = planes.of_chips.iter().find(|(chip, _)| *chip == index) else {
             if area.pixels() > 0 {
-                let what = format!("{}: mask plane of HDU {hdu}", frame.file.path().display());
-                return Err(StreaksError::invalid(what, "missing", allowed_planes(frame)));
+                return Err(Error::invalid(format!("mask plane of HDU {hdu}"), "missing", allowed_planes(frame))
+                    .in_file("", frame.file.path()));
             }
             continue;
         };
@@ -142,8 +137,8 @@ pub fn write_mask_planes(
 }
 
 /// Returns the chosen planes with the indices of their chips.
-fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, usize)>, StreaksError> {
-    let shown = frame.file.path().display();
+fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, usize)>, Error> {
+    let path = frame.file.path();
     let mut hdus: Vec<usize> = Vec::new();
     for choice in planes {
         match choice {
@@ -155,11 +150,8 @@ fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, 
                 let named = frame.file.hdus().iter().filter(|hdu| hdu.name.eq_ignore_ascii_case(name));
                 let named: Vec<usize> = named.map(|hdu| hdu.index).collect();
                 if named.is_empty() {
-                    return Err(StreaksError::invalid(
-                        format!("{shown}: mask plane {name:?}"),
-                        "missing",
-                        allowed_planes(frame),
-                    ));
+                    return Err(Error::invalid(format!("mask plane {name:?}"), "missing", allowed_planes(frame))
+                        .in_file("", path));
                 }
                 hdus.extend(named);
             }
@@ -171,11 +163,9 @@ fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, 
     for hdu in hdus {
         let described = frame.images.companions.iter().find(|plane| plane.hdu == hdu);
         if frame.chips.iter().any(|target| target.chip.hdu == hdu) || described.is_none() {
-            return Err(StreaksError::invalid(
-                format!("{shown}: HDU {hdu}"),
-                "not a mask plane",
-                allowed_planes(frame),
-            ));
+            return Err(
+                Error::invalid(format!("HDU {hdu}"), "not a mask plane", allowed_planes(frame)).in_file("", path)
+            );
         }
         let of = described.and_then(|plane| plane.of);
         let chip = match (&frame.chips[..], of) {
@@ -187,24 +177,20 @@ fn planes_of(frame: &TargetFrame, planes: &[PlaneChoice]) -> Result<Vec<(usize, 
             if of.is_some() {
                 continue;
             }
-            let what = format!("{shown}: HDU {hdu}: chip that the mask plane describes");
-            return Err(StreaksError::invalid(
-                what,
-                "unknown",
-                "EXTVER, EXTNAME or an order of HDUs that determines it",
-            ));
+            let allowed = "EXTVER, EXTNAME or an order of HDUs that determines it";
+            return Err(Error::invalid("chip that the mask plane describes", "unknown", allowed).in_hdu(path, hdu));
         };
         let target = &frame.chips[chip].chip;
         let size = frame.file.image_size(hdu)?;
         if size != [target.rows, target.columns] {
             let [rows, columns] = size;
-            let what = format!("{shown}: HDU {hdu}: size");
             let allowed = format!("{} by {}, that of HDU {}", target.columns, target.rows, target.hdu);
-            return Err(StreaksError::invalid(what, format!("{columns} by {rows}"), allowed));
+            return Err(Error::invalid("size", format!("{columns} by {rows}"), allowed).in_hdu(path, hdu));
         }
         if let Some((_, other)) = chosen.iter().find(|(known, _)| *known == chip) {
-            let what = format!("{shown}: mask planes of HDU {}", target.hdu);
-            return Err(StreaksError::invalid(what, format!("HDU {other} and HDU {hdu}"), "one plane for each chip"));
+            let what = format!("mask planes of HDU {}", target.hdu);
+            let given = format!("HDU {other} and HDU {hdu}");
+            return Err(Error::invalid(what, given, "one plane for each chip").in_file("", path));
         }
         chosen.push((chip, hdu));
     }
@@ -223,13 +209,7 @@ fn allowed_planes(frame: &TargetFrame) -> String {
 }
 
 /// Adds a bit to the pixels of a mask plane in which it is not set.
-fn add_bit(
-    copy: &mut FrameCopy<'_>,
-    frame: &TargetFrame,
-    hdu: usize,
-    area: &Area,
-    number: u32,
-) -> Result<(), StreaksError> {
+fn add_bit(copy: &mut FrameCopy<'_>, frame: &TargetFrame, hdu: usize, area: &Area, number: u32) -> Result<(), Error> {
     let value = 2f32.powi(number as i32);
     for runs in area.runs().chunk_by(|a, b| a.0 / ROWS == b.0 / ROWS) {
         let rows = runs[0].0..runs[runs.len() - 1].0 + 1;
@@ -262,24 +242,22 @@ impl ChosenPlanes {
     /// # Errors
     /// A plane is missing, not a mask of whole numbers, or of another size; it is not known which chip it describes; the
     /// bit does not exist in it; or pixels of 64 bits are outside ±2⁵³.
-    pub fn new(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, StreaksError> {
+    pub fn new(frame: &TargetFrame, planes: &[PlaneChoice], bit: &MaskBit) -> Result<Self, Error> {
         let of_chips = planes_of(frame, planes)?;
-        let shown = frame.file.path().display();
+        let path = frame.file.path();
         let (mut highest, mut names) = (HIGHEST_BIT, Vec::new());
         for (_, hdu) in &of_chips {
             let format = frame.file.hdu(*hdu)?.format;
             let Some((_, most)) = format.whole_range() else {
-                let (what, given) =
-                    (format!("{shown}: HDU {hdu}: type of the pixels"), "not whole numbers without scale");
-                return Err(StreaksError::invalid(what, given, "a mask of integers"));
+                let given = "not whole numbers without scale";
+                return Err(Error::invalid("type of the pixels", given, "a mask of integers").in_hdu(path, *hdu));
             };
             highest = (0..=highest).rfind(|number| 2f64.powi(*number as i32) <= most).unwrap_or(0);
             if let MaskBit::Number(number) = bit
                 && *number > highest
             {
-                let (what, allowed) =
-                    (format!("{shown}: HDU {hdu}: mask bit"), format!("0 to {highest} in this plane"));
-                return Err(StreaksError::invalid(what, number, allowed));
+                let allowed = format!("0 to {highest} in this plane");
+                return Err(Error::invalid("mask bit", number, allowed).in_hdu(path, *hdu));
             }
             if format.bitpix == Bitpix::I64 {
                 used_bits(frame, *hdu)?;
@@ -290,9 +268,8 @@ impl ChosenPlanes {
             MaskBit::Number(number) => return Ok(Self { of_chips, bit: *number, new_name: None }),
             MaskBit::Named(name) => name,
         };
-        let invalid = |what: &str, given: String, allowed: String| {
-            Err(StreaksError::invalid(format!("{shown}: {what}"), given, allowed))
-        };
+        let invalid =
+            |what: &str, given: String, allowed: String| Err(Error::invalid(what, given, allowed).in_file("", path));
         if let Some((hdu, _)) = names.iter().find(|(_, bits)| bits.is_empty()) {
             let given = format!("{name:?}, but the mask names no bits (MP_ keywords)");
             return invalid(&format!("HDU {hdu}: mask bit"), given, format!("the number of a bit, 0 to {highest}"));
@@ -343,7 +320,7 @@ fn bit_names(header: &Header) -> BTreeMap<String, u32> {
 ///
 /// # Errors
 /// Pixels cannot be read, or are not exact in double precision.
-fn used_bits(frame: &TargetFrame, hdu: usize) -> Result<i64, StreaksError> {
+fn used_bits(frame: &TargetFrame, hdu: usize) -> Result<i64, Error> {
     let [rows, _] = frame.file.image_size(hdu)?;
     let zero = frame.file.hdu(hdu)?.format.zero;
     let mut used = 0;
@@ -351,8 +328,12 @@ fn used_bits(frame: &TargetFrame, hdu: usize) -> Result<i64, StreaksError> {
         let values = frame.file.read_rows(hdu, first..(first + ROWS).min(rows))?;
         for value in values.into_iter().filter(|value| !value.is_nan()) {
             if let Some(inexact) = [zero, value].into_iter().find(|value| value.abs() >= EXACT) {
-                let what = format!("{}: HDU {hdu}: BZERO or pixel of 64 bits", frame.file.path().display());
-                return Err(StreaksError::invalid(what, format!("{inexact:.0}"), "above -2^53 and below 2^53"));
+                return Err(Error::invalid(
+                    "BZERO or pixel of 64 bits",
+                    format!("{inexact:.0}"),
+                    "above -2^53 and below 2^53",
+                )
+                .in_hdu(frame.file.path(), hdu));
             }
             used |= value as i64;
         }

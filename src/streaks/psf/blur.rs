@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use super::super::error::StreaksError;
 use super::seeing::Seeing;
+use crate::error::Error;
 
 /// Largest accepted radius of the defocus ring and of the body, pixels.
 const GREATEST_RADIUS_PIX: f64 = 200.0;
@@ -39,14 +39,14 @@ impl Blur {
     ///
     /// # Errors
     /// A number out of range.
-    pub(super) fn validate(&self) -> Result<(), StreaksError> {
+    pub(super) fn validate(&self) -> Result<(), Error> {
         self.seeing.validate()?;
-        StreaksError::check_range("outer_radius_pix", self.outer_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
-        StreaksError::check_range("inner_radius_pix", self.inner_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
-        StreaksError::check_range("body_radius_pix", self.body_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        Error::check_range("outer_radius_pix", self.outer_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        Error::check_range("inner_radius_pix", self.inner_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        Error::check_range("body_radius_pix", self.body_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
         if self.inner_radius_pix > 0.99 * self.outer_radius_pix {
             let allowed = format!("at most 0.99 of outer_radius_pix, which is {}", self.outer_radius_pix);
-            return Err(StreaksError::invalid("inner_radius_pix", self.inner_radius_pix, allowed));
+            return Err(Error::invalid("inner_radius_pix", self.inner_radius_pix, allowed));
         }
         Ok(())
     }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
+use crate::error::Error;
 use crate::math::quadrature::gauss_legendre;
 
-use super::super::error::StreaksError;
 use super::blur::Blur;
 use super::curve::Curve;
 use super::seeing::Seeing;
@@ -22,7 +22,7 @@ const GREATEST_REACH_PIX: f64 = 4000.0;
 ///
 /// # Errors
 /// The wings extend beyond 4000 pixels.
-pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
+pub(super) fn blurred(blur: &Blur) -> Result<Curve, Error> {
     let (seeing, fwhm) = (&blur.seeing, blur.seeing.narrowest_fwhm_pix());
     let (outer, inner, body) = (blur.outer_radius_pix, blur.inner_radius_pix, blur.body_radius_pix);
     let seeing_reach =
@@ -31,7 +31,7 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     if reach_pix > GREATEST_REACH_PIX {
         let what = "radius that contains the light (all but 1e-4 of it)";
         let allowed = format!("at most {GREATEST_REACH_PIX} pixels");
-        return Err(StreaksError::invalid(what, format!("{reach_pix:.0} pixels"), allowed));
+        return Err(Error::invalid(what, format!("{reach_pix:.0} pixels"), allowed));
     }
     let rule = Rule { nodes: gauss_legendre(8), step_pix: 1.2 * fwhm };
     let gain = cut_gain(seeing, seeing_reach, &rule);

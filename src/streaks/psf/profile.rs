@@ -1,8 +1,8 @@
 //! Light of a point in the pixels of a detector.
 
+use crate::error::Error;
 use crate::math::quadrature::gauss_legendre;
 
-use super::super::error::StreaksError;
 use super::blur::Blur;
 use super::convolve::blurred;
 use super::curve::Curve;
@@ -47,7 +47,7 @@ impl RadialProfile {
     ///
     /// # Errors
     /// A number is out of range, the inner radius is too near the outer one, or the wings extend beyond 4000 pixels.
-    pub fn new(blur: &Blur) -> Result<Self, StreaksError> {
+    pub fn new(blur: &Blur) -> Result<Self, Error> {
         Self::on_oblong(blur, 1.0)
     }
 
@@ -56,9 +56,9 @@ impl RadialProfile {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new).
-    pub fn on_oblong(blur: &Blur, aspect: f64) -> Result<Self, StreaksError> {
+    pub fn on_oblong(blur: &Blur, aspect: f64) -> Result<Self, Error> {
         blur.validate()?;
-        StreaksError::check_range("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
+        Error::check_range("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
         let fwhm = blur.seeing.narrowest_fwhm_pix();
         let sides_pix = [aspect.sqrt(), 1.0 / aspect.sqrt()];
         let profile = blurred(blur)?;

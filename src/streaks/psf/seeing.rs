@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, PI};
 
 use serde::Deserialize;
 
-use super::super::error::StreaksError;
+use crate::error::Error;
 
 /// Smallest FWHM, pixels. The drawing time grows with the inverse square of the FWHM. Narrower profiles would differ
 /// from this one only for points within a tenth of a pixel of a pixel border.
@@ -57,14 +57,14 @@ impl Seeing {
     ///
     /// # Errors
     /// A number outside its range or not finite.
-    pub(super) fn validate(&self) -> Result<(), StreaksError> {
-        StreaksError::check_range("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
+    pub(super) fn validate(&self) -> Result<(), Error> {
+        Error::check_range("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
         match *self {
             Self::Gaussian { .. } => Ok(()),
-            Self::Moffat { beta, .. } => StreaksError::check_range("beta", beta, LEAST_BETA, GREATEST_BETA),
+            Self::Moffat { beta, .. } => Error::check_range("beta", beta, LEAST_BETA, GREATEST_BETA),
             Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
-                StreaksError::check_range("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
-                StreaksError::check_range("wide_share", wide_share, 0.0, 1.0)
+                Error::check_range("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
+                Error::check_range("wide_share", wide_share, 0.0, 1.0)
             }
         }
     }

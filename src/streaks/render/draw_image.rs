@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::path::StreakPath;
+use crate::error::Error;
 use crate::images::{Patch, PatchRows, PixelPosition, PsfGrid};
-use crate::streaks::error::StreaksError;
 use crate::watch::Watch;
 
 /// Number of positions of a star within a pixel, along each axis, for which its light in pixels is computed. Points of the
@@ -32,7 +32,7 @@ pub fn draw_image(
     rows: usize,
     columns: usize,
     watch: &Watch,
-) -> Result<Patch, StreaksError> {
+) -> Result<Patch, Error> {
     let mut lights: BTreeMap<Place, f64> = BTreeMap::new();
     let reach = psf.reach_pix() + 1.0;
     let is_near = |at: PixelPosition| {
@@ -87,12 +87,12 @@ pub fn draw_image(
 
 /// Returns the samples of the point spread function in the middle of a square. A square outside of the frame has those of
 /// the nearest place in the frame, because a polynomial has no meaning elsewhere.
-fn samples_at(psf: &PsfGrid, block: [i64; 2], rows: usize, columns: usize) -> Result<Vec<f64>, StreaksError> {
+fn samples_at(psf: &PsfGrid, block: [i64; 2], rows: usize, columns: usize) -> Result<Vec<f64>, Error> {
     let middle = |axis: usize, count: usize| ((block[axis] as f64 + 0.5) * BLOCK_PIX).clamp(0.0, count as f64);
     let middle = PixelPosition { x: middle(0, columns), y: middle(1, rows) };
     psf.at(middle).ok_or_else(|| {
         let [x, y] = middle.fits();
-        StreaksError::invalid(format!("sum of the point spread function at ({x:.0}, {y:.0})"), "0 or less", "above 0")
+        Error::invalid(format!("sum of the point spread function at ({x:.0}, {y:.0})"), "0 or less", "above 0")
     })
 }
 

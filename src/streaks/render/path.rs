@@ -1,6 +1,6 @@
 //! Path of a light over a frame: its position and brightness during the exposure.
 
-use super::super::error::StreaksError;
+use crate::error::Error;
 use crate::images::PixelPosition;
 use crate::math::quadrature::gauss_legendre;
 
@@ -60,7 +60,7 @@ impl StreakPath {
     ///
     /// # Errors
     /// There are fewer than two nodes, times do not increase, a number is not finite, or a rate is below 0.
-    pub fn new(nodes: Vec<PathNode>) -> Result<Self, StreaksError> {
+    pub fn new(nodes: Vec<PathNode>) -> Result<Self, Error> {
         check(&nodes)?;
         let times: Vec<f64> = nodes.iter().map(|node| node.time_s).collect();
         let column = |of: fn(&PathNode) -> f64| -> (Vec<f64>, Vec<f64>) {
@@ -132,9 +132,9 @@ impl StreakPath {
     }
 }
 
-fn check(nodes: &[PathNode]) -> Result<(), StreaksError> {
+fn check(nodes: &[PathNode]) -> Result<(), Error> {
     if nodes.len() < 2 {
-        return Err(StreaksError::invalid("number of nodes of the path", nodes.len(), "2 or more"));
+        return Err(Error::invalid("number of nodes of the path", nodes.len(), "2 or more"));
     }
     for (number, node) in nodes.iter().enumerate() {
         let after = node.rate_after.unwrap_or(node.rate);
@@ -143,20 +143,18 @@ fn check(nodes: &[PathNode]) -> Result<(), StreaksError> {
         for (name, given) in fields {
             if !given.is_finite() || (matches!(name, "x" | "y") && given.abs() > FARTHEST_PIX) {
                 let allowed = "finite numbers (positions within 1e9 pixels)";
-                return Err(StreaksError::invalid(format!("node {number}: {name}"), given, allowed));
+                return Err(Error::invalid(name, given, allowed).at(format_args!("node {number}")));
             }
         }
         if let Some(given) = [node.rate, after].into_iter().find(|rate| *rate < 0.0) {
-            return Err(StreaksError::invalid(
-                format!("node {number}: rate"),
-                format!("{given} per second"),
-                "0 or more",
-            ));
+            return Err(
+                Error::invalid("rate", format!("{given} per second"), "0 or more").at(format_args!("node {number}"))
+            );
         }
         if number > 0 && node.time_s - nodes[number - 1].time_s < LEAST_STEP_S {
             let before_s = nodes[number - 1].time_s;
             let allowed = format!("at least {LEAST_STEP_S} s after the previous node at {before_s} s");
-            return Err(StreaksError::invalid(format!("node {number}: time"), format!("{} s", node.time_s), allowed));
+            return Err(Error::invalid("time", format!("{} s", node.time_s), allowed).at(format_args!("node {number}")));
         }
     }
     Ok(())

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::super::drawn::DrawnStreak;
 use super::noise_map::NoiseMap;
+use crate::error::Error;
 use crate::images::AddedLight;
-use crate::streaks::error::StreaksError;
 
 /// Fraction of the brightest pixel of a streak below which light is not marked as injected, because it is too faint to
 /// be measured.
@@ -156,17 +156,18 @@ impl MaskPreset {
     ///
     /// # Errors
     /// An unknown name.
-    pub fn by_name(name: &str) -> Result<Self, StreaksError> {
-        Self::ALL.into_iter().find(|preset| preset.name().eq_ignore_ascii_case(name.trim())).ok_or_else(|| {
-            StreaksError::invalid("mask preset", format!("{name:?}"), Self::ALL.map(Self::name).join(", "))
-        })
+    pub fn by_name(name: &str) -> Result<Self, Error> {
+        Self::ALL
+            .into_iter()
+            .find(|preset| preset.name().eq_ignore_ascii_case(name.trim()))
+            .ok_or_else(|| Error::invalid("mask preset", format!("{name:?}"), Self::ALL.map(Self::name).join(", ")))
     }
 
     /// Returns the bits, given the planes that the frame's own mask names (names without `MP_`).
     ///
     /// # Errors
     /// The mask of the frame uses all bits.
-    pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
+    pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, Error> {
         let streak_bit = match self {
             Self::Lsst => return named(own),
             Self::Desdm => 10,
@@ -179,14 +180,14 @@ impl MaskPreset {
 }
 
 /// Returns the bits of the `STREAK` and `INJECTED` planes of the frame's mask, or the lowest free bits.
-fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
+fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, Error> {
     let mut taken: Vec<u32> = own.values().copied().collect();
-    let mut bit = |plane: &'static str| -> Result<u32, StreaksError> {
+    let mut bit = |plane: &'static str| -> Result<u32, Error> {
         let bit = own.get(plane).copied().filter(|&bit| bit <= HIGHEST_BIT);
         let free = || (0..=HIGHEST_BIT).find(|bit| !taken.contains(bit));
         let bit = bit.or_else(free).ok_or_else(|| {
             let allowed = format!("a bit from 0 to {HIGHEST_BIT} that the frame's own mask does not use");
-            StreaksError::invalid(format!("mask bit of {plane}"), "missing", allowed)
+            Error::invalid(format!("mask bit of {plane}"), "missing", allowed)
         })?;
         taken.push(bit);
         Ok(bit)

@@ -14,7 +14,6 @@ use streakcast::forecast::{
 };
 use streakcast::geometry::Site;
 use streakcast::output::{Section, counted, format_utc};
-use streakcast::passes::SkyError;
 
 use super::passes::left_out_table;
 use crate::failure::Outcome;
@@ -283,9 +282,7 @@ fn reject_unused(typed: &ForecastArguments, document: Option<Document>) -> anyho
 }
 
 fn site_of(prepared: &PreparedSky) -> anyhow::Result<Site> {
-    let viewpoint = prepared.sky.viewpoint();
-    let observer = viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name() })?;
-    Ok(observer.site().clone())
+    Ok(prepared.sky.viewpoint().required_site()?.site().clone())
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig, request: &ForecastRequest) {

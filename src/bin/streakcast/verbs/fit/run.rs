@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
+use streakcast::ErrorKind;
 use streakcast::fit::inference::check_walkers;
 use streakcast::fit::{
-    CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, HeldOutPoint, ModelDescription, Problem,
-    RawWeights, baseline_forms, compare_forms, faults, jackknife, model_file, points_of_measurements, predict,
+    CompetingForm, CovarianceKind, Fit, FitPoint, FormScore, HeldOutPoint, ModelDescription, Problem, RawWeights,
+    baseline_forms, compare_forms, faults, jackknife, model_file, points_of_measurements, predict,
 };
 use streakcast::photometry::ModelFile;
 
@@ -84,7 +85,7 @@ fn with_jackknife(sets: usize, chosen: &ChosenForm, input: &FitInput, fit: Fit) 
     match jackknife(chosen.form.as_form(), &input.measurements, reduction.options, &fit, &chosen.settings, sets) {
         Ok(covariance) => Ok(fit.with_covariance(covariance, CovarianceKind::Jackknife)),
         // There are too few tracks, for example in a table without track names.
-        Err(problem @ FitError::Sets { .. }) => {
+        Err(problem) if problem.kind() == ErrorKind::TooFewData => {
             input
                 .notices
                 .info(&format!("warning: errors are too small, with pixels assumed to be independent: {problem}"));
@@ -106,14 +107,8 @@ fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> 
     let standings = match compare_forms(&entrants, &input.points, input.tracks(), &chosen.settings, typed.form.folds) {
         Ok(standings) => standings,
         // Cross-validation is not possible for one night or few pixels; the fit is valid without it.
-        Err(problem @ (FitError::NoneUnseen { .. } | FitError::TooFew { .. })) => {
+        Err(problem) if problem.kind() == ErrorKind::TooFewData => {
             input.notices.info(&format!("warning: no cross-validation: {problem}"));
-            return Ok(Vec::new());
-        }
-        Err(FitError::Folds { groups, folds }) => {
-            let message =
-                format!("warning: no cross-validation: {groups} tracks or nights for {folds} folds (--folds)");
-            input.notices.info(&message);
             return Ok(Vec::new());
         }
         Err(error) => return Err(error.into()),

@@ -1,11 +1,10 @@
 //! Sky of a run of the gate: element files that may be incomplete are read again, or are a fault.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::{Map, Value};
-use streakcast::config::{Config, ConfigError, NameOrTable, PreparedSky, SiteConfig, SiteTable};
-use streakcast::elements::ElementsError;
+use streakcast::config::{Config, NameOrTable, PreparedSky, SiteConfig, SiteTable};
 use streakcast::frames::seconds_after;
 use streakcast::geometry::Site;
 
@@ -15,6 +14,7 @@ use super::report::state;
 use super::status_file;
 use super::status_file::{Fault, FaultKind};
 use crate::notices::Notices;
+use streakcast::{Error, ErrorKind};
 
 /// Age below which an element file may still be incomplete.
 const FRESH: Duration = Duration::from_secs(10);
@@ -62,7 +62,7 @@ pub fn prepare(
         let attempt = Instant::now();
         let prepared = config.prepare(now, seconds_after(now, flags.max_wait_s));
         let is_done = match &prepared {
-            Err(error) => !is_of_elements(error),
+            Err(error) => !is_of_elements(error, files),
             Ok(prepared) => {
                 rejected(prepared) == 0 || files.iter().all(|path| age(path).is_none_or(|age| age >= FRESH))
             }
@@ -77,7 +77,7 @@ pub fn prepare(
         std::thread::sleep(RETRY);
     };
     let prepared = prepared.map_err(|error| {
-        Fault::new(if is_of_elements(&error) { FaultKind::Elements } else { FaultKind::Setup }, error)
+        Fault::new(if is_of_elements(&error, files) { FaultKind::Elements } else { FaultKind::Setup }, error)
     })?;
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
@@ -98,20 +98,10 @@ pub fn prepare(
     Ok(prepared)
 }
 
-fn is_of_elements(error: &ConfigError) -> bool {
-    use ElementsError::{ShellOutOfRange, ShellSize, ShellSyntax, ShellTotal, TooManyInShells, UnknownShells};
-    match error {
-        ConfigError::Elements(error) => !matches!(
-            error,
-            UnknownShells { .. }
-                | ShellSyntax(_)
-                | ShellOutOfRange { .. }
-                | ShellTotal { .. }
-                | ShellSize { .. }
-                | TooManyInShells { .. }
-        ),
-        error => matches!(error, ConfigError::NothingPropagates { .. }),
-    }
+/// Returns true if an error is in the element files, or in their satellites at the time of the exposure.
+fn is_of_elements(error: &Error, files: &[PathBuf]) -> bool {
+    let is_in = |file: &Path| files.iter().any(|given| file.starts_with(given));
+    error.kind() == ErrorKind::NoPosition || error.file().is_some_and(is_in)
 }
 
 fn rejected(prepared: &PreparedSky) -> usize {

@@ -7,12 +7,13 @@ use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
 #[cfg(unix)]
-use streakcast::maps::{DEFAULT_NSIDE, MapError};
+use streakcast::maps::DEFAULT_NSIDE;
 use streakcast::maps::{DEFAULT_STEP_DEG, Grid};
 
 use super::arguments::MapOutputArguments;
 use crate::output::check;
 use crate::output::{FORMATS, Format, Output};
+use streakcast::{Error, ErrorKind};
 
 /// Destination of the table of a map. It is checked before the computation.
 pub enum Target {
@@ -120,9 +121,9 @@ impl Target {
 
 /// Returns the bytes of a FITS file. CFITSIO writes it to a temporary file first.
 #[cfg(unix)]
-pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, MapError>) -> anyhow::Result<Vec<u8>> {
-    made(&std::env::temp_dir()).map_err(|error| match error {
-        MapError::Scratch(_) => anyhow!("{error}; the environment variable TMPDIR sets another folder"),
-        error => error.into(),
+pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, Error>) -> anyhow::Result<Vec<u8>> {
+    made(&std::env::temp_dir()).map_err(|error| match error.kind() {
+        ErrorKind::File => anyhow!("{error}; the environment variable TMPDIR sets another folder"),
+        _ => error.into(),
     })
 }

@@ -5,6 +5,7 @@ use axum::http::{HeaderName, HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde_json::json;
 use streakcast::message::{Quoted, bounded};
+use streakcast::{Error, ErrorKind};
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
@@ -107,6 +108,14 @@ pub const STATUSES: &[(u16, &str, &str)] = &[
 ];
 
 /// Returns the reason phrase of a status.
+impl From<Error> for Problem {
+    /// Converts an error of the library, which is one of the request, except for files of the server.
+    fn from(error: Error) -> Self {
+        let status = if error.kind() == ErrorKind::File { 500 } else { 400 };
+        Self::new(status, error.to_string())
+    }
+}
+
 pub fn title(status: u16) -> &'static str {
     STATUSES.iter().find(|(known, ..)| *known == status).map_or("Error", |(_, title, _)| title)
 }

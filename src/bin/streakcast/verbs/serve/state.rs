@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use hifitime::Epoch;
 use streakcast::Watch;
-use streakcast::config::{Config, ConfigError, LoadedInputs, ObservationPlan, PreparedSky};
+use streakcast::config::{Config, LoadedInputs, ObservationPlan, PreparedSky};
 use streakcast::elements::Deployment;
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
@@ -19,6 +19,7 @@ use super::problem::Problem;
 use super::query::{Parameter, Query, number, optional};
 use super::workers::ResponseCache;
 use crate::local_time::LocalTime;
+use streakcast::Error;
 
 /// Parameter that [`ServerState::policy`] reads.
 pub const LIMIT_MAG: Parameter = optional(
@@ -98,7 +99,7 @@ impl Skies {
 }
 
 impl GrowingSkies {
-    fn at(&self, epoch: Epoch, evening_mjd: i64) -> Result<Arc<PreparedSky>, ConfigError> {
+    fn at(&self, epoch: Epoch, evening_mjd: i64) -> Result<Arc<PreparedSky>, Error> {
         let period = self.deployment.periods_begun(evening_mjd);
         if let Some(sky) = self.of_schedule.get(&period) {
             return Ok(Arc::clone(sky));
@@ -169,7 +170,7 @@ impl RequestState {
             Skies::One(sky) => Ok(Arc::clone(sky)),
             Skies::Growing(skies) => skies.at(epoch, evening_mjd(epoch, self.site.longitude_rad)),
         };
-        let prepared = prepared.map_err(|error| Problem::new(400, error.to_string()))?;
+        let prepared = prepared?;
         Ok(Self::with_sky(prepared, Arc::clone(&self.shared), &self.watch))
     }
 
@@ -206,7 +207,7 @@ impl RequestState {
     /// # Errors
     /// No satellite has a position, or positions are unknown; an empty response would be misleading.
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
-        self.prepared.check_known(first, last, None).map_err(|error| Problem::new(400, error.to_string()))?;
+        self.prepared.check_known(first, last, None)?;
         self.caveats_of_verdict(first, last, left_out)
     }
 
@@ -217,7 +218,7 @@ impl RequestState {
     pub fn caveats_of_verdict(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
         let of_left_out = self.prepared.left_out_warning(left_out, first);
         let mut warnings = self.prepared.warnings_at(first, last);
-        warnings.extend(of_left_out.map_err(|error| Problem::new(400, error.to_string()))?);
+        warnings.extend(of_left_out?);
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 

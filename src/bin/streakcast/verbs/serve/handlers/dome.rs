@@ -10,7 +10,6 @@ use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::RequestState;
 use super::document::{Document, left_out_count_schema, object_schema, provenance_schema, warnings_schema};
 use super::document::{degrees, rounded};
-use super::exposure::of_sky;
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Start."),
@@ -47,11 +46,10 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let model = state.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
 
     let mid = seconds_after(start, 0.5 * duration_s);
-    let sun = state.sky().sun_altaz(mid).map_err(|error| of_sky(&error))?;
+    let sun = state.sky().sun_altaz(mid)?;
     let earth = Earth::Ellipsoid(state.site.clone());
     let photometry = state.plan.photometry;
-    let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
-        .map_err(|error| Problem::new(400, error.to_string()))?
+    let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)?
         .with_shadow(state.sky().shadow());
     let grid = Grid::regular(STEP_DEG).map_err(|error| Problem::new(500, error.to_string()))?;
     let points = view.map(grid).map_err(|error| Problem::new(500, error.to_string()))?.points;
@@ -75,7 +73,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         whole_tracks: true,
         photometry: Some(photometry),
     };
-    let (tracks, left_out) = state.sky().snapshots(start, &times_s, &options).map_err(|error| of_sky(&error))?;
+    let (tracks, left_out) = state.sky().snapshots(start, &times_s, &options)?;
     let caveats = state.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
     let satellites: Vec<Value> = tracks.iter().map(|track| satellite(state, track)).collect();
 

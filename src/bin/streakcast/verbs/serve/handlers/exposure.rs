@@ -4,7 +4,7 @@
 use serde_json::Value;
 use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell};
-use streakcast::passes::{Exposure, Pass, SkyError};
+use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
     FlagRequest, FlagTotals, ScheduledExposure, StreakColumns, VerdictKind, exposure_table, flag_exposures, flag_table,
     streak_table,
@@ -20,6 +20,7 @@ use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
 };
 use super::target::{TARGET, pointing_of};
+use streakcast::Error;
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Shutter opening."),
@@ -80,7 +81,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     };
     let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.limit_in(row.band.as_deref()));
     let samples = query.count("samples").unwrap_or_default();
-    let passes_of = |exposure: &Exposure, samples: usize| {
+    let passes_of = |exposure: &Exposure, samples: usize| -> Result<_, Error> {
         let crossings = state.sky().field_passes(
             std::slice::from_ref(exposure),
             &state.plan.field,
@@ -99,9 +100,8 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         || rayon::join(|| passes_of(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| passes_of(&long, 0))),
         || flag_exposures(&[&row], &request),
     );
-    let of_sky = |error: SkyError| of_sky(&error);
-    let report = report.map_err(of_sky)?;
-    let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
+    let report = report?;
+    let (mut passes, mut before_and_after) = (passes?, before_and_after?);
     let mut caveats = state.caveats_of_verdict(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
     let mut totals = FlagTotals::default();
     totals.add(&report);
@@ -130,11 +130,6 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     Ok(document.into_json())
 }
 
-/// Returns the error response for a query that is found invalid during the computation.
-pub fn of_sky(error: &SkyError) -> Problem {
-    Problem::new(400, error.to_string())
-}
-
 fn around_row(
     request: &FlagRequest<'_>,
     pass: &Pass,
@@ -161,12 +156,12 @@ fn around_row(
 /// Returns altitudes and azimuths of field and Sun at the start and at the end of the exposure.
 fn pointing(state: &RequestState, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
-    let row = |epoch| -> Result<Vec<Cell>, SkyError> {
+    let row = |epoch| -> Result<Vec<Cell>, Error> {
         let (altitude_deg, azimuth_deg) = degrees(&state.sky().pointing_altaz(&exposure.pointing, epoch)?);
         let (sun_altitude_deg, sun_azimuth_deg) = degrees(&state.sky().sun_altaz(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
     };
-    let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
+    let rows = ends.into_iter().map(row).collect::<Result<_, _>>()?;
     Ok(Table { columns: POINTING.to_vec(), rows })
 }
 

@@ -14,7 +14,6 @@ use super::super::state::{Caveats, LIMIT_MAG, RequestState};
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
 };
-use super::exposure::of_sky;
 
 /// Largest number of exposures in a request.
 const MOST: usize = 250;
@@ -63,7 +62,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         let last = ends.max().unwrap_or(first);
         let state = state.at(first)?;
         let given: Vec<&ScheduledExposure> = part.iter().map(|(row, _)| *row).collect();
-        let report = flag_exposures(&given, &state.request(&policy)).map_err(|error| of_sky(&error))?;
+        let report = flag_exposures(&given, &state.request(&policy))?;
         warnings.extend(state.caveats_of_verdict(first, last, &report.left_out)?.warnings);
         totals.add(&report);
         left_out.extend(report.left_out);

@@ -4,7 +4,6 @@
 use serde_json::{Value, json};
 use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell, format_utc};
-use streakcast::passes::SkyError;
 use streakcast::schedule::{ScheduledExposure, Verdict, evening_mjd, flag_exposures, flag_table, night_of};
 
 use super::super::problem::Problem;
@@ -15,8 +14,8 @@ use super::document::{
 };
 use super::document::{NIGHTS, OFFSETS, SCHEDULED, SITE, SUN};
 use super::document::{degrees, offset_table};
-use super::exposure::of_sky;
 use crate::clock::{civil_date, date_of, mean_evening_mjd};
+use streakcast::Error;
 
 pub const PARAMETERS: &[Parameter] = &[
     optional(
@@ -44,19 +43,16 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let rows = state.nights.get(&night).map(Vec::as_slice).unwrap_or_default();
     let site = &state.site;
 
-    let (from, to) = night_of(
-        streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)
-            .map_err(|error| Problem::new(400, error.to_string()))?,
-        site.longitude_rad,
-    );
+    let (from, to) =
+        night_of(streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)?, site.longitude_rad);
     let state = &state.at(from)?;
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
-    let sun_row = |step: usize| -> Result<Vec<Cell>, SkyError> {
+    let sun_row = |step: usize| -> Result<Vec<Cell>, Error> {
         let epoch = seconds_after(from, SUN_EVERY_S * step as f64);
         let (altitude_deg, azimuth_deg) = degrees(&state.sky().sun_altaz(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into()])
     };
-    let sun_rows = (0..count).map(sun_row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
+    let sun_rows = (0..count).map(sun_row).collect::<Result<_, _>>()?;
     let sun = Table { columns: SUN.to_vec(), rows: sun_rows };
 
     let exposures = Table {
@@ -68,7 +64,7 @@ pub fn handle(state: &RequestState, query: &Query) -> Result<String, Problem> {
         rows.iter().map(|&row| state.flags[row].clone()).collect()
     } else {
         let rows: Vec<_> = rows.iter().map(|&row| &state.exposures[row]).collect();
-        flag_exposures(&rows, &state.request(&policy)).map_err(|error| of_sky(&error))?.flags
+        flag_exposures(&rows, &state.request(&policy))?.flags
     };
     let of_night;
     let caveats = if rows.is_empty() {

@@ -15,7 +15,6 @@ use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, requi
 use super::super::state::{Caveats, RequestState};
 use super::document::rounded;
 use super::document::{left_out_count_schema, object_schema, warnings_schema};
-use super::exposure::of_sky;
 use super::satchecker_positions::{position, position_schema};
 
 const LATITUDE: Parameter =
@@ -90,11 +89,11 @@ pub fn passes(state: &RequestState, query: &Query) -> Result<String, Problem> {
     let state = &state.at(exposure.start)?;
     let sky = sky(state, query)?;
     let radius_rad = query.number("fov_radius").unwrap_or_default().to_radians();
-    let field = Field::circle(2.0 * radius_rad).map_err(|error| Problem::new(400, error.to_string()))?;
+    let field = Field::circle(2.0 * radius_rad)?;
     let passes_of = |samples: usize| {
         let options = pass_options(state, query, samples);
         let crossings = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
-        let crossings = crossings.map_err(|error| of_sky(&error))?;
+        let crossings = crossings?;
         let found = crossings.by_exposure.into_iter().flatten();
         let selected = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
         Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((selected.collect(), crossings.left_out))
@@ -227,7 +226,7 @@ pub fn above(state: &RequestState, query: &Query) -> Result<String, Problem> {
         whole_tracks: false,
         photometry: Some(state.plan.photometry),
     };
-    let (tracks, left_out) = sky.snapshots(at, &[0.0], &options).map_err(|error| of_sky(&error))?;
+    let (tracks, left_out) = sky.snapshots(at, &[0.0], &options)?;
     let caveats = state.caveats_at(at, at, &left_out)?;
     let ranges = query.number("min_range").unwrap_or(0.0)..=query.number("max_range").unwrap_or(1_500_000.0);
     let data: Vec<Value> = tracks
@@ -266,12 +265,9 @@ fn with_source(mut document: Value, caveats: &Caveats) -> String {
 fn sky(state: &RequestState, query: &Query) -> Result<Sky, Problem> {
     let numbers = ["latitude", "longitude", "elevation"].map(|name| query.number(name));
     let site = match (query.text("site"), numbers) {
-        (Some(name), [None, None, None]) => {
-            Site::by_name(name).map_err(|error| Problem::new(400, error.to_string()))?
-        }
+        (Some(name), [None, None, None]) => Site::by_name(name)?,
         (None, [Some(latitude), Some(longitude), Some(elevation)]) => {
-            Site::new_deg("observer", latitude, longitude, elevation)
-                .map_err(|error| Problem::new(400, error.to_string()))?
+            Site::new_deg("observer", latitude, longitude, elevation)?
         }
         (Some(_), _) => {
             return Err(Problem::parameter("site", "with coordinates", "site, or latitude, longitude and elevation"));
