@@ -20,6 +20,7 @@ use crate::measure::{
 };
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
+use crate::passes::Sky;
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
@@ -162,6 +163,7 @@ impl MeasureConfig {
             let sky = prepared.as_ref().map(|prepared| prepared.sky.watched(watch));
             let shown = frame.file.path().display();
             state_frame(frame, *is_calibrated || table.is_some(), &mut warnings);
+            warnings.extend(sky.as_ref().and_then(|sky| unknown_observer_warning(sky, frame)));
             let photometry = photometry(&config, frame)?;
             let (optics, is_seeing_known) = self.optics(&config, frame)?;
             let filter = config.light.band.as_deref().or(frame.filter.as_deref());
@@ -298,6 +300,12 @@ impl MeasureConfig {
         };
         Ok((optics, given.is_some()))
     }
+}
+
+/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame.
+pub(super) fn unknown_observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
+    let (_, radius_rad) = frame.circle()?;
+    sky.unknown_observer_warning(&frame.file.path().display().to_string(), frame.opened, radius_rad)
 }
 
 /// Adds the HDUs of a frame that are ignored, and its missing calibration, to the warnings.

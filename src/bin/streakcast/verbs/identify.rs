@@ -172,6 +172,7 @@ fn identified(
     };
     prepared.check_altitude("streak", &plan.exposure())?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
+    notices.warn(&found.unknown_observer);
     notices.warn_left_out(prepared, &found.left_out, streak.start())?;
     Ok(Done { found, options })
 }
