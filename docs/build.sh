@@ -34,6 +34,7 @@ if [ "${1:-}" = --images ]; then
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
     "$python" docs/magnitudes.py docs/tables/before-after.md docs/tables/before-after-phase.md docs/images/magnitudes.svg
     "$python" docs/completeness.py docs/tables/completeness.md docs/images/completeness.svg
+    "$target/venv-docs/bin/python" docs/mask.py docs/images/mask.png
     "$python" docs/position_angles.py docs/tables/position-angles.md docs/images/position-angles.svg
     # 256 colours keep the files small.
     "$target/venv-docs/bin/python" -c 'import sys; from PIL import Image

@@ -38,7 +38,7 @@ pub struct MeasureConfig {
     /// Frames (FITS) with world coordinates, including mosaics and tile-compressed .fz
     #[cfg_attr(feature = "cli", arg(value_name = "FRAME"))]
     pub image: Vec<PathBuf>,
-    /// Tables of streaks, instead of predicted satellites: CSV or ECSV with their ends, streaks.txt of ASTRiDE, the
+    /// Tables of streaks, instead of predicted satellites: CSV, ECSV or FITS with their ends, streaks.txt of ASTRiDE, the
     /// catalog of acstools.findsat_mrt, or regions of DS9. With --elements or --shells the streaks are identified
     #[cfg_attr(feature = "cli", arg(long, value_name = "TABLE", num_args = 1..))]
     pub streaks: Vec<PathBuf>,

@@ -506,13 +506,21 @@ fn frames_of_a_telescope_of_unknown_position_have_a_warning() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (synthetic, frame, output) = (path("small.toml"), path("visit.fits"), path("output.fits"));
     let table = path("streaks.csv");
-    fs::write(&synthetic, "columns = 512\nrows = 512\npixel_scale_arcsec = 0.5\nsky_mag_arcsec2 = 21\nzero_point_1s_mag = 25\n").unwrap();
+    fs::write(
+        &synthetic,
+        "columns = 512\nrows = 512\npixel_scale_arcsec = 0.5\nsky_mag_arcsec2 = 21\nzero_point_1s_mag = 25\n",
+    )
+    .unwrap();
     fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n10,20,500,480\n").unwrap();
     let orbit = ["--shells", "oneweb", "--observer-elements", OBSERVER];
     for (start, is_known) in [("2026-03-20T13:00:00Z", true), ("2026-03-22T13:00:00Z", false)] {
         let exposure = ["--start", start, "--exposure", "30s"];
         let new = ["--synthetic", &synthetic, "--ra", "270", "--dec", "0", "--seeing", "1arcsec"];
-        run(&[&["inject", "-o", &frame, "--random-streaks", "1", "--magnitude", "9", "--pixels-only"], &new, &exposure]);
+        run(&[
+            &["inject", "-o", &frame, "--random-streaks", "1", "--magnitude", "9", "--pixels-only"],
+            &new,
+            &exposure,
+        ]);
         for words in [
             &["inject", "--image", &frame, "-o", &output, "--seeing", "1arcsec"][..],
             &["mask", &frame, "-o", &output, "--width", "9arcsec"],
@@ -527,7 +535,19 @@ fn frames_of_a_telescope_of_unknown_position_have_a_warning() {
         }
         // Without a length of the streak, only elements older than the calibration are too old.
         let (_, _, stderr) = run(&[
-            &["identify", "--ra", "270", "--dec", "0", "--position-angle", "9", exposure[0], start, "--exposure", "30s"],
+            &[
+                "identify",
+                "--ra",
+                "270",
+                "--dec",
+                "0",
+                "--position-angle",
+                "9",
+                exposure[0],
+                start,
+                "--exposure",
+                "30s",
+            ],
             &orbit,
         ]);
         assert!(!stderr.contains("of the telescope"), "{stderr}");
