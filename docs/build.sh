@@ -2,7 +2,8 @@
 # Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN),
 # Python 3.11 or newer and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the
 # command line itself.
-#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
+#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium and
+#                             the folder of real data (STREAKCAST_DATA)
 #   docs/build.sh --install   only creates the Python environment
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -356,12 +356,12 @@ mod tests {
         let parts = [(1, 5, [0.0, 0.0, 9.0, 0.0]), (2, -1, [7.0, 7.0, 8.0, 8.0])];
         let more = [(3, 5, [20.0, 0.0, 29.0, 0.0]), (5, -1, [40.0, 0.0, 31.0, 0.0])];
         let text = of_astride(&[parts, more].concat());
-        assert_eq!(converted_table(&text), format!("{NAMES}1+3+5,41,1,1,1\n2,8,8,9,9\n"));
+        assert_eq!(converted_table(&text), format!("{NAMES}1+3+5,1,1,41,1\n2,8,8,9,9\n"));
         // The same table as CSV, with a comment. Rows keep their lines.
         let csv =
             text.trim_start_matches('#').lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(","));
         let csv = format!("# seen\n{}\n", csv.collect::<Vec<_>>().join("\n"));
-        assert_eq!(converted_table(&csv), format!("{NAMES}\n1+3+5,41,1,1,1\n2,8,8,9,9\n"));
+        assert_eq!(converted_table(&csv), format!("{NAMES}\n1+3+5,1,1,41,1\n2,8,8,9,9\n"));
     }
 
     #[test]
