@@ -40,7 +40,7 @@ impl FrameFile {
     ///
     /// # Errors
     /// The HDU is no binary table, its header is invalid, or the file cannot be read.
-    pub fn read_table(&self, hdu: usize) -> Result<Vec<BinaryColumn>, ImagesError> {
+    pub(crate) fn read_table(&self, hdu: usize) -> Result<Vec<BinaryColumn>, ImagesError> {
         let (info, header) = (self.hdu(hdu)?, self.header(hdu)?);
         if info.kind != HduKind::Table {
             let what = format!("{}: HDU {hdu}", self.path().display());
