@@ -2,7 +2,8 @@
 # Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN),
 # Python 3.11 or newer and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the
 # command line itself.
-#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
+#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium and
+#                             the folder of real data (STREAKCAST_DATA)
 #   docs/build.sh --install   only creates the Python environment
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -34,6 +35,7 @@ if [ "${1:-}" = --images ]; then
     "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
     "$python" docs/magnitudes.py docs/tables/before-after.md docs/tables/before-after-phase.md docs/images/magnitudes.svg
     "$python" docs/completeness.py docs/tables/completeness.md docs/images/completeness.svg
+    "$target/venv-docs/bin/python" docs/mask.py docs/images/mask.png
     "$python" docs/position_angles.py docs/tables/position-angles.md docs/images/position-angles.svg
     # 256 colours keep the files small.
     "$target/venv-docs/bin/python" -c 'import sys; from PIL import Image

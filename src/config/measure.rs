@@ -22,6 +22,7 @@ use crate::measure::{
 };
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, Table};
+use crate::passes::Sky;
 use crate::photometry::{Band, PhotometryOptions};
 use crate::streaks::{FrameOverrides, Optics, TargetFrame};
 use crate::watch::Watch;
@@ -39,7 +40,7 @@ pub struct MeasureConfig {
     /// Frames (FITS) with world coordinates, including mosaics and tile-compressed .fz
     #[cfg_attr(feature = "cli", arg(value_name = "FRAME"))]
     pub image: Vec<PathBuf>,
-    /// Tables of streaks, instead of predicted satellites: CSV or ECSV with their ends, streaks.txt of ASTRiDE, the
+    /// Tables of streaks, instead of predicted satellites: CSV, ECSV or FITS with their ends, streaks.txt of ASTRiDE, the
     /// catalog of acstools.findsat_mrt, or regions of DS9. With --elements or --shells the streaks are identified
     #[cfg_attr(feature = "cli", arg(long, value_name = "TABLE", num_args = 1..))]
     pub streaks: Vec<PathBuf>,
@@ -164,6 +165,7 @@ impl MeasureConfig {
             let sky = prepared.as_ref().map(|prepared| prepared.sky.watched(watch));
             let shown = frame.file.path().display();
             state_frame(frame, *is_calibrated || table.is_some(), &mut warnings);
+            warnings.extend(sky.as_ref().and_then(|sky| unknown_observer_warning(sky, frame)));
             let photometry = photometry(&config, frame)?;
             let (optics, is_seeing_known) = self.optics(&config, frame)?;
             let filter = config.light.band.as_deref().or(frame.filter.as_deref());
@@ -302,6 +304,12 @@ impl MeasureConfig {
         };
         Ok((optics, given.is_some()))
     }
+}
+
+/// Returns a warning if the position of a telescope in orbit is unknown for the satellites in a frame.
+pub(super) fn unknown_observer_warning(sky: &Sky, frame: &TargetFrame) -> Option<String> {
+    let (_, radius_rad) = frame.circle()?;
+    sky.unknown_observer_warning(&frame.file.path().display().to_string(), frame.opened, radius_rad)
 }
 
 /// Adds the HDUs of a frame that are ignored, and its missing calibration, to the warnings.

@@ -11,6 +11,8 @@
 //! angle along the orbit from the satellite to P, and δ is the delay. Hats denote unit vectors. This requires one SGP4
 //! propagation for each satellite. A few in a thousand satellites remain, which `compare` compares with the streak.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -53,6 +55,8 @@ pub struct Identified {
     pub unknown_probability: f64,
     /// Satellites that SGP4 cannot propagate to that time, in catalogue order.
     pub left_out: Vec<LeftOut>,
+    /// Warning if the position of a telescope in orbit is unknown.
+    pub unknown_observer: Option<String>,
 }
 
 /// Smallest total probability of the candidates at which the streak counts as identified.
@@ -101,7 +105,10 @@ pub fn identify_streak(sky: &Sky, streak: &MeasuredStreak, options: &IdentifyOpt
         log_weight_of_unknown(sky.elements().len(), streak.timing(), streak.duration_s(), streak.length_rad());
     let unknown_probability = set_probabilities(&mut candidates, log_unknown);
     candidates.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight).then(a.element_index.cmp(&b.element_index)));
-    Ok(Identified { candidates, unknown_probability, left_out })
+    // A streak of unknown length may be as long as any field.
+    let radius_rad = streak.length_rad().map_or(FRAC_PI_2, |length_rad| 0.5 * length_rad);
+    let unknown_observer = sky.unknown_observer_warning("the streak", streak.start(), radius_rad);
+    Ok(Identified { candidates, unknown_probability, left_out, unknown_observer })
 }
 
 /// Returns the best passage of one satellite, which is missing if it does not pass near the streak, and the reason if

@@ -10,7 +10,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::fits::{FrameFile, HduKind};
+use super::fits::{BinaryCells, FrameFile, HduKind};
 use super::header::Header;
 use super::pixels::PixelPosition;
 use crate::error::Error;
@@ -257,13 +257,10 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, Error> {
         let allowed = format!("{expected}, the number of terms of the polynomial");
         return Err(Error::invalid("PSFAXIS3", planes, allowed));
     }
-    let failed = |error: fitsio::errors::Error| {
-        let given = Quoted::new(error.to_string()).to_string();
-        Error::invalid("PSF_MASK", given, "a column of a binary table")
+    let column = file.read_table(hdu)?.into_iter().find(|column| column.name == "PSF_MASK");
+    let Some(BinaryCells::Numbers { values, .. }) = column.map(|column| column.cells) else {
+        return Err(Error::invalid("PSF_MASK", "not of numbers", "a column of numbers"));
     };
-    let mut table = fitsio::FitsFile::open(file.path()).map_err(failed)?;
-    let values: Vec<f64> =
-        table.hdu(hdu).and_then(|hdu| hdu.read_col::<f64>(&mut table, "PSF_MASK")).map_err(failed)?;
     let samples = size[0] * size[1];
     if values.len() != planes * samples {
         let allowed = format!("{}, one row of {planes} planes", planes * samples);

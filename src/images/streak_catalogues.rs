@@ -1,42 +1,66 @@
 //! Tables of detectors of streaks, converted to the columns of [`StreakTable`](super::StreakTable).
 //!
 //! - ASTRiDE (`streaks.txt`): a line of names that begins with `#ID`, and cells separated by blanks; `ep1_x`, `ep1_y`,
-//!   `ep2_x` and `ep2_y` are the ends in pixels counted from 0.
-//! - `acstools.findsat_mrt` (`ROOT_catalog.fits`): a FITS table with `id`, `status` and `endpoints`, the ends
+//!   `ep2_x` and `ep2_y` are the ends in pixels counted from 0. A part of a broken streak has the `ID` of the next part in
+//!   `connectivity`.
+//! - `acstools.findsat_mrt` (`ROOT_catalog.fits`): a table with `id`, `status` and `endpoints`, the ends
 //!   ((x1, y1), (x2, y2)) in pixels counted from 0. A trail with the status 2 passed all tests of findsat_mrt; the others
 //!   are left out, as in the masks of findsat_mrt.
+//! - The same tables that astropy read and wrote as CSV, ECSV or FITS, and FITS tables with the columns of
+//!   [`StreakTable`](super::StreakTable).
 //! - Regions of SAOImage DS9: `line(x1,y1,x2,y2)` in `image` (pixels from 1) or in `fk5`, `j2000` or `icrs` (degrees, or
 //!   hours and degrees with colons), and `vector(x,y,length,angle)` in `image`, also behind `#`, as DS9 saves it. The
 //!   text of a region is the name of the streak.
 
 use std::path::Path;
 
-use super::fits::{FrameFile, HduKind};
+use super::fits::{BinaryCells, BinaryColumn, FrameFile, HduKind};
 use crate::error::Error;
 use crate::frames::{parse_declination_deg, parse_right_ascension_deg};
-use crate::input;
+use crate::input::{self, Column, TableRows};
 use crate::message::Quoted;
 
 /// Status of a trail that passed all tests of findsat_mrt.
-const ACCEPTED: i64 = 2;
+const ACCEPTED: f64 = 2.0;
+/// Columns of the tables of findsat_mrt and of ASTRiDE.
+const OF_FINDSAT: [&str; 3] = ["id", "status", "endpoints"];
+const OF_ASTRIDE: [&str; 5] = ["ID", "ep1_x", "ep1_y", "ep2_x", "ep2_y"];
 
-/// Returns the text of a table of streaks in CSV or ECSV. Tables of detectors are converted; each row keeps its line.
+/// Table of streaks as text.
+pub(super) struct StreakText {
+    /// CSV or ECSV. Each row has its line in the file.
+    pub text: String,
+    /// Number of lines before the rows of a FITS table, which has no lines.
+    pub lines_before_rows: Option<u64>,
+}
+
+/// Returns the text of a table of streaks. Tables of detectors and FITS tables are converted.
 ///
 /// # Errors
-/// The file cannot be read, or is a FITS file without the table of findsat_mrt.
-pub(super) fn read(path: &Path) -> Result<String, Error> {
+/// The file cannot be read, is a FITS file without a table, or a table of a detector is invalid.
+pub(super) fn read(path: &Path) -> Result<StreakText, Error> {
     let bytes = input::read(path).map_err(Error::io(path))?;
-    if bytes.starts_with(b"SIMPLE  =") {
-        return findsat(path);
-    }
-    let text = input::text_of(bytes).map_err(Error::io(path))?;
-    if text.starts_with("#ID ") {
-        astride(path, &text)
-    } else if text.starts_with("# Region file format: DS9") {
-        ds9(path, &text)
+    let (text, lines_before_rows) = if bytes.starts_with(b"SIMPLE  =") {
+        let (text, lines) = fits(path)?;
+        (text, Some(lines))
     } else {
-        Ok(text)
+        (input::text_of(bytes).map_err(Error::io(path))?, None)
+    };
+    if text.starts_with("# Region file format: DS9") {
+        return Ok(StreakText { text: ds9(path, &text)?, lines_before_rows });
     }
+    let text = if text.starts_with("#ID ") { separated(path, &text)? } else { text };
+    let failed = Error::io(path);
+    let rows = TableRows::new(text.clone()).map_err(&failed)?;
+    let has = |columns: &[&'static str]| columns.iter().all(|column| rows.find(column).is_some());
+    let text = if has(&OF_FINDSAT) {
+        findsat(path, rows)?
+    } else if has(&OF_ASTRIDE) {
+        astride(path, rows)?
+    } else {
+        text
+    };
+    Ok(StreakText { text, lines_before_rows })
 }
 
 fn ds9(path: &Path, text: &str) -> Result<String, Error> {
@@ -116,21 +140,16 @@ fn system_of(before: Option<&'static str>, name: &str) -> Option<&'static str> {
     before.is_none_or(|before| before == system).then_some(system)
 }
 
-fn astride(path: &Path, text: &str) -> Result<String, Error> {
+/// Returns `streaks.txt` of ASTRiDE, whose cells are separated by blanks, as CSV.
+fn separated(path: &Path, text: &str) -> Result<String, Error> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap_or_default().trim_start_matches('#').split_whitespace().collect();
-    let find = |name: &str| {
-        names.iter().position(|found| *found == name).ok_or_else(|| {
-            Error::invalid(
-                format!("column {name} of ASTRiDE"),
-                "missing",
-                "a table with ID, ep1_x, ep1_y, ep2_x and ep2_y (ASTRiDE of 2024 or newer)",
-            )
-            .in_file("", path)
-        })
-    };
-    let columns = [find("ID")?, find("ep1_x")?, find("ep1_y")?, find("ep2_x")?, find("ep2_y")?];
-    let mut converted = "id,x1_pix,y1_pix,x2_pix,y2_pix\n".to_owned();
+    if let Some(missing) = OF_ASTRIDE.iter().find(|column| !names.contains(*column)) {
+        let what = format!("column {missing} of ASTRiDE");
+        let allowed = "a table with ID, ep1_x, ep1_y, ep2_x and ep2_y (ASTRiDE of 2024 or newer)";
+        return Err(Error::invalid(what, "missing", allowed).in_file("", path));
+    }
+    let mut converted = names.join(",");
     for (line, number) in lines.zip(2..) {
         let cells: Vec<&str> = line.split_whitespace().collect();
         if !cells.is_empty() && cells.len() != names.len() {
@@ -141,57 +160,144 @@ fn astride(path: &Path, text: &str) -> Result<String, Error> {
             )
             .in_line("", path, number));
         }
-        let cell = |(index, column): (usize, &usize)| -> String {
-            let text = cells.get(*column).copied().unwrap_or_default();
-            match text.parse::<f64>() {
-                Ok(from_zero) if index > 0 => (from_zero + 1.0).to_string(),
-                // Names are not quoted; a cell that is not a number gives an error later.
-                _ => text.replace([',', '"'], " "),
-            }
-        };
-        let row: Vec<String> = columns.iter().enumerate().map(cell).collect();
-        converted += &if cells.is_empty() { String::new() } else { row.join(",") };
         converted.push('\n');
+        converted += &cells.join(",").replace('"', " ");
     }
-    Ok(converted)
+    Ok(converted + "\n")
 }
 
-fn findsat(path: &Path) -> Result<String, Error> {
-    // The file is checked before CFITSIO reads it.
-    let checked = FrameFile::open(path)?;
-    if checked.hdus().get(1).is_none_or(|hdu| hdu.kind != HduKind::Table) {
-        let allowed = "a catalog of findsat_mrt, with a table in the first extension";
-        return Err(Error::invalid("table of streaks", "missing", allowed).in_file("", path));
+/// Streak of a detector: line in its table, name, and ends in pixels counted from 0, which are not numbers yet.
+struct Detected {
+    line: u64,
+    name: String,
+    ends: [String; 4],
+}
+
+impl Detected {
+    fn numbers(&self) -> Option<[f64; 4]> {
+        let numbers: Vec<f64> = self.ends.iter().filter_map(|text| text.parse().ok()).collect();
+        numbers.try_into().ok()
     }
-    let failed = |error: fitsio::errors::Error| {
-        let given = Quoted::new(error.to_string()).to_string();
-        let allowed = "a catalog of findsat_mrt with id, status and endpoints in the first extension";
-        Error::invalid("table of streaks", given, allowed).in_file("", path)
-    };
-    let mut file = fitsio::FitsFile::open(path).map_err(failed)?;
-    let hdu = file.hdu(1).map_err(failed)?;
-    let ids: Vec<i64> = hdu.read_col(&mut file, "id").map_err(failed)?;
-    let status: Vec<i64> = hdu.read_col(&mut file, "status").map_err(failed)?;
-    let ends: Vec<f64> = hdu.read_col(&mut file, "endpoints").map_err(failed)?;
-    let mut converted = "id,x1_pix,y1_pix,x2_pix,y2_pix\n".to_owned();
-    if ids.is_empty() {
-        return Ok(converted);
+}
+
+/// Returns streaks as CSV, each on its line, with pixels counted from 1.
+fn converted(streaks: &[Detected]) -> String {
+    let (mut text, mut line) = ("id,x1_pix,y1_pix,x2_pix,y2_pix\n".to_owned(), 2);
+    for streak in streaks {
+        text.extend((line..streak.line).map(|_| '\n'));
+        line = line.max(streak.line) + 1;
+        // Cells that are not numbers give an error with their line when they are used.
+        let ends = match streak.numbers() {
+            Some(numbers) => numbers.map(|from_zero| (from_zero + 1.0).to_string()),
+            None => streak.ends.clone(),
+        };
+        let cells = [&streak.name].into_iter().chain(&ends).map(|cell| cell.replace([',', '"'], " "));
+        text += &cells.collect::<Vec<_>>().join(",");
+        text.push('\n');
     }
-    if ends.len() != 4 * ids.len() || status.len() != ids.len() {
-        return Err(Error::invalid("numbers in endpoints", ends.len(), format!("{}, 4 in each row", 4 * ids.len()))
-            .in_file("", path));
+    text
+}
+
+/// Converts a table of ASTRiDE. Parts of a broken streak, each of which has the `ID` of the next one in the column
+/// `connectivity`, are one streak between the two ends that are farthest apart.
+fn astride(path: &Path, rows: TableRows) -> Result<String, Error> {
+    let columns = OF_ASTRIDE.map(|name| rows.find(name));
+    let connectivity = rows.find("connectivity");
+    let mut streaks: Vec<(Detected, String)> = Vec::new();
+    for row in rows {
+        let row = row.map_err(Error::io(path))?;
+        let text = |column: Option<Column>| column.map_or_else(String::new, |column| row.text(column).to_owned());
+        let [name, ends @ ..] = columns.map(text);
+        streaks.push((Detected { line: row.line, name, ends }, text(connectivity)));
     }
-    for ((id, status), ends) in ids.iter().zip(&status).zip(ends.chunks_exact(4)) {
-        if *status == ACCEPTED {
-            let cells: Vec<String> = ends.iter().map(|from_zero| (from_zero + 1.0).to_string()).collect();
-            converted += &format!("{id},{}\n", cells.join(","));
+    // From the last row, because the next part of a streak is below.
+    let mut joined: Vec<Detected> = Vec::new();
+    while let Some((streak, next)) = streaks.pop() {
+        let following = joined.iter().position(|later| later.name.split('+').any(|part| part == next));
+        let parts = following.and_then(|index| Some((index, streak.numbers()?, joined[index].numbers()?)));
+        let whole = match parts {
+            Some((index, [a, b, c, d], [e, f, g, h])) => {
+                let later = joined.remove(index);
+                let ends = [(a, b), (c, d), (e, f), (g, h)];
+                let pairs =
+                    ends.iter().enumerate().flat_map(|(at, one)| ends[..at].iter().map(move |other| (one, other)));
+                let distance = |((x, y), (u, v)): &(&(f64, f64), &(f64, f64))| (x - u).hypot(y - v);
+                let farthest = pairs.max_by(|one, other| distance(one).total_cmp(&distance(other)));
+                let ends = farthest.map_or([a, b, c, d], |((x, y), (u, v))| [*u, *v, *x, *y]);
+                let name = format!("{}+{}", streak.name, later.name);
+                Detected { name, ends: ends.map(|end| end.to_string()), ..streak }
+            }
+            None => streak,
+        };
+        joined.push(whole);
+    }
+    joined.sort_by_key(|streak| streak.line);
+    Ok(converted(&joined))
+}
+
+/// Converts the catalog of findsat_mrt, without the trails that failed a test.
+fn findsat(path: &Path, rows: TableRows) -> Result<String, Error> {
+    let [id, status, endpoints] = OF_FINDSAT.map(|name| rows.find(name));
+    let mut streaks = Vec::new();
+    for row in rows {
+        let row = row.map_err(Error::io(path))?;
+        let text = |column: Option<Column>| column.map_or("", |column| row.text(column));
+        if text(status).parse() != Ok(ACCEPTED) {
+            continue;
         }
+        // `[[x1,y1],[x2,y2]]` in ECSV.
+        let numbers = text(endpoints).split(['[', ']', ',', ' ']).filter(|number| !number.is_empty());
+        let ends: Vec<String> = numbers.map(str::to_owned).collect();
+        let count = ends.len();
+        let Ok(ends) = ends.try_into() else {
+            return Err(Error::invalid("numbers in endpoints", count, "4 in each row").in_file("", path));
+        };
+        streaks.push(Detected { line: row.line, name: text(id).to_owned(), ends });
     }
-    Ok(converted)
+    Ok(converted(&streaks))
+}
+
+/// Returns the first table of a FITS file as ECSV, and the number of lines before its rows.
+fn fits(path: &Path) -> Result<(String, u64), Error> {
+    let file = FrameFile::open(path)?;
+    let Some(table) = file.hdus().iter().find(|hdu| hdu.kind == HduKind::Table) else {
+        let allowed = "a FITS file with a binary table, such as a catalog of findsat_mrt";
+        return Err(Error::invalid("table of streaks", "missing", allowed).in_file("", path));
+    };
+    let columns = file.read_table(table.index)?;
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\"").replace(['\n', '\r'], " "));
+    let mut text = "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n".to_owned();
+    for column in &columns {
+        let name = serde_json::Value::from(column.name.as_str());
+        let unit = column.unit.as_deref().map(|unit| format!("unit: {}, ", serde_json::Value::from(unit)));
+        text += &format!("# - {{name: {name}, {}datatype: string}}\n", unit.unwrap_or_default());
+    }
+    let names: Vec<String> = columns.iter().map(|column| quoted(&column.name)).collect();
+    text += &format!("{}\n", names.join(","));
+    let lines = text.lines().count() as u64;
+    let rows = columns.iter().map(|column| match &column.cells {
+        BinaryCells::Text(cells) => cells.len(),
+        BinaryCells::Numbers { in_row, values } => values.len() / (*in_row).max(1),
+    });
+    for row in 0..rows.max().unwrap_or(0) {
+        let cell = |column: &BinaryColumn| match &column.cells {
+            BinaryCells::Text(cells) => quoted(&cells[row]),
+            BinaryCells::Numbers { in_row: 1, values } if values[row].is_nan() => String::new(),
+            BinaryCells::Numbers { in_row: 1, values } => values[row].to_string(),
+            BinaryCells::Numbers { in_row, values } => {
+                let numbers: Vec<String> = values[row * in_row..][..*in_row].iter().map(f64::to_string).collect();
+                quoted(&format!("[{}]", numbers.join(",")))
+            }
+        };
+        text += &format!("{}\n", columns.iter().map(cell).collect::<Vec<_>>().join(","));
+    }
+    Ok((text, lines))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::fits::{Cells, TableColumn, write_table};
+    use super::super::streak_table::{StreakEnds, StreakTable};
     use super::*;
 
     const HEAD: &str = "# Region file format: DS9 version 4.1\nglobal color=green\n";
@@ -228,5 +334,79 @@ mod tests {
                 "{message}"
             );
         }
+    }
+
+    /// Rows of `streaks.txt`: ID, connectivity and ends.
+    fn of_astride(rows: &[(i32, i32, [f64; 4])]) -> String {
+        let rows = rows.iter().map(|(id, next, [a, b, c, d])| format!("{id:2} 9.00 {next:2} {a} {b} {c} {d} 9.0\n"));
+        "#ID area connectivity ep1_x ep1_y ep2_x ep2_y length\n".to_owned() + &rows.collect::<String>()
+    }
+
+    fn converted_table(text: &str) -> String {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("streaks.txt");
+        std::fs::write(&path, text).unwrap();
+        read(&path).unwrap().text
+    }
+
+    #[test]
+    fn connected_parts_of_astride_are_one_streak() {
+        const NAMES: &str = "id,x1_pix,y1_pix,x2_pix,y2_pix\n";
+        // Two parts, the right one first, as ASTRiDE finds them; three parts of which two have the same next one.
+        let text = of_astride(&[(1, 2, [50.0, 30.0, 90.0, 50.0]), (2, -1, [10.0, 10.0, 45.0, 28.0])]);
+        assert_eq!(converted_table(&text), format!("{NAMES}1+2,91,51,11,11\n"));
+        let parts = [(1, 5, [0.0, 0.0, 9.0, 0.0]), (2, -1, [7.0, 7.0, 8.0, 8.0])];
+        let more = [(3, 5, [20.0, 0.0, 29.0, 0.0]), (5, -1, [40.0, 0.0, 31.0, 0.0])];
+        let text = of_astride(&[parts, more].concat());
+        assert_eq!(converted_table(&text), format!("{NAMES}1+3+5,1,1,41,1\n2,8,8,9,9\n"));
+        // The same table as CSV, with a comment. Rows keep their lines.
+        let csv =
+            text.trim_start_matches('#').lines().map(|line| line.split_whitespace().collect::<Vec<_>>().join(","));
+        let csv = format!("# seen\n{}\n", csv.collect::<Vec<_>>().join("\n"));
+        assert_eq!(converted_table(&csv), format!("{NAMES}\n1+3+5,1,1,41,1\n2,8,8,9,9\n"));
+    }
+
+    #[test]
+    fn the_catalog_of_findsat_is_read_from_ecsv() {
+        let text = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: id, datatype: int64}\n\
+                    # - {name: endpoints, datatype: string, subtype: 'float64[2,2]'}\n\
+                    # - {name: status, datatype: int64}\nid endpoints status\n\
+                    1 [[0.0,5.5],[9.0,7.25]] 2\n2 [[0.0,1.0],[2.0,3.0]] 1\n3 [[4.0,1.0],[2.0,3.0]] 2\n";
+        let rows = converted_table(text);
+        let rows: Vec<&str> = rows.lines().collect();
+        assert_eq!((rows[7], rows[8], rows[9]), ("1,1,6.5,10,8.25", "", "3,5,2,3,4"));
+    }
+
+    /// Units and missing numbers of a FITS table are kept, and its rows have numbers.
+    #[test]
+    fn fits_tables_with_the_columns_of_streaks_are_read() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("night[1].fits");
+        let column = |name: &str, unit: &str, cells: Cells| TableColumn {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            meaning: String::new(),
+            cells,
+        };
+        let angles = |name: &str| column(name, "rad", Cells::Real(vec![0.5, f64::NAN]));
+        let columns = [
+            column("id", "", Cells::Text(vec!["a \"b\", c".to_owned(), "d".to_owned()])),
+            column("hdu", "", Cells::Integer(vec![Some(0), None])),
+            angles("ra1"),
+            angles("dec1"),
+            angles("ra2"),
+            column("dec2", "rad", Cells::Real(vec![0.25, 9.0])),
+        ];
+        write_table(&path, "STREAKS", &columns, &[]).unwrap();
+        let (table, ()) = StreakTable::read(&path, |_| Ok(())).unwrap();
+        let rows: Vec<_> = table.rows().collect();
+        let StreakEnds::Sky([first, second]) = rows[0].ends().unwrap() else { panic!("ends in pixels") };
+        assert!((first.separation_rad(&second) - 0.25).abs() < 1e-9);
+        assert_eq!(
+            (rows[0].id(1).as_str(), rows[0].hdu().unwrap(), rows[1].hdu().unwrap()),
+            ("a \"b\", c", Some(0), None)
+        );
+        let error = rows[1].ends().unwrap_err().to_string();
+        assert!(error.contains("night[1].fits: row 2: "), "{error}");
     }
 }

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::pixels::PixelPosition;
-use super::streak_catalogues;
+use super::streak_catalogues::{self, StreakText};
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::input::{Column, TableRow, TableRows, comments_warning};
@@ -59,6 +59,8 @@ pub struct StreakTable {
     hdu: Option<Column>,
     comments_like_rows: usize,
     rows: Vec<TableRow>,
+    /// Number of lines before the rows of a FITS table, whose rows have numbers in errors.
+    lines_before_rows: Option<u64>,
 }
 
 /// The way in which four columns give the ends of a streak.
@@ -131,7 +133,8 @@ impl StreakTable {
     /// The file cannot be read, no form of the ends has all of its columns, or a unit is invalid.
     pub(crate) fn read<T>(path: &Path, also: impl FnOnce(&TableRows) -> io::Result<T>) -> Result<(Self, T), Error> {
         let failed = Error::io(path);
-        let rows = TableRows::new(streak_catalogues::read(path)?).map_err(&failed)?;
+        let StreakText { text, lines_before_rows } = streak_catalogues::read(path)?;
+        let rows = TableRows::new(text).map_err(&failed)?;
         let mut forms = Vec::new();
         for (kind, columns) in &FORM_COLUMNS {
             let mut found = Vec::new();
@@ -149,7 +152,8 @@ impl StreakTable {
         let more = also(&rows).map_err(&failed)?;
         let (names, comments_like_rows) = (rows.names().to_vec(), rows.comments_like_rows);
         let rows = rows.collect::<io::Result<Vec<_>>>().map_err(&failed)?;
-        Ok((Self { path: path.to_owned(), names, forms, id, streak, image, hdu, comments_like_rows, rows }, more))
+        let path = path.to_owned();
+        Ok((Self { path, names, forms, id, streak, image, hdu, comments_like_rows, rows, lines_before_rows }, more))
     }
 
     /// Returns remarks about the columns: which group gives the ends if there are several, and which columns are not used.
@@ -205,9 +209,13 @@ impl StreakRow<'_> {
         column.map_or("", |column| self.cells.text(column))
     }
 
-    /// Returns the table and the line, for errors.
+    /// Returns the table and the line, or the row of a FITS table, for errors.
     pub(crate) fn origin(&self) -> String {
-        format!("{}: line {}", self.table.path.display(), self.line)
+        let path = self.table.path.display();
+        match self.table.lines_before_rows {
+            None => format!("{path}: line {}", self.line),
+            Some(before) => format!("{path}: row {}", self.line - before),
+        }
     }
 
     /// Returns the error of an invalid cell, with file, line and column.

@@ -70,7 +70,7 @@ pub struct ListedMeasurement {
 }
 
 impl StreakList {
-    /// Reads a table: CSV or ECSV with the ends of streaks, streaks.txt of ASTRiDE, a catalog of findsat_mrt, or
+    /// Reads a table: CSV, ECSV or FITS with the ends of streaks, streaks.txt of ASTRiDE, a catalog of findsat_mrt, or
     /// regions of DS9.
     ///
     /// # Errors

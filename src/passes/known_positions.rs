@@ -19,9 +19,16 @@ impl Sky {
     pub fn predictability(&self, epoch: Epoch, field: Option<&Field>) -> Predictability {
         let mut known = Predictability::clone(&self.predictability_of_satellites(epoch));
         if let (Some(observer), Some(field)) = (self.viewpoint().orbit(), field) {
-            known.unknown_observer = observer.reason_unknown(epoch, field);
+            known.unknown_observer = observer.reason_unknown(epoch, field.bounding_radius_rad());
         }
         known
+    }
+
+    /// Returns a warning if the position of a telescope in orbit is not known well enough at a time for the crossings of
+    /// a circle on the sky, such as that around a frame. `of` names what is searched in the circle.
+    pub(crate) fn unknown_observer_warning(&self, of: &str, epoch: Epoch, radius_rad: f64) -> Option<String> {
+        let (reason, _) = self.viewpoint().orbit()?.reason_unknown(epoch, radius_rad)?;
+        Some(format!("{of}: {reason}: most predictions are wrong; specify elements of the telescope of that time"))
     }
 
     fn predictability_of_satellites(&self, epoch: Epoch) -> Arc<Predictability> {

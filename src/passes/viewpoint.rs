@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use hifitime::Epoch;
 
-use super::field::Field;
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
 use crate::error::{Error, ErrorKind};
@@ -111,13 +110,13 @@ impl OrbitingObserver {
         Some((errors.along_track_s * class.speed_km_s()).hypot(errors.cross_track_km))
     }
 
-    /// Returns the reason why its element set does not give its position well enough for crossings of a field at a
-    /// time, and the age of the set, days; `None` if it does.
+    /// Returns the reason why its element set does not give its position well enough for crossings of a field,
+    /// whose bounding circle is given, at a time, and the age of the set, days; `None` if it does.
     ///
     /// This is the case if the set is older than those of the calibration ([`OrbitClass::is_known`]), or if the
     /// crossings of a satellite at the distance [`TYPICAL_RANGE_KM`] would be half wrong: its track is then shifted by
     /// more than the mean chord of the field.
-    pub(super) fn reason_unknown(&self, epoch: Epoch, field: &Field) -> Option<(String, f64)> {
+    pub(super) fn reason_unknown(&self, epoch: Epoch, radius_rad: f64) -> Option<(String, f64)> {
         let (class, error_km) = (self.class?, self.position_error_km(epoch)?);
         let age_days = seconds_between(self.orbit.elements_epoch()?, epoch) / DAY_S;
         let age = elements_of_age(age_days);
@@ -126,7 +125,7 @@ impl OrbitingObserver {
         }
         // The mean chord of a circle is π/2 times its radius. Shifted by a chord in a random direction, half of the
         // tracks through the circle still cross it: 1 - 2/π · s/2r = 1/2 for s = π r / 2.
-        let chord_rad = FRAC_PI_2 * field.bounding_radius_rad();
+        let chord_rad = FRAC_PI_2 * radius_rad;
         (error_km > chord_rad * TYPICAL_RANGE_KM).then(|| {
             let reason = format!(
                 "{age} of the telescope {}: its position is known within {error_km:.1} km (68 %), which shifts satellites at \

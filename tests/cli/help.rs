@@ -210,6 +210,17 @@ fn element_sets_that_cannot_be_propagated_are_counted_on_one_line() {
     assert!(stderr.contains(&format!("{line}:\n  satellite 90002: SGP4")), "{stderr}");
     let (code, _, stderr) = run(&[&arguments[..], &["--verbose", "--quiet"]].concat(), folder.path());
     assert!(code == 2 && stderr.contains("--quiet"), "{stderr}");
+    // Several streaks of a table have one such line.
+    #[cfg(unix)]
+    {
+        let rows = "310,-30,310.5,-30\n310,-30,310,-30.5\n";
+        std::fs::write(folder.path().join("streaks.csv"), format!("ra1_deg,dec1_deg,ra2_deg,dec2_deg\n{rows}"))
+            .unwrap();
+        let arguments =
+            "identify --streaks streaks.csv --elements a.tle --mpc X05 --exposure 30s --start 2026-08-14T23:29:05Z";
+        let (code, _, stderr) = run(&arguments.split_whitespace().collect::<Vec<_>>(), folder.path());
+        assert!(code < 2 && stderr.matches(line).count() == 1 && stderr.contains("2 streaks: "), "{stderr}");
+    }
 }
 
 /// The completion script completes verbs and flags in bash.

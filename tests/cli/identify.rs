@@ -206,11 +206,11 @@ fn findsat_catalogue(rows: &[(i64, [f64; 4], i64)]) -> Vec<u8> {
         "XTENSION= 'BINTABLE'".to_owned(),
         card("BITPIX", "8"),
         card("NAXIS", "2"),
-        card("NAXIS1", "48"),
+        card("NAXIS1", "56"),
         card("NAXIS2", &rows.len().to_string()),
         card("PCOUNT", "0"),
         card("GCOUNT", "1"),
-        card("TFIELDS", "3"),
+        card("TFIELDS", "4"),
         "TTYPE1  = 'id      '".to_owned(),
         "TFORM1  = 'K       '".to_owned(),
         "TTYPE2  = 'endpoints'".to_owned(),
@@ -218,12 +218,16 @@ fn findsat_catalogue(rows: &[(i64, [f64; 4], i64)]) -> Vec<u8> {
         "TDIM2   = '(2,2)   '".to_owned(),
         "TTYPE3  = 'status  '".to_owned(),
         "TFORM3  = 'K       '".to_owned(),
+        // A column of variable length, which other programs add.
+        "TTYPE4  = 'history '".to_owned(),
+        "TFORM4  = '1PD(0)  '".to_owned(),
     ]);
     let mut data = Vec::new();
     for (id, ends, status) in rows {
         data.extend(id.to_be_bytes());
         ends.iter().for_each(|end| data.extend(end.to_be_bytes()));
         data.extend(status.to_be_bytes());
+        data.extend([0; 8]);
     }
     data.resize(data.len().next_multiple_of(2880), 0);
     [primary, table, data].concat()
@@ -330,6 +334,10 @@ fn streaks_of_tables_and_detectors_are_identified() {
         assert_eq!((code, error.trim().lines().count()), (2, 1), "{text}: {error}");
         assert!(error.contains(words), "{text}: {error}");
     }
-    let (code, _, error) = run(&[&["identify", "--streaks", &frame], &satellites]);
-    assert!(code == 2 && error.contains("a catalog of findsat_mrt"), "{error}");
+    // The truth in the frame is a table of streaks, too.
+    let named: Vec<f64> = identified(&frame, &["--image", &frame]).into_iter().map(|(_, norad_id)| norad_id).collect();
+    assert!(named.len() == ids.len() && ids.iter().all(|id| named.contains(id)), "{named:?}");
+    std::fs::write(&findsat, &findsat_catalogue(&[])[..2880]).unwrap();
+    let (code, _, error) = run(&[&["identify", "--streaks", &findsat, "--image", &frame], &satellites]);
+    assert!(code == 2 && error.contains("such as a catalog of findsat_mrt"), "{error}");
 }

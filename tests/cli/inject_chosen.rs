@@ -324,6 +324,8 @@ fn verif_labels_contain_the_streaks() {
         for sum in inside {
             assert!(sum > 0.85 * all && sum < all, "{number}: {sum} of {all}");
         }
+        // The box contains the part of the streak in the frame.
+        assert!(inside[1] > 0.999 * inside[0], "{number}: {inside:?}");
         let area = annotation["area"].as_f64().unwrap();
         assert!((area / pixels as f64 - 1.0).abs() < 0.05, "{area} {pixels}");
         assert!(area < 3.0 * widths[number] * 200.0, "{area}");

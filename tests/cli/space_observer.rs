@@ -498,6 +498,62 @@ fn old_elements_of_the_telescope_are_no_clear_exposures() {
     assert!(answer["windows"].as_array().unwrap().is_empty() && stderr.contains("of the telescope 90001"), "{stderr}");
 }
 
+/// The verbs of frames and streaks state that the position of the telescope is unknown, by the rule of `flag`: after two
+/// days a field of 0.1 deg is too small.
+#[test]
+fn frames_of_a_telescope_of_unknown_position_have_a_warning() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (synthetic, frame, output) = (path("small.toml"), path("visit.fits"), path("output.fits"));
+    let table = path("streaks.csv");
+    fs::write(
+        &synthetic,
+        "columns = 512\nrows = 512\npixel_scale_arcsec = 0.5\nsky_mag_arcsec2 = 21\nzero_point_1s_mag = 25\n",
+    )
+    .unwrap();
+    fs::write(&table, "x1_pix,y1_pix,x2_pix,y2_pix\n10,20,500,480\n").unwrap();
+    let orbit = ["--shells", "oneweb", "--observer-elements", OBSERVER];
+    for (start, is_known) in [("2026-03-20T13:00:00Z", true), ("2026-03-22T13:00:00Z", false)] {
+        let exposure = ["--start", start, "--exposure", "30s"];
+        let new = ["--synthetic", &synthetic, "--ra", "270", "--dec", "0", "--seeing", "1arcsec"];
+        run(&[
+            &["inject", "-o", &frame, "--random-streaks", "1", "--magnitude", "9", "--pixels-only"],
+            &new,
+            &exposure,
+        ]);
+        for words in [
+            &["inject", "--image", &frame, "-o", &output, "--seeing", "1arcsec"][..],
+            &["mask", &frame, "-o", &output, "--width", "9arcsec"],
+            &["measure", &frame],
+            &["measure", &frame, "--streaks", &table],
+            &["identify", "--end", "270,0", "--end", "270.06,0.06", exposure[0], exposure[1], exposure[2], exposure[3]],
+            &["identify", "--streaks", &table, "--image", &frame],
+        ] {
+            let (code, _, stderr) = run(&[words, &orbit]);
+            let stated = stderr.matches("old of the telescope 90001: its position is known within").count();
+            assert!(code < 2 && stated == usize::from(!is_known), "{words:?}: {stderr}");
+        }
+        // Without a length of the streak, only elements older than the calibration are too old.
+        let (_, _, stderr) = run(&[
+            &[
+                "identify",
+                "--ra",
+                "270",
+                "--dec",
+                "0",
+                "--position-angle",
+                "9",
+                exposure[0],
+                start,
+                "--exposure",
+                "30s",
+            ],
+            &orbit,
+        ]);
+        assert!(!stderr.contains("of the telescope"), "{stderr}");
+    }
+}
+
 /// The reason of a gap in the ephemeris of the telescope is stated: states too far apart, or a wrong one.
 #[test]
 fn gaps_of_the_telescope_have_reasons() {

@@ -142,7 +142,7 @@ pub fn identify<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
-    let (tables, found, warning) = failure::without_lock(py, |watch| {
+    let (tables, found, warnings) = failure::without_lock(py, |watch| {
         let plan = identify.resolve(&setup).map_err(exception)?;
         let streak = &plan.streak;
         let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
@@ -157,14 +157,16 @@ pub fn identify<'py>(
         });
         let tables = (candidate_table(rows), streak_table(streak));
         let warning = prepared.left_out_warning(&found.left_out, start).map_err(failure::setup)?;
-        Ok((tables, found, warning))
+        let warnings = found.unknown_observer.iter().chain(&warning).map(|warning| failure::as_arguments(warning));
+        let warnings: Vec<String> = warnings.collect();
+        Ok((tables, found, warnings))
     })?;
     let result = PyDict::new(py);
     result.set_item("candidates", columns(py, &tables.0)?)?;
     result.set_item("streak", columns(py, &tables.1)?)?;
     result.set_item("unknown_probability", found.unknown_probability)?;
     result.set_item("n_candidates", found.candidates.len())?;
-    result.set_item("warnings", PyList::new(py, warning.map(|warning| failure::as_arguments(&warning)))?)?;
+    result.set_item("warnings", PyList::new(py, warnings)?)?;
     Ok(result)
 }
 

@@ -1,11 +1,12 @@
 //! Frames in FITS files: reading, copies with changes, and new files.
 //!
 //! `hdu` finds headers and data; `tile_header` and `tile_table` check compressed images. These checks precede CFITSIO
-//! (`cfitsio`). `frame_file` reads a file, and `planes` distinguishes frames from masks and maps. `frame_copy` writes a
+//! (`cfitsio`). `frame_file` reads a file, `binary_table` its tables, and `planes` distinguishes frames from masks and maps. `frame_copy` writes a
 //! copy with changes: `deltas` collects the added light and counts changed pixels, `pixel_format` converts stored
 //! numbers, `tiles` changes compressed images, and `dither` provides random numbers for rounding. `new_hdu` creates
 //! images and tables.
 
+mod binary_table;
 mod cfitsio;
 mod deltas;
 mod dither;
@@ -19,6 +20,7 @@ mod tile_header;
 mod tile_table;
 mod tiles;
 
+pub use binary_table::{BinaryCells, BinaryColumn};
 pub use cfitsio::Rice;
 pub use deltas::Changed;
 pub use frame_copy::FrameCopy;

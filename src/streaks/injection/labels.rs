@@ -320,15 +320,28 @@ fn coco(frames: &[(&Path, &[LabelledImage])]) -> String {
     document.to_string() + "\n"
 }
 
-/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. Corners
-/// beyond an edge of the image are moved to it, because the format has no coordinates outside of 0 to 1.
+/// Returns the lines of an image: class 0, and the corners of the oriented box as fractions of width and height. The two
+/// sides along the streak are cut at the edges of the image, because the format has no coordinates outside of 0 to 1.
 fn yolo(image: &LabelledImage) -> String {
     let [rows, columns] = image.size.map(|count| count as f64);
     let line = |label: &Label| {
-        let share = |[x, y]: [f64; 2]| [x / columns, y / rows].map(|share| format!(" {:.6}", share.clamp(0.0, 1.0)));
-        format!("0{}\n", label.oriented_box().into_iter().flat_map(share).collect::<String>())
+        let [a, b, c, d] = label.oriented_box().map(|[x, y]| [x / columns, y / rows]);
+        let ([a, b], [d, c]) = (within_image(a, b), within_image(d, c));
+        let corners = [a, b, c, d].into_iter().flatten();
+        format!("0{}\n", corners.map(|share| format!(" {share:.6}")).collect::<String>())
     };
     image.labels.iter().map(line).collect()
+}
+
+/// Returns the part of a line in an image whose sides are 1; of a line outside of it, the ends moved to its edges.
+fn within_image(from: [f64; 2], to: [f64; 2]) -> [[f64; 2]; 2] {
+    let (mut first, mut last) = (0.0_f64, 1.0_f64);
+    for (from, to) in from.into_iter().zip(to).filter(|(from, to)| from != to) {
+        let [a, b] = [0.0, 1.0].map(|edge| (edge - from) / (to - from));
+        (first, last) = (first.max(a.min(b)), last.min(a.max(b)));
+    }
+    let [first, last] = if first < last { [first, last] } else { [0.0, 1.0] };
+    [first, last].map(|share| [0, 1].map(|axis| (from[axis] + share * (to[axis] - from[axis])).clamp(0.0, 1.0)))
 }
 
 fn ds9(image: &LabelledImage) -> String {
@@ -340,4 +353,18 @@ fn ds9(image: &LabelledImage) -> String {
         })
     });
     region_text("labels", "image", 3, regions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::within_image;
+
+    #[test]
+    fn sides_of_boxes_are_cut_at_the_edges() {
+        assert_eq!(within_image([0.25, 0.5], [1.25, 1.0]), [[0.25, 0.5], [1.0, 0.875]]);
+        assert_eq!(within_image([-0.5, -1.0], [0.5, 1.0]), [[0.0, 0.0], [0.5, 1.0]]);
+        assert_eq!(within_image([0.5, -0.25], [0.5, 1.5]), [[0.5, 0.0], [0.5, 1.0]]);
+        // A side beside the image.
+        assert_eq!(within_image([0.25, 1.25], [0.75, 1.5]), [[0.25, 1.0], [0.75, 1.0]]);
+    }
 }

@@ -37,8 +37,8 @@ pub struct InjectionSky<'a> {
     pub provenance: &'a Provenance,
 }
 
-/// Returns the sources of light that may cross one frame, and a warning about satellites that are left out because their
-/// positions are unknown.
+/// Returns the sources of light that may cross one frame, and warnings about satellites that are left out because their
+/// positions are unknown, and about an unknown position of a telescope in orbit.
 pub fn sources(
     plan: &InjectionPlan,
     sky: Option<InjectionSky<'_>>,
@@ -47,7 +47,7 @@ pub fn sources(
     photometry: &PhotometryOptions,
     seed: u64,
     output: &Path,
-) -> Result<(Vec<Source>, Option<String>), Error> {
+) -> Result<(Vec<Source>, Vec<String>), Error> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
         Error::invalid(
             "position of the corners of the frame on the sky",
@@ -57,16 +57,16 @@ pub fn sources(
         .in_file("", frame.file.path())
     })?;
     if let Some(random) = &plan.random {
-        return Ok((random_sources(random, plan, frame, (centre, radius_rad), seed), None));
+        return Ok((random_sources(random, plan, frame, (centre, radius_rad), seed), Vec::new()));
     }
     if let Some(chosen) = &plan.chosen {
         let names = [file_name(frame.file.path()), file_name(output)];
         let of_frame = chosen.streaks.iter().filter(|streak| names.iter().any(|name| streak.given.is_of(name)));
         let sources =
             of_frame.map(|streak| chosen_source(streak, plan, frame, (shot, watch))).collect::<Result<_, _>>()?;
-        return Ok((sources, None));
+        return Ok((sources, Vec::new()));
     }
-    let Some(sky) = sky else { return Ok((Vec::new(), None)) };
+    let Some(sky) = sky else { return Ok((Vec::new(), Vec::new())) };
     let exposure = Exposure {
         id: frame.file.path().display().to_string(),
         start: frame.opened,
@@ -83,8 +83,8 @@ pub fn sources(
         size_m: plan.satellite_size_m,
     };
     let found = satellites(sky.sky, sky.eop, &exposure, radius_rad, &light)?;
-    let (shown, unknown) = (output.display(), found.unknown.len());
-    let warning = (unknown > 0).then(|| {
+    let (shown, unknown) = (output.display().to_string(), found.unknown.len());
+    let left_out = (unknown > 0).then(|| {
         let numbers: Vec<String> = found.unknown.iter().map(NoradId::to_string).collect();
         format!(
             "{shown}: {} of unknown position left out, because the element sets are too old: {}",
@@ -92,7 +92,8 @@ pub fn sources(
             listed(numbers.iter().map(String::as_str))
         )
     });
-    Ok((found.sources, warning))
+    let of_observer = sky.sky.unknown_observer_warning(&shown, frame.opened, radius_rad);
+    Ok((found.sources, of_observer.into_iter().chain(left_out).collect()))
 }
 
 fn random_sources(

@@ -250,7 +250,7 @@ fn inject_frame(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
-    let (sources, left_out) = sources(plan, sky, frame, (&shot, watch), &photometry, seed, output)?;
+    let (sources, of_sources) = sources(plan, sky, frame, (&shot, watch), &photometry, seed, output)?;
     // A synthetic frame is a temporary file, so errors name the output file instead.
     let shown = if plan.synthetic.is_some() { output } else { frame.file.path() };
     let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
@@ -303,7 +303,7 @@ fn inject_frame(
         summary: summary(&streaks, &lit, &injected),
         warnings: unknown_filter
             .into_iter()
-            .chain(left_out)
+            .chain(of_sources)
             .chain(warnings(frame, &injected))
             .chain(outside(plan, &sources, &lit, shown))
             .collect(),

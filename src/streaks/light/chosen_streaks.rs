@@ -71,7 +71,7 @@ impl Columns {
 }
 
 impl ChosenStreaks {
-    /// Reads a table (CSV or ECSV). Paths in its column `light_curve` are relative to its folder.
+    /// Reads a table (CSV, ECSV or FITS). Paths in its column `light_curve` are relative to its folder.
     ///
     /// # Errors
     /// The file cannot be read, a column is missing, or a cell is invalid.

@@ -1,7 +1,7 @@
 //! `identify`: lists the candidates for a measured streak, in order of decreasing probability.
 
 #[cfg(unix)]
-use std::path::PathBuf;
+use std::{collections::BTreeSet, path::PathBuf};
 
 use crate::arguments::OutputArguments;
 use anyhow::anyhow;
@@ -118,7 +118,9 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     let notices = begin(&at_site)?;
     remark.iter().for_each(|remark| notices.info(remark));
     let mut prepared = prepared_for(&at_site, &plan, &notices)?;
-    let done = identified(&typed, &at_site, &plan, &prepared, &notices)?;
+    let done = identified(&typed, &at_site, &plan, &prepared)?;
+    notices.warn(&done.found.unknown_observer);
+    notices.list_left_out(done.left_out.clone(), &done.found.left_out);
     let found = &done.found;
     prepared.provenance.state(
         "options",
@@ -152,6 +154,8 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
 struct Done {
     found: Identified,
     options: IdentifyOptions,
+    /// Warning about satellites whose position cannot be computed.
+    left_out: Option<String>,
 }
 
 impl Done {
@@ -182,7 +186,6 @@ fn identified(
     config: &Config,
     plan: &IdentifyPlan,
     prepared: &PreparedSky,
-    notices: &Notices,
 ) -> anyhow::Result<Done> {
     let streak = &plan.streak;
     let options = IdentifyOptions {
@@ -191,8 +194,8 @@ fn identified(
     };
     prepared.check_altitude("streak", &plan.exposure())?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
-    notices.warn_left_out(prepared, &found.left_out, streak.start())?;
-    Ok(Done { found, options })
+    let left_out = prepared.left_out_warning(&found.left_out, streak.start())?;
+    Ok(Done { found, options, left_out })
 }
 
 /// Identifies the streaks of tables. The table of candidates has the name and the frame of each streak in front.
@@ -212,6 +215,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
     let mut sky: Option<(_, PreparedSky)> = None;
     let (mut count, mut without) = (0, Vec::new());
     let mut failed = Vec::new();
+    let (mut of_observer, mut stated) = (Vec::new(), BTreeSet::new());
     for path in &typed.streaks {
         let (rows, remarks) = streaks_of_table(path, &typed.streak)?;
         remarks.iter().for_each(|remark| notices.info(remark));
@@ -235,13 +239,18 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
                 Some(sky) => sky,
                 None => sky.insert((key, prepared_for(&at_site, &plan, &notices)?)),
             };
-            let done = match identified(typed, &at_site, &plan, prepared, &notices) {
+            let done = match identified(typed, &at_site, &plan, prepared) {
                 Ok(done) => done,
                 Err(error) => {
                     failed.push(at_row(&error));
                     continue;
                 }
             };
+            of_observer.extend(done.found.unknown_observer.iter().map(|warning| format!("{}: {warning}", row.origin)));
+            // The streaks of a night have the same warning.
+            if stated.insert(done.left_out.clone()) {
+                notices.list_left_out(done.left_out.clone(), &done.found.left_out);
+            }
             let image = row.streak.image.as_ref().map(|image| image.display().to_string());
             let table = done.table(prepared, typed.top);
             if table.rows.is_empty() {
@@ -257,6 +266,7 @@ fn run_tables(typed: &IdentifyArguments, config: &Config) -> anyhow::Result<Outc
             count += 1;
         }
     }
+    notices.warn_first(of_observer, "streaks with such a telescope");
     if !failed.is_empty() {
         if count == 0 {
             return Err(failed.swap_remove(0));
