@@ -60,7 +60,7 @@ struct Inner {
 }
 
 /// Where an error is: file, line and the like as text, and as numbers if they are known.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Default)]
 struct Place {
     text: String,
     file: Option<PathBuf>,
@@ -241,8 +241,12 @@ impl Error {
     /// Replaces the file that the message names, for example a temporary one by that of the user.
     #[cfg(all(feature = "fits", unix))]
     pub(crate) fn of_file(mut self, path: &Path) -> Self {
+        let hdu = self.hdu();
         self.inner().place = Place::default();
-        self.in_file("", path)
+        match hdu {
+            Some(hdu) => self.in_hdu(path, hdu),
+            None => self.in_file("", path),
+        }
     }
 }
 

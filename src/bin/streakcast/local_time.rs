@@ -85,7 +85,10 @@ pub fn of_matches(mut matches: &ArgMatches) -> Option<LocalTime> {
 pub fn with_offset(error: anyhow::Error, zone: &LocalTime) -> anyhow::Error {
     let without_scale =
         error.downcast_ref::<streakcast::Error>().filter(|error| error.kind() == ErrorKind::NoTimeScale);
-    let Some(given) = without_scale.and_then(streakcast::Error::given) else { return error };
+    let Some((place, given)) = without_scale.and_then(|error| Some((error.place(), error.given()?))) else {
+        return error;
+    };
+    let place = if place.is_empty() { String::new() } else { format!("{place}: ") };
     let given = given.trim();
     // A Julian date has no offset.
     let (Ok(local), Err(_)) = (parse_instant(given, Some(TimeScale::UTC)), given.parse::<f64>()) else { return error };
@@ -96,7 +99,7 @@ pub fn with_offset(error: anyhow::Error, zone: &LocalTime) -> anyhow::Error {
     // An offset follows a time of day.
     let midnight = if given.contains([':', 'T']) { "" } else { "T00:00" };
     anyhow!(
-        "time '{given}' has no time scale; allowed: {given}{midnight}{offset} for local time in the given time zone, a time \
+        "{place}time '{given}' has no time scale; allowed: {given}{midnight}{offset} for local time in the given time zone, a time \
          that ends in Z (UTC), or any time with --time-scale utc, tai or tt",
         given = Quoted::new(given)
     )

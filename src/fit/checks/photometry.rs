@@ -225,7 +225,8 @@ impl Photometry {
         if sets.is_empty() {
             let mut looked_for = DataSet::ALL.map(DataSet::path).to_vec();
             looked_for.dedup();
-            return Err(Error::about_file("no photometry in", folder, "").allowing(looked_for.join(", ")));
+            return Err(Error::new(ErrorKind::Missing, format!("no photometry in {}", folder.display()))
+                .allowing(looked_for.join(", ")));
         }
         Ok(Self { sets })
     }
