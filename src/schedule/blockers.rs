@@ -1,11 +1,11 @@
 //! Satellites that may block the starts of exposures. The longest delay is searched in parts, because most exposures have
-//! a start in the first one.
+//! a start in the first one. A satellite blocks a part if it is lit, and brighter than a limit, while it is in the field in
+//! that part.
 
 use hifitime::Epoch;
 
 use super::flag_request::FlagRequest;
 use super::policy::Blocking;
-use super::report::intervals;
 use super::shift::{Interval, next_clear_start};
 use crate::error::Error;
 use crate::frames::{seconds_after, seconds_between};
@@ -136,4 +136,20 @@ fn satellites_in(
     }
     let passes = sky.field_passes(exposures, field, options)?;
     Ok((passes.by_exposure.into_iter().map(PartSatellites::Passes).collect(), passes.left_out))
+}
+
+/// Returns the intervals in which a satellite may be in the field, seconds after the scheduled opening. `lead_s` is the
+/// time by which the exposure used to compute the pass opens before the scheduled opening.
+///
+/// These are the chords of a crossing, or the time of closest approach of a near miss, extended at both ends by
+/// `late_s`. If the delay has sigma σ, a satellite that left the field z σ before an exposure opens crosses it with a
+/// probability below 1 - Φ(z).
+pub(super) fn intervals(pass: &Pass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
+    let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
+    if pass.is_crossing() {
+        pass.chords.iter().map(|chord| widened(chord.enter_s - lead_s, chord.exit_s - lead_s)).collect()
+    } else {
+        let closest_s = seconds_between(exposure.start, pass.mid.epoch);
+        vec![widened(closest_s, closest_s)]
+    }
 }

@@ -10,7 +10,7 @@ use crate::orbit::LeftOut;
 use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 
-use super::blockers::{Blockers, blockers};
+use super::blockers::{Blockers, blockers, intervals};
 use super::flag_request::FlagRequest;
 use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::policy::{Blocking, Policy};
@@ -505,20 +505,4 @@ fn confirm<'a>(
 /// Returns the allowance for an early or late satellite, seconds; 0 if the policy has no `min_probability`.
 pub(super) fn lateness_allowance_s(pass: &Pass, policy: &Policy) -> f64 {
     policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
-}
-
-/// Returns the intervals in which a satellite may be in the field, seconds after the scheduled opening. `lead_s` is the
-/// time by which the exposure used to compute the pass opens before the scheduled opening.
-///
-/// These are the chords of a crossing, or the time of closest approach of a near miss, extended at both ends by
-/// `late_s`. If the delay has sigma σ, a satellite that left the field z σ before an exposure opens crosses it with a
-/// probability below 1 - Φ(z).
-pub(super) fn intervals(pass: &Pass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
-    let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
-    if pass.is_crossing() {
-        pass.chords.iter().map(|chord| widened(chord.enter_s - lead_s, chord.exit_s - lead_s)).collect()
-    } else {
-        let closest_s = seconds_between(exposure.start, pass.mid.epoch);
-        vec![widened(closest_s, closest_s)]
-    }
 }

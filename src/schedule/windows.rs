@@ -8,10 +8,11 @@ use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
 use crate::passes::{Chord, Exposure, FieldCrossing, Pass, Viewpoint};
 
+use super::blockers::intervals;
 use super::flag_request::FlagRequest;
 use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
 use super::policy::Blocking;
-use super::report::{GUARD_S, TICK_S, intervals, lateness_allowance_s, pass_options};
+use super::report::{GUARD_S, TICK_S, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
 use super::starts::reason_for_unknown_starts;
 use super::verdict_rules::blocks;
