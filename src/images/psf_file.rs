@@ -257,9 +257,9 @@ fn psfex(file: &FrameFile, hdu: usize) -> Result<PsfGrid, Error> {
         let allowed = format!("{expected}, the number of terms of the polynomial");
         return Err(Error::invalid("PSFAXIS3", planes, allowed));
     }
-    let column = file.read_table(hdu)?.into_iter().find(|column| column.name == "PSF_MASK");
+    let column = file.read_table(hdu)?.into_iter().find(|column| column.name.eq_ignore_ascii_case("PSF_MASK"));
     let Some(BinaryCells::Numbers { values, .. }) = column.map(|column| column.cells) else {
-        return Err(Error::invalid("PSF_MASK", "not of numbers", "a column of numbers"));
+        return Err(Error::invalid("PSF_MASK", "missing or not of numbers", "a column of numbers"));
     };
     let samples = size[0] * size[1];
     if values.len() != planes * samples {

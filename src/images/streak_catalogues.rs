@@ -12,6 +12,7 @@
 //!   hours and degrees with colons), and `vector(x,y,length,angle)` in `image`, also behind `#`, as DS9 saves it. The
 //!   text of a region is the name of the streak.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::fits::{BinaryCells, BinaryColumn, FrameFile, HduKind};
@@ -210,29 +211,55 @@ fn astride(path: &Path, rows: TableRows) -> Result<String, Error> {
         let [name, ends @ ..] = columns.map(text);
         streaks.push((Detected { line: row.line, name, ends }, text(connectivity)));
     }
-    // From the last row, because the next part of a streak is below.
-    let mut joined: Vec<Detected> = Vec::new();
+    // From the last row, because the next part of a streak is below. A streak that was joined with another one is `None`,
+    // and `into` has the number of the whole.
+    let (mut joined, mut into): (Vec<Option<Detected>>, Vec<usize>) = (Vec::new(), Vec::new());
+    let mut of_part: HashMap<String, usize> = HashMap::new();
     while let Some((streak, next)) = streaks.pop() {
-        let following = joined.iter().position(|later| later.name.split('+').any(|part| part == next));
-        let parts = following.and_then(|index| Some((index, streak.numbers()?, joined[index].numbers()?)));
-        let whole = match parts {
-            Some((index, [a, b, c, d], [e, f, g, h])) => {
-                let later = joined.remove(index);
-                let ends = [(a, b), (c, d), (e, f), (g, h)];
-                let pairs =
-                    ends.iter().enumerate().flat_map(|(at, one)| ends[..at].iter().map(move |other| (one, other)));
-                let distance = |((x, y), (u, v)): &(&(f64, f64), &(f64, f64))| (x - u).hypot(y - v);
-                let farthest = pairs.max_by(|one, other| distance(one).total_cmp(&distance(other)));
-                let ends = farthest.map_or([a, b, c, d], |((x, y), (u, v))| [*u, *v, *x, *y]);
-                let name = format!("{}+{}", streak.name, later.name);
-                Detected { name, ends: ends.map(|end| end.to_string()), ..streak }
+        let (name, whole) = (streak.name.clone(), joined.len());
+        let following = of_part.get(&next).map(|part| {
+            let mut part = *part;
+            while into[part] != part {
+                part = into[part];
             }
+            part
+        });
+        let later = following.and_then(|index| {
+            streak.numbers()?;
+            joined[index].as_ref()?.numbers()?;
+            into[index] = whole;
+            joined[index].take()
+        });
+        joined.push(Some(match later {
+            Some(later) => connected(streak, &later),
             None => streak,
-        };
-        joined.push(whole);
+        }));
+        into.push(whole);
+        if !name.is_empty() {
+            of_part.insert(name, whole);
+        }
     }
-    joined.sort_by_key(|streak| streak.line);
-    Ok(converted(&joined))
+    let mut whole: Vec<Detected> = joined.into_iter().flatten().collect();
+    whole.sort_by_key(|streak| streak.line);
+    Ok(converted(&whole))
+}
+
+/// Returns the streak between the two ends of its parts that are farthest apart, in the line of the first part.
+fn connected(first: Detected, later: &Detected) -> Detected {
+    let ends: Vec<[f64; 2]> = [&first, later]
+        .into_iter()
+        .filter_map(Detected::numbers)
+        .flat_map(|[x1, y1, x2, y2]| [[x1, y1], [x2, y2]])
+        .collect();
+    let pairs = ends.iter().enumerate().flat_map(|(at, end)| ends[..at].iter().map(move |other| [*other, *end]));
+    let length = |[[x, y], [u, v]]: &[[f64; 2]; 2]| (x - u).hypot(y - v);
+    let Some(farthest) = pairs.max_by(|one, other| length(one).total_cmp(&length(other))) else { return first };
+    let ends = farthest.as_flattened().iter().map(f64::to_string).collect::<Vec<_>>();
+    Detected {
+        name: format!("{}+{}", first.name, later.name),
+        ends: ends.try_into().unwrap_or(first.ends),
+        line: first.line,
+    }
 }
 
 /// Converts the catalog of findsat_mrt, without the trails that failed a test.
@@ -375,6 +402,16 @@ mod tests {
         let rows = converted_table(text);
         let rows: Vec<&str> = rows.lines().collect();
         assert_eq!((rows[7], rows[8], rows[9]), ("1,1,6.5,10,8.25", "", "3,5,2,3,4"));
+    }
+
+    /// Rows without a name and without a next part are streaks of their own.
+    #[test]
+    fn rows_of_astride_without_names_are_not_connected() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("streaks.csv");
+        std::fs::write(&path, "ID,ep1_x,ep1_y,ep2_x,ep2_y\n,1,1,9,9\n,20,1,20,9\n,40,40,1,60\n").unwrap();
+        let (table, ()) = StreakTable::read(&path, |_| Ok(())).unwrap();
+        assert_eq!(table.rows().count(), 3);
     }
 
     /// Units and missing numbers of a FITS table are kept, and its rows have numbers.

@@ -1,6 +1,5 @@
 //! Satellites that may block the starts of exposures. The longest delay is searched in parts, because most exposures have
-//! a start in the first one. A satellite blocks a part if it is lit, and brighter than a limit, while it is in the field in
-//! that part.
+//! a start in the first one. A satellite that enters the Earth's shadow inside the field blocks the parts in which it is lit.
 
 use hifitime::Epoch;
 
@@ -114,8 +113,12 @@ pub(super) fn blockers(
         left_out.extend(without);
         for (((index, [start, _]), part), satellites) in open.iter_mut().zip(&parts).zip(satellites) {
             let lead_s = seconds_between(part.start, exposures[*index].start);
+            match satellites {
+                PartSatellites::Crossings(_) => *start = seconds_after(part.start, part.duration_s),
+                // Probability and peak of a pass depend on the whole time that is searched.
+                PartSatellites::Passes(_) => found[*index].parts.clear(),
+            }
             found[*index].parts.push(Part { lead_s, satellites });
-            *start = seconds_after(part.start, part.duration_s);
         }
         open.retain(|(index, [start, end])| start < end && !has_start(*index, &found[*index], delay_s));
     }
@@ -125,12 +128,12 @@ pub(super) fn blockers(
 fn satellites_in(
     exposures: &[Exposure],
     blocking: Blocking,
-    FlagRequest { sky, field, policy, .. }: &FlagRequest<'_>,
+    request: &FlagRequest<'_>,
     options: &PassOptions,
     excludes_all: impl Fn(usize, &[FieldCrossing]) -> bool + Sync,
 ) -> Result<(Vec<PartSatellites>, Vec<LeftOut>), Error> {
-    // Every lit crossing blocks a clear start.
-    if blocking == Blocking::Any && policy.min_probability.is_none() && !policy.include_dark {
+    let FlagRequest { sky, field, .. } = request;
+    if request.every_crossing_blocks(blocking) {
         let crossings = sky.field_crossings_until(exposures, field, excludes_all)?;
         return Ok((crossings.by_exposure.into_iter().map(PartSatellites::Crossings).collect(), crossings.left_out));
     }

@@ -47,6 +47,15 @@ impl<'a> FlagRequest<'a> {
         }
     }
 
+    /// Returns true if every lit crossing blocks a start, so that magnitudes and probabilities are not needed. In thermal
+    /// bands satellites in the Earth's shadow count as lit.
+    pub(super) fn every_crossing_blocks(&self, blocking: Blocking) -> bool {
+        (blocking == Blocking::Any || !self.policy.has_limit())
+            && self.policy.min_probability.is_none()
+            && !self.policy.include_dark
+            && !self.photometry.band.is_thermal()
+    }
+
     /// Returns the limits for exposures of this length in a band.
     pub(super) fn limits(&self, band: Option<&str>, exposure_s: f64) -> Limits<'a> {
         Limits::new(self.policy, self.telescope, self.sky, band, exposure_s)

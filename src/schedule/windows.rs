@@ -11,7 +11,6 @@ use crate::passes::{Chord, Exposure, FieldCrossing, Pass, Viewpoint};
 use super::blockers::intervals;
 use super::flag_request::FlagRequest;
 use super::horizon::{margin_rad, sampling_interval_s, sun_of_limits};
-use super::policy::Blocking;
 use super::report::{GUARD_S, TICK_S, lateness_allowance_s, pass_options};
 use super::shift::{Interval, clear_starts};
 use super::starts::reason_for_unknown_starts;
@@ -131,12 +130,7 @@ fn windows_of(
     let duration_s = seconds_between(start, end);
     let exposures: Vec<Exposure> =
         targets.iter().map(|target| Exposure { start, duration_s, ..target.exposure.clone() }).collect();
-    // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
-    let every_crossing_blocks = (policy.blocking == Blocking::Any || !policy.has_limit())
-        && policy.min_probability.is_none()
-        && !policy.include_dark
-        && !request.conditions.photometry.band.is_thermal();
-    let (blocked, left_out) = if every_crossing_blocks && !with_passes {
+    let (blocked, left_out) = if request.conditions.every_crossing_blocks(policy.blocking) && !with_passes {
         crossings(from, &exposures, request)?
     } else {
         passes(targets, from, &exposures, request)?

@@ -163,3 +163,48 @@ fn a_limit_of_surface_brightness_gives_avoid() {
     let (code, _, stderr) = run(&[&["flag", "--schedule", &path], SHARED, &["--policy", &policy]]);
     assert!(code == 2 && stderr.contains("missing telescope for limit-surface-brightness"), "{stderr}");
 }
+
+/// Exposures at the next starts have the verdict that the starts promise, in visual light and in thermal bands, where
+/// satellites in the Earth's shadow block as well. The longest delay is searched in parts.
+#[test]
+fn exposures_at_the_next_starts_are_clear_or_acceptable() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("night.csv").display().to_string();
+    let flags_of = |rows: &[(String, String)], more: &[&str]| -> Vec<Value> {
+        let row = |(number, (start, field)): (usize, &(String, String))| format!("{number},{start},30,{field}");
+        let rows: Vec<String> = rows.iter().enumerate().map(row).collect();
+        fs::write(&path, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{}\n", rows.join("\n"))).unwrap();
+        let site =
+            ["flag", "--schedule", &path, "--mpc", "X05", "--shells", "starlink-gen1,oneweb", "--format", "json"];
+        let (code, stdout, stderr) = run(&[&site, &["--quiet", "--fov", "9deg"], more]);
+        assert_eq!(code, 0, "{stderr}");
+        serde_json::from_str::<Value>(&stdout).unwrap()["flags"].as_array().unwrap().clone()
+    };
+    let policy = folder.path().join("margin.toml").display().to_string();
+    fs::write(&policy, "margin_s = 5\n").unwrap();
+    for (more, start_key, verdicts) in [
+        (["--band", "W2", "--policy", &policy].as_slice(), "next_clear_start_utc", ["clear"].as_slice()),
+        (&["--band", "V"], "next_clear_start_utc", &["clear"]),
+        (&["--limit-mag", "7.5"], "next_acceptable_start_utc", &["clear", "streaked"]),
+    ] {
+        // Before midnight and at dawn, from 30 to 60 deg above the horizon.
+        let rows: Vec<(String, String)> = (0..24)
+            .map(|number| {
+                let hour = if number < 12 { 2 } else { 9 };
+                let field = format!("{},{}", 15 * (hour + 13) + 5 * (number % 12) - 25, -60 + 5 * (number % 12));
+                (format!("2026-06-21T{hour:02}:{:02}:00Z", 2 * number), field)
+            })
+            .collect();
+        let flags = flags_of(&rows, more);
+        let later: Vec<(String, String)> = flags
+            .iter()
+            .zip(&rows)
+            .filter(|(flag, _)| flag["verdict"] != "clear")
+            .filter_map(|(flag, (_, field))| Some((flag[start_key].as_str()?.to_owned(), field.clone())))
+            .collect();
+        assert!(later.len() > 4, "{more:?}: {} of {}", later.len(), flags.len());
+        for (flag, row) in flags_of(&later, more).iter().zip(&later) {
+            assert!(verdicts.contains(&flag["verdict"].as_str().unwrap()), "{more:?} {row:?}: {flag}");
+        }
+    }
+}

@@ -175,7 +175,8 @@ fn exception(error: Error) -> PyErr {
     let text = error.to_string();
     failure::request(match error.what() {
         Some("sun-altitude-deg") => text.replacen("sun-altitude-deg", "max_sun_altitude", 1),
-        Some(what) if !what.contains(' ') => text.replacen(what, &what.replace('-', "_"), 1),
+        // Flags are written as arguments later.
+        Some(what) if !what.contains(' ') && !what.starts_with("--") => text.replacen(what, &what.replace('-', "_"), 1),
         _ => text,
     })
 }

@@ -45,5 +45,5 @@ def test_errors_name_what_is_allowed(model):
         model.ephemeris(START, name="NO SUCH")
     with pytest.raises(ValueError, match="min_altitude is nan; allowed: a number of deg"):
         model.ephemeris(START, name=NAMES, min_altitude=np.nan)
-    with pytest.raises(streakcast.StreakcastError, match="min_altitude is 91"):
+    with pytest.raises(streakcast.StreakcastError, match="^min_altitude is 91"):
         model.ephemeris(START, name=NAMES, min_altitude=91)

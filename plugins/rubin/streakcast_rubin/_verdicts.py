@@ -38,8 +38,8 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
 
 
 class ConditionsCheck:
-    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun, once
-    for each time of the conditions."""
+    """Compares site and times of the scheduler with the model, the clock of this computer and the altitude of the Sun; site
+    and Sun once for each time of the conditions."""
 
     def __init__(self, hook: Hook, scale: str) -> None:
         self._hook, self._scale = hook, scale
@@ -47,17 +47,18 @@ class ConditionsCheck:
         self._checked_mjd: Any = None
 
     def __call__(self, conditions: Any) -> None:
+        self._hook.check_clock(lambda: float(np.max(conditions.mjd)), self._scale)
         mjd = getattr(conditions, "mjd", None)
         if mjd is not None and np.array_equal(mjd, self._checked_mjd):
             return
-        self._checked_mjd = mjd
+        # The scheduler may change its array.
+        self._checked_mjd = np.copy(mjd)
 
         def location() -> tuple[float, float, float]:
             site = conditions.site
             return site.latitude, site.longitude, site.height
 
         self._hook.check_site(location)
-        self._hook.check_clock(lambda: float(np.max(conditions.mjd)), self._scale)
         if not self._sun_is_checked:
             try:
                 self._check_sun(conditions)

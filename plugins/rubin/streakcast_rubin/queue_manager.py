@@ -171,6 +171,7 @@ class StreakQueueManager(BaseQueueManager):
         if first.cost_s[0] > LEAST_COST_S and indices.size > 1:
             openings = self.mount.openings(conditions, visits)
             reached = np.isfinite(openings.start_mjd)
+            reached[0] = True
             openings, visits, indices = Openings(*(column[reached] for column in openings)), visits[reached], indices[reached]
             costs = costs_of(model, visits, openings, self.mjd_scale)
             detour_s = detours_s(openings.slew_s, self.mount.between(now, visits))

@@ -7,7 +7,7 @@ use super::frame_file::FrameFile;
 use super::hdu::HduKind;
 use super::tile_header::{Column, columns};
 use crate::error::Error;
-use crate::input;
+use crate::input::{self, MOST_ROWS};
 
 /// Column of a binary table.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,18 +50,28 @@ impl FrameFile {
         let io = Error::io(self.path());
         let count = |keyword: &str| header.integer(keyword).and_then(|number| usize::try_from(number).ok());
         let (row_length, rows) = (count("NAXIS1").unwrap_or(0), count("NAXIS2").unwrap_or(0));
-        // The length of the data, which includes the rows, has been compared with that of the file.
-        let mut bytes = vec![0; row_length * rows];
+        // The length of the data has been compared with that of the file.
+        let length = row_length.checked_mul(rows).filter(|length| *length as u64 <= info.data_length);
+        let Some(length) = length.filter(|_| row_length > 0 && rows <= MOST_ROWS) else {
+            let given = format!("{rows} rows of {row_length} bytes");
+            return Err(Error::invalid(
+                "size of the table",
+                given,
+                format!("rows within the data, at most {MOST_ROWS}"),
+            )
+            .in_hdu(self.path(), hdu));
+        };
+        let mut bytes = vec![0; length];
         let mut file = input::open(self.path()).map_err(&io)?;
         file.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
         file.read_exact(&mut bytes).map_err(&io)?;
         let ends = columns.iter().skip(1).map(|next| next.at).chain([row_length]);
         let cells = columns.iter().zip(ends).map(|(column, end)| {
-            let parts: Vec<&[u8]> = (0..rows).map(|row| &bytes[row * row_length..][column.at..end]).collect();
+            let parts: Vec<&[u8]> = bytes.chunks_exact(row_length).filter_map(|row| row.get(column.at..end)).collect();
             Some(BinaryColumn {
                 name: header.text(&format!("TTYPE{}", column.number)).unwrap_or_default(),
                 unit: header.text(&format!("TUNIT{}", column.number)),
-                cells: cells(header, column, end - column.at, &parts)?,
+                cells: cells(header, column, end.saturating_sub(column.at), &parts)?,
             })
         });
         Ok(cells.flatten().collect())
@@ -103,4 +113,36 @@ fn cells(header: &Header, column: &Column, width: usize, rows: &[&[u8]]) -> Opti
         in_row: width / size,
         values: rows.iter().flat_map(|row| row.chunks_exact(size)).map(value).collect(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Headers whose numbers of rows do not agree with the length of their data.
+    #[test]
+    fn rows_beyond_the_data_are_an_error() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let path = folder.path().join("table.fits");
+        let cards = |cards: &[&str]| {
+            let mut block: String = cards.iter().map(|card| format!("{card:80}")).collect();
+            block += &format!("{:80}", "END");
+            block + &" ".repeat(2880 - 80 * (cards.len() + 1))
+        };
+        let primary = cards(&["SIMPLE  = T", "BITPIX  = 8", "NAXIS   = 0", "EXTEND  = T"]);
+        for (axes, form) in [
+            (["NAXIS   = 2", "NAXIS1  = 0", "NAXIS2  = 1000000000000000", "GCOUNT  = 1"], "0A"),
+            (["NAXIS   = 1", "NAXIS1  = 8", "NAXIS2  = 1152921504606846976", "GCOUNT  = 1"], "1D"),
+            (["NAXIS   = 2", "NAXIS1  = 8", "NAXIS2  = 1152921504606846977", "GCOUNT  = 0"], "1D"),
+            (["NAXIS   = 3", "NAXIS1  = 8", "NAXIS2  = 1000000", "NAXIS3  = 0"], "1D"),
+        ] {
+            let form = format!("TFORM1  = '{form}'");
+            let start = ["XTENSION= 'BINTABLE'", "BITPIX  = 8"];
+            let end = ["PCOUNT  = 0", "TFIELDS = 1", "TTYPE1  = 'id'", &form];
+            let data = if axes[0] == "NAXIS   = 1" { "\0".repeat(2880) } else { String::new() };
+            std::fs::write(&path, primary.clone() + &cards(&[&start[..], &axes, &end].concat()) + &data).unwrap();
+            let error = FrameFile::open(&path).and_then(|file| file.read_table(1)).expect_err("no table").to_string();
+            assert!(error.contains("table.fits") && error.contains("allowed"), "{error}");
+        }
+    }
 }

@@ -281,7 +281,7 @@ fn of_fitsio(path: &Path, error: FitsioError) -> Error {
         other => other.to_string(),
     };
     clear_messages();
-    Error::new(ErrorKind::File, format!("CFITSIO: {message} (status {})", 0)).in_file("", path)
+    Error::new(ErrorKind::File, format!("CFITSIO: {message} (status 0)")).in_file("", path)
 }
 
 fn check(path: &Path, status: c_int) -> Result<(), Error> {

@@ -107,7 +107,6 @@ pub const STATUSES: &[(u16, &str, &str)] = &[
     ),
 ];
 
-/// Returns the reason phrase of a status.
 impl From<Error> for Problem {
     /// Converts an error of the library, which is one of the request, except for files of the server.
     fn from(error: Error) -> Self {
@@ -116,6 +115,7 @@ impl From<Error> for Problem {
     }
 }
 
+/// Returns the reason phrase of a status.
 pub fn title(status: u16) -> &'static str {
     STATUSES.iter().find(|(known, ..)| *known == status).map_or("Error", |(_, title, _)| title)
 }
