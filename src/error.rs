@@ -212,6 +212,15 @@ impl Error {
         self.located(format_args!("{}{joint}line {line}", named(purpose, &path)), path, Some(line))
     }
 
+    /// Puts the number of a line, from 1, before the message, to which the file is added later.
+    pub(crate) fn on_line(self, line: usize) -> Self {
+        let mut error = self.at(format_args!("line {line}"));
+        if error.file().is_none() {
+            error.inner().place.line = Some(line);
+        }
+        error
+    }
+
     /// Puts a file and the number of an HDU, from 0, before the message.
     #[cfg(all(feature = "fits", unix))]
     pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {
@@ -233,7 +242,16 @@ impl Error {
         let own = &mut self.inner().place;
         own.text = if own.text.is_empty() { place.to_string() } else { format!("{place}: {}", own.text) };
         if own.file.is_none() {
-            (own.file, own.line) = (Some(path.into()), line);
+            (own.file, own.line) = (Some(path.into()), line.or(own.line));
+        }
+        self
+    }
+
+    /// Replaces the word for the purpose of the file, with which the place begins.
+    pub(crate) fn with_purpose(mut self, from: &str, to: &str) -> Self {
+        let text = &mut self.inner().place.text;
+        if let Some(rest) = text.strip_prefix(from).filter(|rest| rest.starts_with(' ')) {
+            *text = format!("{to}{rest}");
         }
         self
     }
@@ -350,6 +368,9 @@ mod tests {
             (error.allowed(), error.file(), error.line()),
             (Some("0 to 360 deg"), Some("a.csv".as_ref()), Some(3))
         );
+        let error = Error::format("unknown key 'a'").on_line(3).in_file("policy", "p.toml");
+        assert_eq!(error.to_string(), "policy p.toml: line 3: unknown key 'a'");
+        assert_eq!((error.file(), error.line()), (Some("p.toml".as_ref()), Some(3)));
         let inner = Error::invalid("PSF", "x", "a FITS image").at("extension PSF").at("psf.fits");
         assert_eq!((inner.place(), inner.file()), ("psf.fits: extension PSF", None));
         assert_eq!(Error::missing("site", "--mpc").to_string(), "missing site; specify --mpc");

@@ -218,10 +218,16 @@ impl StreakRow<'_> {
         }
     }
 
+    /// Adds the place of the row to an error.
+    fn place(&self, error: Error) -> Error {
+        let line = self.table.lines_before_rows.is_none().then_some(self.line as usize);
+        error.located(self.origin(), &*self.table.path, line)
+    }
+
     /// Returns the error of an invalid cell, with file, line and column.
     pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> Error {
         let given = if given.is_empty() { "missing".to_owned() } else { format!("'{}'", Quoted::new(given)) };
-        Error::invalid(column, given, allowed).in_line("", &*self.table.path, self.line as usize)
+        self.place(Error::invalid(column, given, allowed))
     }
 
     /// Returns the number in a cell; `None` if the column is missing or the cell is empty.
@@ -235,7 +241,7 @@ impl StreakRow<'_> {
             return Ok(None);
         }
         if let Some(error) = self.cells.contradiction(column) {
-            return Err(Error::io(&self.table.path)(error));
+            return Err(self.place(error));
         }
         match self.cells.number(column) {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),

@@ -263,7 +263,7 @@ fn inject_frame(
                 watch.check()?;
                 drawn(source, frame, index, plan, &shot, watch)
             });
-            let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
+            let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.in_file("", shown))?;
             Ok(drawn.into_iter().flatten().collect())
         })
         .collect::<Result<Vec<Vec<_>>, Error>>()?
@@ -271,7 +271,7 @@ fn inject_frame(
         .flatten()
         .collect();
     let lit = drawn_sources(&streaks);
-    let planes = plan.mask_preset.planes(&frame.mask_planes).map_err(|error| error.at(shown.display()))?;
+    let planes = plan.mask_preset.planes(&frame.mask_planes).map_err(|error| error.in_file("", shown))?;
     let options = InjectOptions {
         noise: plan.noise,
         detector: plan.detector.clone(),
