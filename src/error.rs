@@ -55,6 +55,7 @@ struct Inner {
     sentence: Sentence,
     what: Option<String>,
     given: Option<Quoted>,
+    remark: Option<String>,
     allowed: Option<String>,
     source: Option<Arc<dyn StdError + Send + Sync>>,
 }
@@ -94,7 +95,7 @@ impl Error {
 
     fn of_sentence(kind: ErrorKind, sentence: Sentence) -> Self {
         let place = Place::default();
-        Self(Arc::new(Inner { kind, place, sentence, what: None, given: None, allowed: None, source: None }))
+        Self(Arc::new(Inner { kind, place, sentence, what: None, given: None, remark: None, allowed: None, source: None }))
     }
 
     /// Creates an error from a sentence.
@@ -173,6 +174,12 @@ impl Error {
     /// Adds the accepted values.
     pub(crate) fn allowing(mut self, allowed: impl Into<String>) -> Self {
         self.inner().allowed = Some(allowed.into());
+        self
+    }
+
+    /// Adds a remark after the sentence, before the accepted values.
+    pub(crate) fn with_remark(mut self, remark: impl Into<String>) -> Self {
+        self.inner().remark = Some(remark.into());
         self
     }
 
@@ -332,7 +339,8 @@ impl Display for Error {
         };
         let verb = if matches!(self.0.sentence, Sentence::Missing) { "specify" } else { "allowed:" };
         let allowed = self.allowed().map_or_else(String::new, |allowed| format!("; {verb} {allowed}"));
-        formatter.write_str(&bounded(&printable(&format!("{}{joint}{sentence}{allowed}", self.place()))))
+        let remark = self.0.remark.as_ref().map_or_else(String::new, |remark| format!("; {remark}"));
+        formatter.write_str(&bounded(&printable(&format!("{}{joint}{sentence}{remark}{allowed}", self.place()))))
     }
 }
 
@@ -371,6 +379,10 @@ mod tests {
         let error = Error::format("unknown key 'a'").on_line(3).in_file("policy", "p.toml");
         assert_eq!(error.to_string(), "policy p.toml: line 3: unknown key 'a'");
         assert_eq!((error.file(), error.line()), (Some("p.toml".as_ref()), Some(3)));
+        let error = Error::invalid("seeing", 0, "0.1 to 10").with_remark("1 of 2 frames are written").in_file("", "a");
+        assert_eq!(error.to_string(), "a: seeing is 0; 1 of 2 frames are written; allowed: 0.1 to 10");
+        let error = Error::format("is x").in_file("schedule", "schedule.csv").with_purpose("schedule", "target list");
+        assert_eq!(error.place(), "target list schedule.csv");
         let inner = Error::invalid("PSF", "x", "a FITS image").at("extension PSF").at("psf.fits");
         assert_eq!((inner.place(), inner.file()), ("psf.fits: extension PSF", None));
         assert_eq!(Error::missing("site", "--mpc").to_string(), "missing site; specify --mpc");

@@ -48,9 +48,12 @@ impl RequiredInput {
         if !self.words.is_empty() {
             return self.words.to_owned() + &example;
         }
-        let has_values = |way: &[&str]| way.len() == 1 || self.ways.len() == 1;
+        // A value in lower case is the only one.
+        let has_value = |way: &[&str], flag: &str| {
+            way.len() == 1 || self.ways.len() == 1 || flag.contains(' ') && !flag.contains(char::is_uppercase)
+        };
         self.alternatives(|way, flag| match flag.strip_suffix("...").filter(|_| flag.starts_with('-')) {
-            _ if !has_values(way) => name_of(flag),
+            _ if !has_value(way, flag) => name_of(flag),
             Some(several) => several,
             None => flag,
         }) + &example

@@ -234,9 +234,8 @@ impl SyntheticFrame {
 const STAR_LIST_FORM: &str = "CSV with ra_deg, dec_deg (-90 to 90) and magnitude (-30 to 60)";
 
 fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, Error> {
-    let shown = path.display();
     let failed = |error: std::io::Error| {
-        Error::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
+        Error::about_file("star list", path, format!("is invalid ({error})")).allowing(STAR_LIST_FORM)
     };
     let rows = TableRows::open(path).map_err(failed)?;
     let column = |names: &[&'static str], unit| rows.numbers(names, unit, STAR_LIST_FORM).map_err(failed);
