@@ -95,7 +95,16 @@ impl Error {
 
     fn of_sentence(kind: ErrorKind, sentence: Sentence) -> Self {
         let place = Place::default();
-        Self(Arc::new(Inner { kind, place, sentence, what: None, given: None, remark: None, allowed: None, source: None }))
+        Self(Arc::new(Inner {
+            kind,
+            place,
+            sentence,
+            what: None,
+            given: None,
+            remark: None,
+            allowed: None,
+            source: None,
+        }))
     }
 
     /// Creates an error from a sentence.

@@ -217,6 +217,8 @@ mod tests {
         assert_eq!(site.0, "--site, --mpc, or --lat and --lon");
         assert_eq!(site.1, "--site NAME, --mpc CODE, or --lat and --lon");
         assert_eq!(site.2, "(--site <NAME> | --mpc <CODE> | --lat <DEG> --lon <DEG>)");
+        let gate = RequiredInput::new("pointing", &[&["--target NAME"], &["--targets FILE", "--stdin ekos"]]);
+        assert_eq!(gate.flags(), "--target NAME, or --targets and --stdin ekos");
         assert_eq!(SATELLITES.flags(), "--elements FILE or --shells NAME, for example starlink-gen1");
         assert_eq!(SATELLITES.usage(), "(--elements <FILE>... | --shells <NAME>...)");
         assert_eq!((START.usage(), FRAMES.usage()), ("--start <TIME>".to_owned(), "<FRAME>...".to_owned()));

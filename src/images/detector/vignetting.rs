@@ -44,9 +44,7 @@ impl Vignetting {
                 if coefficients.is_empty() {
                     return Err(Error::invalid("vignetting.coefficients", "empty", "at least one number"));
                 }
-                coefficients
-                    .iter()
-                    .try_for_each(|c| Error::check_range("vignetting.coefficients", *c, -10.0, 10.0))
+                coefficients.iter().try_for_each(|c| Error::check_range("vignetting.coefficients", *c, -10.0, 10.0))
             }
             Self::Table { radii_pix, transmission, .. } => {
                 if radii_pix.len() != transmission.len() || radii_pix.first() != Some(&0.0) {
@@ -57,9 +55,7 @@ impl Vignetting {
                     let allowed = "numbers that increase";
                     return Err(Error::invalid("vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
                 }
-                transmission
-                    .iter()
-                    .try_for_each(|t| Error::check_range("vignetting.transmission", *t, 0.0, 2.0))
+                transmission.iter().try_for_each(|t| Error::check_range("vignetting.transmission", *t, 0.0, 2.0))
             }
         }
     }

@@ -86,9 +86,8 @@ impl SyntheticFrame {
     /// # Errors
     /// The text is not TOML, a key is unknown or missing, or a value is out of range.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
-        let frame: Self = toml::from_str(text).map_err(|error| {
-            crate::input::toml_error(&error, text).in_file("synthetic frame", origin)
-        })?;
+        let frame: Self = toml::from_str(text)
+            .map_err(|error| crate::input::toml_error(&error, text).in_file("synthetic frame", origin))?;
         frame.validate().map_err(|error| error.in_file("synthetic frame", origin))?;
         Ok(frame)
     }
