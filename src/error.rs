@@ -55,6 +55,7 @@ struct Inner {
     sentence: Sentence,
     what: Option<String>,
     given: Option<Quoted>,
+    remark: Option<String>,
     allowed: Option<String>,
     source: Option<Arc<dyn StdError + Send + Sync>>,
 }
@@ -94,7 +95,16 @@ impl Error {
 
     fn of_sentence(kind: ErrorKind, sentence: Sentence) -> Self {
         let place = Place::default();
-        Self(Arc::new(Inner { kind, place, sentence, what: None, given: None, allowed: None, source: None }))
+        Self(Arc::new(Inner {
+            kind,
+            place,
+            sentence,
+            what: None,
+            given: None,
+            remark: None,
+            allowed: None,
+            source: None,
+        }))
     }
 
     /// Creates an error from a sentence.
@@ -176,6 +186,12 @@ impl Error {
         self
     }
 
+    /// Adds a remark after the sentence, before the accepted values.
+    pub(crate) fn with_remark(mut self, remark: impl Into<String>) -> Self {
+        self.inner().remark = Some(remark.into());
+        self
+    }
+
     /// Adds the name of the value that is wrong, which the sentence contains.
     pub(crate) fn about(mut self, what: &str) -> Self {
         self.inner().what = Some(what.to_owned());
@@ -212,6 +228,15 @@ impl Error {
         self.located(format_args!("{}{joint}line {line}", named(purpose, &path)), path, Some(line))
     }
 
+    /// Puts the number of a line, from 1, before the message, to which the file is added later.
+    pub(crate) fn on_line(self, line: usize) -> Self {
+        let mut error = self.at(format_args!("line {line}"));
+        if error.file().is_none() {
+            error.inner().place.line = Some(line);
+        }
+        error
+    }
+
     /// Puts a file and the number of an HDU, from 0, before the message.
     #[cfg(all(feature = "fits", unix))]
     pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {
@@ -233,7 +258,16 @@ impl Error {
         let own = &mut self.inner().place;
         own.text = if own.text.is_empty() { place.to_string() } else { format!("{place}: {}", own.text) };
         if own.file.is_none() {
-            (own.file, own.line) = (Some(path.into()), line);
+            (own.file, own.line) = (Some(path.into()), line.or(own.line));
+        }
+        self
+    }
+
+    /// Replaces the word for the purpose of the file, with which the place begins.
+    pub(crate) fn with_purpose(mut self, from: &str, to: &str) -> Self {
+        let text = &mut self.inner().place.text;
+        if let Some(rest) = text.strip_prefix(from).filter(|rest| rest.starts_with(' ')) {
+            *text = format!("{to}{rest}");
         }
         self
     }
@@ -314,7 +348,8 @@ impl Display for Error {
         };
         let verb = if matches!(self.0.sentence, Sentence::Missing) { "specify" } else { "allowed:" };
         let allowed = self.allowed().map_or_else(String::new, |allowed| format!("; {verb} {allowed}"));
-        formatter.write_str(&bounded(&printable(&format!("{}{joint}{sentence}{allowed}", self.place()))))
+        let remark = self.0.remark.as_ref().map_or_else(String::new, |remark| format!("; {remark}"));
+        formatter.write_str(&bounded(&printable(&format!("{}{joint}{sentence}{remark}{allowed}", self.place()))))
     }
 }
 
@@ -350,6 +385,13 @@ mod tests {
             (error.allowed(), error.file(), error.line()),
             (Some("0 to 360 deg"), Some("a.csv".as_ref()), Some(3))
         );
+        let error = Error::format("unknown key 'a'").on_line(3).in_file("policy", "p.toml");
+        assert_eq!(error.to_string(), "policy p.toml: line 3: unknown key 'a'");
+        assert_eq!((error.file(), error.line()), (Some("p.toml".as_ref()), Some(3)));
+        let error = Error::invalid("seeing", 0, "0.1 to 10").with_remark("1 of 2 frames are written").in_file("", "a");
+        assert_eq!(error.to_string(), "a: seeing is 0; 1 of 2 frames are written; allowed: 0.1 to 10");
+        let error = Error::format("is x").in_file("schedule", "schedule.csv").with_purpose("schedule", "target list");
+        assert_eq!(error.place(), "target list schedule.csv");
         let inner = Error::invalid("PSF", "x", "a FITS image").at("extension PSF").at("psf.fits");
         assert_eq!((inner.place(), inner.file()), ("psf.fits: extension PSF", None));
         assert_eq!(Error::missing("site", "--mpc").to_string(), "missing site; specify --mpc");

@@ -374,11 +374,16 @@ impl Config {
     /// # Errors
     /// The text is not TOML, a key is unknown, or a value is invalid.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
-        let error = |message: String| Error::format(message).in_file("configuration", origin);
+        let in_file = |error: Error| error.in_file("configuration", origin);
+        let error = |message: String| in_file(Error::format(message));
         let of_toml = |error: &toml::de::Error| input::toml_error(error, text);
-        let line_of =
-            |key: &str| input::toml_line(text, &[key]).map(|line| format!("line {line}: ")).unwrap_or_default();
-        let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
+        let of_key = |error: Error, key: &str| {
+            in_file(match input::toml_line(text, &[key]) {
+                Some(line) => error.on_line(line),
+                None => error,
+            })
+        };
+        let keys: toml::Table = toml::from_str(text).map_err(|syntax| in_file(of_toml(&syntax)))?;
         // TOML keys may have hyphens or underscores; the fields have underscores.
         let mut renamed = toml::Table::new();
         for (key, value) in keys {
@@ -404,7 +409,7 @@ impl Config {
                 Some(known) => format!("did you mean {known}?"),
                 None => format!("allowed: {}", Self::keys().collect::<Vec<_>>().join(", ")),
             };
-            return Err(error(format!("{}unknown key '{unknown}'; {hint}", line_of(unknown))));
+            return Err(of_key(Error::format(format!("unknown key '{unknown}'; {hint}")), unknown));
         }
         Config::deserialize(keys.clone()).map_err(|value| {
             // The error of the TOML parser for an invalid value does not contain the key.
@@ -412,7 +417,7 @@ impl Config {
                 Config::deserialize(toml::Table::from_iter([(key.clone(), value.clone())])).is_err()
             };
             let key = keys.into_iter().find(is_invalid).map(|(key, _)| key).unwrap_or_default();
-            error(format!("{}{key}: {}", line_of(&key), of_toml(&value)))
+            of_key(of_toml(&value).at(&key), &key)
         })
     }
 

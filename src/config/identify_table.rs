@@ -87,7 +87,7 @@ pub fn streaks_of_table(path: &Path, base: &IdentifyConfig) -> Result<(Vec<Table
                 (streak.from_pix, streak.to_pix) = (from, to);
             }
         }
-        streaks.push(TableStreak { id: row.id(number), origin: row.origin(), streak });
+        streaks.push(TableStreak { id: row.id(number), origin: row.origin().to_string(), streak });
     }
     let mut remarks = table.remarks(&["start_utc", "duration_s"]);
     if !without.is_empty() {

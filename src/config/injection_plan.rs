@@ -482,11 +482,11 @@ fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), Error> {
     let keys: toml::Table = toml::from_str(&text).unwrap_or_default();
     let table = keys.get("detector");
     let detector = match table {
-        None => Detector::from_toml(&text).map_err(failed)?,
+        None => Detector::parse(&text).map_err(failed)?,
         Some(_) if keys.len() == 1 => {
             let DetectorFile { detector } =
-                toml::from_str(&text).map_err(|error| failed(Error::format(input::toml_error(&error, &text))))?;
-            detector.validate().map_err(failed)?;
+                toml::from_str(&text).map_err(|error| failed(input::toml_error(&error, &text)))?;
+            detector.check().map_err(failed)?;
             detector
         }
         Some(_) => SyntheticFrame::from_toml(&text, &shown)?.detector,

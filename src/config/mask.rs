@@ -213,7 +213,7 @@ impl MaskConfig {
         let mut warnings = if sky.is_some() { Vec::new() } else { shared_sky.warnings.clone() };
         let mut remarks: Vec<String> = remark.into_iter().collect();
         let batch = |error: Error, done: usize| match done {
-            1.. if !outputs.is_empty() => crate::streaks::partly_written(&error, done, count),
+            1.. if !outputs.is_empty() => crate::streaks::partly_written(error, done, count),
             _ => error,
         };
         let mut done = Vec::new();

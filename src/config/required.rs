@@ -48,9 +48,12 @@ impl RequiredInput {
         if !self.words.is_empty() {
             return self.words.to_owned() + &example;
         }
-        let has_values = |way: &[&str]| way.len() == 1 || self.ways.len() == 1;
+        // A value in lower case is the only one.
+        let has_value = |way: &[&str], flag: &str| {
+            way.len() == 1 || self.ways.len() == 1 || flag.contains(' ') && !flag.contains(char::is_uppercase)
+        };
         self.alternatives(|way, flag| match flag.strip_suffix("...").filter(|_| flag.starts_with('-')) {
-            _ if !has_values(way) => name_of(flag),
+            _ if !has_value(way, flag) => name_of(flag),
             Some(several) => several,
             None => flag,
         }) + &example
@@ -214,6 +217,8 @@ mod tests {
         assert_eq!(site.0, "--site, --mpc, or --lat and --lon");
         assert_eq!(site.1, "--site NAME, --mpc CODE, or --lat and --lon");
         assert_eq!(site.2, "(--site <NAME> | --mpc <CODE> | --lat <DEG> --lon <DEG>)");
+        let gate = RequiredInput::new("pointing", &[&["--target NAME"], &["--targets FILE", "--stdin ekos"]]);
+        assert_eq!(gate.flags(), "--target NAME, or --targets and --stdin ekos");
         assert_eq!(SATELLITES.flags(), "--elements FILE or --shells NAME, for example starlink-gen1");
         assert_eq!(SATELLITES.usage(), "(--elements <FILE>... | --shells <NAME>...)");
         assert_eq!((START.usage(), FRAMES.usage()), ("--start <TIME>".to_owned(), "<FRAME>...".to_owned()));

@@ -497,7 +497,8 @@ impl ShellFile {
 /// Reads constellations, sets and periods. Catalogue numbers begin at `first_id`, those of each constellation at a
 /// multiple of `block` after it.
 fn parse(text: &str, first_id: u32, block: u32) -> Result<ShellFile, Error> {
-    let file: File = toml::from_str(text).map_err(|error| in_constellations(crate::input::toml_error(&error, text)))?;
+    let file: File =
+        toml::from_str(text).map_err(|error| crate::input::toml_error(&error, text).at("constellation file"))?;
     let count = file.constellation.len();
     if count > MOST_CONSTELLATIONS {
         let message = format!("{count} constellations; allowed: at most {MOST_CONSTELLATIONS}");

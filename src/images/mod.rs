@@ -49,7 +49,7 @@ pub use pixels::{PixelPosition, Plane};
 #[cfg(all(feature = "fits", unix))]
 pub(crate) use psf_file::{PsfFile, PsfGrid};
 #[cfg(all(feature = "fits", unix))]
-pub(crate) use streak_table::{StreakEnds, StreakRow, StreakTable};
+pub(crate) use streak_table::{RowOrigin, StreakEnds, StreakRow, StreakTable};
 pub(crate) use telescope::{ARCSEC_PER_RAD, effective_magnitude, surface_brightness_mag_arcsec2};
 pub use telescope::{FieldOfView, Telescope};
 pub use wcs::Wcs;

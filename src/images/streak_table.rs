@@ -1,6 +1,7 @@
 //! Table of streaks that a user or a detector of streaks wrote, one row a streak: the ends of each streak in pixels or on
 //! the sky, and the frame to which it belongs.
 
+use std::fmt::{self, Display};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +36,14 @@ pub struct Bounded {
     name: &'static str,
     column: Column,
     range: [f64; 2],
+}
+
+/// Table of streaks and the number of its line, or of its row in a FITS table.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RowOrigin {
+    path: PathBuf,
+    number: u64,
+    is_line: bool,
 }
 
 /// Row of a table of streaks. Cells are read with the columns of its [`StreakTable`].
@@ -203,6 +212,20 @@ impl Bounded {
     }
 }
 
+impl RowOrigin {
+    /// Puts the table and the row before the message of an error.
+    pub(crate) fn of(&self, error: Error) -> Error {
+        error.located(self, &self.path, self.is_line.then_some(self.number as usize))
+    }
+}
+
+impl Display for RowOrigin {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let what = if self.is_line { "line" } else { "row" };
+        write!(formatter, "{}: {what} {}", self.path.display(), self.number)
+    }
+}
+
 impl StreakRow<'_> {
     /// Returns the text of a cell; empty if the column is missing.
     pub(crate) fn text(&self, column: Option<Column>) -> &str {
@@ -210,18 +233,18 @@ impl StreakRow<'_> {
     }
 
     /// Returns the table and the line, or the row of a FITS table, for errors.
-    pub(crate) fn origin(&self) -> String {
-        let path = self.table.path.display();
+    pub(crate) fn origin(&self) -> RowOrigin {
+        let path = self.table.path.clone();
         match self.table.lines_before_rows {
-            None => format!("{path}: line {}", self.line),
-            Some(before) => format!("{path}: row {}", self.line - before),
+            None => RowOrigin { path, number: self.line, is_line: true },
+            Some(before) => RowOrigin { path, number: self.line - before, is_line: false },
         }
     }
 
     /// Returns the error of an invalid cell, with file, line and column.
     pub(crate) fn invalid(&self, column: &str, given: &str, allowed: impl Into<String>) -> Error {
         let given = if given.is_empty() { "missing".to_owned() } else { format!("'{}'", Quoted::new(given)) };
-        Error::invalid(column, given, allowed).in_line("", &*self.table.path, self.line as usize)
+        self.origin().of(Error::invalid(column, given, allowed))
     }
 
     /// Returns the number in a cell; `None` if the column is missing or the cell is empty.
@@ -235,7 +258,7 @@ impl StreakRow<'_> {
             return Ok(None);
         }
         if let Some(error) = self.cells.contradiction(column) {
-            return Err(Error::io(&self.table.path)(error));
+            return Err(self.origin().of(error));
         }
         match self.cells.number(column) {
             Some(number) if (least..=most).contains(&number) => Ok(Some(number)),

@@ -192,7 +192,7 @@ impl Telescope {
     /// The text is not TOML, a key is unknown or missing, a value is out of range, or a limit is for an unknown band.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
         let telescope: Self = toml::from_str(text)
-            .map_err(|error| Error::format(crate::input::toml_error(&error, text)).in_file("telescope file", origin))?;
+            .map_err(|error| crate::input::toml_error(&error, text).in_file("telescope file", origin))?;
         telescope.validate(origin)?;
         Ok(telescope)
     }

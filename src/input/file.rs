@@ -4,6 +4,8 @@ use std::fs::{self, File, FileType};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
+use crate::error::Error;
+
 /// Largest number of bytes that are read from a file, or decompressed from one: 2 GB, above any catalogue or schedule.
 /// Files are read into memory as a whole.
 pub const LARGEST_INPUT: u64 = 2_000_000_000;
@@ -140,8 +142,8 @@ fn too_large(limit: u64) -> io::Error {
     io::Error::new(ErrorKind::FileTooLarge, format!("more than {limit} bytes; allowed: at most {limit}"))
 }
 
-/// Formats an error in a TOML text as one line with the line number.
-pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
+/// Returns the error of a parser of TOML with the number of the line in the text.
+pub fn toml_error(error: &toml::de::Error, text: &str) -> Error {
     let what = in_words(&error.message().split_whitespace().collect::<Vec<_>>().join(" "));
     match error.span() {
         Some(span) => {
@@ -151,9 +153,9 @@ pub fn toml_error(error: &toml::de::Error, text: &str) -> String {
                 "duplicate key" => format!(" '{}'; allowed: once", line.split('=').next().unwrap_or_default().trim()),
                 _ => decimal_comma(line),
             };
-            format!("line {number}: {what}{hint}")
+            Error::format(what + &hint).on_line(number)
         }
-        None => what,
+        None => Error::format(what),
     }
 }
 
@@ -219,7 +221,7 @@ mod tests {
 
     #[test]
     fn decimal_commas_are_named() {
-        let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text);
+        let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text).to_string();
         for text in ["a = 1\nlat = 47,37\n", "a = 1\nlat = 47,37 # Zurich"] {
             let error = error(text);
             assert!(error.starts_with("line 2: ") && error.ends_with("in place of the comma (47.37)"), "{error}");
@@ -242,7 +244,7 @@ mod tests {
         ] {
             assert_eq!(in_words(message), expected);
         }
-        let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text);
+        let error = |text: &str| toml_error(&toml::from_str::<toml::Table>(text).unwrap_err(), text).to_string();
         assert_eq!(error("a = 1\nb = 2\na = 3"), "line 3: duplicate key 'a'; allowed: once");
         assert!(error("a = x").ends_with("invalid value; allowed: a text in quotes"), "{}", error("a = x"));
     }

@@ -85,19 +85,15 @@ impl TableRow {
 
     /// Returns the contradiction of the number in a cell and that in another column of the same quantity; `None` if there
     /// is none. Cells that are not numbers are not compared.
-    pub fn contradiction(&self, column: Column) -> Option<io::Error> {
+    pub fn contradiction(&self, column: Column) -> Option<Error> {
         let OtherColumn { index, scale, unit } = column.other?;
         let cell = self.cells.get(index).unwrap_or_default();
         let other = cell.parse::<f64>().ok().map(|number| number * scale).filter(|number| number.is_finite())?;
         let [first, second] = [column.index, index].map(|index| &self.names[index]);
         self.number(column).filter(|number| number.is_finite() && !unit.is_same(first, *number, other))?;
-        Some(invalid(format!(
-            "line {}: {first} is {} and {second} is {}: they contradict each other; allowed: one of these columns, or equal \
-             values",
-            self.line,
-            Quoted::new(self.text(column)),
-            Quoted::new(cell)
-        )))
+        let [own, cell] = [self.text(column), cell].map(Quoted::new);
+        let sentence = format!("{first} is {own} and {second} is {cell}: they contradict each other");
+        Some(Error::format(sentence).allowing("one of these columns, or equal values"))
     }
 
     /// Returns a number in a range.
@@ -106,7 +102,7 @@ impl TableRow {
     /// The cell is not a number, is out of range, or contradicts another column of the same quantity.
     pub fn number_in(&self, column: Column, [least, most]: [f64; 2]) -> io::Result<f64> {
         if let Some(error) = self.contradiction(column) {
-            return Err(error);
+            return Err(invalid(format!("line {}: {error}", self.line)));
         }
         let number = self.number(column).filter(|number| number.is_finite() && (least..=most).contains(number));
         number.ok_or_else(|| match (least > f64::MIN, most < f64::MAX) {

@@ -94,7 +94,7 @@ impl StreakList {
             streaks.push(ListedStreak {
                 id: row.id(number),
                 image: row.image().map(str::to_owned),
-                origin: row.origin(),
+                origin: row.origin().to_string(),
                 given: row.has_ends().then(|| GivenStreak::of_row(&row, number, &columns)).transpose()?,
                 satellite: KnownSatellite { norad_id, name, ..KnownSatellite::default() },
                 probability: None,

@@ -131,8 +131,7 @@ impl Policy {
 
     /// Reads a policy from the TOML of a file, which its errors do not name.
     pub(crate) fn parse(text: &str) -> Result<Self, Error> {
-        let policy: Policy =
-            toml::from_str(text).map_err(|error| Error::format(crate::input::toml_error(&error, text)))?;
+        let policy: Policy = toml::from_str(text).map_err(|error| crate::input::toml_error(&error, text))?;
         policy.check()?;
         Ok(policy)
     }

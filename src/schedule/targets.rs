@@ -4,10 +4,11 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
+use super::error;
 use super::formats::{Cell, Checks, DECLINATIONS, RIGHT_ASCENSIONS, ROTATIONS, TARGET_DURATIONS, read_raw};
 use super::windows::WindowTarget;
 use crate::constants::{LONGEST_EXPOSURE_S, ROTATIONS_DEG};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
 use crate::passes::Exposure;
 use crate::units::{DEGREES, SECONDS, Unit};
@@ -48,11 +49,15 @@ pub struct TargetList {
 /// # Errors
 /// Same as [`Schedule::read`](super::Schedule::read), and missing columns.
 pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> Result<TargetList, Error> {
+    // The readers are those of schedules.
+    read(path, duration_s, rotation_rad).map_err(|error| error.with_purpose("schedule", "target list"))
+}
+
+fn read(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> Result<TargetList, Error> {
     let table = read_raw(path)?;
     let find = |accepted: &[&str]| accepted.iter().find_map(|name| table.names.iter().position(|found| found == name));
     let with_unit = |unit: &Unit, accepted: &[&str]| {
-        unit.find(accepted, &table.names)
-            .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("schedule", path))
+        unit.find(accepted, &table.names).map_err(|error| error.in_file("schedule", path))
     };
     let columns = [
         find(NAME),
@@ -69,10 +74,10 @@ pub fn read_targets(path: &Path, duration_s: Option<f64>, rotation_rad: f64) -> 
     if !missing.is_empty() {
         return Err(Error::format(format!("missing {}; found {}", missing.join(", "), table.names.join(", ")))
             .allowing("name, ra_deg, dec_deg, exposure_s (or --exposure) and, if known, unique_id, rotation_deg, band")
-            .in_file("target list", path));
+            .in_file("schedule", path));
     }
     if table.rows.is_empty() {
-        return Err(Error::about_file("schedule", path, "has columns but no exposures").allowing("at least one row"));
+        return Err(error::no_rows(path));
     }
     let (unique_id, rotation, band) = (find(UNIQUE_ID), with_unit(ROTATIONS.unit, ROTATIONS.names)?, find(BAND));
     let [name, right_ascension, declination, exposure] = columns;

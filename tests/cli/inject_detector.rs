@@ -96,8 +96,9 @@ fn verif_a_detector_is_read_from_each_form_of_file() {
     }
     for (text, more, message) in [
         ("[detector]\ngain = 2\n", "0", "detector.toml: line 2: unknown key 'gain'"),
-        ("gain = 2\n", "0", "line 1: unknown key 'gain'"),
-        ("[detector]\ngain_e_adu = 0\n", "0", "detector: gain_e_adu is 0; allowed: 0.000001 to 1000000"),
+        ("gain = 2\n", "0", "detector.toml: line 1: unknown key 'gain'"),
+        ("gain_e_adu = \"x\"\n", "0", "detector.toml: line 1: invalid value"),
+        ("[detector]\ngain_e_adu = 0\n", "0", "detector.toml: gain_e_adu is 0; allowed: 0.000001 to 1000000"),
         ("bias_adu = 3\n[detector]\n", "0", "detector.toml: line 1: unknown key 'bias_adu'"),
         ("[detector]\ngain_e_adu = 2\n", "2", "--gain and gain_e_adu in the file of --detector exclude each other"),
     ] {

@@ -363,6 +363,14 @@ fn errors_in_values_of_tables_have_file_and_line() {
     ] {
         fails(&[verb, SATELLITES, SITE], &config(&folder, text), &["configuration", "obs.toml, ", error]);
     }
+    // An error in a file that a key names has the place in that file only.
+    let (code, _, stderr) = {
+        let schedule = path(&folder, "night.csv");
+        fs::write(&schedule, "exposure_id,ra_deg\n1,2\n").unwrap();
+        let text = format!("[serve]\nfov = '1deg'\nbind = '127.0.0.1:0'\nschedule = {schedule:?}\n");
+        run_with(&[&["serve"], SATELLITES, SITE], &config(&folder, &text))
+    };
+    assert!(code == 2 && stderr.starts_with("error: schedule ") && !stderr.contains("obs.toml"), "{stderr}");
     // The same value on the command line has no place in a file.
     let flag: &[&str] = &["--exposure", "30"];
     let (code, _, stderr) =

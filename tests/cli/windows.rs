@@ -261,6 +261,11 @@ fn invalid_arguments_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let targets = path(&folder, "t.csv");
     fs::write(&targets, CSV).unwrap();
+    let [schedule, empty] = ["schedule.csv", "schedule"].map(|name| path(&folder, name));
+    fs::write(&schedule, "name,dec_deg\na,1\n").unwrap();
+    fs::write(&empty, "").unwrap();
+    let [without_ra, without_rows] = [(&schedule, ": missing ra_deg"), (&empty, " is empty")]
+        .map(|(file, end)| format!("error: target list {file}{end}"));
     let policy = path(&folder, "p.toml");
     fs::write(&policy, "max_cost_s = 1").unwrap();
     let base: &[&str] = &["windows", "--targets", &targets, "--fov", "6deg"];
@@ -276,6 +281,8 @@ fn invalid_arguments_are_reported() {
             &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
             "the policy has max_cost_s, which windows does not support",
         ),
+        (&[&["windows", "--targets", &schedule, "--fov", "6deg"], SKY, RANGE], &without_ra),
+        (&[&["windows", "--targets", &empty, "--fov", "6deg"], SKY, RANGE], &without_rows),
         (&[&["windows", "--targets", "/nowhere.csv", "--fov", "6deg"], SKY, RANGE], "/nowhere.csv"),
     ] {
         let (code, stdout, stderr) = run(arguments);

@@ -220,11 +220,14 @@ fn main() -> ExitCode {
         Verb::Man(typed) => typed.run(|typed| verbs::shell_files::man(&typed, command)),
     };
     exit_code(outcome.map_err(|error| {
+        let names_file = error.downcast_ref::<streakcast::Error>().is_some_and(|error| error.file().is_some());
         let error = match local_time::of_matches(&matches) {
             Some(zone) => local_time::with_offset(error, &zone),
             None => error,
         };
-        let place = words.place_in(&error.to_string()).map(|place| anyhow!("{place}: {error}"));
-        place.unwrap_or(error)
+        match words.place_in(&error.to_string()).filter(|_| !names_file) {
+            Some(place) => anyhow!("{place}: {error}"),
+            None => error,
+        }
     }))
 }

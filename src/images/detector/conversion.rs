@@ -32,8 +32,8 @@ impl Default for Quantisation {
 
 impl Quantisation {
     pub(super) fn validate(&self) -> Result<(), Error> {
-        Error::check_range("detector: quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
-        Error::check_range("detector: quantisation.greatest_adu", self.greatest_adu, self.least_adu + 1.0, 16_777_216.0)
+        Error::check_range("quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
+        Error::check_range("quantisation.greatest_adu", self.greatest_adu, self.least_adu + 1.0, 16_777_216.0)
     }
 
     /// Returns the change of a count when a signal is added and the sum is rounded to an integer. The result is limited

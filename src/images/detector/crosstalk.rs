@@ -86,7 +86,7 @@ impl Amplifier {
 impl Crosstalk {
     pub(super) fn validate(&self) -> Result<(), Error> {
         let invalid = |what: String, given: &dyn Display, allowed: String| {
-            Err(Error::invalid(format!("crosstalk: {what}"), given, allowed).at("detector"))
+            Err(Error::invalid(format!("crosstalk: {what}"), given, allowed))
         };
         let count = self.amplifiers.len();
         if count < 2 {
@@ -110,7 +110,7 @@ impl Crosstalk {
             return invalid("coefficients".into(), &given, format!("{count} rows of {count} numbers"));
         }
         for (victim, row) in self.coefficients.iter().enumerate() {
-            row.iter().try_for_each(|c| Error::check_range("detector: crosstalk.coefficients", *c, -0.1, 0.1))?;
+            row.iter().try_for_each(|c| Error::check_range("crosstalk.coefficients", *c, -0.1, 0.1))?;
             if row[victim] != 0.0 {
                 return invalid(format!("coefficient of amplifier {victim} on itself"), &row[victim], "0".into());
             }
@@ -131,8 +131,7 @@ impl Crosstalk {
                     format!("amplifier {number}"),
                     format!("rows {first_row} to {last_row} and columns {first_column} to {last_column}"),
                     format!("rows and columns of the frame of {rows} rows by {columns} columns"),
-                )
-                .at("detector"));
+                ));
             }
         }
         Ok(())

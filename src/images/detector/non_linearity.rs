@@ -18,12 +18,9 @@ pub struct NonLinearity {
 
 impl NonLinearity {
     pub(super) fn validate(&self) -> Result<(), Error> {
-        Error::check_range("detector: non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
-        self.coefficients
-            .iter()
-            .try_for_each(|c| Error::check_range("detector: non_linearity.coefficients", *c, -1.0, 1.0))?;
-        let invalid =
-            |given: &str, allowed: &str| Err(Error::invalid("detector: non_linearity.coefficients", given, allowed));
+        Error::check_range("non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
+        self.coefficients.iter().try_for_each(|c| Error::check_range("non_linearity.coefficients", *c, -1.0, 1.0))?;
+        let invalid = |given: &str, allowed: &str| Err(Error::invalid("non_linearity.coefficients", given, allowed));
         if self.coefficients.is_empty() {
             return invalid("empty", "at least one number");
         }

@@ -41,7 +41,7 @@ pub struct Saturated {
 
 impl Saturation {
     pub(super) fn validate(&self) -> Result<(), Error> {
-        Error::check_range("detector: saturation.full_well_e", self.full_well_e, 1.0, 1e9)
+        Error::check_range("saturation.full_well_e", self.full_well_e, 1.0, 1e9)
     }
 
     /// Limits all pixels to their capacity, and distributes the excess charge by bleeding.

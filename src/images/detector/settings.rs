@@ -72,9 +72,13 @@ impl Detector {
     /// # Errors
     /// The text is not a valid detector table, or a value fails [`Detector::validate`].
     pub fn from_toml(text: &str) -> Result<Self, Error> {
-        let detector: Self = toml::from_str(text)
-            .map_err(|error| Error::format(crate::input::toml_error(&error, text)).in_file("", "detector"))?;
-        detector.validate()?;
+        Self::parse(text).map_err(|error| error.at("detector"))
+    }
+
+    /// Reads the settings from the TOML of a file, which its errors do not name.
+    pub(crate) fn parse(text: &str) -> Result<Self, Error> {
+        let detector: Self = toml::from_str(text).map_err(|error| crate::input::toml_error(&error, text))?;
+        detector.check()?;
         Ok(detector)
     }
 
@@ -83,9 +87,14 @@ impl Detector {
     /// # Errors
     /// The first value that is out of range, not finite, or inconsistent with the others.
     pub fn validate(&self) -> Result<(), Error> {
-        Error::check_range("detector: gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
-        Error::check_range("detector: bias_adu", self.bias_adu, -1e6, 1e6)?;
-        Error::check_range("detector: read_noise_e", self.read_noise_e, 0.0, 1e5)?;
+        self.check().map_err(|error| error.at("detector"))
+    }
+
+    /// Checks the range of every number. Its errors do not name the detector.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        Error::check_range("gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
+        Error::check_range("bias_adu", self.bias_adu, -1e6, 1e6)?;
+        Error::check_range("read_noise_e", self.read_noise_e, 0.0, 1e5)?;
         self.vignetting.as_ref().map_or(Ok(()), Vignetting::validate)?;
         self.saturation.as_ref().map_or(Ok(()), Saturation::validate)?;
         self.non_linearity.as_ref().map_or(Ok(()), NonLinearity::validate)?;
@@ -99,6 +108,7 @@ impl Detector {
     /// The errors of [`Detector::validate`], and an amplifier that extends beyond the frame.
     pub(super) fn validate_for(&self, rows: usize, columns: usize) -> Result<(), Error> {
         self.validate()?;
-        self.crosstalk.as_ref().map_or(Ok(()), |crosstalk| crosstalk.check_shape(rows, columns))
+        let shape = self.crosstalk.as_ref().map_or(Ok(()), |crosstalk| crosstalk.check_shape(rows, columns));
+        shape.map_err(|error| error.at("detector"))
     }
 }

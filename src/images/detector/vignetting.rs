@@ -36,30 +36,26 @@ impl Vignetting {
             Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. } => centre_pix,
         };
         for coordinate in centre.iter().flatten() {
-            Error::check_range("detector: vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
+            Error::check_range("vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
         }
         match self {
             Self::Polynomial { radius_pix, coefficients, .. } => {
-                Error::check_range("detector: vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
+                Error::check_range("vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
                 if coefficients.is_empty() {
-                    return Err(Error::invalid("detector: vignetting.coefficients", "empty", "at least one number"));
+                    return Err(Error::invalid("vignetting.coefficients", "empty", "at least one number"));
                 }
-                coefficients
-                    .iter()
-                    .try_for_each(|c| Error::check_range("detector: vignetting.coefficients", *c, -10.0, 10.0))
+                coefficients.iter().try_for_each(|c| Error::check_range("vignetting.coefficients", *c, -10.0, 10.0))
             }
             Self::Table { radii_pix, transmission, .. } => {
                 if radii_pix.len() != transmission.len() || radii_pix.first() != Some(&0.0) {
                     let allowed = "as many numbers as in transmission, of which the first is 0";
-                    return Err(Error::invalid("detector: vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
+                    return Err(Error::invalid("vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
                 }
                 if radii_pix.windows(2).any(|pair| !(pair[1] > pair[0] && pair[1].is_finite())) {
                     let allowed = "numbers that increase";
-                    return Err(Error::invalid("detector: vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
+                    return Err(Error::invalid("vignetting.radii_pix", format!("{radii_pix:?}"), allowed));
                 }
-                transmission
-                    .iter()
-                    .try_for_each(|t| Error::check_range("detector: vignetting.transmission", *t, 0.0, 2.0))
+                transmission.iter().try_for_each(|t| Error::check_range("vignetting.transmission", *t, 0.0, 2.0))
             }
         }
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use hifitime::TimeScale;
 
 use super::super::error::ALLOWED_COLUMNS;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::message::{Quoted, listed};
 use crate::units::{DEGREES, SECONDS, Unit};
 
@@ -130,8 +130,7 @@ impl ColumnMap {
         }
         let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
         let with_unit = |unit: &Unit, accepted: &[&str]| {
-            unit.find(accepted, names)
-                .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("schedule", path))
+            unit.find(accepted, names).map_err(|error| error.in_file("schedule", path))
         };
         let start = start_columns(names).next();
         let (id, duration, right_ascension, declination) = (

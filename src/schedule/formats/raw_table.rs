@@ -8,7 +8,7 @@ use hifitime::TimeScale;
 
 use super::columns::{ScheduleFormat, ScheduleRow};
 use super::csv_text::CsvText;
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use crate::units::Unit;
 
 /// Rows of a table.
@@ -86,7 +86,6 @@ impl RawTable {
     /// The unit is unknown or contradicts the name of the column.
     pub fn scale(&self, path: &Path, index: usize, unit: &Unit) -> Result<f64, Error> {
         let name = self.names.get(index).map_or("", String::as_str);
-        unit.scale(name, &self.units)
-            .map_err(|source| Error::caused(ErrorKind::Format, source).in_file("schedule", path))
+        unit.scale(name, &self.units).map_err(|error| error.in_file("schedule", path))
     }
 }

@@ -86,9 +86,8 @@ impl SyntheticFrame {
     /// # Errors
     /// The text is not TOML, a key is unknown or missing, or a value is out of range.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, Error> {
-        let frame: Self = toml::from_str(text).map_err(|error| {
-            Error::format(crate::input::toml_error(&error, text)).in_file("synthetic frame", origin)
-        })?;
+        let frame: Self = toml::from_str(text)
+            .map_err(|error| crate::input::toml_error(&error, text).in_file("synthetic frame", origin))?;
         frame.validate().map_err(|error| error.in_file("synthetic frame", origin))?;
         Ok(frame)
     }
@@ -234,9 +233,8 @@ impl SyntheticFrame {
 const STAR_LIST_FORM: &str = "CSV with ra_deg, dec_deg (-90 to 90) and magnitude (-30 to 60)";
 
 fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, Error> {
-    let shown = path.display();
     let failed = |error: std::io::Error| {
-        Error::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
+        Error::about_file("star list", path, format!("is invalid ({error})")).allowing(STAR_LIST_FORM)
     };
     let rows = TableRows::open(path).map_err(failed)?;
     let column = |names: &[&'static str], unit| rows.numbers(names, unit, STAR_LIST_FORM).map_err(failed);

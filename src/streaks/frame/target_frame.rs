@@ -159,7 +159,7 @@ fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> R
     if let (Some(start), Some(duration_s)) = (overrides.start, overrides.duration_s) {
         return Ok((start, duration_s));
     }
-    let failed = |error: Error| error.at(path);
+    let failed = |error: Error| error.in_file("", path);
     // The overrides replace missing or wrong values of the header.
     let duration_s =
         overrides.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;
@@ -219,7 +219,7 @@ fn target_chip(
         CountBasis::Frame => CountScale::of_frame(mag, exposure_s),
         CountBasis::Second => CountScale::of_counts_per_second(mag, exposure_s),
     };
-    let scale = scale.map_err(|error| error.at(path))?;
+    let scale = scale.map_err(|error| error.in_file("", path))?;
     let [rows, columns] = file.image_size(hdu)?;
     let info = file.hdu(hdu)?;
     let name = info.name.clone();

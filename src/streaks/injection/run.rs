@@ -157,7 +157,7 @@ impl<'a> Injection<'a> {
             .collect();
         let frames = frames.map_err(|error| match written.into_inner() {
             0 => error,
-            done => partly_written(&error, done, count),
+            done => partly_written(error, done, count),
         })?;
 
         let labelled: Vec<(&Path, &[LabelledImage])> =
@@ -263,7 +263,7 @@ fn inject_frame(
                 watch.check()?;
                 drawn(source, frame, index, plan, &shot, watch)
             });
-            let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
+            let drawn = of_chip.collect::<Result<Vec<_>, _>>().map_err(|error| error.in_file("", shown))?;
             Ok(drawn.into_iter().flatten().collect())
         })
         .collect::<Result<Vec<Vec<_>>, Error>>()?
@@ -271,7 +271,7 @@ fn inject_frame(
         .flatten()
         .collect();
     let lit = drawn_sources(&streaks);
-    let planes = plan.mask_preset.planes(&frame.mask_planes).map_err(|error| error.at(shown.display()))?;
+    let planes = plan.mask_preset.planes(&frame.mask_planes).map_err(|error| error.in_file("", shown))?;
     let options = InjectOptions {
         noise: plan.noise,
         detector: plan.detector.clone(),
@@ -413,6 +413,6 @@ fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
 }
 
 /// Returns the error in one of several frames with the number of frames that were written completely.
-pub(crate) fn partly_written(error: &Error, done: usize, count: usize) -> Error {
-    Error::new(error.kind(), format!("{error}; {done} of {count} frames have already been written, without tables"))
+pub(crate) fn partly_written(error: Error, done: usize, count: usize) -> Error {
+    error.with_remark(format!("{done} of {count} frames have already been written, without tables"))
 }

@@ -11,7 +11,7 @@ use super::super::tracking::Tracking;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::error::Error;
 use crate::frames::{Direction, Gcrs, parse_moment, seconds_between};
-use crate::images::{Bounded, PixelPosition, StreakEnds, StreakRow};
+use crate::images::{Bounded, PixelPosition, RowOrigin, StreakEnds, StreakRow};
 use crate::input::{Column, TableRows};
 use crate::output::format_utc;
 use crate::units::{ARCSECONDS, KILOMETRES, METRES, PIXELS, SECONDS};
@@ -64,8 +64,7 @@ pub struct GivenStreak {
     /// Width of the image.
     pub width: GivenWidth,
     times: [EndTime; 2],
-    /// File and line, for errors.
-    origin: String,
+    origin: RowOrigin,
 }
 
 /// Columns besides those of the ends.
@@ -203,7 +202,7 @@ impl GivenStreak {
 
     /// Returns the error of a value of this row.
     pub(crate) fn invalid(&self, what: &str, given: impl Display, allowed: impl Into<String>) -> Error {
-        Error::invalid(what, given, allowed).at(&self.origin)
+        self.origin.of(Error::invalid(what, given, allowed))
     }
 
     /// Returns the times at which the light is at the ends, seconds after the shutter opened.

@@ -141,9 +141,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let duration_s = exposure.as_deref().map(parse_exposure_s).transpose()?;
     let (listed, targets_of) = match (&typed.targets, pointing.zip(duration_s)) {
         (Some(path), _) => {
-            // The reader is that of schedules, whose errors begin with this word.
-            let list = read_targets(path, duration_s, plan.rotation_rad)
-                .map_err(|error| anyhow!(error.to_string().replacen("schedule", "target list", 1)))?;
+            let list = read_targets(path, duration_s, plan.rotation_rad)?;
             notices.warn(comments_warning(list.comments_like_rows).as_slice());
             (list.targets, path.display().to_string())
         }

@@ -1,6 +1,6 @@
 //! Sky of a run of the gate: element files that may be incomplete are read again, or are a fault.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::{Duration, Instant, SystemTime};
 
 use serde_json::{Map, Value};
@@ -62,7 +62,7 @@ pub fn prepare(
         let attempt = Instant::now();
         let prepared = config.prepare(now, seconds_after(now, flags.max_wait_s));
         let is_done = match &prepared {
-            Err(error) => !is_of_elements(error, files),
+            Err(error) => !is_of_elements(error, &config),
             Ok(prepared) => {
                 rejected(prepared) == 0 || files.iter().all(|path| age(path).is_none_or(|age| age >= FRESH))
             }
@@ -77,7 +77,7 @@ pub fn prepare(
         std::thread::sleep(RETRY);
     };
     let prepared = prepared.map_err(|error| {
-        Fault::new(if is_of_elements(&error, files) { FaultKind::Elements } else { FaultKind::Setup }, error)
+        Fault::new(if is_of_elements(&error, &config) { FaultKind::Elements } else { FaultKind::Setup }, error)
     })?;
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
@@ -99,8 +99,11 @@ pub fn prepare(
 }
 
 /// Returns true if an error is in the element files, or in their satellites at the time of the exposure.
-fn is_of_elements(error: &Error, files: &[PathBuf]) -> bool {
-    let is_in = |file: &Path| files.iter().any(|given| file.starts_with(given));
+fn is_of_elements(error: &Error, config: &Config) -> bool {
+    // Another input may lie in a folder of elements.
+    let is_other =
+        |file: &Path| config.qs_mag.iter().chain(&config.learned).chain(&config.measured).any(|other| other == file);
+    let is_in = |file: &Path| config.elements.iter().any(|given| file.starts_with(given)) && !is_other(file);
     error.kind() == ErrorKind::NoPosition || error.file().is_some_and(is_in)
 }
 

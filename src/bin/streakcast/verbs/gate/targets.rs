@@ -27,7 +27,8 @@ struct Coordinates {
 pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Target, format!("targets {}: {what}", path.display()));
     let text = streakcast::input::read_to_string(path).map_err(|error| fault(error.to_string()))?;
-    let file: File = toml::from_str(&text).map_err(|error| fault(streakcast::input::toml_error(&error, &text)))?;
+    let file: File =
+        toml::from_str(&text).map_err(|error| fault(streakcast::input::toml_error(&error, &text).to_string()))?;
     let key = |name: &str| name.to_lowercase().replace(|c: char| c.is_whitespace() || c == '_' || c == '-', "");
     let found = file
         .targets
