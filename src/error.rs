@@ -186,6 +186,7 @@ impl Error {
         self
     }
 
+    #[cfg(all(feature = "fits", unix))]
     /// Adds a remark after the sentence, before the accepted values.
     pub(crate) fn with_remark(mut self, remark: impl Into<String>) -> Self {
         self.inner().remark = Some(remark.into());

@@ -14,6 +14,9 @@ use crate::passes::{Exposure, FieldCrossing, Pass, PassOptions};
 /// Delays up to which the satellites are searched first, seconds; the longest delay follows.
 const FIRST_DELAYS_S: [f64; 2] = [30.0, 150.0];
 
+/// Starts closer to the end of a part than this are judged with the next part, seconds; longer than the guard of starts.
+const SEAM_S: f64 = 0.01;
+
 /// Satellites in the field of one exposure, for the delays that were searched.
 #[derive(Default)]
 pub(super) struct Blockers {
@@ -66,15 +69,16 @@ fn in_field(crossings: &[FieldCrossing], lead_s: f64) -> impl Iterator<Item = In
 /// Returns the satellites that may block the starts of each exposure up to the longest delay, with the margins of the
 /// policy, and the satellites without a position.
 ///
-/// `has_start` is called with the index of an exposure, the satellites found so far, and the delay in seconds up to which
-/// all starts can be judged by them. If it returns true, no later satellites are searched for this exposure.
+/// `has_start` is called with the index of an exposure, satellites, and a delay in seconds; it returns whether these
+/// satellites leave a start up to this delay. If those of a part do, no later ones are searched; if some of them leave none,
+/// the others of the part are not computed.
 pub(super) fn blockers(
     exposures: &[&Exposure],
     blocking: Blocking,
     max_delay_s: f64,
     request: &FlagRequest<'_>,
     options: &PassOptions,
-    has_start: impl Fn(usize, &Blockers, f64) -> bool,
+    has_start: impl Fn(usize, &Blockers, f64) -> bool + Sync,
 ) -> Result<(Vec<Blockers>, Vec<LeftOut>), Error> {
     let FlagRequest { sky, policy, .. } = request;
     let margin_s = policy.margin_or_default_s();
@@ -109,7 +113,23 @@ pub(super) fn blockers(
             let until_s = if is_last { max_delay_s } else { delay_s + exposure.duration_s + 2.0 * margin_s };
             next_clear_start(&blocked, exposure.duration_s, margin_s, 0.0, 0.0, until_s).is_none()
         };
-        let (satellites, without) = satellites_in(&parts, blocking, request, options, excludes_all)?;
+        let leave_no_start = |part: usize, passes: &[Pass]| {
+            let index = open[part].0;
+            let lead_s = seconds_between(parts[part].start, exposures[index].start);
+            let satellites = PartSatellites::Passes(passes.to_vec());
+            !policy.confirms_starts()
+                && !has_start(index, &Blockers { parts: vec![Part { lead_s, satellites }] }, delay_s)
+        };
+        let (satellites, without) = match request.every_crossing_blocks(blocking) {
+            true => {
+                let found = request.sky.field_crossings_until(&parts, request.field, excludes_all)?;
+                (found.by_exposure.into_iter().map(PartSatellites::Crossings).collect::<Vec<_>>(), found.left_out)
+            }
+            false => {
+                let found = request.sky.field_passes_until(&parts, request.field, options, leave_no_start)?;
+                (found.by_exposure.into_iter().map(PartSatellites::Passes).collect(), found.left_out)
+            }
+        };
         left_out.extend(without);
         for (((index, [start, _]), part), satellites) in open.iter_mut().zip(&parts).zip(satellites) {
             let lead_s = seconds_between(part.start, exposures[*index].start);
@@ -120,25 +140,9 @@ pub(super) fn blockers(
             }
             found[*index].parts.push(Part { lead_s, satellites });
         }
-        open.retain(|(index, [start, end])| start < end && !has_start(*index, &found[*index], delay_s));
+        open.retain(|(index, [start, end])| start < end && !has_start(*index, &found[*index], delay_s - SEAM_S));
     }
     Ok((found, left_out))
-}
-
-fn satellites_in(
-    exposures: &[Exposure],
-    blocking: Blocking,
-    request: &FlagRequest<'_>,
-    options: &PassOptions,
-    excludes_all: impl Fn(usize, &[FieldCrossing]) -> bool + Sync,
-) -> Result<(Vec<PartSatellites>, Vec<LeftOut>), Error> {
-    let FlagRequest { sky, field, .. } = request;
-    if request.every_crossing_blocks(blocking) {
-        let crossings = sky.field_crossings_until(exposures, field, excludes_all)?;
-        return Ok((crossings.by_exposure.into_iter().map(PartSatellites::Crossings).collect(), crossings.left_out));
-    }
-    let passes = sky.field_passes(exposures, field, options)?;
-    Ok((passes.by_exposure.into_iter().map(PartSatellites::Passes).collect(), passes.left_out))
 }
 
 /// Returns the intervals in which a satellite may be in the field, seconds after the scheduled opening. `lead_s` is the

@@ -335,7 +335,7 @@ fn find_starts(
     };
     let has_start = |index: usize, blockers: &Blockers, delay_s: f64| {
         let (blocked, duration_s) = (blocked(index, blockers, &allowance_s), searched[index].1.duration_s);
-        next_clear_start(&blocked, duration_s, margin_s, SEARCH_GUARD_S, 0.0, delay_s - 2.0 * SEARCH_GUARD_S).is_some()
+        next_clear_start(&blocked, duration_s, margin_s, SEARCH_GUARD_S, 0.0, delay_s).is_some()
     };
     let exposures: Vec<&Exposure> = searched.iter().map(|(_, exposure)| *exposure).collect();
     let (blockers, left_out) = blockers(&exposures, blocking, max_delay_s, request, &options, has_start)?;

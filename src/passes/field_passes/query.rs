@@ -35,11 +35,27 @@ impl Sky {
     /// An exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
     /// or if the elements of a telescope in orbit give no position.
     pub fn field_passes(&self, exposures: &[Exposure], field: &Field, options: &PassOptions) -> Result<Passes, Error> {
+        self.field_passes_until(exposures, field, options, |_, _| false)
+    }
+
+    /// Finds passes as [`Sky::field_passes`] until there are enough for each exposure: `is_enough` is called with the index
+    /// of an exposure and its passes in any order, whenever their number has doubled.
+    pub(crate) fn field_passes_until(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        options: &PassOptions,
+        is_enough: impl Fn(usize, &[Pass]) -> bool + Sync,
+    ) -> Result<Passes, Error> {
         let scope = if options.min_probability.is_some() { SearchScope::Delayed } else { SearchScope::Nominal };
-        let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, (_, exposure), seen| {
+        let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, (index, exposure), seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
-            let (mut passes, left_out) =
-                exposed.evaluate(options.with_shadow(), seen, |interval| exposed.pass(interval, options), |_| false)?;
+            let (mut passes, left_out) = exposed.evaluate(
+                options.with_shadow(),
+                seen,
+                |interval| exposed.pass(interval, options),
+                |passes| is_enough(index, passes),
+            )?;
             passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
             Ok((passes, left_out))
         })?;
