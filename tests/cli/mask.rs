@@ -426,8 +426,8 @@ fn verif_one_bit_for_all_planes_of_a_file() {
         (written(&folder, "bare.fits", &[sci(1)]), "bare.fits: mask plane \"DQ\" is missing", 0),
         (
             written(&folder, "half.fits", &[sci(1), named(1, 1), sci(2)]),
-            "half.fits: mask plane of HDU 2 is missing; allowed: mask planes: HDU 1 (DQ); 1 of 2 frames have already been \
-             written",
+            "half.fits: mask plane of HDU 2 is missing; 1 of 2 frames have already been written, without tables; allowed: \
+             mask planes: HDU 1 (DQ)",
             1,
         ),
     ] {
