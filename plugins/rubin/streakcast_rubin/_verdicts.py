@@ -52,7 +52,7 @@ class ConditionsCheck:
         if mjd is not None and np.array_equal(mjd, self._checked_mjd):
             return
         # The scheduler may change its array.
-        self._checked_mjd = np.copy(mjd)
+        self._checked_mjd = None if mjd is None else np.copy(mjd)
 
         def location() -> tuple[float, float, float]:
             site = conditions.site
