@@ -186,8 +186,8 @@ impl Error {
         self
     }
 
-    #[cfg(all(feature = "fits", unix))]
     /// Adds a remark after the sentence, before the accepted values.
+    #[cfg(all(feature = "fits", unix))]
     pub(crate) fn with_remark(mut self, remark: impl Into<String>) -> Self {
         self.inner().remark = Some(remark.into());
         self
@@ -377,6 +377,13 @@ impl StdError for Error {
 mod tests {
     use super::*;
 
+    #[cfg(all(feature = "fits", unix))]
+    #[test]
+    fn remarks_precede_accepted_values() {
+        let error = Error::invalid("seeing", 0, "0.1 to 10").with_remark("1 of 2 frames are written").in_file("", "a");
+        assert_eq!(error.to_string(), "a: seeing is 0; 1 of 2 frames are written; allowed: 0.1 to 10");
+    }
+
     #[test]
     fn messages_have_place_value_and_accepted_values() {
         let error = Error::invalid("ra_deg", 400.0, "0 to 360 deg").in_line("", "a.csv", 3);
@@ -389,8 +396,6 @@ mod tests {
         let error = Error::format("unknown key 'a'").on_line(3).in_file("policy", "p.toml");
         assert_eq!(error.to_string(), "policy p.toml: line 3: unknown key 'a'");
         assert_eq!((error.file(), error.line()), (Some("p.toml".as_ref()), Some(3)));
-        let error = Error::invalid("seeing", 0, "0.1 to 10").with_remark("1 of 2 frames are written").in_file("", "a");
-        assert_eq!(error.to_string(), "a: seeing is 0; 1 of 2 frames are written; allowed: 0.1 to 10");
         let error = Error::format("is x").in_file("schedule", "schedule.csv").with_purpose("schedule", "target list");
         assert_eq!(error.place(), "target list schedule.csv");
         let inner = Error::invalid("PSF", "x", "a FITS image").at("extension PSF").at("psf.fits");
