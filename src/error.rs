@@ -41,7 +41,7 @@ pub enum ErrorKind {
 /// ```
 /// use streakcast::{ErrorKind, Site};
 ///
-/// let error = Site::new("Vienna", 95.0, 16.4, 0.0).unwrap_err();
+/// let error = Site::new_deg("Vienna", 95.0, 16.4, 0.0).unwrap_err();
 /// assert_eq!(error.kind(), ErrorKind::Invalid);
 /// assert!(error.to_string().ends_with("; allowed: -90 to 90 deg"));
 /// ```
