@@ -1,4 +1,4 @@
-//! Coordinates of a site that are probably wrong: zeros, exchanged numbers, and longitudes of the wrong sign.
+//! Coordinates of a site that are probably wrong: zeros, exchanged numbers, and wrong signs.
 
 use std::f64::consts::{PI, TAU};
 
@@ -24,9 +24,19 @@ pub fn doubtful_site(site: &Site) -> Option<(String, String)> {
             format!("if that site is meant, specify --lat={latitude_deg:.4} --lon={longitude_deg:.4}"),
         ));
     }
-    let meant = mirrored(site)?;
-    let finding = format!("longitude {signed_deg:.4} deg is that of {} with the opposite sign", meant.name);
-    Some((finding, format!("if that site is meant, specify --lon={:.4}: east is positive", -signed_deg)))
+    let (meant, [latitude_sign, longitude_sign]) = mirrored(site)?;
+    let (latitude, longitude) = (latitude_sign * latitude_deg, longitude_sign * signed_deg);
+    let wrong = match (latitude_sign < 0.0, longitude_sign < 0.0) {
+        (true, true) => format!("latitude {latitude_deg:.4} deg and longitude {signed_deg:.4} deg are"),
+        (true, false) => format!("latitude {latitude_deg:.4} deg is"),
+        _ => format!("longitude {signed_deg:.4} deg is"),
+    };
+    let those = if wrong.ends_with("are") { "those" } else { "that" };
+    let finding = format!("{wrong} {those} of {} with the opposite sign", meant.name);
+    Some((
+        finding,
+        format!("if that site is meant, specify --lat={latitude:.4} --lon={longitude:.4}: north and east are positive"),
+    ))
 }
 
 /// Returns the known observatory at these coordinates.
@@ -48,11 +58,44 @@ fn swapped(site: &Site) -> Option<(&'static Site, f64, f64)> {
     Some((meant, longitude_rad.to_degrees(), site.latitude_rad.to_degrees()))
 }
 
-/// Returns a known observatory with the same latitude and the opposite longitude; `None` if there is one at the site
-/// itself.
-fn mirrored(site: &Site) -> Option<&'static Site> {
+/// Returns a known observatory at the coordinates of the site with other signs, and the factors of latitude and
+/// longitude; `None` if there is one at the site itself.
+fn mirrored(site: &Site) -> Option<(&'static Site, [f64; 2])> {
     if near(site.latitude_rad, site.longitude_rad).is_some() {
         return None;
     }
-    near(site.latitude_rad, -site.longitude_rad)
+    [[1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]
+        .into_iter()
+        .find_map(|signs| Some((near(signs[0] * site.latitude_rad, signs[1] * site.longitude_rad)?, signs)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_that_are_probably_wrong_are_found() {
+        let doubt = |latitude_deg: f64, longitude_deg: f64| {
+            doubtful_site(&Site::new_deg("here", latitude_deg, longitude_deg, 0.0).unwrap())
+        };
+        for (latitude_deg, longitude_deg, finding, remedy) in [
+            (0.0, 0.0, "latitude and longitude are 0", "the coordinates of the telescope"),
+            (-30.2446, 70.7494, "longitude 70.7494 deg is that of", "--lat=-30.2446 --lon=-70.7494"),
+            (30.2446, -70.7494, "latitude 30.2446 deg is that of", "--lat=-30.2446 --lon=-70.7494"),
+            (
+                30.2446,
+                70.7494,
+                "latitude 30.2446 deg and longitude 70.7494 deg are those of",
+                "--lat=-30.2446 --lon=-70.7494",
+            ),
+            (-70.7494, -30.2446, "in the opposite order", "--lat=-30.2446 --lon=-70.7494"),
+        ] {
+            let (found, advice) = doubt(latitude_deg, longitude_deg).unwrap();
+            assert!(found.contains(finding) && advice.contains(remedy), "{found}; {advice}");
+        }
+        // A known observatory, longitudes of both conventions, and places far from any observatory.
+        for (latitude_deg, longitude_deg) in [(-30.2446, -70.7494), (-30.2446, 289.2506), (45.0, -30.0), (0.0, 20.0)] {
+            assert_eq!(doubt(latitude_deg, longitude_deg), None, "{latitude_deg} {longitude_deg}");
+        }
+    }
 }
