@@ -6,7 +6,7 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::field::Field;
-use super::predictability::{Predictability, SatelliteLateness};
+use super::predictability::{KnownLateness, Predictability, SatelliteLateness};
 use super::scene::{middle_of_window, window_number};
 use super::sky::Sky;
 use crate::error::Error;
@@ -42,18 +42,25 @@ impl Sky {
                 return None;
             }
             let propagator = self.index().propagator_over(element_index, [middle, middle])?;
-            let lateness = || {
+            let known = || {
                 let uncertainty = self.uncertainty_of(element_index, propagator, middle);
-                (uncertainty.along_track_s, uncertainty.lateness)
+                KnownLateness {
+                    late_s: uncertainty.along_track_s,
+                    searched_share: uncertainty.lateness.searched_share(),
+                }
             };
             let is_known = self.unknown_position(element_index, propagator, middle).is_none();
             Some(SatelliteLateness {
+                element_index: element_index as u32,
                 age_days: self.element_age_days(element_index, middle),
-                lateness: is_known.then(lateness),
+                known: is_known.then(known),
             })
         };
-        let all = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
-        let found = Arc::new(Predictability::new(all));
+        let all: Vec<_> = (0..self.elements().len()).into_par_iter().with_min_len(64).filter_map(of_one).collect();
+        let found = Arc::new(Predictability::new(&all, |element_index| {
+            let propagator = self.index().propagator_over(element_index, [middle, middle])?;
+            Some(self.uncertainty_of(element_index, propagator, middle).lateness)
+        }));
         self.predictabilities().keep(number, &found);
         found
     }

@@ -36,36 +36,48 @@ pub struct Predictability {
     pub(super) unknown_observer: Option<(String, f64)>,
 }
 
-/// Age and lateness of one satellite.
+/// Age of the elements of one satellite, and its lateness.
 pub(super) struct SatelliteLateness {
+    pub element_index: u32,
     pub age_days: f64,
-    /// Half width of 68 %, and distribution; `None` if the position is unknown.
-    pub lateness: Option<(f64, Lateness)>,
+    /// `None` if the position is unknown.
+    pub known: Option<KnownLateness>,
+}
+
+/// Lateness of a satellite of known position.
+pub(super) struct KnownLateness {
+    /// Half width of 68 %, seconds.
+    pub late_s: f64,
+    /// Share of the crossings that the search finds.
+    pub searched_share: f64,
 }
 
 impl Predictability {
-    pub(super) fn new(all: Vec<SatelliteLateness>) -> Self {
+    /// `lateness_of` returns the distribution of the lateness of a satellite of known position by its element index.
+    pub(super) fn new(all: &[SatelliteLateness], lateness_of: impl FnOnce(usize) -> Option<Lateness>) -> Self {
         let satellites = all.len();
-        let shares =
-            all.iter().map(|satellite| satellite.lateness.map_or(0.0, |(_, lateness)| lateness.searched_share()));
+        let shares = all.iter().filter_map(|satellite| satellite.known.as_ref()).map(|known| known.searched_share);
         let searched_share = if satellites == 0 { 1.0 } else { shares.sum::<f64>() / satellites as f64 };
-        let (known, unknown): (Vec<SatelliteLateness>, Vec<SatelliteLateness>) =
-            all.into_iter().partition(|satellite| satellite.lateness.is_some());
-        let of_ages = if searched_share < LEAST_KNOWN_SHARE { &unknown } else { &known };
-        let element_age_days = match of_ages.first() {
-            Some(_) => median(of_ages.iter().map(|satellite| satellite.age_days).collect()),
-            None => f64::NAN,
-        };
-        let mut late: Vec<(f64, Lateness)> = known.iter().filter_map(|satellite| satellite.lateness).collect();
-        late.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let middle = late.get(late.len() / 2).copied();
+        let mut late: Vec<(f64, u32)> = all
+            .iter()
+            .filter_map(|satellite| Some((satellite.known.as_ref()?.late_s, satellite.element_index)))
+            .collect();
+        let unknown = satellites - late.len();
+        let of_known = searched_share >= LEAST_KNOWN_SHARE;
+        let ages = all.iter().filter(|satellite| satellite.known.is_some() == of_known);
+        let ages: Vec<f64> = ages.map(|satellite| satellite.age_days).collect();
+        let element_age_days = if ages.is_empty() { f64::NAN } else { median(ages) };
+        let middle = (!late.is_empty()).then(|| {
+            let half = late.len() / 2;
+            *late.select_nth_unstable_by(half, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).1
+        });
         Self {
             satellites,
-            unknown: unknown.len(),
+            unknown,
             searched_share,
             element_age_days,
             late_s: middle.map(|(late_s, _)| late_s),
-            lateness: middle.map(|(_, lateness)| lateness),
+            lateness: middle.and_then(|(_, element_index)| lateness_of(element_index as usize)),
             unknown_observer: None,
         }
     }
@@ -149,31 +161,37 @@ impl PredictabilityCache {
 mod tests {
     use super::*;
 
-    fn satellite(age_days: f64, sigma_s: Option<f64>) -> SatelliteLateness {
-        SatelliteLateness { age_days, lateness: sigma_s.map(|sigma_s| (sigma_s, Lateness::gaussian(sigma_s))) }
+    /// Returns the value for groups of satellites: number, age of the elements in days, and sigma of their lateness in
+    /// seconds, `None` if their position is unknown.
+    fn predictability(groups: &[(usize, f64, Option<f64>)]) -> Predictability {
+        let of_one = |&(count, age_days, sigma_s): &(usize, f64, Option<f64>)| {
+            let known = move || Some(KnownLateness { late_s: sigma_s?, searched_share: 1.0 });
+            (0..count).map(move |_| SatelliteLateness { element_index: 0, age_days, known: known() })
+        };
+        let all: Vec<_> = groups.iter().flat_map(of_one).collect();
+        Predictability::new(&all, |_| groups.iter().find_map(|(_, _, sigma_s)| sigma_s.map(Lateness::gaussian)))
     }
 
     #[test]
     fn exposures_are_unknown_if_half_of_the_crossings_are_missed() {
-        let fresh = |count: usize| (0..count).map(|_| satellite(1.0, Some(2.0)));
-        let old = |count: usize| (0..count).map(|_| satellite(216.0, None));
-        let few = Predictability::new(fresh(90).chain(old(10)).collect());
+        let mixed = |fresh: usize, old: usize| predictability(&[(fresh, 1.0, Some(2.0)), (old, 216.0, None)]);
+        let few = mixed(90, 10);
         assert_eq!((few.reason(), few.unknown, few.element_age_days, few.late_s), (None, 10, 1.0, Some(2.0)));
-        assert!(!few.misses_many() && Predictability::new(fresh(89).chain(old(11)).collect()).misses_many());
-        let many = Predictability::new(fresh(400).chain(old(1600)).collect());
+        assert!(!few.misses_many() && mixed(89, 11).misses_many());
+        let many = mixed(400, 1600);
         let reason = "elements 216 days old: positions of 1600 of 2000 satellites unknown";
         assert_eq!((many.reason().as_deref(), many.element_age_days), (Some(reason), 216.0));
-        let all = Predictability::new(old(3).collect());
+        let all = mixed(0, 3);
         assert_eq!(all.reason().as_deref(), Some("elements 216 days old: positions unknown"));
         assert_eq!((all.late_s, all.searched_share), (None, 0.0));
-        let newer = Predictability::new(vec![satellite(-40.0, None)]);
+        let newer = predictability(&[(1, -40.0, None)]);
         assert_eq!(newer.reason().as_deref(), Some("elements 40 days newer than the exposure: positions unknown"));
-        assert_eq!(Predictability::new(Vec::new()).reason(), None);
+        assert_eq!(predictability(&[]).reason(), None);
     }
 
     #[test]
     fn starts_need_nominal_tracks_that_predict_half_of_the_crossings() {
-        let late = Predictability::new((0..9).map(|_| satellite(13.0, Some(37.0))).collect());
+        let late = predictability(&[(9, 13.0, Some(37.0))]);
         assert_eq!(late.reason(), None);
         assert_eq!(
             late.reason_for_starts(10.0, 0.0, 2.0).as_deref(),

@@ -122,7 +122,7 @@ pub struct Window {
 
 /// How one satellite is treated in the search.
 enum Kind {
-    Regular(Box<Entry>),
+    Regular(Entry),
     Always,
     LeftOut(Box<Error>),
     Absent,
@@ -154,31 +154,34 @@ impl Window {
             .into_par_iter()
             .with_min_len(64)
             .map(|element_index| {
-                watch.check()?;
+                if watch.check().is_err() {
+                    return Kind::Absent;
+                }
                 let propagator = match index.source_over(element_index, [start, end], MAX_WINDOW_S) {
-                    SearchedPropagator::Absent => return Ok(Kind::Absent),
-                    SearchedPropagator::Several => return Ok(Kind::Always),
+                    SearchedPropagator::Absent => return Kind::Absent,
+                    SearchedPropagator::Several => return Kind::Always,
                     SearchedPropagator::One(propagator) => propagator,
                 };
                 let minutes = propagator.minutes_since_epoch(start);
                 if let Some(reason) = unknown(element_index).filter(|_| !propagator.has_ephemeris()) {
-                    return Ok(Kind::LeftOut(Box::new(reason)));
+                    return Kind::LeftOut(Box::new(reason));
                 }
                 let end_minutes = minutes + span_s / 60.0;
-                Ok(match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
+                match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
-                        .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
+                        .map_or(Kind::Always, Kind::Regular),
                     // A satellite without a position at either end of the window is left out. If only one end has no
                     // position, SGP4 is evaluated at each time.
                     (Err(error), Err(_)) => Kind::LeftOut(Box::new(error)),
                     _ => Kind::Always,
-                })
+                }
             })
-            .collect::<Result<_, Error>>()?;
+            .collect();
+        watch.check()?;
 
         let mut window = Self { start, span_s, chunks: Vec::new(), always: Vec::new(), left_out: Vec::new() };
         let mut entries = Vec::with_capacity(made.len());
-        for (element_index, kind) in made.into_iter().enumerate() {
+        for (element_index, kind) in made.iter().enumerate() {
             match kind {
                 Kind::Regular(entry) => entries.push(entry),
                 Kind::Always => window.always.push((element_index as u32, reach(element_index).along_track_s as f32)),
@@ -187,7 +190,7 @@ impl Window {
                         window.left_out.push(LeftOut {
                             norad_id: propagator.norad_id(),
                             element_index,
-                            reason: *reason,
+                            reason: (**reason).clone(),
                         });
                     }
                 }
@@ -202,7 +205,7 @@ impl Window {
             let (shell, band) = ((entry.lowest_km / SHELL_KM) as i32, (z / BAND).floor() as i32);
             (is_thick, shell, band, (x.atan2(-y) * 1e6) as i32)
         });
-        window.chunks = entries.chunks(CHUNK).map(|entries| chunk(entries.iter().map(|entry| &**entry))).collect();
+        window.chunks = entries.chunks(CHUNK).map(|entries| chunk(entries.iter().copied())).collect();
         Ok(window)
     }
 
