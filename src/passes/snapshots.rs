@@ -155,8 +155,9 @@ impl Sky {
     }
 
     /// Returns the brightness of a satellite at a point. Its uncertainty is that of the brightness model, without the
-    /// error of the elements. It is corrected by measurements of the same pass. `None` in the
-    /// umbra and if the model gives no light.
+    /// error of the elements. It is corrected by measurements of the same pass. If the model gives no light of a sunlit
+    /// satellite, it is that of the prior for its orbit. `None` in the umbra, and if extinction is applied and the
+    /// satellite is on or below the observer's horizon.
     pub fn brightness(
         &self,
         element_index: usize,
@@ -177,7 +178,11 @@ impl Sky {
         photometry: &PhotometryOptions,
     ) -> Option<Brightness> {
         let photometry = self.photometry_here(photometry);
-        let light = self.model(element_index).brightness(geometry, lit_fraction, &photometry)?;
+        let prior = || self.priors.model(&self.elements()[element_index]);
+        let light = self
+            .model(element_index)
+            .brightness(geometry, lit_fraction, &photometry)
+            .or_else(|| prior().brightness(geometry, lit_fraction, &photometry))?;
         Some(if self.measured.is_empty() { light } else { self.measured.apply(element_index, epoch, geometry, light) })
     }
 
