@@ -18,7 +18,9 @@ fn exact(file: &str) -> Vec<f64> {
 #[test]
 fn verif_noise_beside_large_numbers_loses_no_light() {
     let folder = TempDir::new().unwrap();
-    let pixels = |level: f64| [Pixels::F64(vec![level; SIDE * SIDE]), Pixels::I32(vec![level as i32; SIDE * SIDE])];
+    let pixels = |level: f64| {
+        [Pixels::F64(vec![level; SIDE * SIDE].into()), Pixels::I32(vec![level as i32; SIDE * SIDE].into())]
+    };
     let cards = Card::with_value("EXPTIME", &CardValue::Real(30.0), "");
     let frames = pixels(1e9).into_iter().chain(pixels(1e12).into_iter().take(1));
     for (number, pixels) in frames.enumerate() {

@@ -82,9 +82,9 @@ pub fn write_mask_file(frame: &TargetFrame, mask: &FrameMask, history: &[String]
     write_frame(output, &images)
 }
 
-fn values(area: &Area, target: &TargetChip) -> Result<ImageValues, Error> {
+fn values(area: &Area, target: &TargetChip) -> Result<ImageValues<'static>, Error> {
     let (rows, columns) = (target.chip.rows, target.chip.columns);
-    ImageValues::new(columns, Pixels::U8(area.values([rows, columns], [0, 1])))
+    ImageValues::new(columns, Pixels::U8(area.values([rows, columns], [0, 1]).into()))
         .ok_or_else(|| Error::invalid(format!("HDU {}", target.chip.hdu), "empty", "at least one pixel"))
 }
 
