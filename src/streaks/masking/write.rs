@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::images::{
     Bitpix, Card, CardValue, FrameCopy, Header, ImageValues, NewImage, Pixels, PlaneKind, Rice, write_frame,
 };
-use crate::output::Provenance;
+use crate::output::{Provenance, counted};
 
 /// Rows of a mask plane that are read at once.
 const ROWS: usize = 256;
@@ -48,9 +48,9 @@ pub enum MaskBit {
 pub fn mask_history(provenance: &Provenance, mask: &FrameMask, options: &MaskOptions) -> Vec<String> {
     let version = env!("CARGO_PKG_VERSION");
     let mut lines = vec![format!(
-        "streakcast {version} mask: {} corridors, {} satellites left out, coverage {}, threshold {} of the noise",
-        mask.streaks.len(),
-        mask.left_out.len(),
+        "streakcast {version} mask: {}, {} left out, coverage {}, threshold {} of the noise",
+        counted(mask.streaks.len(), "corridor", "corridors"),
+        counted(mask.left_out.len(), "satellite", "satellites"),
         options.coverage,
         options.threshold,
     )];
