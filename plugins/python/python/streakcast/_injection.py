@@ -71,7 +71,7 @@ class Injected:
     remarks: tuple[str, ...]
     #: Text of each file of labels, by its name. The files are written beside ``output``.
     labels: Mapping[str, str]
-    _added: SparseImage[np.float32] | SparseImage[np.float64] | None = field(repr=False)
+    _added: SparseImage[np.float32 | np.float64] | None = field(repr=False)
     _mask: SparseImage[np.int32] | None = field(repr=False)
 
     @cached_property
@@ -318,7 +318,7 @@ def inject(
 class _Done(NamedTuple):
     frame: FrameLike
     image: Pixels | None = None
-    added: SparseImage[np.float32] | SparseImage[np.float64] | None = None
+    added: SparseImage[np.float32 | np.float64] | None = None
     mask: SparseImage[np.int32] | None = None
 
 
@@ -335,7 +335,8 @@ def _done(given: Image | None, target: str, output: PathLike | None, with_mask: 
     before, errors = given.pixels, given.errors()
     kind, columns = before.dtype.name, before.shape[1]
     image: Pixels = np.empty(before.shape, kind)
-    wide = np.float32 if kind == "float32" or before.dtype.itemsize <= 2 else np.float64
+    is_single = kind == "float32" or before.dtype.itemsize <= 2
+    wide: type[np.float32 | np.float64] = np.float32 if is_single else np.float64
     added, mask = SparseImage(columns, wide), SparseImage(columns, np.int32)
     # The output contains the planes of the input, and then the mask if there are streaks.
     hdu_of_mask = len(given.planes())
