@@ -22,7 +22,7 @@ use crate::output::{Provenance, Table, counted};
 use crate::streaks::{
     ChosenPlanes, FrameMask, LeftOutReason, MaskBit, MaskOptions, MaskedStreak, MeasuredStreak, PlaneChoice,
     StreakOrigin, TargetFrame, UnusedReason, corridor_table, left_out_table, mask_frame, mask_history,
-    read_measured_streaks, region_file, write_mask_file, write_mask_planes,
+    missing_zero_point, read_measured_streaks, region_file, write_mask_file, write_mask_planes,
 };
 use crate::watch::Watch;
 
@@ -176,7 +176,7 @@ impl MaskConfig {
     /// `sky` returns the sky of the night of a frame; by default it is prepared from the configuration for all frames.
     ///
     /// # Errors
-    /// A frame has no image, world coordinates, time, site or zero point, a value is out of range, or a file cannot be
+    /// A frame has no image, world coordinates, time or site, or no zero point for a predicted streak, a value is out of range, or a file cannot be
     /// read or written.
     pub fn mask(
         &self,
@@ -217,9 +217,9 @@ impl MaskConfig {
             _ => error,
         };
         let mut done = Vec::new();
-        for (index, (frame, _)) in frames.into_iter().enumerate() {
+        for (index, (frame, is_calibrated)) in frames.into_iter().enumerate() {
             let prepared = sky.map_or_else(|| Ok(shared_sky.clone()), |sky| sky(frame.opened))?;
-            let options = self.options(&config, &frame_config, &frame)?;
+            let options = MaskOptions { is_calibrated, ..self.options(&config, &frame_config, &frame)? };
             let own: Vec<MeasuredStreak> =
                 measured.iter().filter(|streak| streak.is_of(frame.file.path())).cloned().collect();
             let mask = mask_frame(&prepared.sky.watched(watch), &frame, &own, &options)
@@ -347,12 +347,9 @@ impl MaskConfig {
 
     fn open(&self, frame_config: &MeasureConfig, path: &Path, config: &Config) -> Result<(TargetFrame, bool), Error> {
         let (frame, is_calibrated) = frame_config.open(path, config)?;
-        if !is_calibrated && self.width.is_none() {
-            return Err(request(format!(
-                "{}: missing zero point, which relates magnitudes to counts; specify --zero-point, --zero-point-1s, or \
-                 --width to mask all streaks with one width",
-                path.display()
-            )));
+        // Measured streaks can be masked without a zero point.
+        if !is_calibrated && self.width.is_none() && config.measured.is_empty() {
+            return Err(missing_zero_point(&frame, ""));
         }
         Ok((frame, is_calibrated))
     }
@@ -379,6 +376,7 @@ impl MaskConfig {
             coverage: self.coverage,
             threshold: self.threshold(),
             min_probability,
+            is_calibrated: true,
             width_arcsec: width_arcsec.map(|deg| 3600.0 * deg),
             optics,
             photometry: photometry(config, frame)?,

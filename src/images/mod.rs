@@ -36,7 +36,7 @@ mod telescope;
 mod telescope_streak;
 mod wcs;
 
-pub(crate) use detector::AddedLight;
+pub(crate) use detector::{AddedLight, FrameRows};
 #[cfg(all(feature = "fits", unix))]
 pub use fits::FrameFile;
 #[cfg(all(feature = "fits", unix))]

@@ -14,53 +14,40 @@ const CLIP_SIGMAS: f32 = 4.0;
 /// Ratio of the standard deviation of a normal distribution and its median absolute deviation.
 pub const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
 
-/// Image relative to its sky background, in units of the noise, and clipped.
-///
-/// Clipping reduces a star to some four sigmas per pixel, so that it contributes little to the sum along a track, while
-/// a bright streak remains far above the noise.
+/// Sky background and noise of a frame in cells of 64 by 64 pixels.
 #[derive(Clone, Debug)]
 pub struct Background {
-    normalised: Plane,
+    light_area: LightArea,
+    /// Number of cells in a row of cells.
+    across: usize,
+    /// Median and noise of each cell; `None` without pixels that have a value.
+    cells: Vec<Option<(f32, f32)>>,
 }
 
 impl Background {
-    /// Computes the median and the noise in cells of 64 by 64 pixels, subtracts the former and divides by the latter.
-    /// Pixels outside the illuminated area or without a value become NaN.
+    /// Computes the median and the noise in cells from the illuminated pixels that have a value.
     pub fn new(plane: &Plane, light_area: &LightArea) -> Self {
         let (rows, columns) = (plane.rows(), plane.columns());
-        let across = columns.div_ceil(CELL);
-        let mut normalised = Plane::zeros(rows, columns);
-        let strips: Vec<_> = normalised.values_mut().chunks_mut(CELL * columns).enumerate().collect();
-        strips.into_par_iter().for_each(|(strip, values)| {
-            let first = strip * CELL;
-            for cell in 0..across {
-                let range = cell * CELL..((cell + 1) * CELL).min(columns);
-                let rows_of_cell = first..(first + CELL).min(rows);
-                let Some((middle, sigma)) = cell_statistics(plane, light_area, rows_of_cell.clone(), range.clone())
-                else {
-                    for row in rows_of_cell {
-                        values[(row - first) * columns..][range.clone()].fill(f32::NAN);
-                    }
-                    continue;
-                };
-                for row in rows_of_cell {
-                    let is_lit_row = light_area.rows.contains(&row);
-                    let out = &mut values[(row - first) * columns..][range.clone()];
-                    for (offset, (value, pixel)) in out.iter_mut().zip(&plane.row(row)[range.clone()]).enumerate() {
-                        let is_lit = is_lit_row && light_area.columns.contains(&(range.start + offset));
-                        // NaN stays NaN.
-                        let z = (pixel - middle) / sigma;
-                        *value = if is_lit { z.clamp(-CLIP_SIGMAS, CLIP_SIGMAS) } else { f32::NAN };
-                    }
-                }
-            }
-        });
-        Self { normalised }
+        let (down, across) = (rows.div_ceil(CELL), columns.div_ceil(CELL));
+        let within = |cell: usize, count: usize| cell * CELL..((cell + 1) * CELL).min(count);
+        let statistics = |cell: usize| {
+            cell_statistics(plane, light_area, within(cell / across, rows), within(cell % across, columns))
+        };
+        let cells = (0..down * across).into_par_iter().map(statistics).collect();
+        Self { light_area: light_area.clone(), across, cells }
     }
 
-    /// Returns the normalised image.
-    pub fn normalised(&self) -> &Plane {
-        &self.normalised
+    /// Returns the value of a pixel relative to the sky background, in units of the noise, and clipped; NaN outside the
+    /// illuminated area and for NaN.
+    ///
+    /// Clipping reduces a star to some four sigmas per pixel, so that it contributes little to the sum along a track,
+    /// while a bright streak remains far above the noise.
+    pub(super) fn normalised(&self, row: usize, column: usize, value: f32) -> f32 {
+        let is_lit = self.light_area.rows.contains(&row) && self.light_area.columns.contains(&column);
+        match self.cells[row / CELL * self.across + column / CELL] {
+            Some((middle, sigma)) if is_lit => ((value - middle) / sigma).clamp(-CLIP_SIGMAS, CLIP_SIGMAS),
+            _ => f32::NAN,
+        }
     }
 }
 

@@ -2,8 +2,9 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::background::{Background, median_and_sigma};
+use super::background::median_and_sigma;
 use super::corridor::Corridor;
+use super::measurement::StreakImage;
 use crate::streaks::RadialProfile;
 
 /// Length of a block along the track in widths of the streak (FWHM), its smallest value in pixels, and the largest
@@ -25,6 +26,9 @@ const LEAST_COVERAGE: f64 = 0.2;
 const LEAST_OFFSETS: usize = 20;
 /// Smallest number of pixels along the track.
 const LEAST_PIXELS: f32 = 12.0;
+
+/// Number of positions along the track whose pixels are read together.
+const STRIP: usize = 64;
 
 /// Extent of the search.
 #[derive(Copy, Clone, Debug)]
@@ -69,10 +73,9 @@ struct Sums {
 
 /// Returns the most significant position in the corridor; `None` if no position has enough pixels in the frame.
 pub fn search(
-    background: &Background,
+    image: &StreakImage<'_>,
     corridor: &Corridor,
     profile: &RadialProfile,
-    exposure_s: f64,
     extent: &Extent,
     false_alarm: f64,
 ) -> Option<Found> {
@@ -83,7 +86,7 @@ pub fn search(
     let half_length = 0.5 * corridor.len() as f64;
     let tilt = (extent.tilt_rad / (cos * cos)).max(STEP_WIDTHS * width_minor / half_length);
     let half = limit + reach + (NOISE_PIX / cos) as usize;
-    let sums = Sums::new(background, corridor, half, width_minor);
+    let sums = Sums::new(image, corridor, half, width_minor);
     let filter = filter(profile, corridor, reach);
 
     let steps = |extent: f64, step: f64, most: usize| -> Vec<f64> {
@@ -95,7 +98,7 @@ pub fn search(
     let slopes = steps(tilt, STEP_WIDTHS * width_minor / half_length, MOST_ANGLES);
     let windows = sums.windows(
         &steps(extent.late_s, (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s, MOST_DELAYS),
-        exposure_s,
+        image.exposure_s,
     );
 
     let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
@@ -160,37 +163,38 @@ fn filter(profile: &RadialProfile, corridor: &Corridor, reach: usize) -> Vec<f32
 }
 
 impl Sums {
-    fn new(background: &Background, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
+    /// Sums the light of the pixels in the corridor.
+    fn new(image: &StreakImage<'_>, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
         let length = corridor.len();
         let blocks =
             ((length as f64 / (WIDTHS_PER_BLOCK * width_minor).max(LEAST_BLOCK)) as usize).clamp(1, MOST_BLOCKS);
         let offsets = 2 * half + 1;
         let block_of = |index: usize| index * blocks / length;
         let (mut light, mut pixels) = (vec![0.0f32; (blocks + 1) * offsets], vec![0.0f32; (blocks + 1) * offsets]);
-        let plane = background.normalised();
+        let plane = image.plane;
         let lowest: Vec<isize> = corridor.centre.iter().map(|centre| centre.round() as isize - half as isize).collect();
-        let mut add = |index: usize, offset: usize, value: f32| {
+        let mut add = |index: usize, offset: usize, row: usize, column: usize| {
+            let value = image.background.normalised(row, column, plane.row(row)[column]);
             if value.is_finite() {
                 let at = (block_of(index) + 1) * offsets + offset;
                 light[at] += value;
                 pixels[at] += 1.0;
             }
         };
-        for row in 0..plane.rows() {
-            let values = plane.row(row);
-            if corridor.is_along_rows {
-                let columns = &values[corridor.first..corridor.first + length];
-                for (index, (value, lowest)) in columns.iter().zip(&lowest).enumerate() {
-                    let offset = row as isize - lowest;
+        // Pixels of neighbouring indices are read together, because they are neighbours in memory if the major axis is
+        // along the rows.
+        let minor_count = if corridor.is_along_rows { plane.rows() } else { plane.columns() } as isize;
+        for (number, of_strip) in lowest.chunks(STRIP).enumerate() {
+            let first = of_strip.iter().min().map_or(0, |lowest| *lowest).max(0);
+            let end = of_strip.iter().max().map_or(0, |lowest| *lowest + offsets as isize).min(minor_count);
+            for minor in first..end {
+                for (index, lowest) in (number * STRIP..).zip(of_strip) {
+                    let offset = minor - lowest;
                     if offset >= 0 && (offset as usize) < offsets {
-                        add(index, offset as usize, *value);
+                        let (major, minor) = (corridor.first + index, minor as usize);
+                        let (row, column) = if corridor.is_along_rows { (minor, major) } else { (major, minor) };
+                        add(index, offset as usize, row, column);
                     }
-                }
-            } else if let Some(index) = row.checked_sub(corridor.first).filter(|index| *index < length) {
-                let from = lowest[index].max(0) as usize;
-                let to = (lowest[index] + offsets as isize).clamp(0, values.len() as isize) as usize;
-                for (column, value) in values.iter().enumerate().take(to).skip(from) {
-                    add(index, (column as isize - lowest[index]) as usize, *value);
                 }
             }
         }

@@ -84,14 +84,7 @@ pub fn measure_streak(
     let mut measuring =
         Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
     let extent = measuring.extent(options);
-    let Some(found) = search(
-        image.background,
-        &measuring.corridor,
-        &measuring.profile,
-        image.exposure_s,
-        &extent,
-        options.false_alarm,
-    ) else {
+    let Some(found) = search(image, &measuring.corridor, &measuring.profile, &extent, options.false_alarm) else {
         return Ok(None);
     };
     measuring.measure(&found, &extent, options)

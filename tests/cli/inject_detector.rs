@@ -18,7 +18,9 @@ fn exact(file: &str) -> Vec<f64> {
 #[test]
 fn verif_noise_beside_large_numbers_loses_no_light() {
     let folder = TempDir::new().unwrap();
-    let pixels = |level: f64| [Pixels::F64(vec![level; SIDE * SIDE]), Pixels::I32(vec![level as i32; SIDE * SIDE])];
+    let pixels = |level: f64| {
+        [Pixels::F64(vec![level; SIDE * SIDE].into()), Pixels::I32(vec![level as i32; SIDE * SIDE].into())]
+    };
     let cards = Card::with_value("EXPTIME", &CardValue::Real(30.0), "");
     let frames = pixels(1e9).into_iter().chain(pixels(1e12).into_iter().take(1));
     for (number, pixels) in frames.enumerate() {
@@ -114,11 +116,11 @@ fn verif_a_detector_is_read_from_each_form_of_file() {
 fn verif_variances_of_a_masked_image_grow_with_the_light() {
     let folder = TempDir::new().unwrap();
     let [input, output] = ["in.fits", "out.fits"].map(|name| path(&folder, name));
-    let plane = |value: f32| ImageValues::new(SIDE, Pixels::F32(vec![value; SIDE * SIDE])).unwrap();
+    let plane = |value: f32| ImageValues::new(SIDE, Pixels::F32(vec![value; SIDE * SIDE].into())).unwrap();
     let (image, mask, variance) = (plane(0.0), plane(0.0), plane(629.0));
     let cards = Card::with_value("EXPTIME", &CardValue::Real(30.0), "");
     let named = [("IMAGE", &image), ("MASK", &mask), ("VARIANCE", &variance)];
-    let empty = ImageValues::new(1, Pixels::U8(vec![0])).unwrap();
+    let empty = ImageValues::new(1, Pixels::U8(vec![0].into())).unwrap();
     let primary = NewImage { name: "", values: &empty, cards: &cards, rice: None };
     let planes = named.map(|(name, values)| NewImage { name, values, cards: &[], rice: None });
     write_frame(Path::new(&input), &[&[primary][..], &planes].concat()).unwrap();

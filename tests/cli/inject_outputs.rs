@@ -166,7 +166,7 @@ fn pieces_of_streaks_on_a_mosaic_are_counted_apart() {
         );
         Header::from_text(&text).cards().to_vec()
     };
-    let pixels = ImageValues::new(200, Pixels::F32(vec![100.0; 40_000])).unwrap();
+    let pixels = ImageValues::new(200, Pixels::F32(vec![100.0; 40_000].into())).unwrap();
     let (left, right) = (cards(200.0), cards(0.0));
     let image = |name, cards| NewImage { name, values: &pixels, cards, rice: None };
     write_frame(Path::new(&frame), &[image("A", &left), image("B", &right)]).unwrap();

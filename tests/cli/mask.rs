@@ -152,7 +152,7 @@ fn chip(ra_deg: f64, version: i64) -> String {
     )
 }
 
-fn grey() -> Pixels {
+fn grey() -> Pixels<'static> {
     Pixels::F32((0..2400).map(|index| 100.0 + (index * 7919 % 101) as f32).collect())
 }
 
@@ -265,9 +265,22 @@ fn verif_measured_streaks_are_masked_where_they_were_found() {
     let [all, less] = [&mask, &narrow].map(|file| values(file, 0).iter().sum::<f32>());
     println!("{share:.4} of the streaks is masked, {less} of {all} pixels");
     assert!(share >= COVERED && less < all, "{share} {less} {all}");
+    // Their masks need no zero point, which that of a predicted streak does.
+    let (bytes, bare) = (fs::read(&frame).unwrap(), path(&folder, "bare"));
+    fs::create_dir(&bare).unwrap();
+    let bare = format!("{bare}/wide.fits");
+    let keyword = bytes.windows(9).position(|bytes| bytes == b"MAGZP   =").unwrap();
+    fs::write(&bare, [&bytes[..keyword], b"OTHER   =", &bytes[keyword + 9..]].concat()).unwrap();
+    let before = values(&narrow, 0);
+    done(&[&["mask", &bare], &flags, &["--quiet"], SEEING, SATELLITES]);
+    assert!(values(&narrow, 0) == before);
+    let text = fs::read_to_string(&measured).unwrap();
+    let last = text.trim_end().rfind('\n').unwrap();
+    fs::write(&measured, &text[..=last]).unwrap();
+    let (code, _, stderr) = run(&[&["mask", &bare], &flags, SEEING, SATELLITES]);
+    assert!(code == 2 && stderr.contains("missing zero point") && stderr.contains("is not measured"), "{stderr}");
     // Streaks of other frames are not used.
-    let text = fs::read_to_string(&measured).unwrap().replace("wide.fits", "other.fits");
-    fs::write(&measured, text).unwrap();
+    fs::write(&measured, text.replace("wide.fits", "other.fits")).unwrap();
     let (_, _, stderr) = run(&[&["mask", &frame], &flags, SEEING, SATELLITES]);
     assert!(stderr.contains("of other frames"), "{stderr}");
     fs::write(&measured, "norad_id,mid_utc,magnitude,magnitude_sigma\n1,2026-08-14T23:29:05Z,5,0.1\n").unwrap();

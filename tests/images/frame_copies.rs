@@ -52,7 +52,7 @@ fn copied(path: &Path, hdu: usize, folder: &Path) -> PathBuf {
         copy.add(hdu, row, 20 + row, &[50.0, 100.0, 50.0]).expect("light");
     }
     copy.add_history(hdu, "light was added to rows 10 to 19").expect("history");
-    copy.append_image("MASK", &ImageValues::new(7, Pixels::U8(vec![1; 21])).expect("rows"), &[], None);
+    copy.append_image("MASK", ImageValues::new(7, Pixels::U8(vec![1; 21].into())).expect("rows"), &[], None);
     let cells = Cells::Real(vec![1.0, 2.0]);
     let column = TableColumn { name: "x_pix".into(), unit: "pix".into(), meaning: "column, from 0".into(), cells };
     copy.append_table("STREAKS", &[column], &[]).expect("a table");

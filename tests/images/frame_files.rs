@@ -9,7 +9,7 @@ use streakcast::images::{
 };
 
 /// Returns pixels that all differ, in the given type.
-fn numbers(kind: &str) -> ImageValues {
+fn numbers(kind: &str) -> ImageValues<'static> {
     let values = 0..30 * 20;
     let pixels = match kind {
         "u8" => Pixels::U8(values.map(|n| (n % 200) as u8).collect()),
@@ -136,11 +136,11 @@ fn verif_new_extensions_follow_the_old_ones() {
     copy.set_card(0, "MJD-OBS", &CardValue::Real(60_000.123_456_789_01), "start").expect("a card");
     copy.append_image(
         "MASK",
-        &ImageValues::new(30, Pixels::I32(vec![3; 600])).expect("rows"),
+        ImageValues::new(30, Pixels::I32(vec![3; 600].into())).expect("rows"),
         &cards("MP_STREAK= 1\n"),
         None,
     );
-    copy.append_image("TRUTH", &Plane::zeros(20, 30).into(), &[], Some(Rice::default()));
+    copy.append_image("TRUTH", Plane::zeros(20, 30).into(), &[], Some(Rice::default()));
     let columns = [
         TableColumn {
             name: "ra_deg".into(),
@@ -382,7 +382,7 @@ fn verif_noisy_floats_keep_their_steps() {
     let mut values: Vec<f32> =
         (0..200 * 60).map(|_| 1000.0 + 10.0 * (0..12).map(|_| random.uniform() as f32 - 0.5).sum::<f32>()).collect();
     values[777] = f32::NAN;
-    let values = ImageValues::new(200, Pixels::F32(values)).expect("rows");
+    let values = ImageValues::new(200, Pixels::F32(values.into())).expect("rows");
     let rice = Rice { steps_per_sigma: 4.0, dither_seed: 9_999 };
     write_frame(&path, &[NewImage { name: "", values: &values, cards: &[], rice: Some(rice) }]).expect("written");
     // The step is a quarter of the noise of 10, which is the largest error of added light. The noise estimate of
@@ -431,10 +431,10 @@ fn verif_unwritable_disks() {
         return;
     }
     // The limit is 64 blocks of 512 or 1024 bytes. The frame has 120 kB; it is appended to a small source file.
-    let large = ImageValues::new(200, Pixels::F32(vec![1.0; 30_000])).expect("rows");
+    let large = ImageValues::new(200, Pixels::F32(vec![1.0; 30_000].into())).expect("rows");
     let target = folder.path().join("out.fits");
     let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
-    copy.append_image("LARGE", &large, &[], None);
+    copy.append_image("LARGE", large.clone(), &[], None);
     let error = copy.finish().expect_err("full").to_string();
     assert!(error.contains("out.fits") && error.contains("the disk may be full"), "{error}");
     let error = write_frame(&target, &[NewImage { name: "", values: &large, cards: &[], rice: None }])
@@ -442,7 +442,7 @@ fn verif_unwritable_disks() {
         .to_string();
     assert!(error.contains("out.fits") && error.contains("the disk may be full"), "{error}");
     let noise: Vec<i32> = (0..30_000u32).map(|n| n.wrapping_mul(2_654_435_761) as i32).collect();
-    let noise = ImageValues::new(200, Pixels::I32(noise)).expect("rows");
+    let noise = ImageValues::new(200, Pixels::I32(noise.into())).expect("rows");
     let rice = Some(Rice::default());
     let error =
         write_frame(&target, &[NewImage { name: "", values: &noise, cards: &[], rice }]).expect_err("full").to_string();

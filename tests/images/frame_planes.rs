@@ -14,7 +14,7 @@ fn sky(ra_deg: f64) -> String {
 
 /// Writes a file with images of 12 by 16 pixels, given by name and cards.
 fn written(path: &Path, images: &[(&str, String)]) -> FrameFile {
-    let values = ImageValues::new(16, Pixels::F32(vec![1.0; 192])).expect("full rows");
+    let values = ImageValues::new(16, Pixels::F32(vec![1.0; 192].into())).expect("full rows");
     let cards: Vec<Vec<Card>> = images.iter().map(|(_, text)| Header::from_text(text).cards().to_vec()).collect();
     let images: Vec<NewImage> = images
         .iter()

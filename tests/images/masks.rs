@@ -53,8 +53,8 @@ const CADENCE_S: f64 = 30.0;
 fn write(path: &Path) {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let normal = |random: &mut ChaCha8Rng| -> f64 { StandardNormal.sample(random) };
-    let pixels = (0..ROWS * COLUMNS).map(|_| (1000.0 + NOISE * normal(&mut random)) as f32).collect();
-    let values = ImageValues::new(COLUMNS, Pixels::F32(pixels)).unwrap();
+    let pixels = (0..ROWS * COLUMNS).map(|_| (1000.0 + NOISE * normal(&mut random)) as f32).collect::<Vec<f32>>();
+    let values = ImageValues::new(COLUMNS, Pixels::F32(pixels.into())).unwrap();
     let mut header = Header::from_text(
         "CTYPE1  = 'RA---TAN'\nCTYPE2  = 'DEC--TAN'\nDATE-OBS= '2026-08-14T23:29:05'\nTIMESYS = 'UTC'\n",
     );
@@ -96,6 +96,7 @@ fn options() -> MaskOptions {
         threshold: 1.0,
         min_probability: 0.01,
         width_arcsec: None,
+        is_calibrated: true,
         optics: Optics {
             form: SeeingForm::Gaussian,
             seeing_arcsec: SEEING_ARCSEC,

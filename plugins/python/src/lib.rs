@@ -41,7 +41,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(frames::write_frame, module)?)?;
     #[cfg(unix)]
-    module.add_function(wrap_pyfunction!(frames::read_image, module)?)?;
+    module.add_function(wrap_pyfunction!(frames::read_rows, module)?)?;
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     #[cfg(unix)]

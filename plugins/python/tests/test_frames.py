@@ -284,17 +284,16 @@ image = np.full((size, size), 100, "float32")
 peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 before = peak()
 done = streakcast.inject(image, **streaks)
-assert len(done.truth) and done.mask.any() and done.added.any()
 print((peak() - before) / image.nbytes)
+assert len(done.truth) and done.mask.any() and done.added.any()
 """
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ru_maxrss has this unit on Linux")
-def test_an_injection_needs_the_memory_of_two_other_arrays():
+def test_an_injection_needs_little_memory_beside_its_result():
     done = subprocess.run([sys.executable, "-c", MEMORY, "5000"], capture_output=True, text=True, check=True)
-    # The result is one array; mask and added values take memory only near the streaks. A copy in double precision would
-    # need two more arrays.
-    assert float(done.stdout) < 3.0, done.stdout
+    # The result is one array. Rows that are read at once need another 0.06 of this small frame.
+    assert float(done.stdout) < 1.1, done.stdout
 
 
 def test_frames_are_not_changed(model):

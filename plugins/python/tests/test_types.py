@@ -1,6 +1,7 @@
 """Type annotations: every public function, method, property and field has one, and none of them is `Any`."""
 
 import ast
+import dataclasses
 import inspect
 import typing
 from pathlib import Path
@@ -70,7 +71,7 @@ def members(kind):
     for name, thing in inspect.getmembers(kind):
         if name.startswith("_") and name != "__init__":
             continue
-        thing = thing.fget if isinstance(thing, property) else thing
+        thing = thing.fget if isinstance(thing, property) else getattr(thing, "func", thing)
         if inspect.isroutine(thing) and str(getattr(thing, "__module__", "")).startswith("streakcast"):
             found[f"{kind.__name__}.{name}"] = thing
     return found
@@ -86,7 +87,7 @@ def public():
             thing = getattr(module, name)
             if inspect.isclass(thing):
                 functions.update(members(thing))
-                if issubclass(thing, tuple):
+                if issubclass(thing, tuple) or dataclasses.is_dataclass(thing):
                     records[name] = thing
             elif callable(thing):
                 functions[name] = thing
@@ -131,7 +132,7 @@ def test_any_is_found_in_every_place():
         assert contains_any(hint), hint
     assert not contains_any(npt.NDArray[np.float64]) and not contains_any(typing.Union[npt.ArrayLike, None])
     assert {"StreakModel.__init__", "StreakModel.assess", "StreakModel.location", "Hook.check_site", "Picture.save"} <= set(FUNCTIONS)
-    assert {"inject", "learn", "sky_map", "field", "annotate"} <= set(FUNCTIONS)
+    assert {"inject", "learn", "sky_map", "field", "annotate", "Injected.added"} <= set(FUNCTIONS)
     assert {"Assessment", "Injected", "ModelOptions", "InjectionOptions"} <= set(RECORDS)
 
 

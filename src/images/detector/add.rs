@@ -1,5 +1,7 @@
 //! Light added to an existing frame through the stages of a detector.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -8,6 +10,30 @@ use crate::images::{Patch, Plane};
 use super::conversion::{Purpose, electrons, fraction, stream};
 use super::saturation::{Bleeding, Saturated, Saturation};
 use super::settings::Detector;
+
+/// Number of rows or columns whose full wells are filled at once.
+const LINES: usize = 256;
+
+/// Adjacent rows of a frame in counts.
+#[derive(Copy, Clone, Debug)]
+pub struct FrameRows<'a> {
+    /// Pixels of the rows.
+    pub counts: &'a Plane,
+    /// First of the rows.
+    pub first_row: usize,
+    /// Number of rows of the frame.
+    pub frame_rows: usize,
+}
+
+impl FrameRows<'_> {
+    fn rows(&self) -> Range<usize> {
+        self.first_row..self.first_row + self.counts.rows()
+    }
+
+    fn row(&self, row: usize) -> &[f32] {
+        self.counts.row(row - self.first_row)
+    }
+}
 
 /// Charge added to a pixel, electrons.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -39,7 +65,8 @@ impl Detector {
     /// # Errors
     /// The errors of [`added_light`](Detector::added_light).
     pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, Error> {
-        let (added, saturated) = self.added_light(frame, patches, seed)?;
+        let whole = FrameRows { counts: frame, first_row: 0, frame_rows: frame.rows() };
+        let (added, saturated) = self.added_light(whole, patches, seed)?;
         for light in added {
             let pixel = &mut frame.row_mut(light.row)[light.column];
             *pixel = (f64::from(*pixel) + f64::from(light.change_adu)) as f32;
@@ -47,7 +74,14 @@ impl Detector {
         Ok(saturated)
     }
 
-    /// Computes the effect of added light on a frame in counts: the changed pixels in order, and the saturation.
+    /// Returns true if light in one row changes pixels in others, so that
+    /// [`added_light`](Detector::added_light) needs all rows of the frame at once.
+    pub fn mixes_rows(&self) -> bool {
+        let bleeds = self.saturation.as_ref().is_some_and(|saturation| saturation.bleeding == Bleeding::Columns);
+        bleeds || self.crosstalk.is_some()
+    }
+
+    /// Computes the effect of added light on rows of a frame in counts: the changed pixels in order, and the saturation.
     ///
     /// The patches contain expected electrons before vignetting and have the shape of the frame. Photon noise,
     /// vignetting and crosstalk are applied to the added light only, and no read noise is added. Saturation depends on
@@ -66,11 +100,11 @@ impl Detector {
     /// frame.
     pub fn added_light(
         &self,
-        frame: &Plane,
+        frame: FrameRows<'_>,
         patches: &[Patch],
         seed: u64,
     ) -> Result<(Vec<AddedLight>, Saturated), Error> {
-        let (rows, columns) = (frame.rows(), frame.columns());
+        let (rows, columns) = (frame.frame_rows, frame.counts.columns());
         self.validate_for(rows, columns)?;
         if let Some(patch) = patches.iter().find(|patch| (patch.rows(), patch.columns()) != (rows, columns)) {
             let size = |rows, columns| format!("{rows} rows by {columns} columns");
@@ -78,7 +112,7 @@ impl Detector {
             return Err(Error::invalid("size of the light", size(patch.rows(), patch.columns()), allowed));
         }
         let mut changes: Vec<Change> =
-            (0..rows).into_par_iter().flat_map_iter(|row| self.light_of_row(frame, patches, seed, row)).collect();
+            frame.rows().into_par_iter().flat_map_iter(|row| self.light_of_row(frame, patches, seed, row)).collect();
         let mut saturated = Saturated::default();
         if let Some(saturation) = &self.saturation {
             saturated = self.fill_wells(frame, saturation, &mut changes);
@@ -121,7 +155,7 @@ impl Detector {
     }
 
     /// Returns the charge that the light of all patches gives to the pixels of one row.
-    fn light_of_row(&self, frame: &Plane, patches: &[Patch], seed: u64, row: usize) -> Vec<Change> {
+    fn light_of_row(&self, frame: FrameRows<'_>, patches: &[Patch], seed: u64, row: usize) -> Vec<Change> {
         let mut spans: Vec<_> =
             patches.iter().map(|patch| patch.row(row)).filter(|span| !span.values.is_empty()).collect();
         spans.sort_by_key(|span| span.first_column);
@@ -144,7 +178,7 @@ impl Detector {
         let mut changes = Vec::new();
         for (first, mut values) in merged {
             if let Some(vignetting) = &self.vignetting {
-                vignetting.apply(frame.rows(), frame.columns(), row, first, &mut values);
+                vignetting.apply(frame.frame_rows, frame.counts.columns(), row, first, &mut values);
             }
             for (column, light) in (first..).zip(values) {
                 let e = if self.shot_noise { electrons(light, &mut random) } else { light };
@@ -163,7 +197,7 @@ impl Detector {
     }
 
     /// Returns the change of the measured signal that a change of charge causes.
-    fn signal_of(&self, frame: &Plane, change: Change) -> Change {
+    fn signal_of(&self, frame: FrameRows<'_>, change: Change) -> Change {
         let Some(non_linearity) = &self.non_linearity else { return change };
         let before = self.charge_of(frame.row(change.row)[change.column]);
         let e = non_linearity.measured(before + f64::from(change.e)) - non_linearity.measured(before);
@@ -172,39 +206,41 @@ impl Detector {
 
     /// Limits changes to the free capacity of the pixels, and adds changes of the pixels into which the excess charge
     /// bleeds.
-    fn fill_wells(&self, frame: &Plane, saturation: &Saturation, changes: &mut Vec<Change>) -> Saturated {
+    fn fill_wells(&self, frame: FrameRows<'_>, saturation: &Saturation, changes: &mut Vec<Change>) -> Saturated {
         let full = saturation.full_well_e;
         let overflows =
             |change: &&Change| self.charge_of(frame.row(change.row)[change.column]) + f64::from(change.e) > full;
-        let over: Vec<&Change> = changes.iter().filter(overflows).collect();
-        let (Some(first), Some(last)) =
-            (over.iter().map(|change| change.column).min(), over.iter().map(|change| change.column).max())
-        else {
-            return Saturated::default();
-        };
+        let is_along_columns = saturation.bleeding == Bleeding::Columns;
+        let line = |change: &Change| if is_along_columns { change.column } else { change.row };
+        let over = || changes.iter().filter(overflows).map(line);
+        let (Some(first), Some(last)) = (over().min(), over().max()) else { return Saturated::default() };
+        let mut saturated = Saturated::default();
         // Charge bleeds along one direction only, so only the columns or rows with an excess are processed.
-        let (columns, rows) = match saturation.bleeding {
-            Bleeding::Columns => (first..last + 1, 0..frame.rows()),
-            Bleeding::Rows | Bleeding::Off => (0..frame.columns(), over[0].row..over[over.len() - 1].row + 1),
-        };
-        let mut capacity = Plane::zeros(rows.len(), columns.len());
-        for (number, row) in rows.clone().enumerate() {
-            for (capacity, count) in capacity.row_mut(number).iter_mut().zip(&frame.row(row)[columns.clone()]) {
-                *capacity = (full - self.charge_of(*count)).max(0.0) as f32;
+        for first in (first..last + 1).step_by(LINES) {
+            let lines = first..(last + 1).min(first + LINES);
+            let (rows, columns) =
+                if is_along_columns { (frame.rows(), lines) } else { (lines, 0..frame.counts.columns()) };
+            let mut capacity = Plane::zeros(rows.len(), columns.len());
+            for (number, row) in rows.clone().enumerate() {
+                for (capacity, count) in capacity.row_mut(number).iter_mut().zip(&frame.row(row)[columns.clone()]) {
+                    *capacity = (full - self.charge_of(*count)).max(0.0) as f32;
+                }
             }
-        }
-        let mut added = Plane::zeros(rows.len(), columns.len());
-        let is_inside = |change: &Change| columns.contains(&change.column) && rows.contains(&change.row);
-        // NaN pixels have no charge and do not bleed.
-        let holds = |change: &&Change| is_inside(change) && !frame.row(change.row)[change.column].is_nan();
-        for change in changes.iter().filter(holds) {
-            added.row_mut(change.row - rows.start)[change.column - columns.start] += change.e;
-        }
-        let saturated = saturation.apply(&mut added, Some(&capacity));
-        changes.retain(|change| !is_inside(change));
-        for (number, row) in rows.enumerate() {
-            let of_row = added.row(number).iter().zip(columns.clone());
-            changes.extend(of_row.filter(|(e, _)| **e != 0.0).map(|(&e, column)| Change { row, column, e }));
+            let mut added = Plane::zeros(rows.len(), columns.len());
+            let is_inside = |change: &Change| columns.contains(&change.column) && rows.contains(&change.row);
+            // NaN pixels have no charge and do not bleed.
+            let holds = |change: &&Change| is_inside(change) && !frame.row(change.row)[change.column].is_nan();
+            for change in changes.iter().filter(holds) {
+                added.row_mut(change.row - rows.start)[change.column - columns.start] += change.e;
+            }
+            let of_lines = saturation.apply(&mut added, Some(&capacity));
+            saturated.pixels += of_lines.pixels;
+            saturated.lost_e += of_lines.lost_e;
+            changes.retain(|change| !is_inside(change));
+            for (number, row) in rows.enumerate() {
+                let of_row = added.row(number).iter().zip(columns.clone());
+                changes.extend(of_row.filter(|(e, _)| **e != 0.0).map(|(&e, column)| Change { row, column, e }));
+            }
         }
         changes.sort_by_key(|change| (change.row, change.column));
         saturated

@@ -11,7 +11,7 @@ mod saturation;
 mod settings;
 mod vignetting;
 
-pub use add::AddedLight;
+pub use add::{AddedLight, FrameRows};
 pub use conversion::Quantisation;
 pub use crosstalk::ReadoutCorner;
 pub use saturation::{Bleeding, Saturated, Saturation};

@@ -126,8 +126,8 @@ impl<'a> FrameCopy<'a> {
     }
 
     /// Appends an image after all HDUs. It is compressed if `rice` is given.
-    pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) {
-        self.appended.push(NewHdu::image(name, image, cards, rice).into_owned());
+    pub fn append_image(&mut self, name: &str, image: ImageValues<'static>, cards: &[Card], rice: Option<Rice>) {
+        self.appended.push(NewHdu::image(name, Cow::Owned(image), cards, rice));
     }
 
     /// Appends a table after all HDUs.

@@ -1,5 +1,6 @@
 //! Reader of frames in FITS files.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::super::header::Header;
@@ -109,11 +110,20 @@ impl FrameFile {
     /// # Errors
     /// The HDU is missing or not a two-dimensional image, headers or tiles are invalid, or CFITSIO fails.
     pub fn read_plane(&self, hdu: usize) -> Result<Plane, Error> {
-        let (info, [rows, columns]) = self.image(hdu)?;
+        let [rows, _] = self.image_size(hdu)?;
+        self.read_strip(hdu, 0..rows)
+    }
+
+    /// Reads adjacent rows as [`read_plane`](FrameFile::read_plane) does.
+    pub(crate) fn read_strip(&self, hdu: usize, rows: Range<usize>) -> Result<Plane, Error> {
+        let (info, [row_count, columns]) = self.image(hdu)?;
+        if rows.end > row_count {
+            return Err(self.outside(hdu, rows.end - 1, [0, columns]));
+        }
         let mut handle = self.checked(info)?;
-        let mut plane = Plane::zeros(rows, columns);
-        handle.read_pixels(0, plane.values_mut(), has_marks(info))?;
-        Ok(plane)
+        let mut strip = Plane::zeros(rows.len(), columns);
+        handle.read_pixels(rows.start * columns, strip.values_mut(), has_marks(info))?;
+        Ok(strip)
     }
 
     /// Reads some rows of an image as physical values in double precision, row by row. Pixels without a value become

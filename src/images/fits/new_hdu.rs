@@ -23,7 +23,7 @@ pub struct NewImage<'a> {
     /// Name of the HDU (EXTNAME); empty if it has none.
     pub name: &'a str,
     /// Pixels.
-    pub values: &'a ImageValues,
+    pub values: &'a ImageValues<'a>,
     /// Header cards; cards that describe the structure (NAXIS, BITPIX, ...) are ignored.
     pub cards: &'a [Card],
     /// Compression; `None` for an uncompressed image.
@@ -36,8 +36,10 @@ pub struct NewImage<'a> {
 /// # Errors
 /// Errors of the operating system and of CFITSIO; no partial file remains.
 pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), Error> {
-    let mut hdus: Vec<NewHdu> =
-        images.iter().map(|image| NewHdu::image(image.name, image.values, image.cards, image.rice)).collect();
+    let mut hdus: Vec<NewHdu> = images
+        .iter()
+        .map(|image| NewHdu::image(image.name, Cow::Borrowed(image.values), image.cards, image.rice))
+        .collect();
     if let Some(NewHdu { data: NewData::Image(_), is_primary, .. }) = hdus.first_mut() {
         *is_primary = true;
     }
@@ -177,27 +179,19 @@ pub(super) struct NewHdu<'a> {
 
 #[derive(Clone, Debug, PartialEq)]
 enum NewData<'a> {
-    Image(Cow<'a, ImageValues>),
-    Rice(Cow<'a, ImageValues>, Rice),
+    Image(Cow<'a, ImageValues<'a>>),
+    Rice(Cow<'a, ImageValues<'a>>, Rice),
     Table(Vec<TableColumn>),
 }
 
 impl<'a> NewHdu<'a> {
     /// Creates an image extension.
-    pub fn image(name: &str, values: &'a ImageValues, cards: &[Card], rice: Option<Rice>) -> Self {
-        let values = Cow::Borrowed(values);
-        let data = rice.map_or_else(|| NewData::Image(values.clone()), |rice| NewData::Rice(values.clone(), rice));
-        Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false }
-    }
-
-    /// Converts the HDU into one that owns its pixels.
-    pub fn into_owned(self) -> NewHdu<'static> {
-        let data = match self.data {
-            NewData::Image(values) => NewData::Image(Cow::Owned(values.into_owned())),
-            NewData::Rice(values, rice) => NewData::Rice(Cow::Owned(values.into_owned()), rice),
-            NewData::Table(columns) => NewData::Table(columns),
+    pub fn image(name: &str, values: Cow<'a, ImageValues<'a>>, cards: &[Card], rice: Option<Rice>) -> Self {
+        let data = match rice {
+            None => NewData::Image(values),
+            Some(rice) => NewData::Rice(values, rice),
         };
-        NewHdu { name: self.name, cards: self.cards, data, is_primary: self.is_primary }
+        Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false }
     }
 
     /// Creates a table.
@@ -254,7 +248,7 @@ pub(super) fn empty_primary() -> Header {
     header
 }
 
-fn image_header(values: &ImageValues, is_primary: bool) -> Header {
+fn image_header(values: &ImageValues<'_>, is_primary: bool) -> Header {
     let [rows, columns] = values.size();
     let format = values.format();
     let mut header = Header::default();

@@ -1,5 +1,7 @@
 //! Stored numbers of pixels: their types, the conversion to physical values, and arrays of pixels.
 
+use std::borrow::Cow;
+
 use super::cfitsio::{CPixel, Handle, Rice};
 use super::deltas::Outcome;
 use crate::error::Error;
@@ -200,38 +202,38 @@ const NO_VALUE: f32 = -9.119_129e-36;
 
 /// Pixels row by row, in the type in which they are stored.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Pixels {
+pub enum Pixels<'a> {
     /// Unsigned 8-bit integers.
-    U8(Vec<u8>),
+    U8(Cow<'a, [u8]>),
     /// Signed 16-bit integers.
-    I16(Vec<i16>),
+    I16(Cow<'a, [i16]>),
     /// Unsigned 16-bit integers (BZERO = 32768).
-    U16(Vec<u16>),
+    U16(Cow<'a, [u16]>),
     /// Signed 32-bit integers.
-    I32(Vec<i32>),
+    I32(Cow<'a, [i32]>),
     /// Single precision; NaN for pixels without a value.
-    F32(Vec<f32>),
+    F32(Cow<'a, [f32]>),
     /// Double precision; NaN for pixels without a value.
-    F64(Vec<f64>),
+    F64(Cow<'a, [f64]>),
 }
 
 /// Image to be written: pixels and the length of its rows.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ImageValues {
+pub struct ImageValues<'a> {
     columns: usize,
-    pixels: Pixels,
+    pixels: Pixels<'a>,
 }
 
-impl From<Plane> for ImageValues {
+impl From<Plane> for ImageValues<'static> {
     fn from(plane: Plane) -> Self {
-        Self { columns: plane.columns(), pixels: Pixels::F32(plane.into_values()) }
+        Self { columns: plane.columns(), pixels: Pixels::F32(plane.into_values().into()) }
     }
 }
 
-impl ImageValues {
+impl<'a> ImageValues<'a> {
     /// Creates an image from pixels row by row, beginning with the first row of a FITS file; `None` if the number of
     /// pixels is not a multiple of `columns`.
-    pub fn new(columns: usize, pixels: Pixels) -> Option<Self> {
+    pub fn new(columns: usize, pixels: Pixels<'a>) -> Option<Self> {
         let image = Self { columns, pixels };
         let count = image.count();
         (columns > 0 && count > 0 && count.is_multiple_of(columns)).then_some(image)
@@ -243,12 +245,12 @@ impl ImageValues {
     }
 
     /// Returns the pixels, row by row.
-    pub fn pixels(&self) -> &Pixels {
+    pub fn pixels(&self) -> &Pixels<'a> {
         &self.pixels
     }
 
     /// Converts the image into its pixels.
-    pub fn into_pixels(self) -> Pixels {
+    pub fn into_pixels(self) -> Pixels<'a> {
         self.pixels
     }
 

@@ -177,7 +177,7 @@ impl SyntheticFrame {
         let pixels = if whole && smallest >= 0.0 && largest <= 65535.0 {
             Pixels::U16(counts.values().iter().map(|value| *value as u16).collect())
         } else {
-            Pixels::F32(counts.into_values())
+            Pixels::F32(counts.into_values().into())
         };
         let Some(values) = ImageValues::new(self.columns, pixels) else { return Ok(()) };
         let cards = self.cards(shot, &wcs);

@@ -10,11 +10,14 @@ use super::target_frame::{TargetChip, TargetFrame};
 use crate::error::Error;
 use crate::frames::tai_ns;
 use crate::images::{
-    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, FrameFile, ImageValues, Patch, Pixels,
-    Quantisation, Saturation, TableColumn,
+    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, FrameFile, FrameRows, ImageValues,
+    Patch, Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::output::{Column, Kind, Table, Value};
 use crate::watch::Watch;
+
+/// Number of rows that are read at once.
+const ROWS: usize = 64;
 
 /// Options for the conversion of light to counts and for the truth that is written.
 #[derive(Clone, Debug)]
@@ -166,18 +169,21 @@ fn clipped_counts(
     let mut clipped = vec![0.0; streaks.len()];
     let is_lit = |row: &usize| streaks.iter().any(|streak| !streak.patch.row(*row).values.is_empty());
     let rows: Vec<usize> = (0..target.chip.rows).filter(is_lit).collect();
-    let before = frame.file.read_rows(target.chip.hdu, rows.iter().copied())?;
-    for (row, before) in rows.into_iter().zip(before.chunks_exact(target.chip.columns)) {
-        let mut light = vec![0.0; target.chip.columns];
-        let spans: Vec<_> = streaks.iter().map(|streak| streak.patch.row(row)).collect();
-        for span in &spans {
-            light[span.first_column..].iter_mut().zip(span.values).for_each(|(sum, value)| *sum += f64::from(*value));
-        }
-        for (clipped, span) in clipped.iter_mut().zip(&spans) {
-            for (column, value) in (span.first_column..).zip(span.values) {
-                let excess = (before[column] + light[column] - most).min(light[column]);
-                if excess > 0.0 {
-                    *clipped += f64::from(*value) * excess / light[column];
+    for rows in rows.chunks(ROWS) {
+        let before = frame.file.read_rows(target.chip.hdu, rows.iter().copied())?;
+        for (row, before) in rows.iter().zip(before.chunks_exact(target.chip.columns)) {
+            let mut light = vec![0.0; target.chip.columns];
+            let spans: Vec<_> = streaks.iter().map(|streak| streak.patch.row(*row)).collect();
+            for span in &spans {
+                let sums = light[span.first_column..].iter_mut();
+                sums.zip(span.values).for_each(|(sum, value)| *sum += f64::from(*value));
+            }
+            for (clipped, span) in clipped.iter_mut().zip(&spans) {
+                for (column, value) in (span.first_column..).zip(span.values) {
+                    let excess = (before[column] + light[column] - most).min(light[column]);
+                    if excess > 0.0 {
+                        *clipped += f64::from(*value) * excess / light[column];
+                    }
                 }
             }
         }
@@ -194,11 +200,10 @@ fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnSt
 /// Returns the standard deviation of the noise in a chip's pixels, estimated from some of its rows.
 pub(in crate::streaks) fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<NoiseMap, Error> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
-    let values = frame.file.read_rows(hdu, NoiseMap::rows(lit))?;
-    Ok(NoiseMap::of_rows(lit, target.chip.columns, &values))
+    NoiseMap::new(lit, target.chip.columns, |rows| frame.file.read_rows(hdu, rows.iter().copied()))
 }
 
-/// Adds light through a detector and returns the changes of the illuminated pixels, in order. The whole chip is read,
+/// Adds light through a detector and returns the changes of the illuminated pixels, in order. Existing pixels are read,
 /// because saturation depends on the sum of existing and added light.
 fn expose(
     copy: &mut FrameCopy<'_>,
@@ -208,8 +213,9 @@ fn expose(
     detector: &Detector,
     seed: u64,
 ) -> Result<Vec<AddedLight>, Error> {
+    /// Number of columns up to which light is added together with the unchanged pixels in between.
+    const WIDEST_GAP: usize = 16;
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
-    let before = frame.file.read_plane(hdu)?;
     let electrons = |patch: &Patch| {
         let mut patch = patch.clone();
         patch.scale(detector.gain_e_adu as f32);
@@ -218,15 +224,29 @@ fn expose(
     let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
     // Each chip has its own random numbers, from a seed that depends on its HDU.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let (mut added, _) =
-        detector.added_light(&before, &patches, seed).map_err(|error| error.in_hdu(frame.file.path(), hdu))?;
-    // Charge that bled out of the illuminated area is lost.
-    added.retain(|light| lit.rows.contains(&light.row) && lit.columns.contains(&light.column));
-    for of_row in added.chunk_by(|a, b| a.row == b.row) {
-        let first = of_row[0].column;
-        let mut values = vec![0.0; of_row[of_row.len() - 1].column + 1 - first];
-        of_row.iter().for_each(|light| values[light.column - first] = light.change_adu);
-        copy.add(hdu, of_row[0].row, first, values)?;
+    let frame_rows = target.chip.rows;
+    let rows_at_once = if detector.mixes_rows() { frame_rows } else { ROWS };
+    let mut added = Vec::new();
+    for first_row in (0..frame_rows).step_by(rows_at_once) {
+        let rows = first_row..frame_rows.min(first_row + rows_at_once);
+        let is_lit = |patch: &Patch| rows.clone().any(|row| !patch.row(row).values.is_empty());
+        if !patches.iter().any(is_lit) {
+            continue;
+        }
+        let counts = frame.file.read_strip(hdu, rows.clone())?;
+        let before = FrameRows { counts: &counts, first_row, frame_rows };
+        let (of_rows, _) =
+            detector.added_light(before, &patches, seed).map_err(|error| error.in_hdu(frame.file.path(), hdu))?;
+        // Charge that bled out of the illuminated area is lost.
+        let is_kept = |light: &AddedLight| lit.rows.contains(&light.row) && lit.columns.contains(&light.column);
+        added.extend(of_rows.into_iter().filter(is_kept));
+    }
+    let is_near = |a: &AddedLight, b: &AddedLight| a.row == b.row && b.column - a.column <= WIDEST_GAP;
+    for near in added.chunk_by(is_near) {
+        let first = near[0].column;
+        let mut values = vec![0.0; near[near.len() - 1].column + 1 - first];
+        near.iter().for_each(|light| values[light.column - first] = light.change_adu);
+        copy.add(hdu, near[0].row, first, values)?;
     }
     Ok(added)
 }
@@ -241,8 +261,6 @@ fn add_variance(
     added: &[AddedLight],
 ) -> Result<(), Error> {
     let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_per_unit) else { return Ok(()) };
-    /// Number of rows that are read at once.
-    const ROWS: usize = 256;
     let [_, columns] = file.image_size(hdu)?;
     let rows: Vec<&[AddedLight]> = added.chunk_by(|a, b| a.row == b.row).collect();
     for of_rows in rows.chunks(ROWS) {
@@ -269,7 +287,7 @@ fn mask(
     target: &TargetChip,
     planes: &MaskPlanes,
     noise: &NoiseMap,
-) -> Option<ImageValues> {
+) -> Option<ImageValues<'static>> {
     let (rows, columns) = (target.chip.rows, target.chip.columns);
     let mut spans = mask_spans(streaks, columns, planes, noise);
     spans.extend(changed_spans(added, planes, noise));
@@ -281,7 +299,7 @@ fn mask(
                 *pixel |= *value as u8;
             }
         }
-        Pixels::U8(values)
+        Pixels::U8(values.into())
     } else {
         let mut values = vec![0i32; rows * columns];
         for span in &spans {
@@ -290,7 +308,7 @@ fn mask(
                 *pixel |= value;
             }
         }
-        Pixels::I32(values)
+        Pixels::I32(values.into())
     };
     ImageValues::new(columns, pixels)
 }
@@ -298,7 +316,7 @@ fn mask(
 fn append_masks(
     copy: &mut FrameCopy<'_>,
     frame: &TargetFrame,
-    masks: Vec<(&TargetChip, ImageValues)>,
+    masks: Vec<(&TargetChip, ImageValues<'static>)>,
     planes: &MaskPlanes,
 ) -> Result<(), Error> {
     let has_mask = frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case("MASK"));
@@ -311,7 +329,7 @@ fn append_masks(
         cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: injected light"));
         let (name, more) = mask_name(frame, target, is_one, &mut taken)?;
         cards.extend(more);
-        copy.append_image(&name, &image, &cards, None);
+        copy.append_image(&name, image, &cards, None);
     }
     Ok(())
 }

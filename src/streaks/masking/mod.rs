@@ -15,6 +15,8 @@ mod write;
 pub(super) use area::polygons;
 pub(super) use corridor::Cell;
 pub use measured::{MeasuredStreak, UnusedReason, read_measured_streaks};
-pub use satellites::{FrameMask, LeftOutReason, MaskOptions, MaskedStreak, StreakOrigin, mask_frame};
+pub use satellites::{
+    FrameMask, LeftOutReason, MaskOptions, MaskedStreak, StreakOrigin, mask_frame, missing_zero_point,
+};
 pub use table::{corridor_table, left_out_table, region_file};
 pub use write::{ChosenPlanes, MaskBit, PlaneChoice, mask_history, write_mask_file, write_mask_planes};

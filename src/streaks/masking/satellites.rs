@@ -16,7 +16,7 @@ use super::corridor::{Cell, LocalLight, UncertainTrack};
 use super::light_width::LightWidth;
 use super::measured::{MeasuredStreak, UnusedReason};
 use crate::elements::NoradId;
-use crate::error::Error;
+use crate::error::{Error, ErrorKind};
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::images::PixelPosition;
 use crate::orbit::Lateness;
@@ -42,6 +42,8 @@ pub struct MaskOptions {
     pub min_probability: f64,
     /// Full width of the light of a streak, arcsec; `None` to compute it from brightness and noise.
     pub width_arcsec: Option<f64>,
+    /// True if the zero point of the frame is known. Without it and `width_arcsec`, only measured streaks can be masked.
+    pub is_calibrated: bool,
     /// Seeing and telescope.
     pub optics: Optics,
     /// Band and system of the magnitudes.
@@ -148,7 +150,8 @@ impl FrameMask {
 /// and their tracks reach the chips.
 ///
 /// # Errors
-/// Passes cannot be computed, pixels cannot be read, or the image of a star cannot be drawn.
+/// Passes cannot be computed, pixels cannot be read, the image of a star cannot be drawn, or the zero point of a frame
+/// with a predicted streak is missing.
 pub fn mask_frame(
     sky: &Sky,
     frame: &TargetFrame,
@@ -454,7 +457,7 @@ impl Masking<'_> {
         if satellite.probability == 0.0 && masked.is_empty() || !light.points.iter().any(|point| point.is_lit) {
             return Ok((mask, None));
         }
-        let is_given = self.options.width_arcsec.is_some();
+        let (is_given, is_calibrated) = (self.options.width_arcsec.is_some(), self.options.is_calibrated);
         if !is_given && light.points.iter().all(|point| point.brightness.is_none()) {
             return Ok((mask, Some(LeftOutReason::UnknownMagnitude)));
         }
@@ -462,7 +465,7 @@ impl Masking<'_> {
         for chip in chips.filter(|chip| !masked.contains(chip)) {
             let rate = |time_s: f64| match light.is_lit(time_s) {
                 false => 0.0,
-                true if is_given => 1.0,
+                true if is_given || !is_calibrated => 1.0,
                 true => self.frame.chips[chip].chip.scale.rate(light.bright_mag(time_s)),
             };
             let (track, optics) = (satellite.predicted, self.options.optics);
@@ -470,6 +473,12 @@ impl Masking<'_> {
             let corridor = self.corridor(satellite, &request)?;
             brightest = brightest.into_iter().chain(corridor.peak_to_noise).max_by(f64::total_cmp);
             let streak = self.masked(satellite, &request, corridor);
+            if !is_given && !is_calibrated && streak.is_some() {
+                let elements = &self.interval.sky().elements()[satellite.element_index];
+                let name =
+                    if elements.name.is_empty() { elements.norad_id.to_string() } else { elements.name.to_string() };
+                return Err(missing_zero_point(self.frame, &format!(" ({name} is not measured)")));
+            }
             // A satellite that was measured on another chip is in the frame.
             let probability = if masked.is_empty() { satellite.probability } else { 1.0 };
             mask.streaks.extend(streak.map(|streak| MaskedStreak { probability, ..streak }));
@@ -502,7 +511,9 @@ impl Masking<'_> {
         let rate = |time_s: f64| match satellite.light.bright_mag(time_s) {
             _ if options.width_arcsec.is_some() => 1.0,
             // The light of a saturated streak is a lower limit.
-            Some(magnitude) if streak.is_saturated => streak.rate.max(chip.scale.rate(Some(magnitude))),
+            Some(magnitude) if streak.is_saturated && options.is_calibrated => {
+                streak.rate.max(chip.scale.rate(Some(magnitude)))
+            }
             _ => streak.rate,
         };
         let seeing_arcsec = streak.seeing_arcsec.unwrap_or(options.optics.seeing_arcsec);
@@ -555,7 +566,9 @@ impl Masking<'_> {
     fn corridor(&self, satellite: &Satellite<'_>, request: &CorridorRequest<'_>) -> Result<ChipCorridor, Error> {
         let chip: &Chip = &self.frame.chips[request.chip].chip;
         let scale_arcsec = chip.pixel_scale_arcsec();
-        if let Some(width_arcsec) = self.options.width_arcsec {
+        // Without a zero point only the pixels that a satellite may cross are computed, not the width of its light.
+        let of_seeing = (!self.options.is_calibrated && !request.is_found).then_some(request.optics.seeing_arcsec);
+        if let Some(width_arcsec) = self.options.width_arcsec.or(of_seeing) {
             let half_pix = 0.5 * width_arcsec / scale_arcsec;
             let cells = request.track.cells(chip, request.rate, half_pix, |_| Some(half_pix))?;
             return Ok(ChipCorridor { cells, peak_to_noise: None });
@@ -588,6 +601,18 @@ impl Masking<'_> {
         let cells = request.track.cells(chip, request.rate, profile.pixel_reach_pix(), half_width)?;
         Ok(ChipCorridor { cells, peak_to_noise: brightest })
     }
+}
+
+/// Returns the error of a frame without a zero point; `why` states why it is needed, in parentheses, or is empty.
+pub fn missing_zero_point(frame: &TargetFrame, why: &str) -> Error {
+    let shown = frame.file.path().display();
+    Error::new(
+        ErrorKind::Invalid,
+        format!(
+            "{shown}: missing zero point, which relates magnitudes to counts{why}; specify --zero-point, \
+             --zero-point-1s, or --width to mask all streaks with one width"
+        ),
+    )
 }
 
 /// Returns the corners of a polygon on the sky, anticlockwise as seen by the observer (IVOA DALI 1.1, section 3.3.7). In

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::images::{
     Bitpix, Card, CardValue, FrameCopy, Header, ImageValues, NewImage, Pixels, PlaneKind, Rice, write_frame,
 };
-use crate::output::Provenance;
+use crate::output::{Provenance, counted};
 
 /// Rows of a mask plane that are read at once.
 const ROWS: usize = 256;
@@ -48,9 +48,9 @@ pub enum MaskBit {
 pub fn mask_history(provenance: &Provenance, mask: &FrameMask, options: &MaskOptions) -> Vec<String> {
     let version = env!("CARGO_PKG_VERSION");
     let mut lines = vec![format!(
-        "streakcast {version} mask: {} corridors, {} satellites left out, coverage {}, threshold {} of the noise",
-        mask.streaks.len(),
-        mask.left_out.len(),
+        "streakcast {version} mask: {}, {} left out, coverage {}, threshold {} of the noise",
+        counted(mask.streaks.len(), "corridor", "corridors"),
+        counted(mask.left_out.len(), "satellite", "satellites"),
         options.coverage,
         options.threshold,
     )];
@@ -82,9 +82,9 @@ pub fn write_mask_file(frame: &TargetFrame, mask: &FrameMask, history: &[String]
     write_frame(output, &images)
 }
 
-fn values(area: &Area, target: &TargetChip) -> Result<ImageValues, Error> {
+fn values(area: &Area, target: &TargetChip) -> Result<ImageValues<'static>, Error> {
     let (rows, columns) = (target.chip.rows, target.chip.columns);
-    ImageValues::new(columns, Pixels::U8(area.values([rows, columns], [0, 1])))
+    ImageValues::new(columns, Pixels::U8(area.values([rows, columns], [0, 1]).into()))
         .ok_or_else(|| Error::invalid(format!("HDU {}", target.chip.hdu), "empty", "at least one pixel"))
 }
 

@@ -25,7 +25,7 @@ pub struct MaskSpan {
     pub values: Vec<i32>,
 }
 
-/// Returns the mask of a chip as one run of pixels per row, in the order of rows. Pixels outside the runs are 0.
+/// Returns the mask of a chip as runs of pixels, in the order of rows and columns. Pixels outside the runs are 0.
 ///
 /// `INJECTED` marks pixels with more than 10⁻⁴ of the light of a streak's brightest pixel. `STREAK` and `INJECTED` mark
 /// pixels in which the light of all streaks together exceeds `noise`, the standard deviation of the frame's pixels near
@@ -48,7 +48,7 @@ pub fn mask_spans(
     let mut light = vec![0.0f32; columns];
     let mut values = vec![0i32; columns];
     rows.into_iter()
-        .filter_map(|row| {
+        .flat_map(|row| {
             let (mut first, mut end) = (columns, 0);
             for (streak, &peak) in streaks.iter().zip(&peaks) {
                 let span = streak.patch.row(row);
@@ -68,16 +68,19 @@ pub fn mask_spans(
                     values[column] = planes.value(true);
                 }
             }
-            let masked = |column: &usize| values[*column] != 0;
-            let span = (first..end).find(masked).map(|from| {
-                let to = (from..end).rfind(masked).map_or(from, |last| last) + 1;
-                MaskSpan { row, first_column: from, values: values[from..to].to_vec() }
-            });
+            let mut spans = Vec::new();
             if first < end {
+                let mut first_column = first;
+                for run in values[first..end].chunk_by(|a, b| (*a != 0) == (*b != 0)) {
+                    if run[0] != 0 {
+                        spans.push(MaskSpan { row, first_column, values: run.to_vec() });
+                    }
+                    first_column += run.len();
+                }
                 light[first..end].fill(0.0);
                 values[first..end].fill(0);
             }
-            span
+            spans
         })
         .collect()
 }
@@ -244,12 +247,17 @@ mod tests {
         let planes = MaskPlanes { streak_bit: 0, injected_bit: 1 };
         for noise in [0.0, 10.0] {
             let spans = mask_spans(&[&left, &right], 60, &planes, &NoiseMap::uniform(noise));
-            assert!(spans.windows(2).all(|pair| pair[0].row < pair[1].row));
-            let middle = spans.iter().find(|span| span.row == 20).unwrap();
-            let at = |column: usize| middle.values[column - middle.first_column];
+            assert!(
+                spans.windows(2).all(|pair| (pair[0].row, pair[0].first_column) < (pair[1].row, pair[1].first_column))
+            );
+            let mut row = [0; 60];
+            for span in spans.iter().filter(|span| span.row == 20) {
+                row[span.first_column..][..span.values.len()].copy_from_slice(&span.values);
+            }
+            let at = |column: usize| row[column];
             assert_eq!((at(20), at(26)), (3, 3));
             let sum = |column: usize| left.patch.at(20, column) + right.patch.at(20, column);
-            for column in middle.first_column..middle.first_column + middle.values.len() {
+            for column in (0..60).filter(|column| at(*column) != 0) {
                 let stands_out =
                     if noise > 0.0 { sum(column) > noise } else { sum(column) > 0.1 * left.patch.at(20, 20) };
                 // Between the two streaks their sum may exceed a threshold that neither streak exceeds; only the noise

@@ -1,5 +1,6 @@
 //! Noise of a frame in cells, relative to which the light of a streak is marked in masks.
 
+use crate::error::Error;
 use crate::images::LightArea;
 
 /// Side of a cell, pixels.
@@ -28,36 +29,37 @@ impl NoiseMap {
         Self { across: 0, sigmas: vec![sigma] }
     }
 
-    /// Returns the rows of a chip that [`of_rows`](NoiseMap::of_rows) needs: every fourth illuminated row.
-    pub fn rows(light_area: &LightArea) -> impl Iterator<Item = usize> + use<> {
-        light_area.rows.clone().step_by(ROW_STEP)
-    }
-
-    /// Computes the noise from rows of pixels, which are those of [`rows`](NoiseMap::rows) one after the other, each with
-    /// all `columns`. Pixels without a value are NaN.
+    /// Computes the noise of a chip from every fourth illuminated row. `read` returns the pixels of the rows of a row of
+    /// cells, one row after the other, each with all `columns`. Pixels without a value are NaN.
     ///
     /// The noise of a cell is 1.4826 times the median absolute deviation from a plane through the medians of its
     /// halves, which a gradient of the sky, stars and streaks hardly change; then the median of the cell and its
     /// neighbours is used. Cells without pixels or without noise have the median noise of the others.
-    pub fn of_rows(light_area: &LightArea, columns: usize, values: &[f64]) -> Self {
+    ///
+    /// # Errors
+    /// The errors of `read`.
+    pub fn new(
+        light_area: &LightArea,
+        columns: usize,
+        mut read: impl FnMut(&[usize]) -> Result<Vec<f64>, Error>,
+    ) -> Result<Self, Error> {
         let across = columns.div_ceil(CELL).max(1);
         let down = light_area.rows.end.div_ceil(CELL).max(1);
         let mut cells: Vec<Vec<[f32; 3]>> = vec![Vec::new(); across];
         let mut sigmas = vec![0.0; across * down];
-        let mut rows = Self::rows(light_area).zip(values.chunks(columns.max(1))).peekable();
-        while let Some((row, pixels)) = rows.next() {
-            for column in light_area.columns.clone().step_by(COLUMN_STEP) {
-                let value = pixels[column] as f32;
-                if value.is_finite() {
-                    cells[column / CELL].push([column as f32, row as f32, value]);
+        let rows: Vec<usize> = light_area.rows.clone().step_by(ROW_STEP).collect();
+        for rows in rows.chunk_by(|a, b| a / CELL == b / CELL) {
+            for (row, pixels) in rows.iter().zip(read(rows)?.chunks(columns.max(1))) {
+                for column in light_area.columns.clone().step_by(COLUMN_STEP) {
+                    let value = pixels[column] as f32;
+                    if value.is_finite() {
+                        cells[column / CELL].push([column as f32, *row as f32, value]);
+                    }
                 }
             }
-            let strip = row / CELL;
-            if rows.peek().is_none_or(|(next, _)| next / CELL != strip) {
-                for (cell, sigma) in cells.iter_mut().zip(&mut sigmas[strip * across..]) {
-                    *sigma = noise_of_cell(cell);
-                    cell.clear();
-                }
+            for (cell, sigma) in cells.iter_mut().zip(&mut sigmas[rows[0] / CELL * across..]) {
+                *sigma = noise_of_cell(cell);
+                cell.clear();
             }
         }
         let mut known: Vec<f32> = sigmas.iter().copied().filter(|sigma| *sigma > 0.0).collect();
@@ -72,7 +74,7 @@ impl NoiseMap {
                 .collect();
             median(&mut around)
         };
-        Self { across, sigmas: (0..sigmas.len()).map(smooth).collect() }
+        Ok(Self { across, sigmas: (0..sigmas.len()).map(smooth).collect() })
     }
 
     /// Returns the standard deviation of the pixels near a pixel; 0 for a frame without noise.
@@ -128,11 +130,11 @@ mod tests {
     /// Returns the map of a chip of 200 by 300 pixels, with a value for each row and column.
     fn map(value: impl Fn(usize, usize) -> f64) -> NoiseMap {
         let area = LightArea { rows: 0..200, columns: 0..300 };
-        let values: Vec<f64> = NoiseMap::rows(&area)
-            .flat_map(|row| (0..300).map(move |column| (row, column)))
-            .map(|(row, column)| value(row, column))
-            .collect();
-        NoiseMap::of_rows(&area, 300, &values)
+        let read = |rows: &[usize]| {
+            let pixels = rows.iter().flat_map(|row| (0..300).map(move |column| (*row, column)));
+            Ok(pixels.map(|(row, column)| value(row, column)).collect())
+        };
+        NoiseMap::new(&area, 300, read).unwrap()
     }
 
     /// Values from -1 to 1 in no order, whose median absolute deviation is 0.5.

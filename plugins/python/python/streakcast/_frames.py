@@ -93,12 +93,22 @@ class Image:
             found.append(("VARIANCE", variance, ""))
         return found
 
-    def like(self, pixels: Pixels, variance: Pixels | None) -> Any:
-        """Returns a frame of the same form with other pixels and, for an `NDData`, another variance."""
+    def errors(self) -> npt.NDArray[Any] | None:
+        """Returns a copy of the values of an uncertainty; `None` without variances."""
+        return None if self.variance is None else np.array(self.given.uncertainty.array)
+
+    def change_errors(self, errors: npt.NDArray[Any], before: Pixels, after: Pixels) -> None:
+        """Replaces the values of an uncertainty whose variances have changed."""
+        uncertainty = self.given.uncertainty
+        is_changed = (before != after) & np.isfinite(after)
+        changed = _FROM_VARIANCE[uncertainty.uncertainty_type](after[is_changed])
+        errors[is_changed] = changed / _unit_factor(uncertainty, self.given.unit)
+
+    def like(self, pixels: Pixels, errors: npt.NDArray[Any] | None) -> Any:
+        """Returns a frame of the same form with other pixels and, for an `NDData`, other values of its uncertainty."""
         given = self.given
         if _is_nddata(given):
-            uncertainty = _new_uncertainty(given.uncertainty, self.variance, variance, given.unit)
-            return _new_nddata(given, pixels, uncertainty, given.mask)
+            return _new_nddata(given, pixels, _new_uncertainty(given.uncertainty, errors), given.mask)
         if _is_hdu(given):
             return _new_hdu(given, pixels)
         if isinstance(given, np.ma.MaskedArray):
@@ -109,7 +119,7 @@ class Image:
         """Returns an `NDData` or masked array with the same pixels and more of them masked; `None` for other forms."""
         given, mask = self.given, streaks if self.bad is None else streaks | (self.bad != 0)
         if _is_nddata(given):
-            return _new_nddata(given, np.array(given.data), given.uncertainty, mask)
+            return _new_nddata(given, np.array(given.data), _new_uncertainty(given.uncertainty), mask)
         if not isinstance(given, np.ma.MaskedArray):
             return None
         return np.ma.MaskedArray(np.array(given.data), mask=mask, fill_value=_fill_value(given))
@@ -341,9 +351,10 @@ def _variance(uncertainty: NDUncertainty | None, unit: Any) -> Pixels | None:
     if uncertainty is None or uncertainty.array is None or uncertainty.uncertainty_type not in _TO_VARIANCE:
         return None
     array = np.asarray(uncertainty.array)
-    values = array.astype(np.float32 if array.dtype.itemsize <= 4 else np.float64) * _unit_factor(uncertainty, unit)
+    variance: Pixels = array.astype(np.float32 if array.dtype.itemsize <= 4 else np.float64)
+    variance *= _unit_factor(uncertainty, unit)
     with np.errstate(divide="ignore", over="ignore"):
-        variance: Pixels = _TO_VARIANCE[uncertainty.uncertainty_type](values)
+        _TO_VARIANCE[uncertainty.uncertainty_type](variance, out=variance)
     return variance
 
 
@@ -363,31 +374,19 @@ def _unit_factor(uncertainty: NDUncertainty, unit: Any) -> Any:
         ) from None
 
 
-def _new_uncertainty(
-    uncertainty: NDUncertainty | None, before: Pixels | None, after: Pixels | None, unit: Any
-) -> NDUncertainty | None:
-    """Returns the uncertainty with other variances."""
-    if uncertainty is None or before is None or after is None:
-        return uncertainty
-    is_changed = (before != after) & np.isfinite(after)
-    array = np.array(uncertainty.array)
-    changed = _FROM_VARIANCE[uncertainty.uncertainty_type](after[is_changed])
-    array[is_changed] = changed / _unit_factor(uncertainty, unit)
-    return type(uncertainty)(array, unit=uncertainty.unit, copy=False)
-
-
-def _copied(uncertainty: NDUncertainty | None) -> NDUncertainty | None:
-    """Returns a copy of an uncertainty without the frame to which it belongs."""
+def _new_uncertainty(uncertainty: NDUncertainty | None, errors: npt.NDArray[Any] | None = None) -> NDUncertainty | None:
+    """Returns an uncertainty that belongs to no frame, with the given values or a copy of its own."""
     if uncertainty is None or uncertainty.array is None:
         return uncertainty
-    return type(uncertainty)(np.array(uncertainty.array), unit=uncertainty.unit, copy=False)
+    values = np.array(uncertainty.array) if errors is None else errors
+    return type(uncertainty)(values, unit=uncertainty.unit, copy=False)
 
 
 def _new_nddata(given: Any, pixels: Pixels, uncertainty: NDUncertainty | None, mask: object) -> NDData:
     """Returns an `NDData` with the world coordinates, metadata and unit of the given one."""
     others = {name: getattr(given, name) for name in ("flags", "psf") if getattr(given, name, None) is not None}
     new: NDData = type(given)(
-        pixels, uncertainty=_copied(uncertainty), mask=copy.copy(mask), wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
+        pixels, uncertainty=uncertainty, mask=copy.copy(mask), wcs=given.wcs, meta=copy.deepcopy(given.meta), unit=given.unit, **others
     )
     return new
 

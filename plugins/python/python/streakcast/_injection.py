@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-import mmap
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,6 +17,7 @@ from . import _core
 from ._frames import Image, as_files, is_path, read_hdu_list
 from ._quantities import count, finite_scalar, is_quantity, number, scalar
 from ._setup import absolute, document
+from ._sparse import SparseImage
 from ._streak_tables import streak_files
 from ._tables import TRUTH, Main, table_of
 from ._times import to_tai
@@ -44,18 +46,14 @@ if TYPE_CHECKING:
 _POINTS = Main(("streak", "utc", "x_pix", "y_pix"), ("ra_deg", "dec_deg", "magnitude"))
 
 
-class Injected(NamedTuple):
+@dataclass(frozen=True)
+class Injected:
     """Result of an injection."""
 
     #: File that was written; `None` for a frame in memory.
     path: Path | None
     #: Image with streaks, in the data type of the input; `None` for a file or HDU list.
     image: Pixels | None
-    #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file or HDU
-    #: list.
-    added: npt.NDArray[np.float32 | np.float64] | None
-    #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file or HDU list, whose masks are extensions.
-    mask: npt.NDArray[np.int32] | None
     #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` where light was added.
     mask_planes: dict[str, int]
     #: One row per streak and chip: ends in pixels and on the sky, magnitude, length, width, counts.
@@ -70,9 +68,25 @@ class Injected(NamedTuple):
     #: `~astropy.nddata.NDData` or array.
     frame: FrameLike
     #: Remarks, for example about columns of a table of streaks that are not used.
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[str, ...]
     #: Text of each file of labels, by its name. The files are written beside ``output``.
-    labels: Mapping[str, str] = {}
+    labels: Mapping[str, str]
+    _added: SparseImage[np.float32 | np.float64] | None = field(repr=False)
+    _mask: SparseImage[np.int32] | None = field(repr=False)
+
+    @cached_property
+    def added(self) -> npt.NDArray[np.float32 | np.float64] | None:
+        """Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file or HDU
+        list. The array is created when it is first read.
+        """
+        return None if self._added is None else self._added.dense()
+
+    @cached_property
+    def mask(self) -> npt.NDArray[np.int32] | None:
+        """Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file or HDU list, whose masks are
+        extensions. The array is created when it is first read.
+        """
+        return None if self._mask is None else self._mask.dense()
 
 
 def inject(
@@ -277,21 +291,17 @@ def inject(
         target = os.path.join(files.folder, "injected") if output is None else absolute(output)
         request = json.dumps(_without_none({**options, "image": [*files.paths]}))
         result = _core.inject(request, json.dumps(setup), config, sky_cache, target)
-        done = _done(files.images[0], target, output)
+        done = _done(files.images[0], target, output, with_mask=not pixels_only)
     for message in dict.fromkeys(result["warnings"]):
         warn(files.shown(message))
     if model is not None and sky_cache is not None:
         # Old element sets, as in the other methods.
         model._warn_once(sky_cache, [])
-    if done.image is not None and done.mask is None and not pixels_only:
-        done = done._replace(mask=np.zeros(done.image.shape, dtype=np.int32))
     truth = result["truth"] if output is not None else [one for one in result["truth"] if one["name"] != "image"]
     streak_bit, injected_bit = result["bits"]
     return Injected(
         path=Path(output) if output is not None else None,
         image=done.image,
-        added=done.added,
-        mask=done.mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
         truth=table_of(truth, table, main=TRUTH),
         points=table_of(result["points"], table, main=_POINTS),
@@ -300,49 +310,54 @@ def inject(
         frame=done.frame,
         remarks=tuple(files.shown(remark) for remark in result["remarks"]),
         labels=dict(result["labels"]),
+        _added=done.added,
+        _mask=done.mask,
     )
 
 
 class _Done(NamedTuple):
     frame: FrameLike
     image: Pixels | None = None
-    added: npt.NDArray[np.float32 | np.float64] | None = None
-    mask: npt.NDArray[np.int32] | None = None
+    added: SparseImage[np.float32 | np.float64] | None = None
+    mask: SparseImage[np.int32] | None = None
 
 
-def _done(given: Image | None, target: str, output: PathLike | None) -> _Done:
+#: Number of rows that are read at once.
+_ROWS = 32
+
+
+def _done(given: Image | None, target: str, output: PathLike | None, with_mask: bool) -> _Done:
     """Returns the frame in the output file in the form in which it was given."""
     if output is not None:
         return _Done(Path(output))
     if given is None:
         return _Done(read_hdu_list(target))
+    before, errors = given.pixels, given.errors()
+    kind, columns = before.dtype.name, before.shape[1]
+    image: Pixels = np.empty(before.shape, kind)
+    is_single = kind == "float32" or before.dtype.itemsize <= 2
+    wide: type[np.float32 | np.float64] = np.float32 if is_single else np.float64
+    added, mask = SparseImage(columns, wide), SparseImage(columns, np.int32)
     # The output contains the planes of the input, and then the mask if there are streaks.
-    planes, before = given.planes(), given.pixels
-    image = _core.read_image(target, 0, before.dtype.name)
-    assert image is not None
-    variance = None if given.variance is None else _core.read_image(target, 2, given.variance.dtype.name)
-    mask = _core.read_image(target, len(planes), "int32")
-    added = _difference(image, before)
+    hdu_of_mask = len(given.planes())
+    for first in range(0, len(before), _ROWS):
+        end = min(first + _ROWS, len(before))
+        old, new = before[first:end], _core.read_rows(target, 0, kind, first, end)
+        assert new is not None
+        image[first:end] = new
+        # The difference is exact also for unsigned integers. NaN pixels, which differ from themselves, stay NaN.
+        added.append(np.subtract(new, old, out=np.zeros(new.shape, wide), where=new != old, dtype=wide))
+        if errors is not None and given.variance is not None:
+            variance = _core.read_rows(target, 2, given.variance.dtype.name, first, end)
+            assert variance is not None
+            given.change_errors(errors[first:end], given.variance[first:end], variance)
+        bits = _core.read_rows(target, hdu_of_mask, "int32", first, end) if with_mask else None
+        mask.append(np.zeros(new.shape, np.int32) if bits is None else bits)
     if given.integers is not None:
         limits = np.iinfo(given.integers)
         # Of the other integers, only int8 has a smaller range than int32.
         image = (image.clip(limits.min, limits.max) if limits.bits < 32 else image).astype(given.integers)
-    return _Done(given.like(image, variance), image, added, mask)
-
-
-def _difference(after: Pixels, before: Pixels) -> npt.NDArray[np.float32 | np.float64]:
-    """Returns the difference of two images, which is exact also for unsigned integers.
-
-    Only changes are written: unlike those of `numpy.zeros`, which has huge pages, the other pages take no memory.
-    """
-    wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
-    pages = mmap.mmap(-1, after.size * np.dtype(wide).itemsize)
-    difference: npt.NDArray[np.float32 | np.float64] = np.ndarray(after.shape, wide, pages)
-    for row, (new, old) in enumerate(zip(after, before)):
-        # NaN pixels, which differ from themselves, stay NaN.
-        (changed,) = np.nonzero(new != old)
-        difference[row, changed] = np.subtract(new[changed], old[changed], dtype=wide)
-    return difference
+    return _Done(given.like(image, errors), image, added, mask if with_mask else None)
 
 
 def _without_none(options: Mapping[str, Json]) -> dict[str, Json]:
