@@ -73,6 +73,27 @@ fn earthshine_only_brightens_and_is_named() {
     assert!(pairs.iter().all(|((_, with, _), (_, without, _))| with <= without));
 }
 
+/// Model of a panel on the upper side, which is not visible from the ground.
+const UPPER_PANEL: &str = r#"{"schema": 1, "name": "top", "title": "Panel on the upper side", "kind": "panels", "band": "V",
+"mag_system": "Vega", "size_m": 2.0, "sigma_mag": 0.5, "sigma_origin": "assumed", "panels": {"parameters": [], "panels": [
+{"name": "top", "anchor_m": [0, 0, 0], "u_m": [0, 1], "v_m": [0, 1], "attitude": {"law": "nadir"}, "front": [],
+"back": [{"law": "lambert", "albedo": 0.2}], "through": [], "earthshine": false}]}, "provenance": {"source": "test",
+"data": "none", "n_points": 0, "date": "2026-11", "provisional": false, "notes": []}}"#;
+
+#[test]
+fn a_sunlit_satellite_without_light_of_its_model_has_that_of_the_prior() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("top.json");
+    std::fs::write(&path, UPPER_PANEL).unwrap();
+    let answer = passes_with(&["--model", path.to_str().unwrap(), "--no-earthshine", "--limit-mag", "7"]);
+    let passes = answer["passes"].as_array().unwrap();
+    assert!(passes.len() > 10, "{}", passes.len());
+    for pass in passes {
+        assert_eq!(pass["mag_source"], "prior", "{pass}");
+        assert!(pass["magnitude"].is_number() && pass["p_brighter"].as_f64().unwrap() > 0.01, "{pass}");
+    }
+}
+
 #[test]
 fn passes_have_the_fitted_range_flag() {
     let answer = passes_with(&[]);
