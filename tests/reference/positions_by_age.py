@@ -2,8 +2,7 @@
 
     STREAKCAST_DATA=... STREAKCAST_BIN=... python tests/reference/positions_by_age.py docs/tables/lateness.md
 
-The data are the daily Starlink catalogues of June 2026, a third of the odd catalogue numbers, and element sets of 15 to
-29 June; the coefficients of src/orbit/station_keeping.rs and src/orbit/starlink_lateness.rs were fitted to even numbers.
+The data are the daily Starlink catalogues of June 2026, odd catalogue numbers, and element sets of 15 to 29 June; the coefficients of src/orbit/station_keeping.rs and src/orbit/starlink_lateness.rs were fitted to even numbers.
 `streakcast ephemeris` predicts each satellite at the epoch of a later element set, to 1.5 hours, with four selections of
 older elements:
 
@@ -37,8 +36,6 @@ DATA = Path(os.environ.get("STREAKCAST_DATA") or ROOT.parent / "shared/data")
 BINARY = os.environ.get("STREAKCAST_BIN") or ROOT / "target/release/streakcast"
 # The file of 22 June has the elements of 21 June.
 STARTS, AGES_DAY = (15, 16, 17, 18, 19, 20, 21, 23, 24, 25, 26, 27, 28, 29), (1, 3, 7, 14)
-# One of three odd catalogue numbers.
-IN_SAMPLE = lambda number: number % 6 == 1
 # Fewer satellites have no share inside their sigmas.
 LEAST_STATED = 20
 SELECTIONS = {"published": (), "one": (), "two": (7,), "four": (3, 7, 14)}
@@ -64,11 +61,11 @@ def path(day):
 
 
 def read(day):
-    """Returns name, epoch, mean motion (rev/day), half of its derivative and launch by catalogue number, for those of the sample."""
+    """Returns name, epoch, mean motion (rev/day), half of its derivative and launch by catalogue number, for odd numbers."""
     found = {}
     lines = gzip.open(path(day), "rt").read().splitlines()
     for name, first, second in zip(lines[0::3], lines[1::3], lines[2::3]):
-        if first[2:7].isdigit() and IN_SAMPLE(int(first[2:7])):
+        if first[2:7].isdigit() and int(first[2:7]) % 2:
             epoch = datetime.datetime(2026, 1, 1, tzinfo=UTC) + datetime.timedelta(days=float(first[20:32]) - 1)
             year = int(first[9:11]) + (2000 if int(first[9:11]) < 57 else 1900) if first[9:11].strip() else 0
             found[int(first[2:7])] = (name.strip(), epoch, float(second[52:63]), float(first[33:43]), f"{year}-{first[11:14]}")
