@@ -62,7 +62,7 @@ fn cells(starts: &[u32], before: &[u32], ages: &[u32]) -> BTreeMap<(StarlinkClas
         let older: Vec<_> = before.iter().map(|days| day(start - days).expect("data")).collect();
         for age in ages.iter().filter(|age| *start + **age <= 30) {
             let later = day(start + age).expect("data");
-            for (norad_id, set) in &newest {
+            for (norad_id, set) in newest.iter().step_by(STRIDE) {
                 let Some(truth) = later.get(norad_id).filter(|truth| truth.epoch - set.epoch > 0.2 * Unit::Day) else {
                     continue;
                 };
@@ -83,8 +83,8 @@ fn cells(starts: &[u32], before: &[u32], ages: &[u32]) -> BTreeMap<(StarlinkClas
 }
 
 /// Largest difference of the share within one sigma from 68 %. The days of June 2026 differ by 8 % (standard deviation of
-/// the class VisorSat, V2 Mini), because the satellites of a day have a common error.
-const INSIDE_TOLERANCE: f64 = 0.11;
+/// the class VisorSat, V2 Mini), because the satellites of a day have a common error, and July was stormier.
+const INSIDE_TOLERANCE: f64 = 0.08;
 
 /// Requires that 68 % of the delays are within a limit, and that one sigma contains about 68 %, with a tolerance of three
 /// sigma of the sampling error.
@@ -110,8 +110,10 @@ fn check(
     assert!((inside - 0.68).abs() <= INSIDE_TOLERANCE + scatter, "{key:?}: one sigma holds {inside:.3}");
 }
 
-/// Days whose files, and those of the days before and after, have epochs about as far apart as the names of the files.
-const STARTS: [u32; 4] = [15, 16, 20, 23];
+/// The days of which element sets are tested. The file of 22 June has the elements of 21 June.
+const STARTS: [u32; 14] = [15, 16, 17, 18, 19, 20, 21, 23, 24, 25, 26, 27, 28, 29];
+/// One of so many satellites is tested.
+const STRIDE: usize = 3;
 
 /// Limits of the half widths that contain 68 %, seconds, at 1, 3 and 7 days, with one element set of each satellite.
 #[test]
@@ -292,14 +294,17 @@ fn random_fields(
 fn reliability<const N: usize>(night: u32, stride: usize, selections: [&[u32]; N]) -> [Tenths; N] {
     let mut draws = Random(u64::from(night));
     let (eop, models) = (EopTable::embedded(), ModelChoice::default());
-    let numbers = AGES_DAYS.iter().flat_map(|age| selections.concat().into_iter().chain([0]).map(move |before| age + before));
+    let numbers =
+        AGES_DAYS.iter().flat_map(|age| selections.concat().into_iter().chain([0]).map(move |before| age + before));
     let numbers: BTreeSet<u32> = numbers.filter(|days| *days < night).map(|days| night - days).collect();
     let days: BTreeMap<u32, _> = numbers.into_iter().map(|number| (number, day(number).expect("data"))).collect();
     let mut all = [Tenths::default(); N];
     for truth in day(night).expect("data").into_values().step_by(stride) {
         let of_day = |number: u32| days.get(&number)?.get(&truth.norad_id).cloned();
         let (mut keys, mut predictions) = (Vec::new(), Vec::new());
-        for (age_index, newest) in AGES_DAYS.iter().enumerate().filter_map(|(i, age)| Some((i, night.checked_sub(*age)?))) {
+        for (age_index, newest) in
+            AGES_DAYS.iter().enumerate().filter_map(|(i, age)| Some((i, night.checked_sub(*age)?)))
+        {
             let Some(set) = of_day(newest).filter(|set| truth.epoch - set.epoch > 0.2 * Unit::Day) else { continue };
             for (selection, before) in selections.iter().enumerate() {
                 let others: Vec<_> = before.iter().filter_map(|days| of_day(newest.checked_sub(*days)?)).collect();
@@ -354,7 +359,6 @@ fn valid_reliability_of_crossing_probabilities() {
 #[test]
 #[ignore = "takes minutes of a core; writes a table of the documentation"]
 fn reliability_of_many_fields() {
-    /// The file of 22 June has the elements of 21 June.
     const NIGHTS: [u32; 14] = [16, 17, 18, 19, 20, 21, 23, 24, 25, 26, 27, 28, 29, 30];
     if crate::common::data_dir().is_none() {
         return;
