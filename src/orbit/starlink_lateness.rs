@@ -10,8 +10,8 @@
 //!
 //! The coefficients were fitted on even catalogue numbers of the Starlink catalogues of June 2026.
 //! `tests/reference/positions_by_age.py` compares them with odd numbers (docs/explanation/uncertainty.md). June was quiet.
-//! Widths with one set are therefore 2 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable ones.
-//! For the histories of 72 satellites until August, one sigma of `Station` then contains 62-68 %.
+//! Widths with one set are therefore up to 3 % (`Station`, `DirectToCell`) and 4 % (`StrongDrag`) above the most probable
+//! ones. In the histories of 72 satellites until August, one sigma of `Station` contains 61-67 %.
 
 use super::lateness::Lateness;
 use super::station_keeping::{MeanMotion, StarlinkClass};
