@@ -19,6 +19,8 @@ fn old_elements(at: Epoch) -> Vec<ElementSet> {
     for set in &mut elements {
         set.origin = Origin::Published;
         set.name = "STARLINK-1".into();
+        // The lateness increases with the drag.
+        set.mean_motion_dot_rev_day2 = 3e-5;
     }
     elements
 }
