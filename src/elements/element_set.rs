@@ -65,7 +65,8 @@ impl ElementSet {
             return false;
         }
         // The same designator may be written as 1998-067A or 98067A. Texts such as UNKNOWN are no designators.
-        let key = |text: &str| text.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_uppercase();
+        let key =
+            |text: &str| text.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_uppercase();
         let keys = [first, second].map(|text| key(text));
         let [first, second] = &keys;
         keys.iter().all(|key| key.starts_with(|c: char| c.is_ascii_digit()))

@@ -16,7 +16,8 @@ use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{
-    Direction, FIRST_YEAR, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant, seconds_after, seconds_between,
+    Direction, FIRST_YEAR, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant, seconds_after,
+    seconds_between,
 };
 use crate::input::comments_warning;
 use crate::output::{counted, format_utc};

@@ -745,7 +745,11 @@ fn contradictory_columns_and_other_equinoxes_make_rows_invalid() {
         ("turn", "390,,,,,", "duration_s is 30 and exposure_s is 390"),
         ("dark", ",,,17,,", ""),
         ("minute", ",60536.979942,,,,", ""),
-        ("gaps", ",,,,,2024-08-14T23:30:39.2Z", "start_utc plus 30 s is 2024-08-14T23:30:30Z and end_utc is 2024-08-14T23:30:39Z"),
+        (
+            "gaps",
+            ",,,,,2024-08-14T23:30:39.2Z",
+            "start_utc plus 30 s is 2024-08-14T23:30:30Z and end_utc is 2024-08-14T23:30:39Z",
+        ),
     ];
     let text: String = rows.iter().map(|(id, more, _)| row(id, more)).collect();
     // A start without seconds is rounded to a minute.

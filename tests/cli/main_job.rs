@@ -49,7 +49,7 @@ fn passes_agree_in_every_format() {
                altitude_deg, azimuth_deg, range_km, height_km, phase_angle_deg, illumination, lit_fraction, magnitude, magnitude_sigma, \
                magnitude_peak, band, mag_system, mag_source, effective_magnitude, surface_brightness_mag_arcsec2, width_arcsec, \
                element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source, magnitude_peak_sigma, \
-               streak_cost_s, p_bright";
+               streak_cost_s, p_bright, in_fitted_range";
     assert_eq!(names.join(", "), law);
     assert!(csv.lines().next().unwrap().starts_with("# software: \"streakcast\""));
     assert_eq!(records(&done(&[PASSES, SKY, &["--format", "ecsv"]])), rows);
