@@ -52,7 +52,10 @@ fn passes_agree_in_every_format() {
                streak_cost_s, p_bright, in_fitted_range";
     assert_eq!(names.join(", "), law);
     assert!(csv.lines().next().unwrap().starts_with("# software: \"streakcast\""));
-    assert_eq!(records(&done(&[PASSES, SKY, &["--format", "ecsv"]])), rows);
+    // ECSV has True for true.
+    let ecsv =
+        done(&[PASSES, SKY, &["--format", "ecsv"]]).replace(",True\n", ",true\n").replace(",False\n", ",false\n");
+    assert_eq!(records(&ecsv), rows);
     let lines = done(&[PASSES, SKY, &["--format", "jsonl"]]);
     let lines: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(&lines[1..], passes.as_slice());

@@ -602,12 +602,12 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
         (
             "b.oem",
             oem.replacen("META_STOP", "USABLE_STOP_TIME = 2024-08-14T00:10:00\nMETA_STOP", 1),
-            "USEABLE_STOP_TIME, STOP_TIME, INTERPOLATION, INTERPOLATION_DEGREE, COMMENT; the most similar is USEABLE_STOP_TIME",
+            "keyword in the metadata is USABLE_STOP_TIME; allowed: USEABLE_STOP_TIME, the most similar of OBJECT_NAME",
         ),
         (
             "c.xml",
             xml.replace("STOP_TIME>", "END_TIME>"),
-            "c.xml:7: keyword in the metadata is END_TIME; allowed: OBJECT_NAME",
+            "c.xml:7: keyword in the metadata is END_TIME; allowed: STOP_TIME, the most similar",
         ),
         ("b.oem", swapped, "b.oem:22: time of the state is "),
         ("b.oem", lines(&oem, 50), "b.oem:50: time of the last state is 2024-08-14T00:32:00"),

@@ -80,7 +80,7 @@ impl Metadata {
             // A misspelt limit of the usable interval must not be ignored.
             unknown => {
                 let nearest = KEYWORDS.iter().min_by_key(|known| strsim::levenshtein(known, unknown));
-                let allowed = format!("{}; the most similar is {}", KEYWORDS.join(", "), nearest.unwrap_or(&""));
+                let allowed = format!("{}, the most similar of {}", nearest.unwrap_or(&""), KEYWORDS.join(", "));
                 return Err(Problem::new(line, "keyword in the metadata", excerpt(unknown.as_bytes()), allowed));
             }
         }
