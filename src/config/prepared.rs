@@ -97,6 +97,7 @@ impl LoadedInputs {
             provenance.attach("cut_short", warnings::cut_short(catalogue).collect::<Vec<_>>());
             let chosen = catalogue.chosen_at(middle);
             (elements, others) = (chosen.sets, chosen.others);
+            of_files.extend(warnings::of_other_sets(&elements, &others));
             let merged = merge_parts_of_stations(&mut elements);
             if !merged.is_empty() {
                 provenance.attach("modules_merged", merged);
@@ -172,6 +173,7 @@ impl LoadedInputs {
         if sky.left_out().len() == sky.elements().len() && !sky.elements().is_empty() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }
+        of_files.extend(warnings::of_placeholders(self.choice.magnitude_placeholders(), sky.elements()));
         let models: BTreeSet<String> =
             (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
         provenance.state("models", models.into_iter().collect::<Vec<_>>());

@@ -4,9 +4,10 @@ use std::error::Error;
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{ElementSet, Rejected, Satellites};
+use crate::elements::{ElementSet, Origin, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::math::quantile::median;
+use crate::message::Quoted;
 use crate::orbit::{LeftOut, TooOld, elements_of_age};
 use crate::output::{counted, format_utc};
 use crate::passes::{OrbitingObserver, Sky};
@@ -49,6 +50,26 @@ pub(super) fn of_measured(measured: usize, not_used: usize) -> Option<String> {
         format!(
             "predicted magnitudes are not corrected by {not_used} of {of}: the satellite is simulated or has no element set, \
              or no magnitude is predicted at that time"
+        )
+    })
+}
+
+/// Returns the warning about satellites without a possible magnitude in the table of standard magnitudes.
+pub(super) fn of_placeholders(placeholders: &[u32], elements: &[ElementSet]) -> Option<String> {
+    if placeholders.is_empty() {
+        return None;
+    }
+    let listed: Vec<String> = elements
+        .iter()
+        .filter(|set| set.origin == Origin::Published && placeholders.contains(&set.norad_id.0))
+        .map(|set| set.norad_id.to_string())
+        .collect();
+    (!listed.is_empty()).then(|| {
+        format!(
+            "{} of {} in the table of standard magnitudes ignored, because it is 0 or outside -5 to 16: {}",
+            counted(listed.len(), "magnitude", "magnitudes"),
+            counted(placeholders.len(), "satellite", "satellites"),
+            first_of(&listed)
         )
     })
 }
@@ -134,6 +155,41 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
         warnings.push(format!("{} accepted despite a wrong checksum", counted(accepted, "record", "records")));
     }
     warnings
+}
+
+/// Returns the warnings about element sets of other epochs that are not used, because they are of another object, and
+/// about satellites with several element sets of one epoch that differ. Both lists are sorted by catalogue number.
+pub(super) fn of_other_sets(elements: &[ElementSet], others: &[ElementSet]) -> Vec<String> {
+    let (mut of_other_objects, mut contradictory) = (Vec::new(), Vec::new());
+    for other in others {
+        let Ok(index) = elements.binary_search_by_key(&other.norad_id, |set| set.norad_id) else { continue };
+        let used = &elements[index];
+        let satellite = format!("{} {}", used.norad_id, used.name);
+        if used.is_of_other_object(other) {
+            let [designator, used] = [other, used].map(|set| Quoted::new(&*set.international_designator));
+            of_other_objects.push(format!("{} ({designator}, not {used})", satellite.trim()));
+        } else if used.epoch == other.epoch
+            && let Some((name, [used, other], unit)) = used.difference(other)
+        {
+            contradictory.push(format!("{} (used: {name} {used}{unit}, not {other}{unit})", satellite.trim()));
+        }
+    }
+    let ignored = (!of_other_objects.is_empty()).then(|| {
+        format!(
+            "{} of another epoch ignored, because the COSPAR designator is that of another object than in the set that is \
+             used: {}",
+            element_sets(of_other_objects.len()),
+            first_of(&of_other_objects)
+        )
+    });
+    let contradictory = (!contradictory.is_empty()).then(|| {
+        format!(
+            "{} ignored, because another set of the same satellite and epoch with different elements is read after it: {}",
+            element_sets(contradictory.len()),
+            first_of(&contradictory)
+        )
+    });
+    ignored.into_iter().chain(contradictory).collect()
 }
 
 /// Returns the warning about ephemerides whose satellites have no element set.

@@ -20,7 +20,7 @@ fn days_to_month(year: i32, month: u32) -> i64 {
 }
 
 /// Returns true for a leap year.
-fn is_leap(year: i32) -> bool {
+pub(super) fn is_leap(year: i32) -> bool {
     year % 4 == 0 && (year % 100 != 0 || year % 400 == 0)
 }
 

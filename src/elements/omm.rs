@@ -87,18 +87,47 @@ impl Keyword {
             _ => return None,
         })
     }
+
+    /// Returns the spellings of the unit in which the value is read; `None` for a value that has no unit or is ignored.
+    fn units(self) -> Option<&'static [&'static str]> {
+        Some(match self {
+            Self::MeanMotion => &["rev/day", "revs/day", "rev/d"],
+            Self::Eccentricity => &["1", "none", "n/a", "-"],
+            Self::Inclination | Self::RaOfAscNode | Self::ArgOfPericenter | Self::MeanAnomaly => {
+                &["deg", "degree", "degrees"]
+            }
+            Self::Bstar => &["1/ER", "ER**-1", "1/earth radii"],
+            Self::MeanMotionDot => &["rev/day**2", "rev/day^2", "rev/day2", "rev/d**2"],
+            Self::MeanMotionDdot => &["rev/day**3", "rev/day^3", "rev/day3", "rev/d**3"],
+            _ => return None,
+        })
+    }
 }
 
 /// Text values of one record, by keyword; keywords without text are absent.
 #[derive(Debug, Default)]
 pub(super) struct Fields<'a> {
     texts: [Cow<'a, str>; KEYWORDS],
+    /// Reason for the rejection of the record: a value in a unit that is not read.
+    wrong_unit: Option<String>,
 }
 
 impl<'a> Fields<'a> {
     /// Stores a text. If a keyword is repeated, the last value is used.
     pub fn set(&mut self, keyword: Keyword, text: Cow<'a, str>) {
         self.texts[keyword as usize] = text;
+    }
+
+    /// Checks the unit that the file states for the value of a keyword; `name` is the keyword in the file.
+    pub fn check_unit(&mut self, keyword: Keyword, name: &str, unit: &str) {
+        let unit = unit.trim();
+        if let Some(units) = keyword.units()
+            && !unit.is_empty()
+            && !units.iter().any(|known| known.eq_ignore_ascii_case(unit))
+        {
+            let given = Quoted::new(excerpt(unit.as_bytes()));
+            self.wrong_unit = Some(format!("unsupported unit {given:?} of {}: allowed {}", name.trim(), units[0]));
+        }
     }
 
     /// Returns the trimmed text; `None` if it is absent or empty.
@@ -110,6 +139,7 @@ impl<'a> Fields<'a> {
     /// Removes all texts.
     pub fn clear(&mut self) {
         self.texts.fill(Cow::Borrowed(""));
+        self.wrong_unit = None;
     }
 
     /// Returns true if there are no texts.
@@ -145,6 +175,9 @@ impl<'a> Fields<'a> {
 
     fn element_set(&self) -> Result<ElementSet, Error> {
         self.check_theory()?;
+        if let Some(reason) = &self.wrong_unit {
+            return Err(Error::format(reason.clone()));
+        }
         let norad_id = self.text(Keyword::NoradCatId, "NORAD_CAT_ID")?;
         let norad_id = parse_norad_id(norad_id).ok_or_else(|| {
             Error::format(format!(

@@ -70,20 +70,22 @@ fn parse_piece(text: &str) -> Parsed {
             close(&mut fields, opened_at, &mut broken);
             opened_at = offset;
         } else if let Some(keyword) = Keyword::parse(key) {
-            fields.set(keyword, Cow::Borrowed(without_unit(value)));
+            let (value, unit) = split_unit(value);
+            fields.check_unit(keyword, key, unit);
+            fields.set(keyword, Cow::Borrowed(value));
         }
     }
     close(&mut fields, opened_at, &mut broken);
     parsed
 }
 
-/// Removes the unit that CCSDS allows after a number, as in `15.5 [rev/day]`.
-fn without_unit(value: &str) -> &str {
+/// Returns a value and the unit that CCSDS allows after a number, as in `15.5 [rev/day]`; empty without a unit.
+fn split_unit(value: &str) -> (&str, &str) {
     let value = value.trim();
-    match value.rfind('[') {
-        Some(at) if value.ends_with(']') && value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
-            value[..at].trim_end()
+    match value.strip_suffix(']').and_then(|rest| rest.rsplit_once('[')) {
+        Some((number, unit)) if value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
+            (number.trim_end(), unit)
         }
-        _ => value,
+        _ => (value, ""),
     }
 }

@@ -82,6 +82,11 @@ fn parse_message(text: &str) -> Result<Fields<'_>, String> {
             Event::Start(element) => {
                 keyword = Keyword::parse(element.local_name().as_ref());
                 value.clear();
+                if let Some(keyword) = keyword
+                    && let Ok(Some(unit)) = element.try_get_attribute("units")
+                {
+                    fields.check_unit(keyword, element.local_name().as_ref(), &unit.value);
+                }
             }
             Event::Text(text) if keyword.is_some() => {
                 value.push_str(&text);

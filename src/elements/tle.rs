@@ -232,7 +232,7 @@ impl<'a> Line<'a> {
     fn epoch(&self) -> Result<Epoch, Error> {
         let bad = || {
             Error::format(format!(
-                "invalid epoch {:?}: expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367",
+                "invalid epoch {:?}: expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to 365, in leap years 366",
                 Quoted::new(excerpt(self.columns(19, 32)))
             ))
         };
@@ -245,7 +245,7 @@ impl<'a> Line<'a> {
             return Err(Error::format(format!(
                 "invalid epoch {:?}: expected {}",
                 Quoted::new(excerpt(self.columns(19, 32))),
-                "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367; day 0 is \
+                "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to 365, in leap years 366; day 0 is \
                           31 December of the year before for some programs and an error for others"
             )));
         }
@@ -260,7 +260,7 @@ impl<'a> Line<'a> {
             let product = i128::from(whole.ok_or_else(bad)?) * i128::from(epoch::DAY_NS);
             nanosecond = ((product + i128::from(scale / 2)) / i128::from(scale)) as i64;
         }
-        if !(1..367).contains(&day) {
+        if day > 365 + u32::from(epoch::is_leap(year)) {
             return Err(bad());
         }
         Ok(epoch::from_day_of_year(year, i64::from(day), nanosecond))
@@ -329,7 +329,12 @@ mod tests {
             (
                 put(LINE1, 19, "26000"),
                 LINE2.into(),
-                r#"invalid epoch "26000.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367; day 0 is 31 December of the year before for some programs and an error for others"#,
+                r#"invalid epoch "26000.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to 365, in leap years 366; day 0 is 31 December of the year before for some programs and an error for others"#,
+            ),
+            (
+                put(LINE1, 19, "26366"),
+                LINE2.into(),
+                r#"invalid epoch "26366.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to 365, in leap years 366"#,
             ),
             (format!("{}4", &LINE1[..68]), LINE2.into(), "line 1: checksum '4' does not match the sum of the line, 9"),
             (

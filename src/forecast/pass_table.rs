@@ -176,6 +176,14 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             |row| row.pass.position_source.to_string().into(),
         ),
         field(TIME_ERROR, |row| row.pass.along_track_sigma_s.into()),
+        field(
+            Column::new(
+                "in_fitted_range",
+                Kind::Boolean,
+                "False if the geometry at the brightest visible point is more than 10 deg from the geometries to which the model was fitted.",
+            ),
+            |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
+        ),
     ]
 }
 
@@ -236,14 +244,6 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
                 "Sun-satellite-observer angle at the brightest visible point.",
             ),
             |row| row.peak().map(|peak| peak.geometry.phase_angle_rad().to_degrees()).into(),
-        ),
-        field(
-            Column::new(
-                "in_fitted_range",
-                Kind::Boolean,
-                "False if the geometry at the brightest visible point is more than 10 deg from the geometries to which the model was fitted.",
-            ),
-            |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
         ),
     ]
 }

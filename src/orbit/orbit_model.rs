@@ -79,8 +79,8 @@ impl OrbitModel {
     /// Returns the orbit of a satellite near the time `moment` from the element set closest to it and from others of the
     /// same satellite, in any order.
     ///
-    /// Sets closer than 2.5 days or farther than 16 days, and those of another orbit, are not used. Satellites other than
-    /// Starlinks are propagated with `set` alone.
+    /// Sets closer than 2.5 days or farther than 16 days, and those of another orbit or with another COSPAR designator, are
+    /// not used. Satellites other than Starlinks are propagated with `set` alone.
     pub fn from_sets(set: &ElementSet, others: &[ElementSet], moment: Epoch, drag: DragModel) -> Self {
         let alone = |elements: ElementSet| Self { elements, class: OrbitClass::from_elements(set, drag) };
         let Some(class) = drag.class_of(set) else { return alone(set.clone()) };
@@ -150,6 +150,7 @@ impl Links {
         let at_days = days_to(moment);
         let usable: Vec<(f64, &ElementSet)> = others
             .iter()
+            .filter(|other| !set.is_of_other_object(other))
             .map(|other| (days_to(other.epoch), other))
             .filter(|(days, _)| (SHORTEST_DAYS..=LONGEST_DAYS).contains(&days.abs()))
             .collect();

@@ -156,6 +156,11 @@ impl ModelChoice {
         self
     }
 
+    /// Returns the objects of the table of standard magnitudes without a usable magnitude.
+    pub(crate) fn magnitude_placeholders(&self) -> &[u32] {
+        self.standard_magnitudes.placeholders()
+    }
+
     /// Returns the model of a generation; `None` if it has none.
     pub fn of_kind(&self, generation: Generation) -> Option<&BrightnessModel> {
         self.by_generation.get(&generation).map(|model| &**model)

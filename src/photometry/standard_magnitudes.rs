@@ -4,7 +4,8 @@
 //! does: 2.5 log10 2 = 0.75 mag. For HST and Envisat, Heavens-Above's magnitudes are 0.7 mag fainter than those of the
 //! list. The magnitudes of the list are for the brightest likely aspect; McCants' page on the definitions gives a mean
 //! aspect that is 0.7 mag fainter, which Heavens-Above does not apply. Merged lists in circulation add 1.0 or 1.5 mag.
-//! Rows without a magnitude are skipped.
+//! Rows without a magnitude are skipped. Magnitudes of the list are from -2.0 to 10.0, without 0.0. Placeholders such as
+//! 99.9 in other lists are no magnitudes, and are counted.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -16,10 +17,15 @@ use crate::error::Error;
 /// Offset from full phase to half phase: 2.5 log10 2 mag.
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953;
 
+/// Magnitudes in the table that are possible: those of the list, with a margin. A magnitude of exactly 0 is a placeholder.
+const POSSIBLE_MAG: std::ops::RangeInclusive<f64> = -5.0..=16.0;
+
 /// Magnitudes at 1000 km and a phase angle of 90°, by NORAD catalogue number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StandardMagnitudes {
     half_lit: BTreeMap<u32, StandardMagnitude>,
+    /// Objects whose magnitude is a placeholder.
+    placeholders: Vec<u32>,
 }
 
 impl StandardMagnitudes {
@@ -28,27 +34,36 @@ impl StandardMagnitudes {
     /// # Errors
     /// No line has a NORAD number and a magnitude.
     pub fn from_qs_mag(text: &str) -> Result<Self, Error> {
-        let half_lit: BTreeMap<u32, StandardMagnitude> = text
-            .lines()
-            .filter_map(|line| {
-                let id: u32 = line.get(0..5)?.trim().parse().ok()?;
-                let end = line.len().min(37);
-                let intrinsic: f64 = line.get(33..end)?.trim().parse().ok()?;
-                // The first and the last line are headers (00001 and 99999) that have no number in this column.
-                (id > 0 && intrinsic.is_finite())
-                    .then_some((id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
-            })
+        let rows = text.lines().filter_map(|line| {
+            let id: u32 = line.get(0..5)?.trim().parse().ok()?;
+            let end = line.len().min(37);
+            let intrinsic: f64 = line.get(33..end)?.trim().parse().ok()?;
+            // The first and the last line are headers (00001 and 99999) that have no number in this column.
+            (id > 0 && intrinsic.is_finite()).then_some((id, intrinsic))
+        });
+        let (possible, placeholders): (Vec<_>, Vec<_>) =
+            rows.partition(|(_, intrinsic)| POSSIBLE_MAG.contains(intrinsic) && *intrinsic != 0.0);
+        let half_lit: BTreeMap<u32, StandardMagnitude> = possible
+            .into_iter()
+            .map(|(id, intrinsic)| (id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
             .collect();
-        if half_lit.is_empty() {
+        let placeholders: Vec<u32> = placeholders.into_iter().map(|(id, _)| id).collect();
+        if half_lit.is_empty() && placeholders.is_empty() {
             return Err(Error::format(format!("none of {} lines is a row of a qs.mag table", text.lines().count()))
                 .allowing("a NORAD id in columns 1-5 and a magnitude in columns 34-37"));
         }
-        Ok(Self { half_lit })
+        Ok(Self { half_lit, placeholders })
     }
 
     /// Returns the magnitude at 1000 km and a phase angle of 90°; `None` if the object is not listed.
     pub fn get(&self, norad_id: u32) -> Option<StandardMagnitude> {
         self.half_lit.get(&norad_id).copied()
+    }
+
+    /// Returns the objects whose magnitude is a placeholder (0, or outside -5 to 16), and is not used.
+    #[doc(hidden)]
+    pub fn placeholders(&self) -> &[u32] {
+        &self.placeholders
     }
 
     /// Returns the number of objects.
@@ -81,6 +96,20 @@ mod tests {
         assert!((table.get(11).unwrap().0 - 8.2526).abs() < 1e-4);
         assert!((table.get(25544).unwrap().0 - -1.2474).abs() < 1e-4);
         assert_eq!(table.get(39084), None);
+    }
+
+    #[test]
+    fn placeholders_are_no_magnitudes() {
+        let with = |magnitude: &str| {
+            StandardMagnitudes::from_qs_mag(&format!("33333   08 42A    OBJ            {magnitude}\n")).unwrap()
+        };
+        for text in ["99.9", "98.909", " 0.0", "-99."] {
+            let table = with(text);
+            assert_eq!((table.get(33333), table.placeholders()), (None, &[33333][..]), "{text}");
+        }
+        for text in ["10.0", "-0.5", "15.9"] {
+            assert!(with(text).get(33333).is_some(), "{text}");
+        }
     }
 
     #[test]

@@ -10,13 +10,14 @@ use serde_json::{Value, json};
 use super::error;
 use super::formats::{
     Cell, Checks, ColumnMap, DECLINATIONS, DURATIONS, RIGHT_ASCENSIONS, ROTATIONS, RawTable, ScheduleFormat,
-    ScheduleRow, StartColumn, StartForm, read_raw, start_columns,
+    ScheduleRow, StartColumn, StartForm, end_columns, read_raw, start_columns,
 };
 use super::policy::Policy;
 use crate::constants::{DAY_S, LONGEST_EXPOSURE_S, ROTATIONS_DEG};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{
-    Direction, FIRST_YEAR, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant, seconds_between,
+    Direction, FIRST_YEAR, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant, seconds_after,
+    seconds_between,
 };
 use crate::input::comments_warning;
 use crate::output::{counted, format_utc};
@@ -166,8 +167,9 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         (Some(map.declination), &DECLINATIONS),
         (map.rotation, &ROTATIONS),
     ];
-    let checks = Checks::find(path, &table, &read, map.snaps.map(|(snaps, _)| snaps))?;
-    let other_starts = other_starts(&table, &map.start);
+    let checks = Checks::find(path, &table, &read, map.snaps.filter(|_| map.is_sum))?;
+    let other_starts = with_scales(&table, start_columns(&table.names).filter(|column| *column != map.start), None);
+    let ends = with_scales(&table, end_columns(&table.names), Some(scale));
     let exposures = table
         .rows
         .iter()
@@ -176,8 +178,10 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
             let mut scheduled = scheduled_exposure(row, &cells, &map, &scales, scale, options);
             if let (Ok(cells), Ok(exposure)) = (cells.as_ref(), &scheduled.exposure) {
                 let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
-                let checked =
-                    checks.reject(cell).and_then(|()| reject_starts(cell, exposure, &map.start, &other_starts));
+                let checked = checks
+                    .reject(cell)
+                    .and_then(|()| reject_times(cell, exposure, &map.start, &other_starts, Moment::Start))
+                    .and_then(|()| reject_times(cell, exposure, &map.start, &ends, Moment::End));
                 if let Err(reason) = checked {
                     scheduled.exposure = Err(reason);
                 }
@@ -190,26 +194,44 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     Ok(Schedule { format: table.format, exposures, start_column, time_scale: scale, comments_like_rows })
 }
 
-/// Returns the columns of start times that are not read, and their time scales if these are stated.
-fn other_starts(table: &RawTable, read: &StartColumn) -> Vec<(StartColumn, TimeScale)> {
-    start_columns(&table.names)
-        .filter(|column| column.index != read.index && !table.single_precision.contains(&column.name))
+/// Adds the time scales to columns of times; those without a stated scale have the scale `default`, or are left out.
+fn with_scales(
+    table: &RawTable,
+    columns: impl Iterator<Item = StartColumn>,
+    default: Option<TimeScale>,
+) -> Vec<(StartColumn, TimeScale)> {
+    columns
+        .filter(|column| !table.single_precision.contains(&column.name))
         .filter_map(|column| {
-            let scale = column.scale.or_else(|| table.time_scales.get(&column.name).copied())?;
+            let scale = column.scale.or_else(|| table.time_scales.get(&column.name).copied()).or(default)?;
             Some((column, scale))
         })
         .collect()
 }
 
-/// Rejects a row whose start is another one in another column. Cells that are no times are ignored.
-fn reject_starts<'a>(
+/// Moment of an exposure.
+#[derive(Copy, Clone, PartialEq)]
+enum Moment {
+    Start,
+    End,
+}
+
+/// Rejects a row whose start or end is another one in other columns. Cells that are no times are ignored.
+fn reject_times<'a>(
     cell: impl Fn(usize) -> &'a Cell,
     exposure: &Exposure,
     read: &StartColumn,
     others: &[(StartColumn, TimeScale)],
+    moment: Moment,
 ) -> Result<(), String> {
-    /// Largest difference, seconds, beside the rounding of Julian dates.
-    const DIFFERENCE_S: f64 = 1.0;
+    // Largest difference beside the rounding of Julian dates. The end may contain the motion of the shutter.
+    let (expected, difference_s, what) = match moment {
+        Moment::Start => (exposure.start, 1.0, read.name.clone()),
+        Moment::End => {
+            let end = seconds_after(exposure.start, exposure.duration_s);
+            (end, 2.0, format!("{} plus {} s", read.name, exposure.duration_s))
+        }
+    };
     // Unit of the last digit.
     let rounding_s = |column: &StartColumn| match cell(column.index) {
         // The time of day follows the date, before the offset from UTC.
@@ -225,14 +247,14 @@ fn reject_starts<'a>(
         _ => 0.0,
     };
     for (column, scale) in others {
-        let most_s = DIFFERENCE_S + rounding_s(column) + rounding_s(read);
-        if let Ok(start) = start_of(cell(column.index), column, *scale)
-            && seconds_between(exposure.start, start).abs() > most_s
+        let most_s = difference_s + rounding_s(column) + rounding_s(read);
+        if let Ok(other) = start_of(cell(column.index), column, *scale)
+            && seconds_between(expected, other).abs() > most_s
         {
-            let [first, other] = [exposure.start, start].map(|start| format_utc(start, 0));
+            let [first, other] = [expected, other].map(|epoch| format_utc(epoch, 0));
             return Err(format!(
-                "{} is {first} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
-                read.name, column.name
+                "{what} is {first} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
+                column.name
             ));
         }
     }
@@ -290,7 +312,7 @@ fn start_scale(
 struct Scales {
     start: f64,
     duration: f64,
-    /// Value for the time of a visit with several snaps.
+    /// Value for the time of a visit.
     visit: f64,
     right_ascension: f64,
     declination: f64,
@@ -307,7 +329,7 @@ impl Scales {
         Ok(Self {
             start: of(start, &DAYS)?,
             duration: of(Some(map.duration), &SECONDS)?,
-            visit: of(map.snaps.and_then(|(_, visit)| visit), &SECONDS)?,
+            visit: of(map.visit, &SECONDS)?,
             right_ascension: of(Some(map.right_ascension), &DEGREES)?,
             declination: of(Some(map.declination), &DEGREES)?,
             rotation: of(map.rotation, &DEGREES)?,
@@ -357,12 +379,16 @@ fn exposure<'a>(
         return Err(format!("duration is {duration_s}; allowed: above 0 to {LONGEST_EXPOSURE_S}"));
     }
     // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
-    if let Some((snaps, visit)) = map.snaps
-        && !matches!(cell(snaps), Cell::Missing)
-        && number(snaps, 1.0, "numExposures", 0.0..=1e6)? > 1.0
-    {
-        let visit = visit.ok_or("visit has several snaps (numExposures or nexp), and visitTime is missing")?;
+    let is_stated = |index: &usize| *cell(*index) != Cell::Missing;
+    let snaps = map.snaps.filter(is_stated).map(|index| number(index, 1.0, "numExposures", 0.0..=1e6)).transpose()?;
+    if map.is_sum && snaps.is_some_and(|snaps| snaps > 1.0) {
+        let visit = map.visit.ok_or("visit has several snaps (numExposures or nexp), and visitTime is missing")?;
         duration_s = number(visit, scales.visit, "visitTime", duration_s..=LONGEST_EXPOSURE_S)?;
+    } else if let Some(visit) = map.visit.filter(is_stated)
+        && snaps.is_none_or(|snaps| snaps < 1.0)
+    {
+        // There may be several snaps.
+        duration_s = duration_s.max(number(visit, scales.visit, "visitTime", 0.0..=LONGEST_EXPOSURE_S)?);
     }
     // Right ascensions may be given in [0, 360] or [-180, 180].
     let right_ascension_deg = number(map.right_ascension, scales.right_ascension, "right ascension", -180.0..=360.0)?;

@@ -247,8 +247,7 @@ pub struct PassCost {
 pub struct StreakColumns {
     /// Probability that the satellite is brighter than the magnitude limit.
     pub p_brighter: bool,
-    /// Intervals inside the field, and whether the illumination geometry is within the range to which the brightness
-    /// model was fitted.
+    /// Intervals inside the field.
     pub chords: bool,
     /// Points along the track, if they were computed.
     pub samples: bool,
@@ -267,6 +266,7 @@ pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, columns: 
         fields.push(samples_field());
     }
     fields.extend(cost_fields());
+    fields.push(fitted_range_field());
     Table::from_records(&fields, rows)
 }
 
@@ -464,6 +464,17 @@ fn cost_fields<'a>() -> [TableField<StreakRow<'a>>; 2] {
     ]
 }
 
+fn fitted_range_field<'a>() -> TableField<StreakRow<'a>> {
+    TableField::new(
+        Column::new(
+            "in_fitted_range",
+            Kind::Boolean,
+            "False if the geometry is more than 10 deg from those to which the model was fitted; empty without a magnitude.",
+        ),
+        |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
+    )
+}
+
 fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {
     TableField::new(
         Column::real(
@@ -481,14 +492,6 @@ fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {
 fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
     let field = TableField::<StreakRow<'a>>::new;
     vec![
-        field(
-            Column::new(
-                "in_fitted_range",
-                Kind::Boolean,
-                "False if the geometry is more than 10 deg from those to which the model was fitted; empty without a magnitude.",
-            ),
-            |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
-        ),
         field(Column::new("chords", Kind::Rows(CHORDS), "Intervals of the track inside the field."), |row| {
             intervals(row, &row.pass.chords)
         }),

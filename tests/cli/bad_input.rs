@@ -733,18 +733,23 @@ fn names_that_begin_like_comments() {
 fn contradictory_columns_and_other_equinoxes_make_rows_invalid() {
     let folder = TempDir::new().unwrap();
     let row = |id: &str, more: &str| format!("{id},2024-08-14T23:30:00Z,30,217,-30,{more}\n");
-    let names = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,exposure_s,start_mjd_tai,equinox,frame,nexp\n";
+    let names = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,exposure_s,start_mjd_tai,equinox,frame,nexp,end_utc\n";
     let rows = [
-        ("good", "30,60536.9796,2000,ICRS,1", ""),
-        ("plain", ",,,,", ""),
-        ("long", "300,,,,", "duration_s is 30 and exposure_s is 300: they contradict each other"),
-        ("late", ",60537.00000,,,", "start_utc is 2024-08-14T23:30:00Z and start_mjd_tai is 2024-08-14T23:59:23Z"),
-        ("old", ",,B1950,,", "equinox is B1950; allowed: 2000"),
-        ("plane", ",,,galactic,", "frame is galactic; allowed: ICRS"),
-        ("many", ",,,,30", "nexp is 30; allowed: 1"),
-        ("turn", "390,,,,", "duration_s is 30 and exposure_s is 390"),
-        ("dark", ",,,17,", ""),
-        ("minute", ",60536.979942,,,", ""),
+        ("good", "30,60536.9796,2000,ICRS,1,2024-08-14T23:30:31.4Z", ""),
+        ("plain", ",,,,,", ""),
+        ("long", "300,,,,,", "duration_s is 30 and exposure_s is 300: they contradict each other"),
+        ("late", ",60537.00000,,,,", "start_utc is 2024-08-14T23:30:00Z and start_mjd_tai is 2024-08-14T23:59:23Z"),
+        ("old", ",,B1950,,,", "equinox is B1950; allowed: 2000"),
+        ("plane", ",,,galactic,,", "frame is galactic; allowed: ICRS"),
+        ("many", ",,,,30,", "nexp is 30; allowed: 1"),
+        ("turn", "390,,,,,", "duration_s is 30 and exposure_s is 390"),
+        ("dark", ",,,17,,", ""),
+        ("minute", ",60536.979942,,,,", ""),
+        (
+            "gaps",
+            ",,,,,2024-08-14T23:30:39.2Z",
+            "start_utc plus 30 s is 2024-08-14T23:30:30Z and end_utc is 2024-08-14T23:30:39Z",
+        ),
     ];
     let text: String = rows.iter().map(|(id, more, _)| row(id, more)).collect();
     // A start without seconds is rounded to a minute.

@@ -161,3 +161,50 @@ fn verif_new_elements_do_not_warn() {
     let (_, _, stderr) = run(&[&["flag", "--schedule", night, "--shells", "starlink-gen1"], FIELD]);
     assert!(!stderr.contains("would change verdict"), "{stderr}");
 }
+
+/// Sets of two real Starlinks under the numbers of others, and twice for one epoch.
+#[test]
+fn sets_of_other_objects_and_of_one_epoch_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let newer = "STARLINK-34196\n1 65324U 25189B   26166.12147178  .00018327  00000+0  60100-3 0  9997\n\
+                 2 65324  53.1595 113.5030 0001459  64.7383 295.3769 15.31694726 45984\n";
+    let older = "STARLINK-34196\n1 65324U 25189AD  26159.13933807  .00023527  00000+0  76732-3 0  9998\n\
+                 2 65324  53.1588 146.0019 0001299 101.0509 259.0638 15.31707454 44918\n";
+    let first = "STARLINK-32802\n1 62738U 25014D   26166.13020166  .00025209  00000+0  92190-3 0  9999\n\
+                 2 62738  42.9990 323.7495 0002233 274.8313  85.2284 15.27598852 78165\n";
+    let last = "STARLINK-32802\n1 62738U 25014D   26166.13020166  .00021520  00000+0  78874-3 0  9994\n\
+                2 62738  43.0022   4.7372 0002416 265.7686  94.2889 15.27599978 77056\n";
+    let file = path(&folder, "sets.tle");
+    for (text, expected) in [
+        (
+            [newer, older, first].concat(),
+            Some(
+                "1 element set of another epoch ignored, because the COSPAR designator is that of another object than in the \
+                  set that is used: 65324 STARLINK-34196 (2025-189AD, not 2025-189B)",
+            ),
+        ),
+        (
+            [first, last].concat(),
+            Some(
+                "1 element set ignored, because another set of the same satellite and epoch with different elements is read \
+                  after it: 62738 STARLINK-32802 (used: inclination 43.0022 deg, not 42.999 deg)",
+            ),
+        ),
+        ([last, newer, first].concat(), Some("(used: inclination 42.999 deg, not 43.0022 deg)")),
+        ([newer, first, first].concat(), None),
+    ] {
+        fs::write(&file, text).unwrap();
+        let schedule = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,2026-06-16T03:00:00Z,30,217,-30\n";
+        let night = path(&folder, "night.csv");
+        fs::write(&night, schedule).unwrap();
+        for words in [
+            &["ephemeris", "--norad", "62738", "--times", "2026-06-16T03:00:00Z"][..],
+            &["flag", "--schedule", &night, "--fov", "3.5deg"],
+        ] {
+            let (code, _, stderr) = run(&[words, &["--elements", &file, "--mpc", "X05"]]);
+            assert_eq!(code, 0, "{stderr}");
+            assert_eq!(stderr.contains("ignored"), expected.is_some(), "{stderr}");
+            assert!(stderr.contains(expected.unwrap_or_default()), "{stderr}");
+        }
+    }
+}

@@ -5,7 +5,7 @@ use std::fs;
 use crate::common::cli::{SKY, done, json, path, published_constellation, records, run};
 use serde_json::Value;
 
-const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days,position_source,along_track_sigma_s";
+const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days,position_source,along_track_sigma_s,in_fitted_range";
 const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
 /// Twenty planes of a constellation, which have visible passes in the evening and in the morning.
 const PLANES: &[&str] = &["--name", "S1 P2", "S1 P6"];

@@ -1,6 +1,8 @@
 //! Photometry options on the command line: each changes magnitudes as documented, and is stated in the provenance.
 
-use crate::common::cli::{SKY, json, run};
+use std::fs;
+
+use crate::common::cli::{SKY, json, path, run};
 use serde_json::Value;
 use streakcast::frames::Direction;
 use streakcast::photometry::ModelLibrary;
@@ -194,4 +196,24 @@ fn pressure_of_sunlight_is_that_of_the_library() {
     }
     assert_eq!(answer["provenance"]["mass_kg"], 250.0);
     assert_eq!(json(&[&words[..6]])["accelerations"].as_array().unwrap().len(), 13);
+}
+
+/// The brightness of an object with 99.9 or 0.0 in a table of standard magnitudes is unknown.
+#[test]
+fn placeholders_of_standard_magnitudes_are_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elements, table) = (path(&folder, "k.tle"), path(&folder, "qs.mag"));
+    let tle = "OBJECT K\n1 33333U 08042A   26233.40737406  .00000509  00000+0  28042-4 0  9999\n\
+               2 33333  43.0022 234.8033 0002196 253.9405 106.1205 15.27591224176824\n";
+    fs::write(&elements, tle).unwrap();
+    let sources = |magnitude: &str| {
+        fs::write(&table, format!("33333   08 42A    OBJ            {magnitude}\n")).unwrap();
+        let time = ["--times", "2026-08-22T03:14:55Z", "--norad", "33333", "--mpc", "X05", "--format", "json"];
+        let (code, stdout, stderr) = run(&[&["ephemeris", "--elements", &elements, "--qs-mag", &table], &time]);
+        assert_eq!(code, 0, "{stderr}");
+        let answer: Value = serde_json::from_str(&stdout).unwrap();
+        let warning = "1 magnitude of 1 satellite in the table of standard magnitudes ignored";
+        (answer["provenance"]["models"].to_string().contains("prior"), stderr.contains(warning))
+    };
+    assert_eq!([sources("99.9"), sources(" 0.0"), sources(" 6.5")], [(true, true), (true, true), (false, false)]);
 }

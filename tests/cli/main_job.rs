@@ -49,10 +49,13 @@ fn passes_agree_in_every_format() {
                altitude_deg, azimuth_deg, range_km, height_km, phase_angle_deg, illumination, lit_fraction, magnitude, magnitude_sigma, \
                magnitude_peak, band, mag_system, mag_source, effective_magnitude, surface_brightness_mag_arcsec2, width_arcsec, \
                element_age_days, along_track_sigma_s, cross_track_sigma_deg, probability, position_source, magnitude_peak_sigma, \
-               streak_cost_s, p_bright";
+               streak_cost_s, p_bright, in_fitted_range";
     assert_eq!(names.join(", "), law);
     assert!(csv.lines().next().unwrap().starts_with("# software: \"streakcast\""));
-    assert_eq!(records(&done(&[PASSES, SKY, &["--format", "ecsv"]])), rows);
+    // ECSV has True for true.
+    let ecsv =
+        done(&[PASSES, SKY, &["--format", "ecsv"]]).replace(",True\n", ",true\n").replace(",False\n", ",false\n");
+    assert_eq!(records(&ecsv), rows);
     let lines = done(&[PASSES, SKY, &["--format", "jsonl"]]);
     let lines: Vec<Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(&lines[1..], passes.as_slice());

@@ -200,5 +200,9 @@ fn visits_of_several_snaps_last_until_the_last_one() {
     assert!(found[0].as_ref().unwrap_err().contains("visitTime is missing"), "{found:?}");
     assert_eq!(found[1], Ok(30.0));
     assert_eq!(durations("nexp.db", ", nexp, visitTime", &format!("(1, {visit}, 2, 34.0)")), [Ok(34.0)]);
+    // Without a number of snaps there may be several.
+    let rows = format!("(1, {visit}, NULL, 34.0), (2, {visit}, 0, 34.0), (3, {visit}, NULL, 29.0)");
+    assert_eq!(durations("unknown.db", ", numExposures, visitTime", &rows), [Ok(34.0), Ok(34.0), Ok(30.0)]);
+    assert_eq!(durations("visit.db", ", visitTime", &format!("(1, {visit}, 34.0)")), [Ok(34.0)]);
     assert_eq!(durations("plain.db", "", &format!("(1, {visit})")), [Ok(30.0)]);
 }

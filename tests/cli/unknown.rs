@@ -266,3 +266,21 @@ fn simulated_constellations_do_not_age() {
         assert_ne!(flag["verdict"], "unknown", "{flag}");
     }
 }
+
+/// Without a satellite that can be propagated, no row is printed as clear before the error.
+#[test]
+fn nothing_is_printed_if_nothing_can_be_propagated() {
+    let folder = TempDir::new().unwrap();
+    let (file, schedule) = (path(&folder, "decayed.json"), path(&folder, "night.csv"));
+    let text = r#"[{"NORAD_CAT_ID": 44714, "EPOCH": "2026-08-12T22:00:09", "MEAN_MOTION": 15.6, "ECCENTRICITY": 0.0005,
+        "INCLINATION": 53.1, "RA_OF_ASC_NODE": 111.5, "ARG_OF_PERICENTER": 74.6, "MEAN_ANOMALY": 285.6, "BSTAR": 0.0009,
+        "DECAY_DATE": "2026-08-13"}]"#;
+    fs::write(&file, text).unwrap();
+    fs::write(&schedule, SCHEDULE).unwrap();
+    for format in ["csv", "json"] {
+        let words = ["flag", "--schedule", &schedule, "--elements", &file, "--format", format];
+        let (code, stdout, stderr) = run(&[&words, SITE]);
+        assert_eq!((code, &*stdout), (2, ""), "{stderr}");
+        assert!(stderr.contains("the only element set cannot be propagated to 2026-08-14"), "{stderr}");
+    }
+}

@@ -289,3 +289,25 @@ fn unclear_epochs_and_decayed_satellites() {
     let error = propagator.teme_state_at_minutes(minutes("2026-03-22T01:00:00 UTC")).unwrap_err().to_string();
     assert!(error.contains("has decayed before 2026-03-22"), "{error}");
 }
+
+/// Values of an OMM in other units than the standard ones are not read as these.
+#[test]
+fn other_units_in_messages_are_rejected() {
+    let kvn = String::from_utf8(sample("sample.kvn")).unwrap();
+    let xml = String::from_utf8(sample("sample.xml")).unwrap();
+    let motion = "<MEAN_MOTION>15.06394766</MEAN_MOTION>";
+    assert!(xml.contains(motion));
+    let rates = |unit: &str| xml.replace(motion, &motion.replacen('>', &format!(" units=\"{unit}\">"), 1));
+    for (text, expected) in [
+        (kvn.replace("53.0541 [deg]", "0.92597 [rad]"), "unsupported unit \"rad\" of INCLINATION: allowed deg"),
+        (xml.replace("units=\"deg\"", "units=\"rad\""), "unsupported unit \"rad\" of INCLINATION: allowed deg"),
+        (rates("rad/s"), "unsupported unit \"rad/s\" of MEAN_MOTION: allowed rev/day"),
+        (kvn.replace("193.4497", "12.896 [h]"), "unsupported unit \"h\" of RA_OF_ASC_NODE: allowed deg"),
+    ] {
+        let error = read(text.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+    for text in [kvn.replace("[deg]", "[DEG]").replace("193.4497", "193.4497 [degrees]"), rates("REV/DAY")] {
+        assert_eq!(read(text.as_bytes()).unwrap().element_sets.len(), 1, "{text}");
+    }
+}

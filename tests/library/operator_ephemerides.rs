@@ -599,6 +599,16 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
         ("b.oem", oem.replace("= RTN", "= VNC"), "COV_REF_FRAME is VNC; allowed: RTN"),
         ("b.oem", oem.replace("= TAI", "= MRT"), "b.oem:11: TIME_SYSTEM is MRT; allowed: UTC"),
         ("b.oem", oem.replace("= EARTH", "= MARS"), "b.oem:9: CENTER_NAME is MARS; allowed: EARTH"),
+        (
+            "b.oem",
+            oem.replacen("META_STOP", "USABLE_STOP_TIME = 2024-08-14T00:10:00\nMETA_STOP", 1),
+            "keyword in the metadata is USABLE_STOP_TIME; allowed: USEABLE_STOP_TIME, the most similar of OBJECT_NAME",
+        ),
+        (
+            "c.xml",
+            xml.replace("STOP_TIME>", "END_TIME>"),
+            "c.xml:7: keyword in the metadata is END_TIME; allowed: STOP_TIME, the most similar",
+        ),
         ("b.oem", swapped, "b.oem:22: time of the state is "),
         ("b.oem", lines(&oem, 50), "b.oem:50: time of the last state is 2024-08-14T00:32:00"),
         ("b.oem", lines(&oem, 113), "end of the file is inside the covariances"),
@@ -808,6 +818,14 @@ fn only_the_usable_interval_of_an_oem_is_used() {
     let usable = read("a.oem", &with(&cards)).expect("an ephemeris");
     assert_eq!(usable.ephemerides[0].interval(), (from, to));
     assert_eq!(usable.ephemerides[0].states.len(), all.ephemerides[0].states.len());
+    // The same interval as the stated start and end, beyond which there are states.
+    let start = text.lines().find(|line| line.starts_with("START_TIME")).expect("a start");
+    let stop = text.lines().find(|line| line.starts_with("STOP_TIME")).expect("an end");
+    let stated =
+        text.replace(start, &format!("START_TIME = {}", iso(from))).replace(stop, &format!("STOP_TIME = {}", iso(to)));
+    assert_eq!(read("a.oem", &stated).expect("an ephemeris").ephemerides, usable.ephemerides);
+    let rounded = text.replace(stop, &format!("STOP_TIME = {}", iso(last - 0.5 * Unit::Second)));
+    assert_eq!(read("a.oem", &rounded).expect("an ephemeris").ephemerides[0].interval(), (first, last));
     let elements = sample_elements();
     let index = |catalogue: &Satellites| {
         SatelliteIndex::new(&elements, DragModel::Published).with_ephemerides(

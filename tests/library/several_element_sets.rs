@@ -134,6 +134,13 @@ fn verif_sets_that_are_not_used() {
         let named = |days| ElementSet { mean_motion_dot_rev_day2: change, ..set(name, days, 0.0) };
         assert_is_of_one_set(&named(0.0), &[named(-7.0)]);
     }
+    // 5. A neighbour in the same plane, which has another designator.
+    let with = |set: &ElementSet, text: &str| ElementSet { international_designator: text.into(), ..set.clone() };
+    assert_is_of_one_set(&with(&newest, "2025-189B"), &[with(&older, "2025-189AD")]);
+    for same in ["25189B", ""] {
+        let two = model(&with(&newest, "2025-189B"), &[with(&older, same)], 7.0);
+        assert_eq!(motion(&two), MeanMotion::TwoSets, "{same}");
+    }
     let published = OrbitModel::from_sets(&newest, &[older], epoch(), DragModel::Published);
     assert_eq!(published.elements, newest);
 }

@@ -159,13 +159,21 @@ impl Output {
     ) -> anyhow::Result<()> {
         let mut failure = None;
         let written = self.put(&format!("the table {name}"), notices, |out| {
-            write_csv(out, empty, provenance)?;
-            compute(&mut |part| write_csv_rows(out, part)).map_err(|error| {
+            // A computation that fails before the first row writes nothing.
+            let mut is_begun = false;
+            let computed = compute(&mut |part| {
+                if !std::mem::replace(&mut is_begun, true) {
+                    write_csv(out, empty, provenance)?;
+                }
+                write_csv_rows(out, part)
+            });
+            computed.map_err(|error| {
                 error.downcast::<io::Error>().unwrap_or_else(|error| {
                     failure = Some(error);
                     io::Error::other("the computation failed")
                 })
-            })
+            })?;
+            if is_begun { Ok(()) } else { write_csv(out, empty, provenance) }
         });
         failure.map_or(written, Err)
     }

@@ -14,6 +14,8 @@ const RADII_KM: std::ops::RangeInclusive<f64> = 6_378.0..=1_000_000.0;
 /// Largest time from the first to the last state, days. It limits the size of the table of the Earth's orientation for
 /// these states.
 const LONGEST_SPAN_DAYS: f64 = 366.0;
+/// Largest rounding of the stated start and end of an ephemeris, s.
+const STATED_ROUNDING_S: f64 = 1.0;
 /// Smallest accepted eigenvalue of the correlation matrix of a covariance. It is below 0 because numbers in files are
 /// rounded to ten digits or fewer.
 const LEAST_EIGENVALUE: f64 = -1e-6;
@@ -39,6 +41,8 @@ impl Problem {
 /// Ephemeris whose states and covariances are being read.
 pub(super) struct Builder {
     ephemeris: Ephemeris,
+    /// Start and end that the file states.
+    stated: [Option<Epoch>; 2],
 }
 
 impl Builder {
@@ -47,13 +51,19 @@ impl Builder {
         let (name, file) = (Arc::from(name), Arc::from(""));
         let (states, covariances) = (Vec::new(), Vec::new());
         let usable = [None; 2];
-        Self { ephemeris: Ephemeris { object, name, file, created, frame, usable, states, covariances } }
+        let ephemeris = Ephemeris { object, name, file, created, frame, usable, states, covariances };
+        Self { ephemeris, stated: [None; 2] }
     }
 
     /// Limits the times at which positions can be computed.
     pub fn usable(mut self, usable: [Option<Epoch>; 2]) -> Self {
         self.ephemeris.usable = usable;
         self
+    }
+
+    /// Sets the start and the end that the file states. Positions outside are not computed.
+    pub fn stated(self, stated: [Option<Epoch>; 2]) -> Self {
+        Self { stated, ..self }
     }
 
     /// Adds a state: position in km and velocity in km/s.
@@ -110,9 +120,10 @@ impl Builder {
         Ok(())
     }
 
-    /// Returns the ephemeris. `line` is the last line of its data, `stop` the stated end, and `is_line_cut` is true if
-    /// the file ends there without a line break.
-    pub fn finish(self, line: usize, stop: Option<Epoch>, is_line_cut: bool) -> Result<Ephemeris, Problem> {
+    /// Returns the ephemeris. `line` is the last line of its data, and `is_line_cut` is true if the file ends there
+    /// without a line break.
+    pub fn finish(mut self, line: usize, is_line_cut: bool) -> Result<Ephemeris, Problem> {
+        let [start, stop] = self.stated;
         let last = self.ephemeris.states.last().map(|state| state.epoch);
         if is_line_cut && (stop.is_none() || last < stop) {
             // A truncated number may still be a valid number.
@@ -124,7 +135,7 @@ impl Builder {
         if states.len() < FEWEST_STATES {
             return Err(Problem::new(line, "number of states", states.len(), format!("{FEWEST_STATES} or more")));
         }
-        let (last, before) = (states[states.len() - 1].epoch, states[states.len() - 2].epoch);
+        let (first, last, before) = (states[0].epoch, states[states.len() - 1].epoch, states[states.len() - 2].epoch);
         let step: Duration = last - before;
         if let Some(stop) = stop
             && stop > last + step
@@ -132,9 +143,17 @@ impl Builder {
             let allowed = format!("the stated end {stop}, or at most one step before it (the file may be truncated)");
             return Err(Problem::new(line, "time of the last state", last, allowed));
         }
+        let [from, to] = &mut self.ephemeris.usable;
+        let rounding = STATED_ROUNDING_S * Unit::Second;
+        if let Some(start) = start.filter(|start| *start > first + rounding) {
+            *from = (*from).max(Some(start));
+        }
+        if let Some(stop) = stop.filter(|stop| *stop < last - rounding) {
+            *to = Some(to.map_or(stop, |to| to.min(stop)));
+        }
         let (from, to) = self.ephemeris.interval();
         if from > to {
-            let states = format!("within the states, {} to {last}", self.ephemeris.states[0].epoch);
+            let states = format!("within the states, {first} to {last}");
             return Err(Problem::new(line, "usable interval", format!("{from} to {to}"), states));
         }
         Ok(self.ephemeris)

@@ -6,12 +6,30 @@ use hifitime::{Epoch, TimeScale, Unit};
 
 use super::super::element_set::NoradId;
 use super::super::epoch::{parse_iso, parse_iso_with_time};
+use super::super::record::excerpt;
 use super::builder::{Builder, Problem};
 use super::data::{CovarianceAxes, EphemerisFrame, EphemerisObject};
 
 const FRAMES: &str = "EME2000, J2000, GCRF, ICRF, TEME or ITRF with its year";
 const TIME: &str = "a date and time such as 2026-07-08T17:37:14.092";
 const TIME_SYSTEMS: &str = "UTC, TAI, TT or GPS";
+
+/// Keywords of the metadata of an OEM (CCSDS 502.0-B).
+const KEYWORDS: [&str; 13] = [
+    "OBJECT_NAME",
+    "OBJECT_ID",
+    "CENTER_NAME",
+    "REF_FRAME",
+    "REF_FRAME_EPOCH",
+    "TIME_SYSTEM",
+    "START_TIME",
+    "USEABLE_START_TIME",
+    "USEABLE_STOP_TIME",
+    "STOP_TIME",
+    "INTERPOLATION",
+    "INTERPOLATION_DEGREE",
+    "COMMENT",
+];
 
 /// Values of the metadata keywords of a segment.
 #[derive(Default)]
@@ -24,13 +42,13 @@ pub(super) struct Metadata {
     /// TAI minus the time system of the segment, seconds; `None` for UTC.
     tai_lag_s: Option<f64>,
     has_time_system: bool,
-    stop: Option<(usize, String)>,
+    stated: [Option<(usize, String)>; 2],
     frame_epoch: Option<(usize, String)>,
     usable: [Option<(usize, String)>; 2],
 }
 
 impl Metadata {
-    /// Stores the value of a keyword; other keywords are ignored.
+    /// Stores the value of a keyword.
     pub fn set(&mut self, line: usize, keyword: &str, value: &str) -> Result<(), Problem> {
         let value = value.trim();
         match keyword {
@@ -56,15 +74,22 @@ impl Metadata {
             "REF_FRAME_EPOCH" => self.frame_epoch = Some((line, value.to_owned())),
             "USEABLE_START_TIME" => self.usable[0] = Some((line, value.to_owned())),
             "USEABLE_STOP_TIME" => self.usable[1] = Some((line, value.to_owned())),
-            "STOP_TIME" => self.stop = Some((line, value.to_owned())),
-            _ => {}
+            "START_TIME" => self.stated[0] = Some((line, value.to_owned())),
+            "STOP_TIME" => self.stated[1] = Some((line, value.to_owned())),
+            known if KEYWORDS.contains(&known) => {}
+            // A misspelt limit of the usable interval must not be ignored.
+            unknown => {
+                let nearest = KEYWORDS.iter().min_by_key(|known| strsim::levenshtein(known, unknown));
+                let allowed = format!("{}, the most similar of {}", nearest.unwrap_or(&""), KEYWORDS.join(", "));
+                return Err(Problem::new(line, "keyword in the metadata", excerpt(unknown.as_bytes()), allowed));
+            }
         }
         Ok(())
     }
 
-    /// Creates the ephemeris of the segment after the end of its metadata at `line`. Also returns the stated end of the
-    /// ephemeris. `created` is the creation time of the message.
-    pub fn builder(&self, line: usize, created: Option<Epoch>) -> Result<(Builder, Option<Epoch>), Problem> {
+    /// Creates the ephemeris of the segment after the end of its metadata at `line`. `created` is the creation time of
+    /// the message.
+    pub fn builder(&self, line: usize, created: Option<Epoch>) -> Result<Builder, Problem> {
         let missing = |what: &str, allowed: &str| Problem::new(line, what, "missing", allowed);
         let object = self.object.clone().ok_or_else(|| missing("OBJECT_ID", OBJECTS))?;
         let frame = self.frame.ok_or_else(|| missing("REF_FRAME", FRAMES))?;
@@ -76,18 +101,22 @@ impl Metadata {
             let allowed = format!("omitted with {}, which is that of the time of each state", self.frame_name);
             return Err(Problem::new(*line, "REF_FRAME_EPOCH", epoch, allowed));
         }
-        let stop = self.stop.as_ref().map(|(line, text)| self.epoch(*line, "STOP_TIME", text)).transpose()?;
-        let mut usable = [None; 2];
+        let times = |names: [&str; 2], texts: &[Option<(usize, String)>; 2]| -> Result<[Option<Epoch>; 2], Problem> {
+            let mut epochs = [None; 2];
+            for ((to, name), from) in epochs.iter_mut().zip(names).zip(texts) {
+                *to = from.as_ref().map(|(line, text)| self.epoch(*line, name, text)).transpose()?;
+            }
+            Ok(epochs)
+        };
+        let stated = times(["START_TIME", "STOP_TIME"], &self.stated)?;
         let names = ["USEABLE_START_TIME", "USEABLE_STOP_TIME"];
-        for ((to, name), from) in usable.iter_mut().zip(names).zip(&self.usable) {
-            *to = from.as_ref().map(|(line, text)| self.epoch(*line, name, text)).transpose()?;
-        }
+        let usable = times(names, &self.usable)?;
         if let ([Some(from), Some(to)], Some((line, text))) = (usable, &self.usable[1])
             && to < from
         {
             return Err(Problem::new(*line, names[1], text, format!("a time after that of {}, {from}", names[0])));
         }
-        Ok((Builder::new(object, &self.name, frame, created).usable(usable), stop))
+        Ok(Builder::new(object, &self.name, frame, created).usable(usable).stated(stated))
     }
 
     /// Parses a time in the time system of the segment.

@@ -17,24 +17,27 @@ use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject};
 const RECORD_LINES: usize = 4;
 /// Keywords of the header.
 const CREATED: &str = "created:";
+const START: &str = "ephemeris_start:";
 const STOP: &str = "ephemeris_stop:";
 
 /// Returns true if one of the first lines is a header line.
 pub(in super::super) fn looks_like(text: &str) -> bool {
-    text.lines().take(RECORD_LINES).any(|line| line.trim_start().starts_with("ephemeris_start:"))
+    text.lines().take(RECORD_LINES).any(|line| line.trim_start().starts_with(START))
 }
 
 /// Reads the ephemeris; `file` is the name of the file.
 pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let (object, name) = satellite(file)?;
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()).peekable();
-    let (mut created, mut stop, mut axes) = (None, None, None);
+    let (mut created, mut stated, mut axes) = (None, [None; 2], None);
     // The header ends before the first line that starts with a time.
     while let Some((line, header)) =
         lines.next_if(|(_, line)| !line.starts_with(|c: char| c.is_ascii_digit() && axes.is_some()))
     {
         created = header_time(line, header, CREATED)?.or(created);
-        stop = header_time(line, header, STOP)?.or(stop);
+        for (epoch, name) in stated.iter_mut().zip([START, STOP]) {
+            *epoch = header_time(line, header, name)?.or(*epoch);
+        }
         if !header.contains(':') {
             if header.trim() != "UVW" {
                 return Err(Problem::new(
@@ -49,7 +52,7 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
     }
     let axes =
         axes.ok_or_else(|| Problem::new(1, "frame of the covariance", "missing", "a line UVW after the header"))?;
-    let mut builder = Builder::new(object, name, EphemerisFrame::Eme2000, created);
+    let mut builder = Builder::new(object, name, EphemerisFrame::Eme2000, created).stated(stated);
     let mut last = 1;
     while let Some((line, state)) = lines.next() {
         let fields: Vec<&str> = state.split_whitespace().collect();
@@ -78,7 +81,7 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
         })?;
         builder.covariance(line, epoch, axes, terms)?;
     }
-    Ok(vec![builder.finish(last, stop, !text.ends_with(['\n', '\r']))?])
+    Ok(vec![builder.finish(last, !text.ends_with(['\n', '\r']))?])
 }
 
 /// Returns the time after a keyword in a header line; `None` if the line lacks the keyword.

@@ -21,7 +21,6 @@ pub(in super::super) fn looks_like(text: &str) -> bool {
 struct Segment {
     metadata: Metadata,
     builder: Builder,
-    stop: Option<Epoch>,
 }
 
 /// Part of a message that is being read.
@@ -69,12 +68,12 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
         part = match (part, text, pair) {
             (Part::Header, "META_START", _) => Part::Metadata(Metadata::default()),
             (Part::Data(segment), "META_START", _) => {
-                ephemerides.push(segment.builder.finish(line, segment.stop, false)?);
+                ephemerides.push(segment.builder.finish(line, false)?);
                 Part::Metadata(Metadata::default())
             }
             (Part::Metadata(metadata), "META_STOP", _) => {
-                let (builder, stop) = metadata.builder(line, created)?;
-                Part::Data(Segment { metadata, builder, stop })
+                let builder = metadata.builder(line, created)?;
+                Part::Data(Segment { metadata, builder })
             }
             (Part::Data(segment), "COVARIANCE_START", _) => Part::Covariances(segment, None),
             (Part::Covariances(mut segment, covariance), "COVARIANCE_STOP", _) => {
@@ -131,7 +130,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
         }
     };
     let is_line_cut = !text.ends_with(['\n', '\r']);
-    ephemerides.push(segment.builder.finish(last, segment.stop, is_line_cut)?);
+    ephemerides.push(segment.builder.finish(last, is_line_cut)?);
     Ok(ephemerides)
 }
 

@@ -29,7 +29,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut lines = Lines { text, offset: 0, line: 1 };
     let mut ephemerides = Vec::new();
     let (mut created, mut metadata) = (None, Metadata::default());
-    let mut segment: Option<(Builder, Option<Epoch>)> = None;
+    let mut segment: Option<Builder> = None;
     // Values of the current metadata, state or covariance by keyword, with line numbers.
     let mut values: Values = BTreeMap::new();
     let (mut value, mut start) = (String::new(), 1);
@@ -84,14 +84,14 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
                         }
                         *segment = Some(metadata.builder(line, created)?);
                     }
-                    ("stateVector", Some((builder, _))) => {
+                    ("stateVector", Some(builder)) => {
                         let mut numbers = [0.0; 6];
                         for (value, keyword) in numbers.iter_mut().zip(STATE) {
                             *value = number(start, keyword, text_of(start, keyword, &values)?)?;
                         }
                         builder.state(start, epoch_of(start, &metadata, &values)?, numbers)?;
                     }
-                    ("covarianceMatrix", Some((builder, _))) => {
+                    ("covarianceMatrix", Some(builder)) => {
                         let mut terms = [0.0; super::builder::TERMS];
                         let pairs = (0..6).flat_map(|row| (0..=row).map(move |column| (row, column)));
                         for (term, (row, column)) in terms.iter_mut().zip(pairs) {
@@ -106,10 +106,10 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
                         return Err(Problem::new(start, "element", format!("<{name}> before the metadata"), allowed));
                     }
                     ("segment", segment) => {
-                        let (builder, stop) = segment.take().ok_or_else(|| {
+                        let builder = segment.take().ok_or_else(|| {
                             Problem::new(line, "metadata of the segment", "missing", "a <metadata> in each <segment>")
                         })?;
-                        ephemerides.push(builder.finish(line, stop, false)?);
+                        ephemerides.push(builder.finish(line, false)?);
                     }
                     ("CREATION_DATE", _) => created = Some(time(line, "CREATION_DATE", &value)?),
                     _ => {

@@ -21,21 +21,39 @@ enum Meaning {
     Count,
 }
 
-/// Names of such columns in lower case.
+/// Names of such columns in lower case without underscores.
 const MEANINGS: &[(&str, Meaning)] = &[
     ("equinox", Meaning::Equinox),
     ("epoch", Meaning::Epoch),
     ("frame", Meaning::Frame),
-    ("coord_frame", Meaning::Frame),
+    ("coordframe", Meaning::Frame),
     ("coordsys", Meaning::Frame),
     ("radesys", Meaning::Frame),
     ("radecsys", Meaning::Frame),
-    ("nexp", Meaning::Count),
-    ("n_exp", Meaning::Count),
-    ("nexposures", Meaning::Count),
-    ("numexposures", Meaning::Count),
-    ("num_exposures", Meaning::Count),
-    ("coadds", Meaning::Count),
+];
+/// Names of numbers of exposures in a row, in the same form.
+const COUNTS: &[&str] = &[
+    "nexp",
+    "nexps",
+    "numexp",
+    "nexposures",
+    "numexposures",
+    "numberofexposures",
+    "exposurecount",
+    "nsubexp",
+    "nsubexposures",
+    "snaps",
+    "nsnaps",
+    "numsnaps",
+    "frames",
+    "nframes",
+    "numframes",
+    "coadds",
+    "ncoadds",
+    "repeat",
+    "repeats",
+    "nrepeats",
+    "ndit",
 ];
 /// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
 /// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
@@ -127,9 +145,10 @@ impl Checks {
             }
         }
         let meaning = |index: usize| {
-            let name = table.names[index].to_ascii_lowercase();
-            let (_, meaning) = MEANINGS.iter().find(|(known, _)| *known == name)?;
-            (Some(index) != counted).then(|| (index, table.names[index].clone(), *meaning))
+            let name = table.names[index].to_ascii_lowercase().replace('_', "");
+            let of_row = MEANINGS.iter().find(|(known, _)| *known == name).map(|(_, meaning)| *meaning);
+            let meaning = of_row.or_else(|| COUNTS.contains(&&*name).then_some(Meaning::Count))?;
+            (Some(index) != counted).then(|| (index, table.names[index].clone(), meaning))
         };
         Ok(Self { others, meanings: (0..table.names.len()).filter_map(meaning).collect() })
     }
@@ -237,6 +256,8 @@ mod tests {
             ("exposure", "2026042500012"),
             ("coadds", "1"),
             ("nexp", ""),
+            ("exposure_count", "1"),
+            ("repeats", "0"),
             ("airmass", "1.2"),
         ] {
             assert_eq!(with(name, text), None, "{name} {text}");
@@ -261,6 +282,9 @@ mod tests {
             ("ra_hourangle", "14", "ra_deg is 190 and ra_hourangle is 14"),
             ("ra", "18h50m", "ra_deg is 190 and ra is 18h50m"),
             ("numExposures", "2", "numExposures is 2; allowed: 1"),
+            ("exposure_count", "2", "exposure_count is 2; allowed: 1"),
+            ("NDIT", "10", "NDIT is 10; allowed: 1"),
+            ("number_of_exposures", "3", "number_of_exposures is 3; allowed: 1"),
         ] {
             let reason = with(name, text).unwrap_or_default();
             assert!(reason.starts_with(expected), "{name} {text}: {reason}");

@@ -53,7 +53,7 @@ pub(in crate::schedule) enum StartForm {
     Jd,
 }
 
-/// Column of the start times (shutter openings).
+/// Column of the start or end times (shutter openings or closings).
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct StartColumn {
     /// Index of the column.
@@ -98,6 +98,20 @@ pub(in crate::schedule) fn start_columns(names: &[String]) -> impl Iterator<Item
     })
 }
 
+/// Returns the columns of end times (shutter closings), whose names are those of start times with `end` or `stop`.
+pub(in crate::schedule) fn end_columns(names: &[String]) -> impl Iterator<Item = StartColumn> + '_ {
+    let ends = STARTS.iter().filter(|(name, ..)| *name != PLANNED_START).flat_map(|&(name, form, scale)| {
+        [["end", "End"], ["stop", "Stop"]].map(|[lower, upper]| {
+            let name = name.replace("start", lower).replace("Start", upper);
+            (name, form, scale)
+        })
+    });
+    ends.filter_map(|(name, form, scale)| {
+        let index = names.iter().position(|found| *found == name)?;
+        Some(StartColumn { index, name, form, scale })
+    })
+}
+
 /// Index of the column of each quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct ColumnMap {
@@ -109,8 +123,12 @@ pub(in crate::schedule) struct ColumnMap {
     pub declination: usize,
     pub rotation: Option<usize>,
     pub band: Option<usize>,
-    /// Number of snaps, and time of the whole visit, where the duration is the sum over snaps.
-    pub snaps: Option<(usize, Option<usize>)>,
+    /// Number of snaps.
+    pub snaps: Option<usize>,
+    /// Time of the whole visit.
+    pub visit: Option<usize>,
+    /// True if the duration is the sum over the snaps.
+    pub is_sum: bool,
 }
 
 impl ColumnMap {
@@ -145,9 +163,19 @@ impl ColumnMap {
             && (id.is_some() || !needs_id)
         {
             let (rotation, band) = (with_unit(ROTATIONS.unit, ROTATIONS.names)?, find(BAND));
-            let is_sum = names[duration] == VISIT_EXPOSURE;
-            let snaps = find(SNAPS).filter(|_| is_sum).map(|snaps| (snaps, find(VISIT)));
-            return Ok(Self { id, start, duration, right_ascension, declination, rotation, band, snaps });
+            let (snaps, visit, is_sum) = (find(SNAPS), find(VISIT), names[duration] == VISIT_EXPOSURE);
+            return Ok(Self {
+                id,
+                start,
+                duration,
+                right_ascension,
+                declination,
+                rotation,
+                band,
+                snaps,
+                visit,
+                is_sum,
+            });
         }
         let missing: Vec<&str> = [
             ("exposure_id", id.is_none() && needs_id),

@@ -15,7 +15,7 @@ pub(super) use checks::Checks;
 pub use columns::ScheduleFormat;
 pub(super) use columns::{
     Cell, ColumnMap, DECLINATIONS, DURATIONS, ID, RIGHT_ASCENSIONS, ROTATIONS, ScheduleRow, StartColumn, StartForm,
-    TARGET_DURATIONS, display, start_columns,
+    TARGET_DURATIONS, display, end_columns, start_columns,
 };
 pub(super) use csv_text::csv_layout;
 pub(super) use delimited::ecsv_layout;

@@ -52,7 +52,8 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
         .chain(map.id)
         .chain(map.rotation)
         .chain(map.band)
-        .chain(map.snaps.iter().flat_map(|(snaps, visit)| std::iter::once(*snaps).chain(*visit)))
+        .chain(map.snaps)
+        .chain(map.visit)
         .collect();
     let mut table = RawTable::new(ScheduleFormat::Opsim, needed.iter().map(|&index| names[index].clone()).collect());
     let quoted: Vec<String> = table.names.iter().map(|name| format!("\"{}\"", name.replace('"', "\"\""))).collect();

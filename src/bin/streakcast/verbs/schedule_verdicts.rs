@@ -88,6 +88,10 @@ impl<'a> RowJudge<'a> {
         for rows in self.schedule.exposures[rows].chunks(ROWS_AT_A_TIME) {
             let mut report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &request)?;
             let flags = std::mem::take(&mut report.flags);
+            // If no satellite can be propagated, no row is passed on as clear.
+            if let Some(start) = rows.iter().find_map(|row| Some(row.exposure.as_ref().ok()?.start)) {
+                prepared.left_out_warning(&report.left_out, start)?;
+            }
             self.totals.add(&report);
             left_out.append(&mut report.left_out);
             see(&prepared.sky, first, &flags);
