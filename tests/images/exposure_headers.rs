@@ -34,12 +34,12 @@ fn verif_spellings_of_the_start() {
         ("DATE-OBS= '2020-03-06T00:04:52.410'\nTIMESYS = 'TAI'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-OBS= '2020-03-06T00:05:24.594'\nTIMESYS = 'TT'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-BEG= '2020-03-06T00:04:15'\nDATE-OBS= '2020-03-06T00:04:15.9'", "2020-03-06T00:04:15", "DATE-BEG"),
-        ("MJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
-        ("DATE-OBS= '06/03/20'\nMJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
-        ("DATE-OBS= '2020-03-06'\nMJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
-        ("JD      =          2458914.75", "2020-03-06T06:00:00", "JD"),
-        ("JD      =          2458914.75 / end of exposure", "2020-03-06T05:59:00", "JD - the exposure"),
-        ("MJD     =            58914.25 / mid exposure", "2020-03-06T05:59:30", "MJD - half of the exposure"),
+        ("MJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("DATE-OBS= '06/03/20'\nMJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("DATE-OBS= '2020-03-06'\nMJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("JD      =          2458914.750000", "2020-03-06T06:00:00", "JD"),
+        ("JD      =          2458914.750000 / end of exposure", "2020-03-06T05:59:00", "JD - the exposure"),
+        ("MJD     =            58914.250000 / mid exposure", "2020-03-06T05:59:30", "MJD - half of the exposure"),
         ("DATE-AVG= '2020-03-06T06:00:00'", "2020-03-06T05:59:30", "DATE-AVG - half of the exposure"),
         ("DATE-END= '2020-03-06T06:00:00'", "2020-03-06T05:59:00", "DATE-END - the exposure"),
         (
@@ -214,7 +214,7 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ),
         ("DATE-OBS= '2020-03-06T06:00:00' / UT, end of integration", "2020-03-06T05:59:00", "DATE-OBS - the exposure"),
         ("DATE-OBS= '2020-03-06T06:00:00' / shutter closed", "2020-03-06T05:59:00", "DATE-OBS - the exposure"),
-        ("MJD-OBS =             58914.25 / [d] mid-exposure", "2020-03-06T05:59:30", "MJD-OBS - half of the exposure"),
+        ("MJD-OBS =             58914.250000 / [d] mid-exposure", "2020-03-06T05:59:30", "MJD-OBS - half of the exposure"),
         (
             "DATE-OBS= '2020-03-06'\nUT      = '06:00:00' / centre of exposure",
             "2020-03-06T05:59:30",
@@ -234,7 +234,7 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("DATE-OBS= '2020-03-06T06:00:00' / mid\nDATE-BEG= '2020-03-06T05:59:30'", "2020-03-06T05:59:30", "DATE-BEG"),
         // The start of a keyword that is not usable comes from another keyword.
         (
-            "DATE-OBS= '2020-03-05T23:00:00' / local time\nMJD-OBS =             58914.25",
+            "DATE-OBS= '2020-03-05T23:00:00' / local time\nMJD-OBS =             58914.250000",
             "2020-03-06T06:00:00",
             "MJD-OBS",
         ),
@@ -264,11 +264,11 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("DATE-OBS= '2020-03-05T23:00:00' / MST date of observation", "a local time by its comment"),
         ("DATE-OBS= '2020-03-06'\nTIME-OBS= '06:00:00' / CEST", "a local time by its comment"),
         // A Julian date that was computed from the local time is not another clock.
-        ("DATE-OBS= '2020-03-06T06:00:00' / local\nJD      =          2458914.75", "a local time by its comment"),
+        ("DATE-OBS= '2020-03-06T06:00:00' / local\nJD      =          2458914.750000", "a local time by its comment"),
         ("DATE-OBS= '2020-03-06T06:01:01' / System Clock:Frame Received", "the time of an event after the exposure"),
         ("DATE-OBS= '2020-03-06T06:01:01' / Image created time", "the time of an event after the exposure"),
         ("DATE-OBS= '2020-03-06T06:01:01' / start or end of exposure", "of more than one part of the exposure"),
-        ("MJD-OBS =             58914.25 / BJD of start", "a time corrected to the Sun or the barycentre"),
+        ("MJD-OBS =             58914.250000 / BJD of start", "a time corrected to the Sun or the barycentre"),
         ("DATE-OBS= '2020-03-06T06:00:00' / mid\nMJD-OBS =         58914.250000 / start", "30.0 s apart"),
     ] {
         let error = time(&format!("{cards}\n{LENGTH}")).expect_err(words);
@@ -321,7 +321,7 @@ fn verif_lengths_of_several_exposures_and_units() {
     }
     // A given exposure time is not compared with the end of a stack.
     let stack = Header::from_text(&format!("{at}EXPTIME = 2.0\nDATE-END= '2020-03-06T06:30:00'"));
-    assert!(ExposureTime::start_from_headers(&[&stack], 1800.0).is_ok());
+    assert!(ExposureTime::with_given(&[&stack], None, Some(1800.0)).is_ok());
 }
 
 /// Gains that are settings of cameras, as N.I.N.A., SharpCap and INDI write them.

@@ -15,28 +15,39 @@ const PARTS: &[(Role, &str)] = &[
     (
         Role::Start,
         "start starts started starting begin begins beginning began beg open opens opened opening debut beginn anfang \
-         inicio",
+         inicio inizio utstart aufnahmebeginn belichtungsbeginn",
     ),
     (
         Role::Middle,
         "mid middle midpoint midpoints midpt midtime midexp midexposure midobs midobservation midframe midscan midway \
-         tmid meantime half halfway effective weighted center centre central average averaged avg mean median mitte \
-         milieu mitad medio",
+         tmid utmid utcmid jdmid meantime half halfway effective weighted center centre central average averaged avg mean median mitte \
+         milieu mitad medio centro meio aufnahmemitte belichtungsmitte",
     ),
     (
         Role::End,
-        "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut \
-         completion completed terminated fin ende",
+        "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut off \
+         complete completion completed terminated fin fim ende utend eoe aufnahmeende belichtungsende",
     ),
 ];
-const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exptime pose belichtung integration \
-     integrations int observation observations observing obs frame frames image images img shutter scan capture stack \
-     sequence interval visit coadd coadds dce";
+const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
+     belichtung aufnahme integration integrations int observation observations observing obs frame frames image images \
+     img shutter scan capture stack interval visit coadd coadds dce";
 const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
      mjd julian instant moment point pt way yyyy ccyy dd hh hms ymd";
 /// Words between a part and what it qualifies.
 const FILLERS: &str =
-    "of the at to a an in and or between this first each actual through during for from de du der des la le est";
+    "of the at to a an in and or between this first each actual through during for from de du der des la le da do della \
+     est";
+/// Words of periods that contain other exposures.
+const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
+/// Ends and middles as sums or in languages in which the word alone has other meanings, without blanks, in lower case.
+const PHRASES: &[(Role, &[&str])] = &[
+    (
+        Role::Middle,
+        &["exptime/2", "exposure/2", "exp/2", "0.5*exp", "exptime*0.5", "50%of", "metaposa", "metaesposizione"],
+    ),
+    (Role::End, &["+exp", "plusexp", "fineesposizione", "finedell", "fineposa"]),
+];
 /// Phrases in which a word of a part or of a zone qualifies something else.
 const OTHER_MEANINGS: &[&str] = &[
     "front end",
@@ -50,6 +61,10 @@ const OTHER_MEANINGS: &[&str] = &[
     "half second",
     "half a second",
     "half day",
+    "complete date",
+    "complete time",
+    "complete utc",
+    "complete ut",
     "half a day",
     "greenwich mean",
     "universal mean",
@@ -64,7 +79,9 @@ const OTHER_MEANINGS: &[&str] = &[
     "not the local",
 ];
 /// Words of another event, unless the comment states a part of this exposure.
-const OTHERS: &str = "previous preceding next following last after post";
+const OTHERS: &str = "previous preceding next following last after post recorded recording grabbed";
+/// Words of times before the exposure.
+const PLANS: &str = "planned requested scheduled proposed";
 /// Words of events after the exposure, at an unknown delay.
 const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
      generated modified downloaded download transferred readout";
@@ -76,8 +93,11 @@ const ZONE_NAMES: &str = "eastern mountain pacific atlantic newfoundland hawaii 
      brasilia moscow european australian zealand africa african israel arabian gulf singapore london british irish \
      paris berlin madrid sydney zone observatory site station legal official standard summer winter";
 /// Abbreviations of zone times, in capitals. EST is also short for "estimated" (SharpCap: "Est. Frame Start").
-const ZONES: &str = "PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT AST ADT NST NDT CET CEST EET EEST WEST BST \
+const ZONES: &str = "BJT WIB PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT AST ADT NST NDT CET CEST EET EEST WEST BST \
      IST MEZ MESZ JST KST HKT SGT PKT AEST AEDT ACST ACDT AWST NZST NZDT MSK SAST CLT CLST BRT BRST LT LMT";
+/// Computers whose clock may be local, and words of a clock.
+const COMPUTERS: &str = "computer pc host laptop workstation system";
+const COMPUTER_CLOCKS: &str = "time clock timestamp date";
 const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 
 const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
@@ -140,7 +160,7 @@ impl Comment {
     /// The reason why the instant cannot be used: it is a local time, or the time of another event, or the comment
     /// mentions several parts, or another part than the name.
     pub fn role(&self, named: Option<Role>) -> Result<Option<Role>, &'static str> {
-        if self.has("sidereal lst") {
+        if self.has("sidereal lst lmst gmst gast") {
             return Err("a sidereal time");
         }
         if self.is_local() {
@@ -151,6 +171,12 @@ impl Comment {
         }
         if self.has(EVENTS) {
             return Err("the time of an event after the exposure");
+        }
+        if self.has(PLANS) {
+            return Err("a planned time");
+        }
+        if self.is_of_period() {
+            return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
         match (&stated[..], named) {
@@ -170,9 +196,8 @@ impl Comment {
     /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
     fn parts(&self) -> (Vec<Role>, bool) {
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
-        let halves = ["exptime/2", "exposure/2", "exp/2", "0.5*exp", "exptime*0.5", "50%of"];
-        if halves.iter().any(|half| joined.contains(half)) {
-            return (vec![Role::Middle], false);
+        if let Some((role, _)) = PHRASES.iter().find(|(_, list)| list.iter().any(|phrase| joined.contains(phrase))) {
+            return (vec![*role], false);
         }
         // "UTC (DATE-END: end)" concerns other keywords.
         let is_keyword = |word: &str| {
@@ -197,6 +222,18 @@ impl Comment {
         }
         stated.dedup();
         (stated, is_unclear)
+    }
+
+    /// Returns true if the comment states a part of a period with other exposures, as in "start of observation block",
+    /// but not in "start of exposure in sequence".
+    fn is_of_period(&self) -> bool {
+        let is_part = |word: &String| PARTS.iter().any(|(_, list)| lists(list, word));
+        self.clauses.iter().any(|words| {
+            let Some(part) = words.iter().position(is_part) else { return false };
+            let period = words[part..].iter().position(|word| lists(PERIODS, word));
+            // The word before that of the period may belong to it.
+            period.is_some_and(|at| !words[part..(part + at).saturating_sub(1)].iter().any(|word| lists(EXPOSURE, word)))
+        })
     }
 
     /// Returns true if the comment states universal time.
@@ -254,11 +291,14 @@ impl Comment {
     /// Returns the time scale that the comment states, other than UTC.
     ///
     /// # Errors
-    /// A scale that is not supported, TAI minus other than the 37 s of UTC since 2017, or GPS time, which is also a name
+    /// The clock of a computer, which may be local, a scale that is not supported, TAI minus other than the 37 s of UTC since 2017, or GPS time, which is also a name
     /// for the UTC of a GPS receiver, 18 s earlier.
     pub fn scale(&self) -> Result<Option<TimeScale>, &'static str> {
         if self.has(UNIVERSAL) {
             return Ok(None);
+        }
+        if self.has_pair(COMPUTERS, COMPUTER_CLOCKS) && !self.has_pair("system", "clock") {
+            return Err("of the clock of a computer, which may be local,");
         }
         if self.has("GPST")
             || self.has_pair("gps", "time times scale week seconds")
