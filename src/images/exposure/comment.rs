@@ -35,8 +35,7 @@ const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicio
 const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
      mjd julian instant moment point pt way yyyy ccyy dd hh hms ymd";
 /// Words between a part and what it qualifies.
-const FILLERS: &str =
-    "of the at to a an in and or between this first each actual through during for from de du der des la le da do della \
+const FILLERS: &str = "of the at to a an in and or between this first each actual through during for from de du der des la le da do della \
      est";
 /// Words of periods that contain other exposures.
 const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
@@ -232,7 +231,8 @@ impl Comment {
             let Some(part) = words.iter().position(is_part) else { return false };
             let period = words[part..].iter().position(|word| lists(PERIODS, word));
             // The word before that of the period may belong to it.
-            period.is_some_and(|at| !words[part..(part + at).saturating_sub(1)].iter().any(|word| lists(EXPOSURE, word)))
+            period
+                .is_some_and(|at| !words[part..(part + at).saturating_sub(1)].iter().any(|word| lists(EXPOSURE, word)))
         })
     }
 
@@ -375,7 +375,8 @@ impl Comment {
             let mut nexts = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
             nexts.any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
         };
-        let is_marked = |word: &str| lower.trim() == word || marks.iter().any(|mark| follows(mark, word));
+        let is_marked =
+            |word: &str| lower.trim().trim_end_matches('.') == word || marks.iter().any(|mark| follows(mark, word));
         if is_marked("m") {
             return Err("the unit m".to_owned());
         }
@@ -524,12 +525,43 @@ mod tests {
             ("UT1-UTC < 1 s", Ok(None)),
             ("half-way through the exposure", Ok(Some(Role::Middle))),
             ("BJD of start", Err("a time corrected to the Sun or the barycentre")),
+            ("UTC at which frame was recorded", Err(UNCLEAR)),
+            ("start of recorded exposure", Ok(Some(Role::Start))),
+            ("timestamp when the frame was grabbed by host", Err(UNCLEAR)),
+            ("Planned start of exposure", Err("a planned time")),
+            ("UTC start of observation block", Err(UNCLEAR)),
+            ("begin of the night", Err(UNCLEAR)),
+            ("start of exposure in sequence", Ok(Some(Role::Start))),
+            ("LMST", Err("a sidereal time")),
+            ("BJT", Err("a local time")),
+            ("acq. complete", Ok(Some(Role::End))),
+            ("complete UTC date", Ok(None)),
+            ("shutter off", Ok(Some(Role::End))),
+            ("EOE", Ok(Some(Role::End))),
+            ("UTmid", Ok(Some(Role::Middle))),
+            ("start time + exptime", Ok(Some(Role::End))),
+            ("start+exptime/2", Ok(Some(Role::Middle))),
+            ("fine esposizione", Ok(Some(Role::End))),
+            ("UTC, fine resolution", Ok(None)),
+            ("fim da exposicao", Ok(Some(Role::End))),
+            ("Aufnahmeende", Ok(Some(Role::End))),
+            ("centro de la exposicion", Ok(Some(Role::Middle))),
             ("start or end of exposure", Err("of more than one part of the exposure")),
         ] {
             assert_eq!(Comment::new(text).role(None), role, "{text}");
         }
         assert_eq!(Comment::new("mean of start and end").role(Some(Role::Middle)), Ok(Some(Role::Middle)));
         assert!(Comment::new("end of exposure").role(Some(Role::Start)).is_err());
+    }
+
+    #[test]
+    fn clocks_of_computers_may_be_local() {
+        for text in ["computer clock time", "PC time", "host time at start", "System time"] {
+            assert!(Comment::new(text).scale().is_err(), "{text}");
+        }
+        for text in ["PC clock, UTC", "System Clock:Est. Frame Start", "host name"] {
+            assert_eq!(Comment::new(text).scale(), Ok(None), "{text}");
+        }
     }
 
     #[test]
@@ -548,6 +580,7 @@ mod tests {
             ("min exposure", Ok(None)),
             ("exposure of the day", Ok(None)),
             ("us", Ok(Some(1e-6))),
+            ("min.", Ok(Some(60.0))),
             ("hr", Ok(Some(3600.0))),
             ("unit = d", Ok(Some(86400.0))),
             ("exposure time in hundredths of a second", Ok(Some(1e-2))),

@@ -237,9 +237,9 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         remarks.push(format!("the start of {} is uncertain by {:.1} s, by its digits", first.from, first.slack_s));
     }
     let approximate = keywords.text(&["TIMESYS"]).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
-    remarks.extend(approximate.map(|(keyword, name)| {
-        format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))
-    }));
+    remarks.extend(
+        approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
+    );
     Ok(first)
 }
 
@@ -254,9 +254,8 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
         (Role::End, true),
     ];
     let find = |instants: &Instants, (role, is_loose): (Role, bool)| {
-        let matches = |instant: &&Instant| {
-            instant.role == role && instant.is_loose == is_loose && instant.slack_s <= COARSE_S
-        };
+        let matches =
+            |instant: &&Instant| instant.role == role && instant.is_loose == is_loose && instant.slack_s <= COARSE_S;
         instants.found.iter().find(matches).map(|instant| start_of(instant, duration_s))
     };
     if let Some(error) = instants.found.iter().find_map(|instant| day_problem(instant, duration_s)) {

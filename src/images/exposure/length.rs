@@ -41,12 +41,13 @@ const COADDS: &[&str] = &[
 ];
 /// Keywords of the number of frames that were added afterwards.
 const STACKED: &[&str] = &[
-    "STACKCNT", "NCOMBINE", "NCOMB", "NUM-COMB", "SNAPSHOT", "N-STACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS", "NDRIZIM",
+    "STACKCNT", "NCOMBINE", "NCOMB", "NUM-COMB", "SNAPSHOT", "N-STACK", "NUMSTACK", "STACKNUM", "STACKED", "NINPUTS",
+    "NDRIZIM",
 ];
 /// Keywords of a number of exposures that are added, or that follow each other in separate files.
 const DOUBTFUL: &[&str] = &[
-    "NEXP", "NUMEXP", "NEXPOSUR", "NFRAME", "NFRAMES", "NUMFRAME", "FRAMES", "NIMG", "NIMAGES", "N-IMAGES", "NSUB", "NSUBS",
-    "NUMSUB",
+    "NEXP", "NUMEXP", "NEXPOSUR", "NFRAME", "NFRAMES", "NUMFRAME", "FRAMES", "NIMG", "NIMAGES", "N-IMAGES", "NSUB",
+    "NSUBS", "NUMSUB",
 ];
 /// Keywords of the kind of a frame, and words of stacks in their values.
 const KINDS: &[&str] = &["IMAGETYP", "IMAGETYPE", "FRAMETYP", "OBSTYPE", "PRODTYPE", "PROCTYPE"];
@@ -172,7 +173,9 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
             of_sum = of_sum.or(Some(error));
         } else if other.seconds > seconds + STATED_S || (is_span && other.seconds < seconds - STATED_S) {
             let other = format!("{} is {} s ({what})", other.keyword, other.seconds);
-            remarks.push(format!("{keyword} is {seconds} s, but {other}: {keyword} is used; for another span specify --exposure"));
+            remarks.push(format!(
+                "{keyword} is {seconds} s, but {other}: {keyword} is used; for another span specify --exposure"
+            ));
         }
     }
     let of_part = keywords.number(PART_TIMES, |time| agree(time, seconds));
@@ -256,7 +259,9 @@ fn parts(keywords: Keywords<'_>, is_per_part: bool) -> Option<Parts> {
         return Some(Parts::new(keyword, count));
     }
     let kind = KINDS.iter().find_map(|name| {
-        keywords.text(&[name]).filter(|(_, kind)| Comment::new(kind).has(STACKS) && !Comment::new(kind).has(OF_CALIBRATION))
+        keywords
+            .text(&[name])
+            .filter(|(_, kind)| Comment::new(kind).has(STACKS) && !Comment::new(kind).has(OF_CALIBRATION))
     });
     if let Some((keyword, kind)) = kind {
         return Some(Parts { keyword, shown: format!("{kind:?}"), count: 1.0 });
@@ -324,6 +329,7 @@ fn counted_in(text: &str) -> Option<f64> {
     let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let is_several = |word: &str| SEVERAL.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word));
     let pair = words.windows(2).find(|pair| is_several(pair[1]) && pair[0].parse::<u32>().is_ok());
-    let is_sum = (remark.has(STACKS) || remark.has("combine combined combining averaged summed")) && !remark.has(OF_CALIBRATION);
+    let is_sum =
+        (remark.has(STACKS) || remark.has("combine combined combining averaged summed")) && !remark.has(OF_CALIBRATION);
     pair.filter(|_| is_sum)?[0].parse().ok()
 }
