@@ -116,6 +116,14 @@ fn verif_the_image_header_precedes_the_primary_header() {
     let primary = Header::from_text("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 20.0\nFILTER  = 'r'");
     let found = ExposureTime::from_headers(&[&image, &primary]).expect("both");
     assert_eq!((found.duration_s, found.start_from.as_str()), (10.0, "DATE-OBS"));
+    // The scale of a date is that of its own header.
+    let date = |text: &str| Header::from_text(&format!("TIMESYS = 'TAI'\n{text}"));
+    let (image_utc, primary_tai) =
+        (Header::from_text("EXPTIME = 10.0\nTIMESYS = 'UTC'"), date("DATE-OBS= '2020-03-06T00:00:37'"));
+    let at = ExposureTime::from_headers(&[&image_utc, &primary_tai]).expect("TAI").start;
+    let image_date = Header::from_text("EXPTIME = 10.0\nDATE-OBS= '2020-03-06T00:00:37'");
+    assert_eq!(ExposureTime::from_headers(&[&image_date, &date("")]).expect("TAI").start, at);
+    assert_eq!(at, found.start);
     let calibration = Calibration::from_headers(&[&image, &primary]);
     assert_eq!(calibration.band.expect("a band").value, "r");
     assert_eq!(calibration.gain_e_adu.expect("a gain").value, 2.0);
@@ -512,6 +520,7 @@ fn verif_counts_of_stacked_frames() {
         "EXPTIME = 30.0\nNUMACC  = 10 / number of accumulations",
         "EXPTIME = 30.0 / Exposure of each sub (s)\nNSUBS   = 12",
         "EXPTIME = 10.0\nEXP1TIME= 10.0\nCOEXP   = 6",
+        "EXPTIME = 300.0\nHIERARCH ESO DET DIT = 60.0\nHIERARCH ESO DET NDIT = 5",
         "EXPTIME = 30.0\nPROCTYPE= 'Stacked'",
         "EXPTIME = 30.0\nIMAGETYP= 'STACK'",
         "EXPTIME = 30.0\nCOMMENT Stacked 12 images using median",

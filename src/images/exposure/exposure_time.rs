@@ -7,7 +7,7 @@ use crate::frames::{seconds_after, seconds_between};
 
 use super::super::header::Header;
 use super::comment::Role;
-use super::instants::{Instant, Instants, unreadable};
+use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, unreadable};
 use super::length::{Length, length};
 use super::moment::Keywords;
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
@@ -173,7 +173,7 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
 
 /// Returns the time scale of dates, which is given by TIMESYS, and whether it is given.
 fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
-    let Some((keyword, value)) = keywords.text(&["TIMESYS"]) else { return Ok((TimeScale::UTC, false)) };
+    let Some((keyword, value)) = timesys(keywords) else { return Ok((TimeScale::UTC, false)) };
     let scale = match scale_name(&value).as_str() {
         "UTC" | "UT" | "UT1" | "GMT" => TimeScale::UTC,
         "TAI" | "IAT" => TimeScale::TAI,
@@ -183,6 +183,13 @@ fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
         _ => return Err(unreadable(keyword, &value, "UTC, TAI, TT, TDB or GPS")),
     };
     Ok((scale, true))
+}
+
+/// Returns TIMESYS and its value, from the header with the dates if it has one there.
+fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
+    let mut headers = keywords.0.iter().map(|header| Keywords(std::slice::from_ref(header)));
+    let of_dates = headers.find(|header| DATES.iter().chain(MODIFIED_DATES).any(|name| header.find(name).is_some()));
+    of_dates.and_then(|header| header.text(&["TIMESYS"])).or_else(|| keywords.text(&["TIMESYS"]))
 }
 
 /// Returns the name of a time scale without its realisation, as in `TT(TAI)`, and without `approximate` (NOAO).
@@ -236,7 +243,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
     if first.slack_s > START_SLACK_S {
         remarks.push(format!("the start of {} is uncertain by {:.1} s, by its digits", first.from, first.slack_s));
     }
-    let approximate = keywords.text(&["TIMESYS"]).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
+    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
     remarks.extend(
         approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
     );
@@ -308,7 +315,7 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
 
 /// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
 fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
-    let by_keyword = keywords.text(&["TIMESYS"]).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
+    let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
     let keyword = start.from.split(' ').next().unwrap_or_default();
     by_keyword || keywords.text_and_comment(keyword).is_some_and(|(.., comment)| comment.is_universal())
 }

@@ -10,7 +10,7 @@ use super::comment::{Comment, Role};
 use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
 
 /// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
-const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
+pub(super) const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 
 /// Keywords with the time of day of the start, used together with a date.
 const TIMES: &[&str] = &[
@@ -32,7 +32,7 @@ const TIMES: &[&str] = &[
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
 
 /// Keywords with the modified Julian date of the start.
-const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
+pub(super) const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
 
 /// Keywords with the Julian date of the start.
 const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];

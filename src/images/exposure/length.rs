@@ -181,7 +181,7 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     let of_part = keywords.number(PART_TIMES, |time| agree(time, seconds));
     let is_whole = is_whole
         || parts.as_ref().is_some_and(|Parts { count, .. }| {
-            keywords.number(PART_TIMES, |time| agree(count * time, seconds) && time < seconds).is_some()
+            keywords.number(&["EXP1TIME"], |time| agree(count * time, seconds) && time < seconds).is_some()
         });
     let is_of_all = is_whole || (comment.has(OF_ALL) && !comment.has(PER_PART) && of_part.is_none());
     let is_resampled = comment.has("equivalent");
