@@ -124,6 +124,8 @@ pub struct IdentifyPlan {
     pub streak: MeasuredStreak,
     /// Option that specified the position: `--end`, `--position-angle`, `--from-pix` or `--region`.
     pub source: &'static str,
+    /// Sentences about times in the header of the frame that can be read in two ways.
+    pub remarks: Vec<String>,
 }
 
 impl IdentifyPlan {
@@ -172,7 +174,7 @@ impl IdentifyConfig {
                 return Err(request(format!("{several} exclude each other; specify {}", STREAK.words)));
             }
         };
-        let (start, duration_s, timing) = self.timing(config)?;
+        let (start, duration_s, timing, remarks) = self.timing(config)?;
         let angle_deg = |what, given: &Option<String>, default_deg| {
             given.as_deref().map_or(Ok(default_deg), |given| parse_angle_deg(what, given))
         };
@@ -200,7 +202,7 @@ impl IdentifyConfig {
                 time_sigma_s,
             )?,
         };
-        Ok(IdentifyPlan { streak, source })
+        Ok(IdentifyPlan { streak, source, remarks })
     }
 
     /// Returns the configuration. If it has no site, sets the site of the frame's header, and also returns a message
@@ -257,14 +259,15 @@ impl IdentifyConfig {
         Ok((Line::Ends(ends), POSITION_SIGMA_PIX * pixel_arcsec))
     }
 
-    /// Returns start and duration (seconds) of the interval, and the relation between times and ends.
-    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), Error> {
+    /// Returns start and duration (seconds) of the interval, the relation between times and ends, and remarks about the
+    /// header of the frame.
+    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing, Vec<String>), Error> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
             [] => {
                 let timing = if self.whole_streak { Timing::Whole } else { Timing::Within };
-                let (start, duration_s) = self.exposed(config)?;
-                Ok((start, duration_s, timing))
+                let (start, duration_s, remarks) = self.exposed(config)?;
+                Ok((start, duration_s, timing, remarks))
             }
             [first, second] => {
                 let (first, second) = (parse_moment(first, scale)?, parse_moment(second, scale)?);
@@ -276,15 +279,15 @@ impl IdentifyConfig {
                         "the time at the first --end, then a later one at the second",
                     ));
                 }
-                Ok((first, duration_s, Timing::FirstToSecond))
+                Ok((first, duration_s, Timing::FirstToSecond, Vec::new()))
             }
             other => Err(request(format!("--times has {} values", other.len())).allowing("2, one for each --end")),
         }
     }
 
     /// Returns shutter opening and exposure time (seconds): from `self`, or else from the configuration, or else from
-    /// the frame's header.
-    fn exposed(&self, config: &Config) -> Result<(Epoch, f64), Error> {
+    /// the frame's header, with remarks about it.
+    fn exposed(&self, config: &Config) -> Result<(Epoch, f64, Vec<String>), Error> {
         let given = |given: &Option<String>, configured: &Option<Quantity>| {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
         };
@@ -297,7 +300,7 @@ impl IdentifyConfig {
             return super::identify_frame::exposure(path, self.hdu, start, duration_s);
         }
         match (start, duration_s) {
-            (Some(start), Some(duration_s)) => Ok((start, duration_s)),
+            (Some(start), Some(duration_s)) => Ok((start, duration_s, Vec::new())),
             (None, _) => Err(Error::missing(
                 "start of the exposure",
                 "--start 2024-08-14T00:30:00.000Z, or --times with both --end",

@@ -106,22 +106,23 @@ pub(super) fn ends(
     Ok((ends, ends[0].separation_rad(&ends[1]).to_degrees() * 3600.0 / length_pix))
 }
 
-/// Returns shutter opening and exposure time (seconds): the given values, or else those of the header.
+/// Returns shutter opening and exposure time (seconds): the given values, or else those of the header, with remarks
+/// about it.
 pub(super) fn exposure(
     path: &Path,
     hdu: Option<usize>,
     start: Option<Epoch>,
     duration_s: Option<f64>,
-) -> Result<(Epoch, f64), Error> {
+) -> Result<(Epoch, f64, Vec<String>), Error> {
     if let (Some(start), Some(duration_s)) = (start, duration_s) {
-        return Ok((start, duration_s));
+        return Ok((start, duration_s, Vec::new()));
     }
     let (file, hdu) = image(path, hdu)?;
-    let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    let fail = |error: Error| error.in_file("", path);
-    let duration_s = duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(fail)?;
-    let start = start.map_or_else(|| ExposureTime::start_from_headers(&headers, duration_s), Ok).map_err(fail)?;
-    Ok((start, duration_s))
+    let found = ExposureTime::with_given(&[file.header(hdu)?, file.header(0)?], start, duration_s)
+        .map_err(|error| error.in_file("", path))?;
+    let shown = path.display();
+    let remarks = found.remarks.iter().map(|remark| format!("{shown}: {remark}")).collect();
+    Ok((found.start, found.duration_s, remarks))
 }
 
 /// Returns the site in the header of a frame; `None` if it has none.

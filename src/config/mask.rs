@@ -227,7 +227,7 @@ impl MaskConfig {
             let shown = frame.file.path().display().to_string();
             let ignored = frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"));
             warnings.extend(ignored);
-            remarks.extend(frame.images.summary().map(|summary| format!("{shown}: {summary}")));
+            remarks.extend(frame.remarks());
             warnings.extend(mask_warnings(&shown, &frame, &mask, &options));
             warnings.extend(unknown_observer_warning(&prepared.sky, &frame));
             warnings.extend(

@@ -211,6 +211,7 @@ impl MeasureConfig {
                     &mut warnings,
                 );
             }
+            remarks.extend(frame.time_remarks.iter().map(|remark| format!("{shown}: {remark}")));
             let used = &measured.planes_used;
             if let Some(summary) = frame.images.summary() {
                 let used = if used.is_empty() {

@@ -427,9 +427,16 @@ mod tests {
 
     #[test]
     fn names_of_networks_are_ambiguous() {
-        for (name, sites) in
-            [("ATLAS", 5), ("Gemini", 2), ("goto", 2), ("TRAPPIST", 2), ("LCO", 6), ("Faulkes Telescope", 2)]
-        {
+        for (name, sites) in [
+            ("ATLAS", 5),
+            ("Gemini", 2),
+            ("goto", 2),
+            ("TRAPPIST", 2),
+            ("SPECULOOS", 2),
+            ("Lowell Observatory", 2),
+            ("LCO", 6),
+            ("Faulkes Telescope", 2),
+        ] {
             let error = Site::by_name(name).expect_err(name).to_string();
             assert!(error.starts_with(&format!("site name \"{name}\" fits several sites: ")), "{error}");
             assert!(error.matches(", ").count() + 1 >= sites, "{error}");

@@ -34,12 +34,12 @@ fn verif_spellings_of_the_start() {
         ("DATE-OBS= '2020-03-06T00:04:52.410'\nTIMESYS = 'TAI'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-OBS= '2020-03-06T00:05:24.594'\nTIMESYS = 'TT'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-BEG= '2020-03-06T00:04:15'\nDATE-OBS= '2020-03-06T00:04:15.9'", "2020-03-06T00:04:15", "DATE-BEG"),
-        ("MJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
-        ("DATE-OBS= '06/03/20'\nMJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
-        ("DATE-OBS= '2020-03-06'\nMJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
-        ("JD      =          2458914.75", "2020-03-06T06:00:00", "JD"),
-        ("JD      =          2458914.75 / end of exposure", "2020-03-06T05:59:00", "JD - the exposure"),
-        ("MJD     =            58914.25 / mid exposure", "2020-03-06T05:59:30", "MJD - half of the exposure"),
+        ("MJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("DATE-OBS= '06/03/20'\nMJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("DATE-OBS= '2020-03-06'\nMJD-OBS =             58914.250000", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("JD      =          2458914.750000", "2020-03-06T06:00:00", "JD"),
+        ("JD      =          2458914.750000 / end of exposure", "2020-03-06T05:59:00", "JD - the exposure"),
+        ("MJD     =            58914.250000 / mid exposure", "2020-03-06T05:59:30", "MJD - half of the exposure"),
         ("DATE-AVG= '2020-03-06T06:00:00'", "2020-03-06T05:59:30", "DATE-AVG - half of the exposure"),
         ("DATE-END= '2020-03-06T06:00:00'", "2020-03-06T05:59:00", "DATE-END - the exposure"),
         (
@@ -116,6 +116,14 @@ fn verif_the_image_header_precedes_the_primary_header() {
     let primary = Header::from_text("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 20.0\nFILTER  = 'r'");
     let found = ExposureTime::from_headers(&[&image, &primary]).expect("both");
     assert_eq!((found.duration_s, found.start_from.as_str()), (10.0, "DATE-OBS"));
+    // The scale of a date is that of its own header.
+    let date = |text: &str| Header::from_text(&format!("TIMESYS = 'TAI'\n{text}"));
+    let (image_utc, primary_tai) =
+        (Header::from_text("EXPTIME = 10.0\nTIMESYS = 'UTC'"), date("DATE-OBS= '2020-03-06T00:00:37'"));
+    let at = ExposureTime::from_headers(&[&image_utc, &primary_tai]).expect("TAI").start;
+    let image_date = Header::from_text("EXPTIME = 10.0\nDATE-OBS= '2020-03-06T00:00:37'");
+    assert_eq!(ExposureTime::from_headers(&[&image_date, &date("")]).expect("TAI").start, at);
+    assert_eq!(at, found.start);
     let calibration = Calibration::from_headers(&[&image, &primary]);
     assert_eq!(calibration.band.expect("a band").value, "r");
     assert_eq!(calibration.gain_e_adu.expect("a gain").value, 2.0);
@@ -214,7 +222,11 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ),
         ("DATE-OBS= '2020-03-06T06:00:00' / UT, end of integration", "2020-03-06T05:59:00", "DATE-OBS - the exposure"),
         ("DATE-OBS= '2020-03-06T06:00:00' / shutter closed", "2020-03-06T05:59:00", "DATE-OBS - the exposure"),
-        ("MJD-OBS =             58914.25 / [d] mid-exposure", "2020-03-06T05:59:30", "MJD-OBS - half of the exposure"),
+        (
+            "MJD-OBS =             58914.250000 / [d] mid-exposure",
+            "2020-03-06T05:59:30",
+            "MJD-OBS - half of the exposure",
+        ),
         (
             "DATE-OBS= '2020-03-06'\nUT      = '06:00:00' / centre of exposure",
             "2020-03-06T05:59:30",
@@ -234,7 +246,7 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("DATE-OBS= '2020-03-06T06:00:00' / mid\nDATE-BEG= '2020-03-06T05:59:30'", "2020-03-06T05:59:30", "DATE-BEG"),
         // The start of a keyword that is not usable comes from another keyword.
         (
-            "DATE-OBS= '2020-03-05T23:00:00' / local time\nMJD-OBS =             58914.25",
+            "DATE-OBS= '2020-03-05T23:00:00' / local time\nMJD-OBS =             58914.250000",
             "2020-03-06T06:00:00",
             "MJD-OBS",
         ),
@@ -264,11 +276,11 @@ fn verif_comments_state_the_part_of_the_exposure() {
         ("DATE-OBS= '2020-03-05T23:00:00' / MST date of observation", "a local time by its comment"),
         ("DATE-OBS= '2020-03-06'\nTIME-OBS= '06:00:00' / CEST", "a local time by its comment"),
         // A Julian date that was computed from the local time is not another clock.
-        ("DATE-OBS= '2020-03-06T06:00:00' / local\nJD      =          2458914.75", "a local time by its comment"),
+        ("DATE-OBS= '2020-03-06T06:00:00' / local\nJD      =          2458914.750000", "a local time by its comment"),
         ("DATE-OBS= '2020-03-06T06:01:01' / System Clock:Frame Received", "the time of an event after the exposure"),
         ("DATE-OBS= '2020-03-06T06:01:01' / Image created time", "the time of an event after the exposure"),
         ("DATE-OBS= '2020-03-06T06:01:01' / start or end of exposure", "of more than one part of the exposure"),
-        ("MJD-OBS =             58914.25 / BJD of start", "a time corrected to the Sun or the barycentre"),
+        ("MJD-OBS =             58914.250000 / BJD of start", "a time corrected to the Sun or the barycentre"),
         ("DATE-OBS= '2020-03-06T06:00:00' / mid\nMJD-OBS =         58914.250000 / start", "30.0 s apart"),
     ] {
         let error = time(&format!("{cards}\n{LENGTH}")).expect_err(words);
@@ -321,7 +333,7 @@ fn verif_lengths_of_several_exposures_and_units() {
     }
     // A given exposure time is not compared with the end of a stack.
     let stack = Header::from_text(&format!("{at}EXPTIME = 2.0\nDATE-END= '2020-03-06T06:30:00'"));
-    assert!(ExposureTime::start_from_headers(&[&stack], 1800.0).is_ok());
+    assert!(ExposureTime::with_given(&[&stack], None, Some(1800.0)).is_ok());
 }
 
 /// Gains that are settings of cameras, as N.I.N.A., SharpCap and INDI write them.
@@ -474,6 +486,8 @@ fn verif_dates_of_the_night_and_remarks() {
         ("DATE-OBS= '2026-08-21'\nUT-DATE = '2026-08-22'\nUT      = '03:14:59'", "UT-DATE is 2026-08-22"),
         ("DATE-OBS= '2026-08-22'\nUT      = 3.2497", "UT is 3.2497 without a unit"),
         ("DATE-OBS= '2026-08-22T03:15:17' / GPS time", "GPS time"),
+        ("DATE-OBS= '2026-08-22T03:15:17' / PC time", "the clock of a computer"),
+        ("DATE-OBS= '2026-08-22T03:15:17' / UTC start of sequence", "another event"),
         ("DATE-OBS= '2026-08-22T03:15:17' / TCB", "coordinate time"),
     ] {
         let error = time(&format!("{cards}\nEXPTIME = 20.0")).expect_err(words);
@@ -496,6 +510,22 @@ fn verif_counts_of_stacked_frames() {
         "EXPTIME = 2.0\nLIGHTS  = 30 / light frames count, averaged",
         "EXPTIME = 12.0 / Total integration time\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5",
         "EXPTIME = 2028.0\nNDRIZIM = 4 / Drizzle, number of images drizzled onto output",
+        "EXPTIME = 1200.0 / Total exposure time in seconds.\nLIGH_CNT= 20 / Light frames combined.",
+        "EXPTIME = 60.0\nLUM_CNT = 20 / Luminance images combined.",
+        "EXPTIME = 30.0\nNIMAGES = 40 / Images in this batch stack",
+        "EXPTIME = 30.0\nNIMG    = 40 / NUMBER IMAGES COADDED",
+        "EXPTIME = 30.0\nNFRAMES = 40 / frames averaged",
+        "EXPTIME = 30.0\nNIMAGES = '40' / number of images stacked",
+        "EXPTIME = 30.0\nACCUM   = 10 / Accumulated images",
+        "EXPTIME = 30.0\nNUMACC  = 10 / number of accumulations",
+        "EXPTIME = 30.0 / Exposure of each sub (s)\nNSUBS   = 12",
+        "EXPTIME = 10.0\nEXP1TIME= 10.0\nCOEXP   = 6",
+        "EXPTIME = 300.0\nHIERARCH ESO DET DIT = 60.0\nHIERARCH ESO DET NDIT = 5",
+        "EXPTIME = 30.0\nPROCTYPE= 'Stacked'",
+        "EXPTIME = 30.0\nIMAGETYP= 'STACK'",
+        "EXPTIME = 30.0\nCOMMENT Stacked 12 images using median",
+        "EXPTIME = 30.0\nHISTORY [Siril] Stacking result: 12 frames",
+        "EXPTIME = 30.0\nHISTORY Combined 12 frames with average",
     ] {
         let error = time(&format!("{at}{cards}")).expect_err(cards);
         assert!(error.contains("--exposure"), "{error}");
@@ -503,6 +533,11 @@ fn verif_counts_of_stacked_frames() {
     for (cards, seconds) in [
         ("EXPTIME = 60.0\nNBIAS   = 20 / number of bias frames combined", 60.0),
         ("EXPTIME = 60.0\nIMAGEID = 7 / image identification number in stack", 60.0),
+        ("EXPTIME = 60.0\nDARK_CNT= 20 / Dark frames combined.", 60.0),
+        ("EXPTIME = 60.0\nPROCTYPE= 'MasterCal stack, bias'", 60.0),
+        ("EXPTIME = 60.0\nHISTORY Master flat combined from 12 frames", 60.0),
+        ("EXPTIME = 60.0\nHISTORY 12 frames in the night", 60.0),
+        ("EXPTIME = 60.0\nEXP1TIME= 10.0\nCOEXP   = 6", 60.0),
         ("EXPTIME = 60.0\nIMCMB001= 'a.fits'", 60.0),
         ("EXPTIME = 60.0 / Total integration time\nHIERARCH ESO DET DIT = 12.0\nHIERARCH ESO DET NDIT = 5", 60.0),
         ("EXPOINUS= 2000000 / Exposure time in us", 2.0),
@@ -514,4 +549,99 @@ fn verif_counts_of_stacked_frames() {
         let found = time(&format!("{at}{cards}")).unwrap_or_else(|error| panic!("{cards}: {error}"));
         assert_eq!(found.duration_s, seconds, "{cards}");
     }
+}
+
+/// Clocks read after the exposure are late, and never before the start.
+#[test]
+fn verif_a_clock_is_not_before_the_start() {
+    let at = "DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME =                300.0\n";
+    for card in [
+        "UT      = '03:10:00'",
+        "UTC     = '03:12:30'",
+        "JD      =   2461274.6336805555",
+        "MJD     =     61274.1319444444",
+        "UTIME   = '03:14:57'",
+        "UT-END  = '03:15:00'",
+    ] {
+        assert!(time(&format!("{at}{card}")).is_err(), "{card}");
+    }
+    for (card, remarks) in [
+        ("UT      = '03:14:59.5'", 0),
+        ("UT      = '03:15:03'", 0),
+        ("UT      = '03:20:45'", 1),
+        // Days of which the digits after the fourth are cut off.
+        ("JD      =         2461274.6354", 0),
+        ("MJD     =                61274 / number of the night", 0),
+    ] {
+        let found = time(&format!("{at}{card}")).expect(card);
+        assert_eq!((found.start_from.as_str(), found.remarks.len()), ("DATE-OBS", remarks), "{:?}", found.remarks);
+    }
+}
+
+/// Days with few decimals and times without seconds are used only to confirm a better clock.
+#[test]
+fn verif_coarse_times_are_no_starts() {
+    for (cards, words) in [
+        ("MJD-OBS =                61274", "MJD-OBS is \"61274\", uncertain by 43200 s"),
+        ("DATE-OBS= '2026-08-22'\nMJD-OBS =                61274", "MJD-OBS is \"61274\""),
+        ("DATE-OBS= '2026-08-22'\nJD      =              2461275", "JD is \"2461275\""),
+        ("DATE-OBS= '2026-08-22'\nJD      =            2461274.6", "uncertain by 4320 s"),
+        ("MJD-OBS = '61274.135'", "uncertain by 43 s"),
+        ("DATE-OBS= '2026-08-22T03:15'", "DATE-OBS is \"2026-08-22T03:15\", uncertain by 60 s"),
+        ("DATE-OBS= '2026-08-22'\nUT      = '03:15'", "DATE-OBS + UT is \"03:15\""),
+        ("DATE-OBS= '2026-08-22'\nUT      = 3.25 / [h]", "uncertain by 18 s"),
+        ("MJD-END =              61274.1", "uncertain by 4320 s"),
+    ] {
+        let error = time(&format!("{cards}\n{LENGTH}")).expect_err(cards);
+        assert!(error.contains(words) && error.contains("--start"), "{error}");
+    }
+    for (cards, utc, from, remarks) in [
+        ("DATE-OBS= '2026-08-22T00:00:00'", "2026-08-22T00:00:00", "DATE-OBS", 0),
+        ("MJD-OBS =                61274\nJD      =     2461274.63541667", "2026-08-22T03:15:00.000288", "JD", 0),
+        ("DATE-OBS= '2026-08-22'\nTIME-OBS= '03:15'\nUT      = '03:15:40'", "2026-08-22T03:15:40", "UT", 0),
+        ("JD      =         2461274.6354", "2026-08-22T03:14:58.56", "JD", 1),
+    ] {
+        let found = time(&format!("{cards}\n{LENGTH}")).unwrap_or_else(|error| panic!("{error}"));
+        let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
+        assert!(seconds_between(expected, found.start).abs() < 1e-3, "{} is not {utc}", found.start);
+        assert_eq!((found.start_from.as_str(), found.remarks.len()), (from, remarks), "{:?}", found.remarks);
+    }
+    // The end of a stack must be precise to confirm its length.
+    let stack = "DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME = 600.0\nNCOMBINE= 5\nMJD-END = 61274\n";
+    assert!(time(stack).is_err());
+}
+
+/// Differences of seconds to minutes from the end and the middle are stated.
+#[test]
+fn verif_gaps_in_an_exposure_are_stated() {
+    let remarks = |length_s: f64, card: &str| {
+        let found = time(&format!("DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME = {length_s:?}\n{card}")).expect(card);
+        assert_eq!(found.duration_s, length_s, "{card}");
+        found.remarks
+    };
+    for (length_s, card, words) in [
+        (3600.0, "DATE-END= '2026-08-22T04:20:30'", "it is 3930.0 s from DATE-OBS to DATE-END: EXPTIME is used"),
+        (300.0, "DATE-END= '2026-08-22T03:19:35'", "275.0 s from DATE-OBS to DATE-END"),
+        (3600.0, "TELAPSE = 3930.0", "TELAPSE is 3930 s (from start to end)"),
+        (3600.0, "TELAPSE = 3400.0", "TELAPSE is 3400 s"),
+        (3600.0, "LIVETIME= 3700.0", "LIVETIME is 3700 s (in all parts)"),
+        (3600.0, "DATE-AVG= '2026-08-22T03:50:00'", "DATE-AVG - half of the exposure gives one 300.0 s later"),
+        (60.0, "TIME-END= '03:16:59'", "119.0 s from DATE-OBS to TIME-END"),
+        (30.0, "NFRAMES = 40", "NFRAMES is 40: EXPTIME is used"),
+        (30.0, "NEXP    = 40 / Number of exposures", "NEXP is 40"),
+        (30.0, "TIMESYS = 'UTC approximate'", "TIMESYS is \"UTC approximate\": times are read as UTC"),
+    ] {
+        let found = remarks(length_s, card);
+        assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+    }
+    for (length_s, card) in [
+        (60.0, "DATE-END= '2026-08-22T03:16:04'"),
+        (600.0, "TELAPSE = 604.0"),
+        (60.0, "NFRAMES = 5 / frames of the sequence"),
+        (60.0, "MJD-END = 61274.1"),
+    ] {
+        assert_eq!(remarks(length_s, card), [""; 0], "{card}");
+    }
+    let error = time("DATE-OBS= '2026-08-22T03:15:00'\nEXPTIME = 60\nDATE-END= '2026-08-22T03:14:00'").unwrap_err();
+    assert!(error.contains("an end after the start") && !error.contains("--exposure -60"), "{error}");
 }

@@ -28,7 +28,7 @@ SITES = [
     ("309", "Paranal", "Cerro Paranal|Paranal Observatory|VLT|Very Large Telescope|Paranal Observatory (ESO)|ESO-VLT-U1|ESO-VLT-U2|ESO-VLT-U3|ESO-VLT-U4", None),
     ("W91", "VISTA", "VHS VISTA", None),
     ("X11", "VST", "VLT Survey Telescope", None),
-    ("W75", "SPECULOOS South", "SPECULOOS", None),
+    ("W75", "SPECULOOS South", "", None),
     ("I09", "Cerro Armazones Observatory", "OCA|Observatorio Cerro Armazones", None),
     ("", "ELT", "Extremely Large Telescope|Cerro Armazones|Armazones", (-24.589, -70.192, 3046)),  # ESO
     ("809", "La Silla", "ESO La Silla|La Silla Observatory|La Silla Observatory (ESO)|lasilla|NTT|ESO-NTT|MPI-2.2|ESO-3.6", None),
@@ -81,8 +81,8 @@ SITES = [
     ("703", "Catalina Sky Survey", "CSS|Mount Bigelow|Catalina Schmidt", None),
     ("G96", "Mount Lemmon Survey", "Mount Lemmon|Mt. Lemmon", None),
     ("V06", "Catalina Kuiper", "Kuiper 61-inch|Catalina Observatory|mtbigelow", None),
-    ("688", "Anderson Mesa", "Lowell Observatory - Anderson Mesa|Perkins|NPOI|lo-am", None),
-    ("690", "Lowell Observatory", "Lowell|Flagstaff|Mars Hill|Lowell Observatory - Mars Hill", (35.202875, -111.664781, 2195)),  # Lowell staff, by astropy
+    ("688", "Lowell Observatory - Anderson Mesa", "Anderson Mesa|Perkins|NPOI|lo-am", None),
+    ("690", "Lowell Observatory - Mars Hill", "Flagstaff|Mars Hill", (35.202875, -111.664781, 2195)),  # Lowell staff, by astropy
     ("G37", "Lowell Discovery Telescope", "LDT|DCT|Discovery Channel Telescope|Happy Jack", None),
     ("705", "Apache Point", "APO|Apache Point Observatory|ARC 3.5 m", None),
     ("645", "SDSS", "Sloan|Apache Point SDSS|Sloan Digital Sky Survey", None),
@@ -112,6 +112,7 @@ SITES = [
     ("954", "Teide Observatory", "Teide|OT|Observatorio del Teide|Observatorio del Teide, Tenerife|Tenerife|Izana", None),
     ("J04", "ESA OGS", "ESA Optical Ground Station|OGS", None),
     ("R17", "ATLAS Teide", "ATLAS-TDO|ATLAS Tenerife", None),
+    ("Z25", "SPECULOOS North", "Artemis", None),
     ("Z31", "LCO Teide", "TFN|LCOGT TFN|LCOGT node at Tenerife", None),
     ("493", "Calar Alto", "CAHA|Calar Alto Observatory|Observatorio de Calar Alto|Centro Astronomico Hispano-Aleman, Almeria", None),
     ("J86", "Sierra Nevada Observatory", "OSN|Observatorio de Sierra Nevada", None),

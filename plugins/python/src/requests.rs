@@ -157,7 +157,8 @@ pub fn identify<'py>(
         });
         let tables = (candidate_table(rows), streak_table(streak));
         let warning = prepared.left_out_warning(&found.left_out, start).map_err(failure::setup)?;
-        let warnings = found.unknown_observer.iter().chain(&warning).map(|warning| failure::as_arguments(warning));
+        let warnings = found.unknown_observer.iter().chain(&warning).chain(&plan.remarks);
+        let warnings = warnings.map(|warning| failure::as_arguments(warning));
         let warnings: Vec<String> = warnings.collect();
         Ok((tables, found, warnings))
     })?;

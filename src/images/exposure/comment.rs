@@ -15,28 +15,38 @@ const PARTS: &[(Role, &str)] = &[
     (
         Role::Start,
         "start starts started starting begin begins beginning began beg open opens opened opening debut beginn anfang \
-         inicio",
+         inicio inizio utstart aufnahmebeginn belichtungsbeginn",
     ),
     (
         Role::Middle,
         "mid middle midpoint midpoints midpt midtime midexp midexposure midobs midobservation midframe midscan midway \
-         tmid meantime half halfway effective weighted center centre central average averaged avg mean median mitte \
-         milieu mitad medio",
+         tmid utmid utcmid jdmid meantime half halfway effective weighted center centre central average averaged avg mean median mitte \
+         milieu mitad medio centro meio aufnahmemitte belichtungsmitte",
     ),
     (
         Role::End,
-        "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut \
-         completion completed terminated fin ende",
+        "end ends ended ending endexp endobs finish finished stop stops stopped close closes closed closing shut off \
+         complete completion completed terminated fin fim ende utend eoe aufnahmeende belichtungsende",
     ),
 ];
-const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exptime pose belichtung integration \
-     integrations int observation observations observing obs frame frames image images img shutter scan capture stack \
-     sequence interval visit coadd coadds dce";
+const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
+     belichtung aufnahme integration integrations int observation observations observing obs frame frames image images \
+     img shutter scan capture stack interval visit coadd coadds dce";
 const CLOCK: &str = "time times date dates datetime timestamp timestamps stamp t ut utc ut1 tu tai tt tdb gmt epoch jd \
      mjd julian instant moment point pt way yyyy ccyy dd hh hms ymd";
 /// Words between a part and what it qualifies.
-const FILLERS: &str =
-    "of the at to a an in and or between this first each actual through during for from de du der des la le est";
+const FILLERS: &str = "of the at to a an in and or between this first each actual through during for from de du der des la le da do della \
+     est";
+/// Words of periods that contain other exposures.
+const PERIODS: &str = "block blocks ob sequence sequences series night run session program programme queue script";
+/// Ends and middles as sums or in languages in which the word alone has other meanings, without blanks, in lower case.
+const PHRASES: &[(Role, &[&str])] = &[
+    (
+        Role::Middle,
+        &["exptime/2", "exposure/2", "exp/2", "0.5*exp", "exptime*0.5", "50%of", "metaposa", "metaesposizione"],
+    ),
+    (Role::End, &["+exp", "plusexp", "fineesposizione", "finedell", "fineposa"]),
+];
 /// Phrases in which a word of a part or of a zone qualifies something else.
 const OTHER_MEANINGS: &[&str] = &[
     "front end",
@@ -50,6 +60,10 @@ const OTHER_MEANINGS: &[&str] = &[
     "half second",
     "half a second",
     "half day",
+    "complete date",
+    "complete time",
+    "complete utc",
+    "complete ut",
     "half a day",
     "greenwich mean",
     "universal mean",
@@ -64,7 +78,9 @@ const OTHER_MEANINGS: &[&str] = &[
     "not the local",
 ];
 /// Words of another event, unless the comment states a part of this exposure.
-const OTHERS: &str = "previous preceding next following last after post";
+const OTHERS: &str = "previous preceding next following last after post recorded recording grabbed";
+/// Words of times before the exposure.
+const PLANS: &str = "planned requested scheduled proposed";
 /// Words of events after the exposure, at an unknown delay.
 const EVENTS: &str = "received reception arrival arrived created creation saved saving stored written writing write \
      generated modified downloaded download transferred readout";
@@ -76,8 +92,11 @@ const ZONE_NAMES: &str = "eastern mountain pacific atlantic newfoundland hawaii 
      brasilia moscow european australian zealand africa african israel arabian gulf singapore london british irish \
      paris berlin madrid sydney zone observatory site station legal official standard summer winter";
 /// Abbreviations of zone times, in capitals. EST is also short for "estimated" (SharpCap: "Est. Frame Start").
-const ZONES: &str = "PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT AST ADT NST NDT CET CEST EET EEST WEST BST \
+const ZONES: &str = "BJT WIB PST PDT MST MDT CST CDT EST EDT HST HDT AKST AKDT AST ADT NST NDT CET CEST EET EEST WEST BST \
      IST MEZ MESZ JST KST HKT SGT PKT AEST AEDT ACST ACDT AWST NZST NZDT MSK SAST CLT CLST BRT BRST LT LMT";
+/// Computers whose clock may be local, and words of a clock.
+const COMPUTERS: &str = "computer pc host laptop workstation system";
+const COMPUTER_CLOCKS: &str = "time clock timestamp date";
 const UNIVERSAL: &str = "ut utc ut1 gmt universal zulu";
 
 const UNCLEAR: &str = "perhaps of another part of the exposure, or of another event,";
@@ -140,7 +159,7 @@ impl Comment {
     /// The reason why the instant cannot be used: it is a local time, or the time of another event, or the comment
     /// mentions several parts, or another part than the name.
     pub fn role(&self, named: Option<Role>) -> Result<Option<Role>, &'static str> {
-        if self.has("sidereal lst") {
+        if self.has("sidereal lst lmst gmst gast") {
             return Err("a sidereal time");
         }
         if self.is_local() {
@@ -151,6 +170,12 @@ impl Comment {
         }
         if self.has(EVENTS) {
             return Err("the time of an event after the exposure");
+        }
+        if self.has(PLANS) {
+            return Err("a planned time");
+        }
+        if self.is_of_period() {
+            return Err(UNCLEAR);
         }
         let (stated, is_unclear) = self.parts();
         match (&stated[..], named) {
@@ -170,9 +195,8 @@ impl Comment {
     /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
     fn parts(&self) -> (Vec<Role>, bool) {
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
-        let halves = ["exptime/2", "exposure/2", "exp/2", "0.5*exp", "exptime*0.5", "50%of"];
-        if halves.iter().any(|half| joined.contains(half)) {
-            return (vec![Role::Middle], false);
+        if let Some((role, _)) = PHRASES.iter().find(|(_, list)| list.iter().any(|phrase| joined.contains(phrase))) {
+            return (vec![*role], false);
         }
         // "UTC (DATE-END: end)" concerns other keywords.
         let is_keyword = |word: &str| {
@@ -197,6 +221,19 @@ impl Comment {
         }
         stated.dedup();
         (stated, is_unclear)
+    }
+
+    /// Returns true if the comment states a part of a period with other exposures, as in "start of observation block",
+    /// but not in "start of exposure in sequence".
+    fn is_of_period(&self) -> bool {
+        let is_part = |word: &String| PARTS.iter().any(|(_, list)| lists(list, word));
+        self.clauses.iter().any(|words| {
+            let Some(part) = words.iter().position(is_part) else { return false };
+            let period = words[part..].iter().position(|word| lists(PERIODS, word));
+            // The word before that of the period may belong to it.
+            period
+                .is_some_and(|at| !words[part..(part + at).saturating_sub(1)].iter().any(|word| lists(EXPOSURE, word)))
+        })
     }
 
     /// Returns true if the comment states universal time.
@@ -254,11 +291,14 @@ impl Comment {
     /// Returns the time scale that the comment states, other than UTC.
     ///
     /// # Errors
-    /// A scale that is not supported, TAI minus other than the 37 s of UTC since 2017, or GPS time, which is also a name
+    /// The clock of a computer, which may be local, a scale that is not supported, TAI minus other than the 37 s of UTC since 2017, or GPS time, which is also a name
     /// for the UTC of a GPS receiver, 18 s earlier.
     pub fn scale(&self) -> Result<Option<TimeScale>, &'static str> {
         if self.has(UNIVERSAL) {
             return Ok(None);
+        }
+        if self.has_pair(COMPUTERS, COMPUTER_CLOCKS) && !self.has_pair("system", "clock") {
+            return Err("of the clock of a computer, which may be local,");
         }
         if self.has("GPST")
             || self.has_pair("gps", "time times scale week seconds")
@@ -335,7 +375,8 @@ impl Comment {
             let mut nexts = lower.match_indices(&phrase).map(|(at, _)| lower[at + phrase.len()..].chars().next());
             nexts.any(|next| next.is_none_or(|next| next != '/' && !next.is_ascii_alphanumeric()))
         };
-        let is_marked = |word: &str| lower.trim() == word || marks.iter().any(|mark| follows(mark, word));
+        let is_marked =
+            |word: &str| lower.trim().trim_end_matches('.') == word || marks.iter().any(|mark| follows(mark, word));
         if is_marked("m") {
             return Err("the unit m".to_owned());
         }
@@ -484,12 +525,43 @@ mod tests {
             ("UT1-UTC < 1 s", Ok(None)),
             ("half-way through the exposure", Ok(Some(Role::Middle))),
             ("BJD of start", Err("a time corrected to the Sun or the barycentre")),
+            ("UTC at which frame was recorded", Err(UNCLEAR)),
+            ("start of recorded exposure", Ok(Some(Role::Start))),
+            ("timestamp when the frame was grabbed by host", Err(UNCLEAR)),
+            ("Planned start of exposure", Err("a planned time")),
+            ("UTC start of observation block", Err(UNCLEAR)),
+            ("begin of the night", Err(UNCLEAR)),
+            ("start of exposure in sequence", Ok(Some(Role::Start))),
+            ("LMST", Err("a sidereal time")),
+            ("BJT", Err("a local time")),
+            ("acq. complete", Ok(Some(Role::End))),
+            ("complete UTC date", Ok(None)),
+            ("shutter off", Ok(Some(Role::End))),
+            ("EOE", Ok(Some(Role::End))),
+            ("UTmid", Ok(Some(Role::Middle))),
+            ("start time + exptime", Ok(Some(Role::End))),
+            ("start+exptime/2", Ok(Some(Role::Middle))),
+            ("fine esposizione", Ok(Some(Role::End))),
+            ("UTC, fine resolution", Ok(None)),
+            ("fim da exposicao", Ok(Some(Role::End))),
+            ("Aufnahmeende", Ok(Some(Role::End))),
+            ("centro de la exposicion", Ok(Some(Role::Middle))),
             ("start or end of exposure", Err("of more than one part of the exposure")),
         ] {
             assert_eq!(Comment::new(text).role(None), role, "{text}");
         }
         assert_eq!(Comment::new("mean of start and end").role(Some(Role::Middle)), Ok(Some(Role::Middle)));
         assert!(Comment::new("end of exposure").role(Some(Role::Start)).is_err());
+    }
+
+    #[test]
+    fn clocks_of_computers_may_be_local() {
+        for text in ["computer clock time", "PC time", "host time at start", "System time"] {
+            assert!(Comment::new(text).scale().is_err(), "{text}");
+        }
+        for text in ["PC clock, UTC", "System Clock:Est. Frame Start", "host name"] {
+            assert_eq!(Comment::new(text).scale(), Ok(None), "{text}");
+        }
     }
 
     #[test]
@@ -508,6 +580,7 @@ mod tests {
             ("min exposure", Ok(None)),
             ("exposure of the day", Ok(None)),
             ("us", Ok(Some(1e-6))),
+            ("min.", Ok(Some(60.0))),
             ("hr", Ok(Some(3600.0))),
             ("unit = d", Ok(Some(86400.0))),
             ("exposure time in hundredths of a second", Ok(Some(1e-2))),

@@ -7,7 +7,7 @@ use crate::frames::{seconds_after, seconds_between};
 
 use super::super::header::Header;
 use super::comment::Role;
-use super::instants::{Instant, Instants, unreadable};
+use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, unreadable};
 use super::length::{Length, length};
 use super::moment::Keywords;
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
@@ -21,6 +21,20 @@ const SHIFT_SLACK: f64 = 0.1;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
+
+/// Largest difference between keywords of the start or of the end that is not stated, in addition to their rounding,
+/// seconds.
+pub(super) const STATED_S: f64 = 5.0;
+
+/// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
+/// 4.3 s, and times without seconds have 60 s.
+const COARSE_S: f64 = 10.0;
+
+/// Word of TIMESYS for a clock that is not exactly in the scale (NOAO: `UTC approximate`).
+const APPROXIMATE: &str = "APPROXIMATE";
+
+/// Source of a start or a duration that the caller gives.
+const GIVEN: &str = "given";
 
 /// Longitude within which the zone of a site may be that of universal time, degrees.
 const ZERO_ZONE_DEG: f64 = 22.5;
@@ -36,6 +50,9 @@ pub struct ExposureTime {
     pub start_from: String,
     /// Keyword that gave the duration.
     pub duration_from: String,
+    /// Sentences about keywords that differ from the start or the duration by seconds or minutes, and about values that
+    /// can be read in two ways.
+    pub remarks: Vec<String>,
 }
 
 /// Keywords that can give the start, for errors.
@@ -56,40 +73,41 @@ impl ExposureTime {
     /// Dates are in the scale of TIMESYS (by default UTC). The first of several keywords is used, and dates with times
     /// take precedence over Julian dates. A comment can state that an instant is the middle or the end of the exposure.
     /// All keywords of the start must agree within a second plus their rounding, those of the middle and the end also
-    /// within a tenth of the exposure time.
+    /// within a tenth of the exposure time; differences of more than 5 s are stated in the remarks.
     ///
     /// # Errors
     /// Keywords are missing, invalid or contradictory; a comment states a local time or the time of an event after the
-    /// exposure; a year has two digits; the exposure time is 0 or less, or that of one of several co-added exposures.
+    /// exposure; a year has two digits; the only time is a day number with less than four decimals, or has no seconds;
+    /// the exposure time is 0 or less, or that of one of several co-added exposures.
     pub fn from_headers(headers: &[&Header]) -> Result<Self, Error> {
+        Self::with_given(headers, None, None)
+    }
+
+    /// Reads the exposure as [`from_headers`](Self::from_headers), but a start or a duration (seconds) that is given
+    /// replaces that of the headers.
+    ///
+    /// # Errors
+    /// The errors of [`from_headers`](Self::from_headers) that concern what is not given.
+    pub fn with_given(headers: &[&Header], start: Option<Epoch>, duration_s: Option<f64>) -> Result<Self, Error> {
         let keywords = Keywords(headers);
-        let (duration_s, duration_from) = duration(keywords)?;
-        let start = start(keywords, duration_s)?;
-        Ok(Self { start: start.epoch, duration_s, start_from: start.from, duration_from })
-    }
-
-    /// Reads only the exposure time, in seconds, for frames whose start comes from another source.
-    ///
-    /// # Errors
-    /// The errors of [`from_headers`](ExposureTime::from_headers) that concern the exposure time.
-    pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, Error> {
-        duration(Keywords(headers)).map(|(seconds, _)| seconds)
-    }
-
-    /// Reads only the start, for an exposure whose duration (seconds) comes from another source. The duration is needed
-    /// because a header may give only the middle or the end.
-    ///
-    /// # Errors
-    /// The errors of [`from_headers`](ExposureTime::from_headers) that concern the start.
-    pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, Error> {
-        start(Keywords(headers), duration_s).map(|start| start.epoch)
+        let mut remarks = Vec::new();
+        let (duration_s, duration_from) = match duration_s {
+            Some(duration_s) => (duration_s, GIVEN.to_owned()),
+            None => duration(keywords, &mut remarks)?,
+        };
+        let (start, start_from) = match start {
+            Some(start) => (start, GIVEN.to_owned()),
+            None => self::start(keywords, duration_s, &mut remarks).map(|start| (start.epoch, start.from))?,
+        };
+        Ok(Self { start, duration_s, start_from, duration_from, remarks })
     }
 }
 
 /// Returns the exposure time, seconds, and its keyword, after comparing it with the keywords of the end.
-fn duration(keywords: Keywords<'_>) -> Result<(f64, String), Error> {
-    let length = length(keywords)?;
-    let is_confirmed = span_is_confirmed(keywords, &length)?;
+fn duration(keywords: Keywords<'_>, remarks: &mut Vec<String>) -> Result<(f64, String), Error> {
+    let mut length = length(keywords)?;
+    remarks.append(&mut length.remarks);
+    let is_confirmed = span_is_confirmed(keywords, &length, remarks)?;
     match length.of_parts {
         Some(error) if !is_confirmed => Err(error),
         _ => Ok((length.seconds, length.keyword)),
@@ -97,7 +115,7 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), Error> {
 }
 
 /// Compares the exposure time with the keywords of the end. Returns true if one of them confirms it.
-fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Error> {
+fn span_is_confirmed(keywords: Keywords<'_>, length: &Length, remarks: &mut Vec<String>) -> Result<bool, Error> {
     // An invalid start is reported when the start is read.
     let Ok((instants, start)) = instants(keywords).and_then(|mut instants| {
         let start = chosen(&mut instants, length.seconds)?;
@@ -110,16 +128,26 @@ fn span_is_confirmed(keywords: Keywords<'_>, length: &Length) -> Result<bool, Er
     for end in ends.filter(|end| !start.from.starts_with(&end.from)) {
         let span_s = seconds_between(start.epoch, end.epoch);
         let loose_s = if end.is_loose { LOOSE_END_S + length.seconds } else { 0.0 };
-        let slack_s = START_SLACK_S + start.slack_s + end.slack_s + SHIFT_SLACK * length.seconds + loose_s;
-        if (span_s - length.seconds).abs() > slack_s {
-            let given = format!("{} s, but it is {span_s:.1} s from {} to {}", length.seconds, start.from, end.from);
-            let allowed = format!(
-                "an exposure without gaps; specify --exposure {span_s:.0}s for the whole span, or --start and --exposure for \
-                 another part of it"
-            );
+        let digits_s = start.slack_s + end.slack_s;
+        let slack_s = START_SLACK_S + digits_s + SHIFT_SLACK * length.seconds;
+        let late_s = span_s - length.seconds;
+        let given = format!("{} s, but it is {span_s:.1} s from {} to {}", length.seconds, start.from, end.from);
+        if !(-slack_s..=slack_s + loose_s).contains(&late_s) {
+            let allowed = if span_s > 0.0 {
+                format!(
+                    "an exposure without gaps; specify --exposure {span_s:.0}s for the whole span, or --start and \
+                     --exposure for another part of it"
+                )
+            } else {
+                "an end after the start; specify --start and --exposure".to_owned()
+            };
             return Err(Error::invalid(length.keyword.clone(), given, allowed));
         }
-        is_confirmed |= !end.is_loose;
+        if late_s.abs() > STATED_S + digits_s {
+            let use_of = &length.keyword;
+            remarks.push(format!("{use_of} is {given}: {use_of} is used; for another span specify --exposure"));
+        }
+        is_confirmed |= !end.is_loose && end.slack_s <= COARSE_S;
     }
     Ok(is_confirmed)
 }
@@ -145,10 +173,8 @@ fn instants(keywords: Keywords<'_>) -> Result<Instants, Error> {
 
 /// Returns the time scale of dates, which is given by TIMESYS, and whether it is given.
 fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
-    let Some((keyword, value)) = keywords.text(&["TIMESYS"]) else { return Ok((TimeScale::UTC, false)) };
-    let name = value.to_ascii_uppercase();
-    let name = name.split('(').next().unwrap_or_default().trim();
-    let scale = match name {
+    let Some((keyword, value)) = timesys(keywords) else { return Ok((TimeScale::UTC, false)) };
+    let scale = match scale_name(&value).as_str() {
         "UTC" | "UT" | "UT1" | "GMT" => TimeScale::UTC,
         "TAI" | "IAT" => TimeScale::TAI,
         "TT" | "TDT" | "ET" => TimeScale::TT,
@@ -159,15 +185,29 @@ fn scale(keywords: Keywords<'_>) -> Result<(TimeScale, bool), Error> {
     Ok((scale, true))
 }
 
+/// Returns TIMESYS and its value, from the header with the dates if it has one there.
+fn timesys(keywords: Keywords<'_>) -> Option<(String, String)> {
+    let mut headers = keywords.0.iter().map(|header| Keywords(std::slice::from_ref(header)));
+    let of_dates = headers.find(|header| DATES.iter().chain(MODIFIED_DATES).any(|name| header.find(name).is_some()));
+    of_dates.and_then(|header| header.text(&["TIMESYS"])).or_else(|| keywords.text(&["TIMESYS"]))
+}
+
+/// Returns the name of a time scale without its realisation, as in `TT(TAI)`, and without `approximate` (NOAO).
+fn scale_name(value: &str) -> String {
+    let name = value.split('(').next().unwrap_or_default().trim().to_ascii_uppercase();
+    name.strip_suffix(APPROXIMATE).unwrap_or(&name).trim_end().to_owned()
+}
+
 /// Returns the start with the highest precedence, after checking that all instants in the header agree.
-fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, Error> {
+fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> Result<Start, Error> {
     let mut instants = instants(keywords)?;
     let first = chosen(&mut instants, duration_s)?;
     if let Some(error) = same_as_local(keywords, &instants, &first) {
         return Err(error);
     }
     for other in instants.found.iter().filter(|other| other.role != Role::End) {
-        let loose_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
+        // A clock that is read after the exposure is late, and days may be cut off to the digit before.
+        let (early_s, late_s) = if other.is_loose { (other.slack_s, LOOSE_END_S + duration_s) } else { (0.0, 0.0) };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -175,7 +215,9 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, Error> {
             SHIFT_SLACK * duration_s
         };
         let difference_s = seconds_between(first.epoch, other_start.epoch);
-        if difference_s.abs() > START_SLACK_S + first.slack_s + other.slack_s + shift_s + loose_s {
+        let digits_s = first.slack_s + other.slack_s;
+        let slack_s = START_SLACK_S + digits_s + shift_s;
+        if !(-slack_s - early_s..=slack_s + late_s).contains(&difference_s) {
             let scale = scale(keywords)?.0;
             let [first_start, second_start] =
                 [first.epoch, other_start.epoch].map(|start| start.round(1.milliseconds()));
@@ -188,7 +230,23 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, Error> {
                 "one start; specify --start",
             ));
         }
+        if difference_s.abs() > STATED_S + digits_s + early_s {
+            let side = if difference_s > 0.0 { "later" } else { "earlier" };
+            remarks.push(format!(
+                "the start is that of {}; {} gives one {:.1} s {side}; for another one specify --start",
+                first.from,
+                other_start.from,
+                difference_s.abs()
+            ));
+        }
     }
+    if first.slack_s > START_SLACK_S {
+        remarks.push(format!("the start of {} is uncertain by {:.1} s, by its digits", first.from, first.slack_s));
+    }
+    let approximate = timesys(keywords).filter(|(_, name)| name.to_ascii_uppercase().contains(APPROXIMATE));
+    remarks.extend(
+        approximate.map(|(keyword, name)| format!("{keyword} is {name:?}: times are read as {}", scale_name(&name))),
+    );
     Ok(first)
 }
 
@@ -203,7 +261,8 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
         (Role::End, true),
     ];
     let find = |instants: &Instants, (role, is_loose): (Role, bool)| {
-        let matches = |instant: &&Instant| instant.role == role && instant.is_loose == is_loose;
+        let matches =
+            |instant: &&Instant| instant.role == role && instant.is_loose == is_loose && instant.slack_s <= COARSE_S;
         instants.found.iter().find(matches).map(|instant| start_of(instant, duration_s))
     };
     if let Some(error) = instants.found.iter().find_map(|instant| day_problem(instant, duration_s)) {
@@ -220,10 +279,15 @@ fn chosen(instants: &mut Instants, duration_s: f64) -> Result<Start, Error> {
     if let Some(error) = instants.unusable(first.as_ref().map(|start| start.epoch)) {
         return Err(error);
     }
-    first.ok_or_else(|| {
-        let missing = || Error::invalid("start of the exposure", "missing", START_KEYWORDS);
-        instants.day_alone.take().unwrap_or_else(missing)
-    })
+    // All instants are coarse if there are any.
+    let coarse = || {
+        let instant = instants.found.first()?;
+        let given = format!("{:?}, uncertain by {:.0} s", instant.value, instant.slack_s);
+        let allowed = "a time with seconds, or days with four decimals or more, in this or another keyword, or --start";
+        Some(Error::invalid(instant.from.clone(), given, allowed))
+    };
+    let missing = || Error::invalid("start of the exposure", "missing", START_KEYWORDS);
+    first.ok_or_else(|| coarse().or(instants.day_alone.take()).unwrap_or_else(missing))
 }
 
 /// Returns the error of a start that is the same reading of the clock as a local time, unless the zone may be that of
@@ -251,7 +315,7 @@ fn same_as_local(keywords: Keywords<'_>, instants: &Instants, start: &Start) -> 
 
 /// Returns true if TIMESYS or the comment of the keyword of the start states UTC.
 fn states_utc(keywords: Keywords<'_>, start: &Start) -> bool {
-    let by_keyword = keywords.text(&["TIMESYS"]).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
+    let by_keyword = timesys(keywords).is_some_and(|(_, scale)| scale.trim().eq_ignore_ascii_case("UTC"));
     let keyword = start.from.split(' ').next().unwrap_or_default();
     by_keyword || keywords.text_and_comment(keyword).is_some_and(|(.., comment)| comment.is_universal())
 }

@@ -10,7 +10,7 @@ use super::comment::{Comment, Role};
 use super::moment::{DateText, Keywords, at, is_spelling, parse_date, parse_time, resolution};
 
 /// Keywords with the date and time of the start, in order of precedence. A missing hyphen is read everywhere.
-const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
+pub(super) const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 
 /// Keywords with the time of day of the start, used together with a date.
 const TIMES: &[&str] = &[
@@ -32,7 +32,7 @@ const TIMES: &[&str] = &[
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
 
 /// Keywords with the modified Julian date of the start.
-const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
+pub(super) const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJD-START", "OBSMJD"];
 
 /// Keywords with the Julian date of the start.
 const JULIAN_DATES: &[&str] = &["JD-START", "JD-BEG", "JD-STR", "JD-OBS", "OBSJD"];
@@ -87,6 +87,9 @@ const UNIVERSAL_DATES: &[&str] = &["UT-DATE", "UTC-DATE", "DATE-UT", "DATE-UTC"]
 /// Keywords of local times.
 const LOCAL_TIMES: &[&str] = &["DATE-LOC", "TIME-LOC", "LOCALTIM", "LOCTIME", "LT"];
 
+/// Rounding error of a time without seconds, seconds.
+const MINUTE_S: f64 = 60.0;
+
 /// Largest difference between two instants that are computed from the same clock, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
 
@@ -95,6 +98,8 @@ pub struct Instant {
     pub epoch: Epoch,
     /// Keyword, or several keywords joined.
     pub from: String,
+    /// Its value as written.
+    pub value: String,
     /// Rounding error of its digits, seconds.
     pub slack_s: f64,
     pub role: Role,
@@ -139,8 +144,7 @@ impl Instants {
         // SDSS writes the seconds of TAI since MJD 0.
         if let Some((from, seconds, _)) = keywords.number(&["TAI"], |seconds| seconds > 1e9) {
             let epoch = epoch_from_mjd(seconds / DAY_S, TimeScale::TAI).ok();
-            let instant = |epoch| Instant { epoch, from, slack_s: 0.01, role: Role::Start, is_loose: false, day: None };
-            reader.instants.found.extend(epoch.map(instant));
+            reader.instants.found.extend(epoch.map(|epoch| instant(epoch, from, Role::Start)));
         }
         for keyword in OTHER_STARTS {
             reader.any_form(keyword, Role::Start)?;
@@ -233,7 +237,7 @@ impl Reader<'_> {
         }
         let mut has_time = false;
         for keyword in TIMES.iter().chain(LOOSE_TIMES) {
-            let Some((name, value, comment)) = self.time(keyword) else { continue };
+            let Some((name, value, comment, slack_s)) = self.time(keyword) else { continue };
             let scale = if name == "TAIHMS" { TimeScale::TAI } else { self.scale_of(&comment) };
             let known = self.instants.found.len();
             self.tried.push(name.clone());
@@ -250,7 +254,8 @@ impl Reader<'_> {
                 let day = Some((midnight, is_start));
                 // The comment of the time determines the role, and that of the date if it states none.
                 let comments = [comment, of_date.clone()];
-                self.add(Instant { day, ..instant(epoch, format!("{date} + {name}"), Role::Start) }, &value, &comments);
+                let from = format!("{date} + {name}");
+                self.add(Instant { day, slack_s, ..instant(epoch, from, Role::Start) }, &value, &comments);
             }
             has_time = true;
             // If the time is unusable, for example local, another keyword may give it.
@@ -267,21 +272,22 @@ impl Reader<'_> {
         Ok(has_time)
     }
 
-    /// Returns the keyword, the text and the comment of a time of day. A number is converted to a text if its comment
-    /// states the unit, as in `UT = 11699.0 / [s]`.
-    fn time(&self, keyword: &str) -> Option<(String, String, Comment)> {
+    /// Returns the keyword, the text, the comment and the rounding error (seconds) of a time of day. A number is
+    /// converted to a text if its comment states the unit, as in `UT = 11699.0 / [s]`.
+    fn time(&self, keyword: &str) -> Option<(String, String, Comment, f64)> {
         let (header, name) = self.keywords.find(keyword)?;
         let comment = self.keywords.comment(header, &name);
         let unit_s = comment.unit_s().ok().flatten();
-        let text = match header.number(&name).zip(unit_s) {
+        let (text, slack_s) = match header.number(&name).zip(unit_s) {
             Some((number, unit_s)) => {
                 let seconds = number * unit_s;
                 let (hours, minutes) = ((seconds / 3600.0).floor(), (seconds / 60.0).floor() % 60.0);
-                format!("{hours:02}:{minutes:02}:{:06.3}", seconds.rem_euclid(60.0))
+                let text = format!("{hours:02}:{minutes:02}:{:06.3}", seconds.rem_euclid(60.0));
+                (text, header.card(&name).map_or(0.0, resolution) * unit_s)
             }
-            None => header.text(&name)?,
+            None => (header.text(&name)?, 0.0),
         };
-        Some((name, text, comment))
+        Some((name, text, comment, slack_s))
     }
 
     /// Reads a keyword with a date and time, a Julian date, or a time of day. A date without a time is ignored.
@@ -305,7 +311,7 @@ impl Reader<'_> {
     /// Reads a time of day, which is within half a day of the first instant of the start. One that is loose is not
     /// loose if its comment states the start.
     fn clock(&mut self, keyword: &str, role: Role, is_loose: bool) {
-        let Some((from, value, comment)) = self.time(keyword) else { return };
+        let Some((from, value, comment, slack_s)) = self.time(keyword) else { return };
         if self.tried.contains(&from) {
             return;
         }
@@ -321,8 +327,6 @@ impl Reader<'_> {
         let Some(epoch) = at([year, month.into(), day.into()], clock, seconds, scale) else { return };
         let late_days = (seconds_between(epoch, start) / DAY_S).round();
         let epoch = seconds_after(epoch, late_days * DAY_S);
-        // A time without seconds.
-        let slack_s = if value.matches(':').count() < 2 { 60.0 } else { 0.0 };
         self.add(Instant { is_loose, slack_s, ..instant(epoch, from, role) }, &value, &[comment]);
     }
 
@@ -379,7 +383,12 @@ impl Reader<'_> {
             of_comment().map(|stated| role.or(stated)).map_err(|problem| (comment, problem))
         });
         match role {
-            Ok(role) => self.instants.found.push(Instant { role: role.unwrap_or(usual), ..instant }),
+            Ok(role) => {
+                let is_without_seconds = value.trim_end_matches("+00:00").matches(':').count() == 1;
+                let slack_s = if is_without_seconds { MINUTE_S } else { instant.slack_s };
+                let (role, value) = (role.unwrap_or(usual), value.to_owned());
+                self.instants.found.push(Instant { role, value, slack_s, ..instant });
+            }
             Err((comment, problem)) => {
                 if comment.is_local() {
                     self.instants.local.push(instant.epoch);
@@ -394,7 +403,7 @@ impl Reader<'_> {
 }
 
 fn instant(epoch: Epoch, from: String, role: Role) -> Instant {
-    Instant { epoch, from, slack_s: 0.0, role, is_loose: false, day: None }
+    Instant { epoch, from, value: String::new(), slack_s: 0.0, role, is_loose: false, day: None }
 }
 
 fn states_start(comment: &Comment) -> bool {

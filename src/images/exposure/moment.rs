@@ -170,8 +170,8 @@ pub(super) fn is_spelling(keyword: &str, name: &str) -> bool {
 /// Returns half a unit of the last digit that the card gives for its number.
 pub(super) fn resolution(card: &Card) -> f64 {
     let text = card.text();
-    let field =
-        text.split_once('=').map_or("", |(_, field)| field.split('/').next().unwrap_or("")).trim().to_ascii_uppercase();
+    let field = text.split_once('=').map_or("", |(_, field)| field.split('/').next().unwrap_or(""));
+    let field = field.trim_matches([' ', '\'']).to_ascii_uppercase();
     let (mantissa, exponent) = field.split_once(['E', 'D']).unwrap_or((&field, "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i32);
     0.5 * 10f64.powi(exponent.trim().parse::<i32>().unwrap_or(0) - decimals)

@@ -4,12 +4,16 @@ use crate::error::Error;
 use crate::geometry::{SAME_SITE_KM, Site};
 
 use super::super::header::Header;
+use super::comment::Comment;
 use super::moment::Keywords;
 
 /// Position of the observatory, m, in the International Terrestrial Reference Frame (FITS standard 4.0, section 9.2.3).
 const CARTESIAN: [&str; 3] = ["OBSGEO-X", "OBSGEO-Y", "OBSGEO-Z"];
 /// Geodetic latitude and longitude, degrees, east positive, and height above the ellipsoid, m.
 const GEODETIC: [&str; 3] = ["OBSGEO-B", "OBSGEO-L", "OBSGEO-H"];
+/// Cameras of one telescope. Other instruments have names of sites elsewhere: FAST is a spectrograph in Arizona, and a
+/// radio telescope in China.
+const CAMERAS: [&str; 6] = ["DECam", "HSC", "Hyper Suprime-Cam", "DESI", "ZTF", "Tomo-e Gozen"];
 /// Keywords with names of sites, in order of precedence.
 const NAMES: [&str; 6] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY", "SITENAME", "SITE"];
 /// Keywords of latitude and longitude that do not give the site, because no standard defines the sign and the unit of
@@ -52,18 +56,12 @@ pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known 
 /// sites, such as ATLAS, without a keyword that decides between them.
 pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
     let keywords = Keywords(headers);
-    let numbers = |names: [&str; 3]| -> Option<[f64; 3]> {
-        let [Some((_, a, _)), Some((_, b, _)), Some((_, c, _))] = names.map(|name| keywords.number(&[name], |_| true))
-        else {
-            return None;
-        };
-        Some([a, b, c])
-    };
     let name = keywords.text(&["TELESCOP", "OBSERVAT"]).map_or("site of the header".to_owned(), |(_, name)| name);
     // Sites with the keywords that give them, in order of precedence.
     let mut stated: Vec<(String, Site)> = Vec::new();
-    for (names, position) in [(CARTESIAN, numbers(CARTESIAN)), (GEODETIC, numbers(GEODETIC))] {
-        let Some([a, b, c]) = position else { continue };
+    for names in [CARTESIAN, GEODETIC] {
+        let [Some(a), Some(b), Some(c)] = names.map(|name| coordinate(keywords, name)) else { continue };
+        let [a, b, c] = [a?, b?, c?];
         let site = if names == CARTESIAN { Site::from_itrs_m(&name, [a, b, c]) } else { Site::new_deg(&name, a, b, c) };
         let site = site.map_err(|_| {
             let allowed =
@@ -80,6 +78,9 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
     for keyword in NAMES {
         // WISE in capitals is the telescope in space, and Wise a site on the Earth.
         let Some((_, text)) = keywords.text(&[keyword]).filter(|(_, text)| text != "WISE") else { continue };
+        if keyword == NAMES[0] && !CAMERAS.iter().any(|camera| camera.eq_ignore_ascii_case(&text)) {
+            continue;
+        }
         let shown = format!("{keyword} {text:?}");
         match Site::candidates(&text).as_slice() {
             [] => {}
@@ -115,6 +116,37 @@ pub fn site_from_headers(headers: &[&Header]) -> Result<Option<Site>, Error> {
             None => Ok(Some(first.clone())),
         },
     }
+}
+
+/// Returns a number of [`CARTESIAN`] or [`GEODETIC`], in metres or degrees, with the unit that its comment states.
+fn coordinate(keywords: Keywords<'_>, name: &str) -> Option<Result<f64, Error>> {
+    let (keyword, value, text) = keywords.number(&[name], |_| true)?;
+    let comment = Comment::new(&text);
+    let bracket =
+        text.trim_start().strip_prefix('[').and_then(|rest| rest.split_once(']')).map(|(unit, _)| unit.trim());
+    let is_angle = name == GEODETIC[0] || name == GEODETIC[1];
+    let units: [(f64, &str); 3] = if is_angle {
+        [(1.0, "deg degree degrees"), (1f64.to_degrees(), "rad radian radians"), (1.0 / 60.0, "arcmin")]
+    } else {
+        [
+            (1.0, "m meter meters metre metres"),
+            (1e3, "km kilometer kilometers kilometre kilometres"),
+            (0.3048, "ft foot feet"),
+        ]
+    };
+    let stated = Comment::new(bracket.unwrap_or(&text));
+    let factor = units.iter().find(|(_, words)| stated.has(words)).map(|(factor, _)| *factor);
+    // Positive to the west, unless the comment also names the other side, as in "east positive, west negative".
+    let is_reversed = value > 0.0
+        && ((name == GEODETIC[1] && comment.has("west w") && !comment.has("east e"))
+            || (name == GEODETIC[0] && comment.has("south s") && !comment.has("north n")));
+    Some(match factor.or(bracket.is_none().then_some(1.0)) {
+        Some(factor) if !is_reversed => Ok(factor * value),
+        _ => {
+            let allowed = "degrees to the north and east, and metres, or for example --site, --mpc or --lat and --lon";
+            Err(Error::invalid(keyword, format!("{value} (comment {text:?})"), allowed))
+        }
+    })
 }
 
 /// Returns the longitude in keywords that no standard defines: its size is certain, its sign is not.
@@ -244,5 +276,44 @@ mod tests {
         }
         assert!(error("OBSGEO-B= 0.0\nOBSGEO-L= 0.0\nOBSGEO-H= 0.0\n").contains("0, 0, 0"));
         assert_eq!(of("TELESCOP= 'VST'\nOBSERVAT= 'Paranal'\n").unwrap().unwrap().name, "VST");
+        assert!(error("TELESCOP= 'SPECULOOS'\n").contains("SPECULOOS North"));
+        assert!(error("OBSERVAT= 'Lowell Observatory'\n").contains("Anderson Mesa"));
+        // Instruments with the name or the code of another site.
+        for instrument in ["FAST", "AO", "DOT"] {
+            assert_eq!(of(&format!("INSTRUME= '{instrument}'\n")).unwrap(), None, "{instrument}");
+        }
+        assert_eq!(of("INSTRUME= 'DECam'\n").unwrap().unwrap().name, "CTIO Blanco");
+    }
+
+    /// Units and senses that the comments of OBSGEO keywords state.
+    #[test]
+    fn units_of_positions_are_read() {
+        let of = |latitude: &str, longitude: &str, height: &str| {
+            let text = format!("OBSGEO-B= {latitude}\nOBSGEO-L= {longitude}\nOBSGEO-H= {height}\n");
+            site_from_headers(&[&Header::from_text(&text)])
+        };
+        for (latitude, longitude, height) in [
+            ("0.5235988 / [rad]", "-1.9198622 / [rad]", "1000.0"),
+            ("30.0 / [deg] latitude (north)", "-110.0 / [deg] East positive, West negative", "1.0 / [km]"),
+            ("30.0", "250.0 / degrees", "3280.84 / height in feet"),
+        ] {
+            let site = of(latitude, longitude, height).unwrap().unwrap();
+            assert!((site.latitude_rad.to_degrees() - 30.0).abs() < 1e-5, "{site:?}");
+            assert!((site.longitude_rad.to_degrees() + 110.0).abs() < 1e-5, "{site:?}");
+            assert!((site.height_m - 1000.0).abs() < 0.01, "{site:?}");
+        }
+        for (latitude, longitude, height) in [
+            ("30.0", "110.0 / [deg] West longitude", "1000.0"),
+            ("30.0 / South", "110.0", "1000.0"),
+            ("30.0 / [gon]", "110.0", "1000.0"),
+        ] {
+            let error = of(latitude, longitude, height).unwrap_err().to_string();
+            assert!(error.contains("--site") && error.contains("OBSGEO"), "{error}");
+        }
+        let km = Header::from_text(
+            "OBSGEO-X= 1818.93894 / [km]\nOBSGEO-Y= -5208.47095 / [km]\nOBSGEO-Z= -3195.17208 / [km]\n",
+        );
+        let site = site_from_headers(&[&km]).unwrap().unwrap();
+        assert!((site.height_m - 2663.0).abs() < 0.1, "{site:?}");
     }
 }

@@ -62,7 +62,8 @@ impl HeaderTerms {
                 "the projection of the other axis",
             ));
         }
-        let projection_code = code.split('-').next().unwrap_or_default();
+        // Other distortions, such as -PLY and -TAB, are not read.
+        let projection_code = code.strip_suffix("SIP").unwrap_or(&code).trim_end_matches('-');
         let units = [unit_deg(header, 1)?, unit_deg(header, 2)?];
         let reference_pixel = [required(header, "CRPIX1")?, required(header, "CRPIX2")?];
         let values = [required(header, "CRVAL1")? * units[0], required(header, "CRVAL2")? * units[1]];
@@ -185,7 +186,7 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, Error> {
 
 /// Rejects distortions that are tables in other HDUs (FITS standard distortion paper; HST's CPDIS and D2IM).
 fn reject_lookup_tables(header: &Header) -> Result<(), Error> {
-    let stems = ["CPDIS", "CQDIS", "D2IMDIS"];
+    let stems = ["CPDIS", "CQDIS", "D2IMDIS", "DP", "DQ"];
     let keywords = stems.iter().flat_map(|stem| [1, 2].map(|axis| format!("{stem}{axis}")));
     let of_axes = keywords.filter_map(|keyword| header.text(&keyword).map(|text| (keyword, text)));
     let of_old_form = header.text("D2IMEXT").map(|text| ("D2IMEXT".to_owned(), text));

@@ -65,6 +65,8 @@ pub struct TargetFrame {
     pub left_out: Vec<(usize, String)>,
     /// Filter or band as written in the header.
     pub filter: Option<String>,
+    /// Sentences about times in the headers that can be read in two ways ([`ExposureTime::remarks`]).
+    pub time_remarks: Vec<String>,
     /// Reason why the gain in the header is not used; `None` if it is used, overridden or missing.
     pub doubtful_gain: Option<String>,
     /// Bit of each mask plane that a mask in the file names.
@@ -89,7 +91,9 @@ impl TargetFrame {
             return Err(Error::invalid("number of images of two axes", given, allowed).in_file("", path));
         };
         let headers = |hdu: usize| -> Result<[&Header; 2], Error> { Ok([file.header(hdu)?, file.header(0)?]) };
-        let (opened, exposure_s) = exposure(&headers(first)?, overrides, &shown)?;
+        let exposure = ExposureTime::with_given(&headers(first)?, overrides.start, overrides.duration_s)
+            .map_err(|error| error.in_file("", &shown))?;
+        let (opened, exposure_s) = (exposure.start, exposure.duration_s);
         let (mut chips, mut left_out) = (Vec::new(), Vec::new());
         for &hdu in &images.frames {
             match chip_wcs(&file, hdu, overrides) {
@@ -111,6 +115,7 @@ impl TargetFrame {
             chips,
             images,
             left_out: left_out.into_iter().map(|(hdu, error)| (hdu, error.to_string())).collect(),
+            time_remarks: exposure.remarks,
             doubtful_gain: calibration.doubtful_gain.filter(|_| overrides.gain_e_adu.is_none()),
             filter: calibration.band.map(|band| band.value),
             mask_planes: mask_planes(&file)?,
@@ -126,6 +131,12 @@ impl TargetFrame {
         let first = self.chips.first().map_or(0, |target| target.chip.hdu);
         let headers = [self.file.header(first)?, self.file.header(0)?];
         site_from_headers(&headers).map_err(|error| error.at(self.file.path().display()))
+    }
+
+    /// Returns remarks about what is read of the file: times that can be read in two ways, and the roles of its images.
+    pub fn remarks(&self) -> Vec<String> {
+        let shown = self.file.path().display();
+        self.time_remarks.iter().cloned().chain(self.images.summary()).map(|text| format!("{shown}: {text}")).collect()
     }
 
     /// Returns the middle of all chips on the sky, and the radius in radians of the circle around it that contains
@@ -153,19 +164,6 @@ fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<FrameImages, E
         return Ok(images);
     }
     file.frame_images()
-}
-
-fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), Error> {
-    if let (Some(start), Some(duration_s)) = (overrides.start, overrides.duration_s) {
-        return Ok((start, duration_s));
-    }
-    let failed = |error: Error| error.in_file("", path);
-    // The overrides replace missing or wrong values of the header.
-    let duration_s =
-        overrides.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;
-    let start =
-        overrides.start.map_or_else(|| ExposureTime::start_from_headers(headers, duration_s), Ok).map_err(failed)?;
-    Ok((start, duration_s))
 }
 
 /// Returns the world coordinates of a chip, and whether they come from its header (true) or are a substitute (false).

@@ -176,7 +176,7 @@ impl<'a> Injection<'a> {
                 .chosen
                 .iter()
                 .flat_map(|chosen| chosen.remarks.clone())
-                .chain(known.iter().flat_map(|frame| planes(frame).into_iter().chain(overscan(frame))))
+                .chain(known.iter().flat_map(|frame| frame.remarks().into_iter().chain(overscan(frame))))
                 .collect(),
             warnings,
             labels,
@@ -212,11 +212,6 @@ pub fn reject_packed(output: &Path) -> Result<(), Error> {
         return Err(Error::about_file("", output, "is the name of a compressed file").allowing(allowed));
     }
     Ok(())
-}
-
-/// Returns a remark about images of the file to which no light is added.
-fn planes(frame: &TargetFrame) -> Option<String> {
-    frame.images.summary().map(|summary| format!("{}: {summary}", frame.file.path().display()))
 }
 
 /// Returns a remark about pixels of the frame that are not illuminated, to which no light is added.

@@ -116,7 +116,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     let plan = typed.streak.resolve(&at_site)?;
     let output = typed.output.clone().open(&at_site)?;
     let notices = begin(&at_site)?;
-    remark.iter().for_each(|remark| notices.info(remark));
+    remark.iter().chain(&plan.remarks).for_each(|remark| notices.info(remark));
     let mut prepared = prepared_for(&at_site, &plan, &notices)?;
     let done = identified(&typed, &at_site, &plan, &prepared)?;
     notices.warn(&done.found.unknown_observer);
