@@ -108,6 +108,7 @@ mod tests {
             start_column: "start_utc".into(),
             time_scale: TimeScale::UTC,
             comments_like_rows: 0,
+            other_ends: None,
         }
     }
 

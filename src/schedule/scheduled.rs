@@ -65,6 +65,9 @@ pub struct Schedule {
     /// Number of comments in CSV and ECSV that have as many cells as a row. An identifier that begins with `#` must be in
     /// quotation marks.
     pub comments_like_rows: usize,
+    /// Number of exposures for which a column has another end than start and duration, and the values of the first of
+    /// them.
+    pub(super) other_ends: Option<(usize, String)>,
 }
 
 impl Schedule {
@@ -107,6 +110,12 @@ impl Schedule {
             ));
         }
         warnings.extend(comments_warning(self.comments_like_rows));
+        warnings.extend(self.other_ends.as_ref().map(|(count, first)| {
+            let exposures = counted(*count, "exposure ends", "exposures end");
+            format!(
+                "{exposures} at another time than the file states, which may include readout or several snaps: {first}"
+            )
+        }));
         let repeated = self.repeated_ids();
         if repeated > 0 {
             let exposures = counted(repeated, "exposure has", "exposures have");
@@ -170,6 +179,7 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     let checks = Checks::find(path, &table, &read, map.snaps.filter(|_| map.is_sum))?;
     let other_starts = with_scales(&table, start_columns(&table.names).filter(|column| *column != map.start), None);
     let ends = with_scales(&table, end_columns(&table.names), Some(scale));
+    let mut other_ends = None;
     let exposures = table
         .rows
         .iter()
@@ -178,10 +188,13 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
             let mut scheduled = scheduled_exposure(row, &cells, &map, &scales, scale, options);
             if let (Ok(cells), Ok(exposure)) = (cells.as_ref(), &scheduled.exposure) {
                 let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
-                let checked = checks
-                    .reject(cell)
-                    .and_then(|()| reject_times(cell, exposure, &map.start, &other_starts, Moment::Start))
-                    .and_then(|()| reject_times(cell, exposure, &map.start, &ends, Moment::End));
+                if let Some((end, stated)) = contradiction(cell, exposure, &map.start, &ends, Moment::End) {
+                    let (count, _) = other_ends.get_or_insert_with(|| (0, format!("{end} (used) and {stated}")));
+                    *count += 1;
+                }
+                let starts = contradiction(cell, exposure, &map.start, &other_starts, Moment::Start);
+                let checked =
+                    checks.reject(cell).and_then(|()| starts.map_or(Ok(()), |starts| Err(contradicting(starts))));
                 if let Err(reason) = checked {
                     scheduled.exposure = Err(reason);
                 }
@@ -191,7 +204,7 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
         .collect();
     let comments_like_rows = table.comments_like_rows;
     let start_column = map.start.name;
-    Ok(Schedule { format: table.format, exposures, start_column, time_scale: scale, comments_like_rows })
+    Ok(Schedule { format: table.format, exposures, start_column, time_scale: scale, comments_like_rows, other_ends })
 }
 
 /// Adds the time scales to columns of times; those without a stated scale have the scale `default`, or are left out.
@@ -209,6 +222,11 @@ fn with_scales(
         .collect()
 }
 
+/// Returns the reason for the rejection of a row with contradicting times.
+fn contradicting((first, other): (String, String)) -> String {
+    format!("{first} and {other}: they contradict each other; allowed: one of these columns, or equal times")
+}
+
 /// Moment of an exposure.
 #[derive(Copy, Clone, PartialEq)]
 enum Moment {
@@ -216,14 +234,15 @@ enum Moment {
     End,
 }
 
-/// Rejects a row whose start or end is another one in other columns. Cells that are no times are ignored.
-fn reject_times<'a>(
+/// Returns the start or end of an exposure and a different one in another column, as texts. Cells that are no times are
+/// ignored.
+fn contradiction<'a>(
     cell: impl Fn(usize) -> &'a Cell,
     exposure: &Exposure,
     read: &StartColumn,
     others: &[(StartColumn, TimeScale)],
     moment: Moment,
-) -> Result<(), String> {
+) -> Option<(String, String)> {
     // Largest difference beside the rounding of Julian dates. The end may contain the motion of the shutter.
     let (expected, difference_s, what) = match moment {
         Moment::Start => (exposure.start, 1.0, read.name.clone()),
@@ -252,13 +271,10 @@ fn reject_times<'a>(
             && seconds_between(expected, other).abs() > most_s
         {
             let [first, other] = [expected, other].map(|epoch| format_utc(epoch, 0));
-            return Err(format!(
-                "{what} is {first} and {} is {other}: they contradict each other; allowed: one of these columns, or equal times",
-                column.name
-            ));
+            return Some((format!("{what} is {first}"), format!("{} is {other}", column.name)));
         }
     }
-    Ok(())
+    None
 }
 
 /// Returns the time scale of the start times: from the name of the column, the header of the file, or the options.
