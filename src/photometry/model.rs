@@ -365,7 +365,8 @@ impl BrightnessModel {
     /// extinction is applied and the satellite is on or below the observer's horizon. With the Sun above its largest
     /// fitted latitude or the observer above the plane of the satellite's horizon, the satellite is at least as bright
     /// as a diffuse body with the median brightness of the model in its fitted range, with a sigma of 1.5 mag or more;
-    /// elsewhere it is at most 5 mag fainter than this body. The source then ends with `(diffuse body)`.
+    /// elsewhere it is at most 5 mag fainter than this body. The source then ends with `(diffuse body)`. Without
+    /// earthshine, magnitudes are those of sunlight on the panels alone.
     ///
     /// In K, W1, W2 and response curves beyond about 2 µm, thermal emission is added, and a satellite without sunlight has
     /// a magnitude.
@@ -404,7 +405,7 @@ impl BrightnessModel {
         let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
         let modelled = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr);
         // A satellite that is seen or lit from above is at least as bright as a diffuse body.
-        let diffuse = self.diffuse.and_then(|body| {
+        let diffuse = self.diffuse.filter(|_| options.earthshine == Earthshine::Computed).and_then(|body| {
             let reflection_m2_sr = body.reflection_m2_sr(geometry);
             StandardMagnitude::from_reflection(reflection_m2_sr, self.band.sun_magnitude(self.system))
         });

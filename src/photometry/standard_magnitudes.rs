@@ -9,7 +9,7 @@
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::magnitude::StandardMagnitude;
 use crate::error::Error;
@@ -47,7 +47,9 @@ impl StandardMagnitudes {
             .into_iter()
             .map(|(id, intrinsic)| (id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
             .collect();
-        let placeholders: Vec<u32> = placeholders.into_iter().map(|(id, _)| id).collect();
+        let placeholders: BTreeSet<u32> =
+            placeholders.into_iter().map(|(id, _)| id).filter(|id| !half_lit.contains_key(id)).collect();
+        let placeholders: Vec<u32> = placeholders.into_iter().collect();
         if half_lit.is_empty() && placeholders.is_empty() {
             return Err(Error::format(format!("none of {} lines is a row of a qs.mag table", text.lines().count()))
                 .allowing("a NORAD id in columns 1-5 and a magnitude in columns 34-37"));

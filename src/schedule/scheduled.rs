@@ -178,7 +178,7 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     ];
     let checks = Checks::find(path, &table, &read, map.snaps.filter(|_| map.is_sum))?;
     let other_starts = with_scales(&table, start_columns(&table.names).filter(|column| *column != map.start), None);
-    let ends = with_scales(&table, end_columns(&table.names), Some(scale));
+    let ends = with_scales(&table, end_columns(&table.names), Some(scale).filter(|_| map.start.scale.is_none()));
     let mut other_ends = None;
     let exposures = table
         .rows
@@ -396,11 +396,12 @@ fn exposure<'a>(
     }
     // Between snaps the camera is read out, so that the last snap ends later than the sum of the exposures.
     let is_stated = |index: &usize| *cell(*index) != Cell::Missing;
-    let snaps = map.snaps.filter(is_stated).map(|index| number(index, 1.0, "numExposures", 0.0..=1e6)).transpose()?;
-    if map.is_sum && snaps.is_some_and(|snaps| snaps > 1.0) {
+    let snaps = map.snaps.filter(|index| map.is_sum && is_stated(index));
+    let snaps = snaps.map(|index| number(index, 1.0, "numExposures", 0.0..=1e6)).transpose()?;
+    if snaps.is_some_and(|snaps| snaps > 1.0) {
         let visit = map.visit.ok_or("visit has several snaps (numExposures or nexp), and visitTime is missing")?;
         duration_s = number(visit, scales.visit, "visitTime", duration_s..=LONGEST_EXPOSURE_S)?;
-    } else if let Some(visit) = map.visit.filter(is_stated)
+    } else if let Some(visit) = map.visit.filter(|index| map.is_sum && is_stated(index))
         && snaps.is_none_or(|snaps| snaps < 1.0)
     {
         // There may be several snaps.

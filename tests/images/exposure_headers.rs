@@ -560,13 +560,15 @@ fn verif_a_clock_is_not_before_the_start() {
         "UTC     = '03:12:30'",
         "JD      =   2461274.6336805555",
         "MJD     =     61274.1319444444",
-        "UTIME   = '03:14:57'",
+        "UTIME   = '03:14:47'",
         "UT-END  = '03:15:00'",
     ] {
         assert!(time(&format!("{at}{card}")).is_err(), "{card}");
     }
     for (card, remarks) in [
         ("UT      = '03:14:59.5'", 0),
+        // As in headers of ESO's HARPS.
+        ("UTC     = '03:14:54.6' / 03:14:54.600 UTC at start (sec)", 1),
         ("UT      = '03:15:03'", 0),
         ("UT      = '03:20:45'", 1),
         // Days of which the digits after the fourth are cut off.

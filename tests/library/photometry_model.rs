@@ -316,12 +316,6 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     let from_above = at("starlink-v1.5", 120.0 - 90.0, 60.0, 90.0).unwrap();
     assert!(!from_above.in_fitted_range && from_above.sigma_mag >= 1.5);
     assert_eq!(from_above.source.to_string(), "brdf:starlink-v1.5 (diffuse body)");
-    // The same without earthshine: unknown is not faint.
-    let sunlight = PhotometryOptions { earthshine: Earthshine::Off, ..options };
-    let geometry = ViewingGeometry::from_angles(0.5, 1.0, 1.5, 1000.0, 550.0).unwrap();
-    let light = |options| library.get("starlink-v1.5").unwrap().brightness(&geometry, 1.0, options).unwrap();
-    assert_eq!(light(&sunlight).source, from_above.source);
-    assert!((light(&sunlight).magnitude.0 - light(&options).magnitude.0).abs() < 1e-9);
     // At a phase angle of 4 degrees the phase function is clamped and has a large sigma.
     let clamped = at("v2mini", -30.0, 4.0, -30.0).unwrap();
     assert!(!clamped.in_fitted_range && clamped.sigma_mag > at("v2mini", -14.0, 90.0, -50.0).unwrap().sigma_mag);

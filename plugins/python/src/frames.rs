@@ -93,7 +93,8 @@ fn values_of<'a>(array: &'a Array<'_>) -> PyResult<ImageValues<'a>> {
         .ok_or_else(|| failure::request("frame is empty; allowed: at least one row and one column"))
 }
 
-/// Returns the pixels of an array row by row; copied if they are not contiguous.
+/// Returns the pixels of an array row by row; copied if they are stored in another order.
 fn pixels_of<'a, T: Element + Copy>(array: &'a PyReadonlyArray2<'_, T>) -> Cow<'a, [T]> {
-    array.as_slice().map_or_else(|_| array.as_array().iter().copied().collect(), Cow::Borrowed)
+    let view = array.as_array();
+    view.to_slice().map_or_else(|| view.iter().copied().collect(), Cow::Borrowed)
 }

@@ -29,6 +29,8 @@ const PARTS: &[(Role, &str)] = &[
          complete completion completed terminated fin fim ende utend eoe aufnahmeende belichtungsende",
     ),
 ];
+/// Words of the end that have another meaning before a noun.
+const ADJECTIVES: &str = "complete off";
 const EXPOSURE: &str = "exposure exposures exposed exp expo exposition exposicion exposicao esposizione exptime pose posa \
      belichtung aufnahme integration integrations int observation observations observing obs frame frames image images \
      img shutter scan capture stack interval visit coadd coadds dce";
@@ -60,10 +62,6 @@ const OTHER_MEANINGS: &[&str] = &[
     "half second",
     "half a second",
     "half day",
-    "complete date",
-    "complete time",
-    "complete utc",
-    "complete ut",
     "half a day",
     "greenwich mean",
     "universal mean",
@@ -194,10 +192,6 @@ impl Comment {
 
     /// Returns the parts that the comment states, and true if other words may state the middle, the end or an event.
     fn parts(&self) -> (Vec<Role>, bool) {
-        let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
-        if let Some((role, _)) = PHRASES.iter().find(|(_, list)| list.iter().any(|phrase| joined.contains(phrase))) {
-            return (vec![*role], false);
-        }
         // "UTC (DATE-END: end)" concerns other keywords.
         let is_keyword = |word: &str| {
             word.split_once('-').is_some_and(|(clock, part)| {
@@ -206,11 +200,24 @@ impl Comment {
             })
         };
         let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
+        let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
+        let phrase = PHRASES.iter().find(|(_, list)| !of_others && list.iter().any(|phrase| joined.contains(phrase)));
+        let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
+        if stated == [Role::Middle] {
+            // "start + exptime/2"
+            return (stated, false);
+        }
         let mut is_unclear = self.has(OTHERS);
-        let mut stated = Vec::new();
         for (role, list) in PARTS {
             for words in &self.clauses {
                 for (at, _) in words.iter().enumerate().filter(|(_, word)| lists(list, word)) {
+                    // "Complete timestamp", but "exposure complete".
+                    let is_adjective = lists(ADJECTIVES, &words[at])
+                        && !(at > 0 && lists(EXPOSURE, &words[at - 1]))
+                        && words.len() > at + 1;
+                    if is_adjective {
+                        continue;
+                    }
                     match qualifies(words, at) {
                         Some(true) if *role == Role::Start || !of_others => stated.push(*role),
                         None => {}
@@ -231,8 +238,11 @@ impl Comment {
             let Some(part) = words.iter().position(is_part) else { return false };
             let period = words[part..].iter().position(|word| lists(PERIODS, word));
             // The word before that of the period may belong to it.
-            period
-                .is_some_and(|at| !words[part..(part + at).saturating_sub(1)].iter().any(|word| lists(EXPOSURE, word)))
+            period.is_some_and(|at| {
+                let is_of_exposure = words.get(part + at + 1).is_some_and(|word| lists(EXPOSURE, word));
+                let before = &words[part..(part + at).saturating_sub(1)];
+                !is_of_exposure && !before.iter().any(|word| lists(EXPOSURE, word))
+            })
         })
     }
 
@@ -297,7 +307,7 @@ impl Comment {
         if self.has(UNIVERSAL) {
             return Ok(None);
         }
-        if self.has_pair(COMPUTERS, COMPUTER_CLOCKS) && !self.has_pair("system", "clock") {
+        if self.has_pair(COMPUTERS, COMPUTER_CLOCKS) && !self.has_pair("system", "clock time") {
             return Err("of the clock of a computer, which may be local,");
         }
         if self.has("GPST")
@@ -415,6 +425,7 @@ fn qualifies(words: &[String], at: usize) -> Option<bool> {
         (None, None) => Some(true),
         // The name of a place, such as "Goddard Space Flight Center".
         (None, Some(_)) if lists("center centre", &words[at]) => None,
+        (Some(_), _) if lists("centro", &words[at]) => None,
         _ => Some(false),
     }
 }
@@ -539,7 +550,15 @@ mod tests {
             ("shutter off", Ok(Some(Role::End))),
             ("EOE", Ok(Some(Role::End))),
             ("UTmid", Ok(Some(Role::Middle))),
-            ("start time + exptime", Ok(Some(Role::End))),
+            ("start time + exptime", Err("of more than one part of the exposure")),
+            ("time + exptime", Ok(Some(Role::End))),
+            ("UTC start; end is DATE-OBS+EXPTIME", Ok(Some(Role::Start))),
+            ("Complete timestamp (UTC)", Ok(None)),
+            ("complete observation date and time", Ok(None)),
+            ("UTC, exposure complete", Ok(Some(Role::End))),
+            ("UTC at shutter off", Ok(Some(Role::End))),
+            ("Start of observing run exposure", Ok(Some(Role::Start))),
+            ("UTC, Centro Astronomico", Ok(None)),
             ("start+exptime/2", Ok(Some(Role::Middle))),
             ("fine esposizione", Ok(Some(Role::End))),
             ("UTC, fine resolution", Ok(None)),

@@ -21,6 +21,8 @@ const SHIFT_SLACK: f64 = 0.1;
 
 /// Largest accepted overhead, in addition to the exposure time, of keywords that may include the readout, seconds.
 const LOOSE_END_S: f64 = 60.0;
+/// Time by which a clock of the telescope may be before the start, seconds.
+const LOOSE_START_S: f64 = 10.0;
 
 /// Largest difference between keywords of the start or of the end that is not stated, in addition to their rounding,
 /// seconds.
@@ -206,8 +208,11 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
         return Err(error);
     }
     for other in instants.found.iter().filter(|other| other.role != Role::End) {
-        // A clock that is read after the exposure is late, and days may be cut off to the digit before.
-        let (early_s, late_s) = if other.is_loose { (other.slack_s, LOOSE_END_S + duration_s) } else { (0.0, 0.0) };
+        // A clock of the telescope is read some seconds before the shutter opens (ESO), that of the camera perhaps after
+        // the exposure. Days may be cut off to the digit before.
+        let is_clock = other.from.starts_with("UT");
+        let early_s = if is_clock { LOOSE_START_S } else { 0.0 } + if other.is_loose { other.slack_s } else { 0.0 };
+        let late_s = if other.is_loose { LOOSE_END_S + duration_s } else { 0.0 };
         let other_start = start_of(other, duration_s);
         let shift_s = if first.from == other_start.from || (other.role == Role::Start && !first.from.contains(" - ")) {
             0.0
@@ -230,7 +235,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64, remarks: &mut Vec<String>) -> 
                 "one start; specify --start",
             ));
         }
-        if difference_s.abs() > STATED_S + digits_s + early_s {
+        let least_s = if difference_s < 0.0 { START_SLACK_S } else { STATED_S };
+        if difference_s.abs() > least_s + digits_s + if other.is_loose { other.slack_s } else { 0.0 } {
             let side = if difference_s > 0.0 { "later" } else { "earlier" };
             remarks.push(format!(
                 "the start is that of {}; {} gives one {:.1} s {side}; for another one specify --start",

@@ -64,7 +64,7 @@ const ADDED: &str = "stack stacked stacking combine combined combining coadd coa
 const OF_CALIBRATION: &str = "bias biases dark darks flat flats zero zeros fringe sky calibration master reference ref \
      template background pixel pixels star stars rejected";
 /// Words of times and names instead of counts.
-const NO_COUNTS: &str = "time second seconds sec minutes hours id index method mode";
+const NO_COUNTS: &str = "time second seconds sec s minutes hours id index method mode rate fps guiding guider";
 /// Words of series of separate files.
 const OF_SERIES: &str = "sequence series set run group groups";
 
@@ -157,7 +157,12 @@ pub fn length(keywords: Keywords<'_>) -> Result<Length, Error> {
     }
     let mut of_sum = None;
     let mut remarks = Vec::new();
-    for name in SPANS.iter().chain(SUMS) {
+    // "Total number of exposures" (Liverpool Telescope) is no time.
+    let is_count = |name: &str| {
+        let found = keywords.find(name);
+        found.is_some_and(|(header, from)| keywords.comment(header, &from).has("number count"))
+    };
+    for name in SPANS.iter().chain(SUMS).filter(|name| !is_count(name)) {
         let Some(other) = stated(keywords, name)? else { continue };
         let slack_s = SPAN_SLACK_S + SPAN_SLACK * seconds;
         let is_span = SPANS.contains(name);
@@ -261,10 +266,11 @@ fn parts(keywords: Keywords<'_>, is_per_part: bool) -> Option<Parts> {
     let kind = KINDS.iter().find_map(|name| {
         keywords
             .text(&[name])
-            .filter(|(_, kind)| Comment::new(kind).has(STACKS) && !Comment::new(kind).has(OF_CALIBRATION))
+            .map(|(keyword, kind)| (keyword, Comment::new(&kind)))
+            .filter(|(_, kind)| kind.has(STACKS) && !kind.has(OF_CALIBRATION) && !kind.has("candidate"))
     });
     if let Some((keyword, kind)) = kind {
-        return Some(Parts { keyword, shown: format!("{kind:?}"), count: 1.0 });
+        return Some(Parts { keyword, shown: format!("{:?}", kind.text()), count: 1.0 });
     }
     keywords.0.iter().find_map(|header| counted(header, is_per_part))
 }
@@ -301,9 +307,8 @@ fn counted(header: &Header, is_per_part: bool) -> Option<Parts> {
             let is_sum = comment.has_pair(SEVERAL, ADDED)
                 || comment.has_pair(ADDED, SEVERAL)
                 || (comment.has_pair(SEVERAL, "in") && comment.has(ADDED));
-            if ((is_number && comment.has(FRAMES) && is_of_parts) || (is_sum && !comment.has(NO_COUNTS)))
-                && !comment.has(OF_CALIBRATION)
-            {
+            let is_sum = is_sum && !comment.has(NO_COUNTS) && !comment.has(OF_SERIES);
+            if ((is_number && comment.has(FRAMES) && is_of_parts) || is_sum) && !comment.has(OF_CALIBRATION) {
                 return Some(Parts::new(keyword, count));
             }
         }
@@ -329,7 +334,12 @@ fn counted_in(text: &str) -> Option<f64> {
     let words: Vec<&str> = text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let is_several = |word: &str| SEVERAL.split_ascii_whitespace().any(|other| other.eq_ignore_ascii_case(word));
     let pair = words.windows(2).find(|pair| is_several(pair[1]) && pair[0].parse::<u32>().is_ok());
-    let is_sum =
-        (remark.has(STACKS) || remark.has("combine combined combining averaged summed")) && !remark.has(OF_CALIBRATION);
+    // "masterdark", "superbias"
+    let lower = text.to_ascii_lowercase();
+    let is_of_calibration =
+        ["bias", "dark", "flat", "zero", "fringe", "cosmic"].iter().any(|word| lower.contains(word));
+    let is_sum = (remark.has(STACKS) || remark.has("combine combined combining averaged summed"))
+        && !remark.has(OF_CALIBRATION)
+        && !is_of_calibration;
     pair.filter(|_| is_sum)?[0].parse().ok()
 }

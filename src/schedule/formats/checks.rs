@@ -55,6 +55,8 @@ const COUNTS: &[&str] = &[
     "nrepeats",
     "ndit",
 ];
+/// Those that are also names of columns of text, such as kinds of frames.
+const ALSO_TEXTS: &[&str] = &["frames", "repeat", "repeats", "snaps"];
 /// Frames with other axes than ICRS, in lower case without blanks and punctuation. The axes of FK5 at J2000 differ by less
 /// than 0.1 arcsec. Other texts may be the numbers, names or types of frames.
 const OTHER_FRAMES: &[&str] = &[
@@ -188,7 +190,9 @@ impl Checks {
                 }
                 Meaning::Frame => (!is_other_frame(&lower), "ICRS"),
                 Meaning::Count => (
-                    lower.parse::<f64>().is_ok_and(|count| count <= 1.0),
+                    lower
+                        .parse::<f64>()
+                        .map_or(ALSO_TEXTS.contains(&&*name.to_ascii_lowercase()), |count| count <= 1.0),
                     "1, with the time from the first opening to the last closing of the shutter as duration",
                 ),
             };
@@ -258,6 +262,7 @@ mod tests {
             ("nexp", ""),
             ("exposure_count", "1"),
             ("repeats", "0"),
+            ("frames", "Light"),
             ("airmass", "1.2"),
         ] {
             assert_eq!(with(name, text), None, "{name} {text}");

@@ -474,10 +474,9 @@ impl Masking<'_> {
             brightest = brightest.into_iter().chain(corridor.peak_to_noise).max_by(f64::total_cmp);
             let streak = self.masked(satellite, &request, corridor);
             if !is_given && !is_calibrated && streak.is_some() {
-                let elements = &self.interval.sky().elements()[satellite.element_index];
-                let name =
-                    if elements.name.is_empty() { elements.norad_id.to_string() } else { elements.name.to_string() };
-                return Err(missing_zero_point(self.frame, &format!(" ({name} is not measured)")));
+                let name = self.name_of(satellite);
+                let of_all = if masked.is_empty() { "" } else { " on all chips" };
+                return Err(missing_zero_point(self.frame, &format!(" ({name} is not measured{of_all})")));
             }
             // A satellite that was measured on another chip is in the frame.
             let probability = if masked.is_empty() { satellite.probability } else { 1.0 };
@@ -487,6 +486,11 @@ impl Masking<'_> {
         let magnitude = magnitude.fold(f64::INFINITY, f64::min);
         let faint = brightest.filter(|peak_to_noise| *peak_to_noise < self.options.threshold);
         Ok((mask, faint.map(|peak_to_noise| LeftOutReason::Faint { peak_to_noise, magnitude })))
+    }
+
+    fn name_of(&self, satellite: &Satellite<'_>) -> String {
+        let elements = &self.interval.sky().elements()[satellite.element_index];
+        if elements.name.is_empty() { elements.norad_id.to_string() } else { elements.name.to_string() }
     }
 
     /// Returns the corridor of a measured streak on a chip; `None` if it does not reach the chip.
@@ -502,6 +506,11 @@ impl Masking<'_> {
             .late_s
             .map_or((0.0, -satellite.predicted.times_s[0]), |(late_s, sigma_s)| (late_s, self.sigmas * sigma_s));
         let Some(fitted) = streak.fitted(chip, self.frame.opened, late_s, satellite.sight) else { return Ok(None) };
+        if streak.is_saturated && !options.is_calibrated && options.width_arcsec.is_none() {
+            // Its measured light is a lower limit.
+            let reason = format!(" ({} is saturated)", self.name_of(satellite));
+            return Err(missing_zero_point(self.frame, &reason));
+        }
         let pixel_rad = (chip.pixel_scale_arcsec() / 3600.0).to_radians();
         let track = UncertainTrack {
             sight: &fitted,
@@ -511,9 +520,7 @@ impl Masking<'_> {
         let rate = |time_s: f64| match satellite.light.bright_mag(time_s) {
             _ if options.width_arcsec.is_some() => 1.0,
             // The light of a saturated streak is a lower limit.
-            Some(magnitude) if streak.is_saturated && options.is_calibrated => {
-                streak.rate.max(chip.scale.rate(Some(magnitude)))
-            }
+            Some(magnitude) if streak.is_saturated => streak.rate.max(chip.scale.rate(Some(magnitude))),
             _ => streak.rate,
         };
         let seeing_arcsec = streak.seeing_arcsec.unwrap_or(options.optics.seeing_arcsec);
