@@ -65,6 +65,7 @@ fn passes_agree_in_every_format() {
             match &pass[*name] {
                 Value::Null => assert_eq!(cell, "", "{name}"),
                 Value::String(text) => assert_eq!(cell, text, "{name}"),
+                Value::Bool(value) => assert_eq!(cell, value.to_string(), "{name}"),
                 number => assert_eq!(cell.parse::<f64>().unwrap(), number.as_f64().unwrap(), "{name}"),
             }
         }
