@@ -85,7 +85,7 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("pulp", &["math"]),
     ("statrs", &["fit"]),
     ("pulldown_cmark", &["fit"]),
-    ("strsim", &["bin", "config", "geometry", "schedule"]),
+    ("strsim", &["bin", "config", "elements", "geometry", "schedule"]),
     ("clap", &["bin", "config"]),
     ("clap_complete", &["bin"]),
     ("signal_hook", &["bin"]),

@@ -129,6 +129,8 @@ def test_verif_a_real_night_equals_the_command_line(data, tmp_path):
                 assert str(row[name]) == value
             elif not value:
                 assert is_missing(row[name]), name
+            elif name == "in_fitted_range":
+                assert str(bool(row[name])).lower() == value
             else:
                 assert_equal(row[name], value if name.endswith("utc") else Decimal(value), name)
     # The warnings are the same, with argument names instead of flags.

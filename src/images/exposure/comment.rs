@@ -201,7 +201,9 @@ impl Comment {
         };
         let of_others = self.text.split(|c: char| c != '-' && !c.is_ascii_alphanumeric()).any(is_keyword);
         let joined: String = self.text.to_ascii_lowercase().split_ascii_whitespace().collect();
-        let phrase = PHRASES.iter().find(|(_, list)| !of_others && list.iter().any(|phrase| joined.contains(phrase)));
+        let phrase = PHRASES.iter().find(|(role, list)| {
+            (*role == Role::Middle || !of_others) && list.iter().any(|phrase| joined.contains(phrase))
+        });
         let mut stated: Vec<Role> = phrase.map(|(role, _)| *role).into_iter().collect();
         if stated == [Role::Middle] {
             // "start + exptime/2"
@@ -575,10 +577,10 @@ mod tests {
 
     #[test]
     fn clocks_of_computers_may_be_local() {
-        for text in ["computer clock time", "PC time", "host time at start", "System time"] {
+        for text in ["computer clock time", "PC time", "host time at start"] {
             assert!(Comment::new(text).scale().is_err(), "{text}");
         }
-        for text in ["PC clock, UTC", "System Clock:Est. Frame Start", "host name"] {
+        for text in ["PC clock, UTC", "System Clock:Est. Frame Start", "System time", "host name"] {
             assert_eq!(Comment::new(text).scale(), Ok(None), "{text}");
         }
     }

@@ -8,7 +8,7 @@ use crate::frames::{seconds_after, seconds_between};
 use super::super::header::Header;
 use super::comment::Role;
 use super::instants::{DATES, Instant, Instants, MODIFIED_DATES, unreadable};
-use super::length::{Length, length};
+use super::length::{Length, STATED_S, length};
 use super::moment::Keywords;
 use super::observatory::{longitude_of_unknown_sense_deg, site_from_headers};
 
@@ -23,10 +23,6 @@ const SHIFT_SLACK: f64 = 0.1;
 const LOOSE_END_S: f64 = 60.0;
 /// Time by which a clock of the telescope may be before the start, seconds.
 const LOOSE_START_S: f64 = 10.0;
-
-/// Largest difference between keywords of the start or of the end that is not stated, in addition to their rounding,
-/// seconds.
-pub(super) const STATED_S: f64 = 5.0;
 
 /// Largest rounding error of an instant that is used, seconds: half of the last digit of days with four decimals is
 /// 4.3 s, and times without seconds have 60 s.

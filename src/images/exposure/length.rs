@@ -6,7 +6,6 @@ use crate::error::Error;
 use super::super::card::CardValue;
 use super::super::header::Header;
 use super::comment::{Comment, seconds_in};
-use super::exposure_time::STATED_S;
 use super::instants::unreadable;
 use super::moment::{Keywords, is_spelling};
 
@@ -80,6 +79,9 @@ const LENGTH_SLACK_S: f64 = 0.1;
 /// Largest accepted overhead within an exposure: a fraction of the exposure time, and seconds.
 const SPAN_SLACK: f64 = 0.1;
 const SPAN_SLACK_S: f64 = 1.0;
+/// Largest difference between keywords of the start or of the end that is not stated, in addition to their rounding,
+/// seconds.
+pub(super) const STATED_S: f64 = 5.0;
 
 const PER_PART: &str = "per each single individual one";
 const OF_ALL: &str = "total sum summed all combined cumulative accumulated";
