@@ -539,7 +539,6 @@ mod tests {
             ("half-way through the exposure", Ok(Some(Role::Middle))),
             ("BJD of start", Err("a time corrected to the Sun or the barycentre")),
             ("UTC at which frame was recorded", Err(UNCLEAR)),
-            ("start of recorded exposure", Ok(Some(Role::Start))),
             ("timestamp when the frame was grabbed by host", Err(UNCLEAR)),
             ("Planned start of exposure", Err("a planned time")),
             ("UTC start of observation block", Err(UNCLEAR)),
