@@ -303,8 +303,8 @@ impl Comment {
     /// Returns the time scale that the comment states, other than UTC.
     ///
     /// # Errors
-    /// The clock of a computer, which may be local, a scale that is not supported, TAI minus other than the 37 s of UTC since 2017, or GPS time, which is also a name
-    /// for the UTC of a GPS receiver, 18 s earlier.
+    /// The clock of a computer, which may be local, a scale that is not supported, TAI minus other than the 37 s of UTC
+    /// since 2017, or GPS time, which is also a name for the UTC of a GPS receiver, 18 s earlier.
     pub fn scale(&self) -> Result<Option<TimeScale>, &'static str> {
         if self.has(UNIVERSAL) {
             return Ok(None);
