@@ -6,7 +6,7 @@
 
 use std::f64::consts::PI;
 use std::fmt;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use hifitime::Epoch;
 
@@ -92,7 +92,8 @@ pub struct EopTable {
     first: Option<Epoch>,
     /// Time after which the rows are predictions, TAI seconds after the first row.
     predicted_from_s: f64,
-    rows: Vec<EopRow>,
+    /// Shared by all clones: each request for a night clones the table.
+    rows: Arc<[EopRow]>,
     /// True where the table's polar motion is used; false where the pole is held at its origin.
     polar_motion: bool,
 }
@@ -108,7 +109,7 @@ impl EopTable {
 
     /// Returns an empty table: UT1 = UTC and no polar motion at all times.
     pub fn none() -> Self {
-        Self { name: "none", first: None, predicted_from_s: 0.0, rows: Vec::new(), polar_motion: true }
+        Self { name: "none", first: None, predicted_from_s: 0.0, rows: Arc::default(), polar_motion: true }
     }
 
     /// Reads the text of an IERS finals2000A file (`.all`, `.data` or `.daily`) and uses its Bulletin A columns.
@@ -161,15 +162,13 @@ impl EopTable {
             return Err(Error::format(format!("none of {} lines contains UT1-UTC", text.lines().count()))
                 .allowing("a finals2000A file of the IERS"));
         }
-        Ok(Self { name: "finals2000A", first, predicted_from_s, rows, polar_motion: true })
+        Ok(Self { name: "finals2000A", first, predicted_from_s, rows: rows.into(), polar_motion: true })
     }
 
     /// Returns the same table with the pole held at its origin, for comparison with programs that use UT1 only. This
     /// moves observers by up to 18 m.
     pub fn without_polar_motion(mut self) -> Self {
-        for row in &mut self.rows {
-            (row.xp_rad, row.yp_rad) = (0.0, 0.0);
-        }
+        self.rows = self.rows.iter().map(|row| EopRow { xp_rad: 0.0, yp_rad: 0.0, ..*row }).collect();
         self.polar_motion = false;
         self
     }
@@ -287,7 +286,7 @@ fn parse_embedded(text: &str) -> EopTable {
         name: "embedded",
         first: Some(first),
         predicted_from_s: (predicted_from_mjd - first_mjd) as f64 * DAY_S,
-        rows,
+        rows: rows.into(),
         polar_motion: true,
     }
 }

@@ -105,14 +105,20 @@ pub(in crate::passes) enum SearchScope {
     Delayed,
 }
 
+/// Returns the start of window 0. It is in UTC, as the epochs of element sets, so that times of windows are compared with
+/// them without a conversion for each satellite.
+fn start_of_windows() -> Epoch {
+    Epoch::from_utc_duration(Duration::ZERO)
+}
+
 /// Returns the number of the window of six hours that contains a time.
 pub(in crate::passes) fn window_number(epoch: Epoch) -> i64 {
-    (seconds_between(Epoch::from_tai_duration(Duration::ZERO), epoch) / MAX_WINDOW_S).floor() as i64
+    (seconds_between(start_of_windows(), epoch) / MAX_WINDOW_S).floor() as i64
 }
 
 /// Returns the middle of the window with this number.
 pub(in crate::passes) fn middle_of_window(number: i64) -> Epoch {
-    seconds_after(Epoch::from_tai_duration(Duration::ZERO), MAX_WINDOW_S * (number as f64 + 0.5))
+    seconds_after(start_of_windows(), MAX_WINDOW_S * (number as f64 + 0.5))
 }
 
 /// Number of a window on the grid of six hours, and its scope.
@@ -142,7 +148,6 @@ impl WindowCache {
         watch: &Watch,
     ) -> Result<Vec<Arc<Window>>, Error> {
         let most = (CACHED_SATELLITES / index.len().max(1)).max(LEAST_CACHED_WINDOWS);
-        let grid = Epoch::from_tai_duration(Duration::ZERO);
         (window_number(start)..=window_number(end))
             .map(|number| {
                 let key = (number, scope);
@@ -150,7 +155,7 @@ impl WindowCache {
                     return Ok(window);
                 }
                 // Computed while the lock is not held, because the threads that compute the window may use the cache.
-                let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
+                let from = seconds_after(start_of_windows(), MAX_WINDOW_S * number as f64);
                 let ends = [from, seconds_after(from, MAX_WINDOW_S)];
                 let middle = middle_of_window(number);
                 let window = Arc::new(Window::new(

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use hifitime::Epoch;
+use hifitime::{Epoch, Unit};
 use rayon::prelude::*;
 
 use super::error;
@@ -15,7 +15,6 @@ use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
-use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Ephemeris, Satellites, others_of};
 use crate::error::{Error, ErrorKind};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
@@ -322,9 +321,10 @@ impl Sky {
         })
     }
 
-    /// Returns the days from the epoch of an element set to a time; negative if the elements are newer.
-    pub(super) fn element_age_days(&self, element_index: usize, epoch: Epoch) -> f64 {
-        seconds_between(self.elements[element_index].epoch, epoch) / DAY_S
+    /// Returns the days from the epoch of an element set to a time, leap seconds not counted; negative if the elements
+    /// are newer.
+    pub(crate) fn element_age_days(&self, element_index: usize, epoch: Epoch) -> f64 {
+        (epoch.to_utc_duration() - self.elements[element_index].epoch.to_utc_duration()).to_unit(Unit::Day)
     }
 
     /// Returns the uncertainty (one sigma) of a satellite's predicted position at a time.

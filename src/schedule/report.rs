@@ -2,9 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::constants::DAY_S;
 use crate::error::Error;
-use crate::frames::{seconds_after, seconds_between};
+use crate::frames::seconds_after;
 use crate::math::quantile::median;
 use crate::orbit::LeftOut;
 use crate::passes::{Exposure, Field, Pass, PassOptions, Predictability, Sky, Viewpoint};
@@ -157,10 +156,7 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
         let may_cross: Vec<SatelliteAge> = satellites
             .iter()
             .map(|satellite| SatelliteAge {
-                element_age_days: seconds_between(
-                    request.sky.elements()[satellite.element_index].epoch,
-                    exposure.start,
-                ) / DAY_S,
+                element_age_days: request.sky.element_age_days(satellite.element_index, exposure.start),
                 along_track_sigma_s: satellite.along_track_sigma_s,
             })
             .collect();
