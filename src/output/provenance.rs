@@ -1,14 +1,17 @@
 //! Provenance of an output: named values that describe the program, elements, models, time scale and options used.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use serde_json::Value;
 
-/// Named values that describe the origin of a result, in the order in which they were added, and attached lists.
+/// Named values that describe the origin of a result, in the order in which they were added, and attached lists. Clones
+/// share them until one is changed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
-    entries: Vec<(String, Value)>,
-    attached: Vec<(String, Value)>,
+    entries: Arc<Vec<(String, Value)>>,
+    attached: Arc<Vec<(String, Value)>>,
 }
 
 impl Provenance {
@@ -22,10 +25,10 @@ impl Provenance {
 
     /// Adds an entry, or replaces the value of the existing entry with this name.
     pub fn state(&mut self, name: &str, value: impl Into<Value>) {
-        let value = value.into();
-        match self.entries.iter_mut().find(|(known, _)| known == name) {
+        let (entries, value) = (Arc::make_mut(&mut self.entries), value.into());
+        match entries.iter_mut().find(|(known, _)| known == name) {
             Some(entry) => entry.1 = value,
-            None => self.entries.push((name.to_owned(), value)),
+            None => entries.push((name.to_owned(), value)),
         }
     }
 
@@ -37,7 +40,7 @@ impl Provenance {
     /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain the list next to
     /// the provenance; the other formats omit it.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
-        self.attached.push((name.to_owned(), value.into()));
+        Arc::make_mut(&mut self.attached).push((name.to_owned(), value.into()));
     }
 
     /// Returns the attached lists in the order in which they were added.
@@ -59,7 +62,7 @@ impl Provenance {
 impl Serialize for Provenance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.entries.len()))?;
-        for (name, value) in &self.entries {
+        for (name, value) in self.entries.iter() {
             map.serialize_entry(name, value)?;
         }
         map.end()

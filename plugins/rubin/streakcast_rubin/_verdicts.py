@@ -102,5 +102,6 @@ def sun_altitude_deg(mjd: float, scale: str, site: Site) -> float:
 
 def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray, list[str]]:
     """Returns right ascension and declination, sky rotation (degrees) and bands of visits."""
-    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
-    return target, np.degrees(np.nan_to_num(visits["rotSkyPos"])), [str(one) for one in visits["band"]]
+    target, rotation = (np.degrees(visits["RA"]), np.degrees(visits["dec"])), np.degrees(visits["rotSkyPos"])
+    rotation[np.isnan(rotation)] = 0.0
+    return target, rotation, [str(one) for one in visits["band"]]

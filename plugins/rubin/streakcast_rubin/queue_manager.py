@@ -13,8 +13,8 @@ from rubin_scheduler.scheduler.schedulers import BaseQueueManager
 from streakcast import StreakModel
 from streakcast.hosts import Hook
 
-from ._arrays import FloatArray, IntArray
-from ._candidates import candidates, choose, detours_s
+from ._arrays import BoolArray, FloatArray, IntArray
+from ._candidates import OPEN_SHARE, candidates, choose, detours_s
 from ._checks import at_least
 from ._costs import Costs, costs_of, with_costs
 from ._dispatched import DispatchedVisits, Owner, key_of
@@ -150,37 +150,55 @@ class StreakQueueManager(BaseQueueManager):
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
         taken = self._dispatched.with_others(self._owner, now)
         free = np.array([one for one in valid[: 4 * self.look_ahead] if key_of(queue[one]) not in taken]) if taken else valid
-        indices = candidates(queue, free if free.size else valid, self.look_ahead)
-        has_coordinates = np.isfinite(queue["RA"][indices]) & np.isfinite(queue["dec"][indices])
-        if not has_coordinates.all():
-            self.hook.note("no_coordinates", f"visit {queue['target_id'][indices[~has_coordinates][0]]} has no coordinates and is not checked")
-            if not has_coordinates[0]:
-                return None
-            indices = indices[has_coordinates]
-        visits = queue[indices]
-        opening = self.mount.openings(conditions, visits[:1])
+        free = free if free.size else valid
+        first = queue[free[:1]]
+        if not self._has_coordinates(first)[0]:
+            return None
+        opening = self.mount.openings(conditions, first)
         if not np.isfinite(opening.start_mjd[0]):
             # The first visit cannot be reached: the default visit of rubin_scheduler is used.
             return None
-        first = costs_of(model, visits[:1], opening, self.mjd_scale)
-        if not math.isfinite(first.cost_s[0]):
-            # Its cost cannot be compared.
-            self.hook.note("not_judged", f"the cost of visit {visits['target_id'][0]} is unknown; it is dispatched in the order of the queue")
+        cost_s = float(costs_of(model, first, opening, self.mjd_scale).cost_s[0])
+        if not math.isfinite(cost_s):
+            # It cannot be compared.
+            self.hook.note("not_judged", f"the cost of visit {first['target_id'][0]} is unknown; it is dispatched in the order of the queue")
             return None
-        chosen = 0
-        if first.cost_s[0] > LEAST_COST_S and indices.size > 1:
-            openings = self.mount.openings(conditions, visits)
-            reached = np.isfinite(openings.start_mjd)
-            reached[0] = True
-            openings, visits, indices = Openings(*(column[reached] for column in openings)), visits[reached], indices[reached]
-            costs = costs_of(model, visits, openings, self.mjd_scale)
-            detour_s = detours_s(openings.slew_s, self.mount.between(now, visits))
-            self.counts["compared"] += int(indices.size)
-            chosen = choose(costs.cost_s, detour_s)
-            if chosen > 0:
-                self._account(visits, costs, detour_s, chosen)
-        self._dispatched.add(visits[chosen], self._owner, now)
+        chosen = int(free[0]) if cost_s <= LEAST_COST_S else self._compared(model, conditions, queue, free, now, cost_s)
+        self._dispatched.add(queue[chosen], self._owner, now)
+        return chosen
+
+    def _compared(self, model: StreakModel, conditions: Any, queue: Any, free: IntArray, now: float, first_s: float) -> int:
+        """Compares the first visits of the queue, of which the first one costs `first_s`, and returns the queue index of the
+        best one."""
+        indices = candidates(queue, free, self.look_ahead)
+        indices = indices[self._has_coordinates(queue[indices])]
+        if indices.size == 1:
+            return int(indices[0])
+        openings = self.mount.openings(conditions, queue[indices])
+        reached = np.isfinite(openings.start_mjd)
+        reached[0] = True
+        openings, indices = Openings(*(column[reached] for column in openings)), indices[reached]
+        visits = queue[indices]
+        detour_s = detours_s(openings.slew_s, self.mount.between(now, visits))
+        self.counts["compared"] += int(indices.size)
+        # The cost of streaks is not computed for visits whose detour alone costs more than the first visit.
+        near = OPEN_SHARE * detour_s < first_s
+        near[0] = True
+        if not near[1:].any():
+            return int(indices[0])
+        visits, indices, detour_s = visits[near], indices[near], detour_s[near]
+        costs = costs_of(model, visits, Openings(*(column[near] for column in openings)), self.mjd_scale)
+        chosen = choose(costs.cost_s, detour_s)
+        if chosen > 0:
+            self._account(visits, costs, detour_s, chosen)
         return int(indices[chosen])
+
+    def _has_coordinates(self, visits: Any) -> BoolArray:
+        """Returns which visits have coordinates, and notes the first one without."""
+        has_coordinates = np.isfinite(visits["RA"]) & np.isfinite(visits["dec"])
+        if not has_coordinates.all():
+            self.hook.note("no_coordinates", f"visit {visits['target_id'][~has_coordinates][0]} has no coordinates and is not checked")
+        return has_coordinates
 
     def _account(self, visits: Any, costs: Costs, detour_s: FloatArray, chosen: int) -> None:
         """Updates the counters, and writes a log line."""

@@ -8,6 +8,7 @@ import threading
 import time as clock
 import weakref
 from collections import Counter
+from functools import lru_cache
 from typing import Callable, TypeVar
 
 from ._core import UnknownPositionsError
@@ -17,7 +18,7 @@ from ._quantities import is_of, scalar
 from ._times import to_tai
 from ._warnings import handle_warnings
 from .model import StreakModel
-from .typing import FloatLike, PlaceLike, TimeLike
+from .typing import FloatArray, FloatLike, PlaceLike, TimeLike
 
 Answer = TypeVar("Answer")
 
@@ -41,7 +42,7 @@ MAX_REMOTE_HOOKS = 32
 #: New files are rejected if they contain less than this fraction of the previous number of satellites.
 MIN_SATELLITE_SHARE = 0.5
 
-_UNIX_EPOCH_JD = 2_440_587.5
+_UNIX_EPOCH_MJD = 40_587.0
 _DAY_S = 86_400.0
 
 
@@ -216,7 +217,7 @@ class Hook:
                 return
             jd1, jd2 = to_tai(host_now, self._state.model.mjd_scale if scale is None else scale, "now")
             days, seconds = divmod(clock.time(), _DAY_S)
-            here1, here2 = to_tai(_UNIX_EPOCH_JD - 2_400_000.5 + days, "utc", "now")
+            here1, here2 = _start_of_day(days)
             off_s = (float(jd1) - float(here1) + float(jd2) - float(here2)) * _DAY_S - seconds
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("clock", f"the host's time cannot be read: {type(error).__name__}: {error}", kind="unseen")
@@ -325,7 +326,7 @@ class Hook:
             with handle_warnings(self._warned):
                 old = state.model
                 new = old.reloaded()
-                moment = _UNIX_EPOCH_JD - 2_400_000.5 + clock.time() / _DAY_S
+                moment = _UNIX_EPOCH_MJD + clock.time() / _DAY_S
                 before, after = (model.satellites(moment, scale="utc") for model in (old, new))
             if after >= MIN_SATELLITE_SHARE * before:
                 state.model, state.retry_at_s = new, math.inf
@@ -341,6 +342,12 @@ class Hook:
     def _warned(self, message: str) -> None:
         """Counts a warning of the model. Its kind is the text without digits, which differ from night to night."""
         self.note("warned", message, kind="".join(letter for letter in message if not letter.isdigit())[:80])
+
+
+@lru_cache(maxsize=1)
+def _start_of_day(days: float) -> tuple[FloatArray, FloatArray]:
+    """Returns the start of a UTC day, given in days since 1970, as Julian date in TAI. A night of visits asks for one day."""
+    return to_tai(_UNIX_EPOCH_MJD + days, "utc", "now")
 
 
 def _hook_of(
