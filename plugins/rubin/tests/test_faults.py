@@ -30,7 +30,9 @@ def test_an_error_gives_the_default_choice(ready, model, take_over, monkeypatch,
     assert len([one for one in caplog.records if "the index is gone" in one.message]) == 1
 
 
-def test_a_visit_without_coordinates(ready, model, take_over):
+def test_a_visit_without_coordinates(ready, model, take_over, costly):
+    # The first visit is compared with others.
+    costly(20.0)
     scheduler = take_over(ready, manager_of(model))
     queue = scheduler.queue_manager.desired_observations_array
     indices = np.flatnonzero(scheduler.queue_manager.need_observing)
