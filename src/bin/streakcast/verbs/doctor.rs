@@ -13,7 +13,7 @@ use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Se
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_between;
 use streakcast::input::{is_stream, read_to_string};
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, counted, format_utc};
+use streakcast::output::{Column, Kind, Provenance, Table, Value, counted, format_utc};
 use streakcast::schedule::{AgeEffect, VerdictKind};
 
 use super::schedule_verdicts::PreparedSchedule;
@@ -21,7 +21,6 @@ use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::output::{Output, VerbResult};
-use crate::screen::Style;
 use crate::start::begin;
 use crate::verb_tables::value_errors;
 use streakcast::message::printable;
@@ -100,18 +99,11 @@ pub fn run(typed: DoctorArguments, command: &Command) -> anyhow::Result<Outcome>
         );
         let state = health.elements.clone().unwrap_or_default();
         output.write(
-            &VerbResult {
-                sections: vec![
-                    Section { name: "findings", table: &findings },
-                    Section { name: "element_ages", table: &age_table(&state) },
-                    Section { name: "models", table: &kind_table(&state) },
-                    Section { name: "unmatched", table: &unmatched_table(&state) },
-                    Section { name: "cache", table: &cache_table(&cached) },
-                ],
-                main: &findings,
-                provenance: &provenance,
-                style: Style { columns: &[], bold_row: None },
-            },
+            &VerbResult::new("findings", &findings, &[], &provenance)
+                .with("element_ages", &age_table(&state))
+                .with("models", &kind_table(&state))
+                .with("unmatched", &unmatched_table(&state))
+                .with("cache", &cache_table(&cached)),
             &notices,
         )?;
     }

@@ -8,7 +8,7 @@ use anyhow::anyhow;
 use clap::Args;
 use streakcast::Watch;
 use streakcast::config::{Config, INJECTED_STREAKS, InjectionConfig, RequiredInput, SEEING, inject_frames};
-use streakcast::output::{Section, Table};
+use streakcast::output::Table;
 use streakcast::streaks::{InjectedFrame, Injections};
 
 use super::annotate::OUTPUT;
@@ -18,7 +18,6 @@ use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::{Format, Output, VerbResult, cannot_write, check_whole};
 use crate::output::{check, write_bytes};
-use crate::screen::Style;
 
 #[derive(Args)]
 pub struct InjectArguments {
@@ -93,15 +92,7 @@ impl Outputs {
             let (Some(output), Some(first)) = (output, frames.next()) else { continue };
             let mut table = first.clone();
             frames.for_each(|other| table.rows.extend(other.rows.iter().cloned()));
-            output.write(
-                &VerbResult {
-                    sections: vec![Section { name, table: &table }],
-                    main: &table,
-                    provenance: &done.provenance,
-                    style: Style { columns: &[], bold_row: None },
-                },
-                notices,
-            )?;
+            output.write(&VerbResult::new(name, &table, &[], &done.provenance), notices)?;
         }
         Ok(())
     }

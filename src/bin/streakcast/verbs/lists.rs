@@ -7,14 +7,14 @@ use streakcast::config::Config;
 use streakcast::elements::{Constellation, ConstellationSet, DeploymentPeriod, Shell};
 use streakcast::geometry::Site;
 use streakcast::message::Quoted;
-use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
+use streakcast::output::{Column, Kind, Provenance, Table, Value};
 
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 
 #[derive(Args)]
 pub struct ListArguments {
@@ -89,15 +89,8 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             .collect(),
     };
     let notices = Notices::new(typed.quiet);
-    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
-        &VerbResult {
-            sections: vec![Section { name: "sites", table: &table }],
-            main: &table,
-            provenance: &Provenance::new(),
-            style: Style { columns: SITES_ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?
+        .write(&VerbResult::new("sites", &table, SITES_ON_SCREEN, &Provenance::new()), &notices)?;
     Ok(listed(&table, &typed.search, &notices, "site", "name or code"))
 }
 
@@ -210,14 +203,7 @@ pub fn shells(typed: &ShellArguments) -> anyhow::Result<Outcome> {
         format!("constellation {} is in no period: it is never in orbit", Quoted::new(&constellation.name))
     });
     notices.warn_first(never, "constellations in no period");
-    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
-        &VerbResult {
-            sections: vec![Section { name: "shells", table: &table }],
-            main: &table,
-            provenance: &Provenance::new(),
-            style: Style { columns: SHELLS_ON_SCREEN, bold_row: None },
-        },
-        &notices,
-    )?;
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?
+        .write(&VerbResult::new("shells", &table, SHELLS_ON_SCREEN, &Provenance::new()), &notices)?;
     Ok(listed(&table, &typed.search, &notices, "constellation", "name"))
 }

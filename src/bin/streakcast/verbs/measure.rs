@@ -10,7 +10,7 @@ use streakcast::config::{Config, FRAMES, Mark, MeasureConfig, Measurements, Requ
 use streakcast::measure::MeasuredPass;
 use streakcast::measure::{ScoreObserver, score_table};
 use streakcast::output::format_utc;
-use streakcast::output::{Provenance, Section, Table, counted};
+use streakcast::output::{Provenance, Table, counted};
 
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
@@ -19,7 +19,7 @@ use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::write_bytes;
 use crate::output::{FORMATS, Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -157,15 +157,13 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let none = Provenance::default();
     let left_out = left_out_table(&done.left_out);
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "measurements", table: &table },
-                Section { name: "left_out", table: &left_out },
-            ],
-            main: &table,
-            provenance: if upload.is_some() { &none } else { &done.provenance },
-            style: Style { columns: if has_tables { OF_TABLES } else { ON_SCREEN }, bold_row: None },
-        },
+        &VerbResult::new(
+            "measurements",
+            &table,
+            if has_tables { OF_TABLES } else { ON_SCREEN },
+            if upload.is_some() { &none } else { &done.provenance },
+        )
+        .with("left_out", &left_out),
         &notices,
     )?;
     Ok(if done.table.rows.is_empty() { Outcome::No } else { Outcome::Done })

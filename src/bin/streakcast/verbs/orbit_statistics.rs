@@ -8,14 +8,14 @@ use streakcast::config::{
 use streakcast::forecast::{
     TrailRequest, TrailStatistics, trail_angle_table, trail_histogram_table, trail_statistics, trail_table,
 };
-use streakcast::output::{Section, format_utc};
+use streakcast::output::format_utc;
 
 use super::passes::left_out_table;
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
 use crate::help::check;
 use crate::output::VerbResult;
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -120,17 +120,10 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
     let table = trail_table(&found, &request);
     let (histogram, angles) = (trail_histogram_table(&found, &request), trail_angle_table(&found, &request));
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "statistics", table: &table },
-                Section { name: "histogram", table: &histogram },
-                Section { name: "position_angles", table: &angles },
-                Section { name: "left_out", table: &left_out_table(&found.left_out) },
-            ],
-            main: &table,
-            provenance: &prepared.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
+        &VerbResult::new("statistics", &table, ON_SCREEN, &prepared.provenance)
+            .with("histogram", &histogram)
+            .with("position_angles", &angles)
+            .with("left_out", &left_out_table(&found.left_out)),
         &notices,
     )?;
     notices.info(&summary(&found));

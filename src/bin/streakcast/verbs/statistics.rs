@@ -13,7 +13,7 @@ use streakcast::config::{
     parse_exposure_s, parse_night, parse_size_deg, state_scales, time_range,
 };
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
-use streakcast::output::{Provenance, Section, format_utc};
+use streakcast::output::{Provenance, format_utc};
 use streakcast::schedule::MagnitudeLimit;
 
 use super::orbit_statistics::{self, OrbitStatisticsArguments};
@@ -21,7 +21,7 @@ use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -241,15 +241,7 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             counts.iter().map(move |count| (*latitude_rad, request, count))
         }));
     output.write(
-        &VerbResult {
-            sections: vec![
-                Section { name: "statistics", table: &table },
-                Section { name: "left_out", table: &left_out_table(&left_out) },
-            ],
-            main: &table,
-            provenance: &provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        },
+        &VerbResult::new("statistics", &table, ON_SCREEN, &provenance).with("left_out", &left_out_table(&left_out)),
         &notices,
     )?;
     Ok(Outcome::Done)

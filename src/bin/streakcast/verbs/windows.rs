@@ -17,7 +17,7 @@ use streakcast::frames::{Direction, Gcrs};
 use streakcast::input::comments_warning;
 use streakcast::message::known_step_s;
 use streakcast::message::{Quoted, listed as listed_names};
-use streakcast::output::{Column, Kind, Section, Table, Value, counted, format_utc};
+use streakcast::output::{Column, Kind, Table, Value, counted, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
     FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
@@ -29,7 +29,7 @@ use crate::failure::Outcome;
 use crate::help::{VerbFlags, help};
 use crate::local_time::{LocalTime, ZoneArguments};
 use crate::output::{FORMATS, Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Args)]
@@ -206,16 +206,9 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             add_local_times(&mut windows, zone);
         }
         output.write(
-            &VerbResult {
-                sections: vec![
-                    Section { name: "windows", table: &windows },
-                    Section { name: "targets", table: &window_target_table(&found) },
-                    Section { name: "left_out", table: &left_out_table(&report.left_out) },
-                ],
-                main: &windows,
-                provenance: &prepared.provenance,
-                style: Style { columns: ON_SCREEN, bold_row: None },
-            },
+            &VerbResult::new("windows", &windows, ON_SCREEN, &prepared.provenance)
+                .with("targets", &window_target_table(&found))
+                .with("left_out", &left_out_table(&report.left_out)),
             &notices,
         )?;
     }

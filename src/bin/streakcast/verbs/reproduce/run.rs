@@ -16,7 +16,7 @@ use streakcast::forecast::{
 use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::output::{Provenance, Section, counted, format_utc};
+use streakcast::output::{Provenance, counted, format_utc};
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, night_of};
@@ -27,7 +27,7 @@ use crate::failure::Outcome;
 use crate::help::help;
 use crate::notices::Notices;
 use crate::output::{Output, VerbResult};
-use crate::screen::{Shown, Style, rounded, shown};
+use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
@@ -162,15 +162,12 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
     };
     let table = reproduced_table(&rows);
     output.write(
-        &VerbResult {
-            sections: vec![Section { name: "reproduced", table: &table }],
-            main: &table,
-            provenance: &provenance,
-            style: Style {
-                columns: if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
-                bold_row: None,
-            },
-        },
+        &VerbResult::new(
+            "reproduced",
+            &table,
+            if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
+            &provenance,
+        ),
         &notices,
     )?;
     let mut printed: Vec<String> = Vec::new();
