@@ -11,7 +11,7 @@ use super::document::Config;
 use super::error::request;
 use super::injection_plan::SkyOf;
 use super::measure::{MeasureConfig, photometry, unknown_observer_warning, with_site};
-use super::prepared::{PreparedSky, state_scales};
+use super::prepared::PreparedSky;
 use super::required::FRAMES;
 use super::values::parse_angle_deg;
 use super::warnings::first_of;
@@ -255,9 +255,8 @@ impl MaskConfig {
             let streaks = counted(not_used, "measured streak is", "measured streaks are");
             warnings.push(format!("{streaks} of other frames"));
         }
-        let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
         let mut provenance = shared_sky.provenance.clone();
-        state_scales(&mut provenance, &scale, &config.photometry()?);
+        config.state_scales(&mut provenance, &config.photometry()?);
         provenance.state(
             "options",
             json!({

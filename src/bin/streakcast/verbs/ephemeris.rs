@@ -3,7 +3,7 @@
 use crate::arguments::OutputArguments;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, EphemerisConfig, PreparedSky, SATELLITES, SELECTION, SITE, TIMES, state_scales};
+use streakcast::config::{Config, EphemerisConfig, PreparedSky, SATELLITES, SELECTION, SITE, TIMES};
 use streakcast::forecast::{EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
 use streakcast::output::format_utc;
 
@@ -78,8 +78,7 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, given: &EphemerisConfig, request: &EphemerisRequest) {
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &request.photometry);
+    config.state_scales(&mut prepared.provenance, &request.photometry);
     prepared.provenance.state(
         "options",
         json!({

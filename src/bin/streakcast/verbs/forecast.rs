@@ -7,7 +7,7 @@ use crate::clock::{TONIGHT, set_night, set_tonight};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, ForecastConfig, PreparedSky, SATELLITES, SITE, parse_duration_s, state_scales};
+use streakcast::config::{Config, ForecastConfig, PreparedSky, SATELLITES, SITE, parse_duration_s};
 use streakcast::forecast::{
     AngleType, EmptyNight, Forecast, ForecastRequest, PassColumns, calendar, forecast, light_curve_table, night_table,
     pass_table, readable_table, score_report, tdm,
@@ -273,8 +273,7 @@ fn site_of(prepared: &PreparedSky) -> anyhow::Result<Site> {
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig, request: &ForecastRequest) {
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &request.photometry);
+    config.state_scales(&mut prepared.provenance, &request.photometry);
     prepared.provenance.state(
         "options",
         json!({

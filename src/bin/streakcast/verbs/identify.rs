@@ -10,7 +10,7 @@ use serde_json::json;
 #[cfg(unix)]
 use streakcast::config::streaks_of_table;
 use streakcast::config::{
-    Config, IdentifyConfig, IdentifyPlan, Mark, PreparedSky, RequiredInput, SATELLITES, SITE, STREAK, state_scales,
+    Config, IdentifyConfig, IdentifyPlan, Mark, PreparedSky, RequiredInput, SATELLITES, SITE, STREAK,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{
@@ -169,8 +169,7 @@ fn prepared_for(config: &Config, plan: &IdentifyPlan, notices: &Notices) -> anyh
     let streak = &plan.streak;
     let mut prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
     notices.warn(&prepared.warnings);
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &config.photometry()?);
+    config.state_scales(&mut prepared.provenance, &config.photometry()?);
     Ok(prepared)
 }
 

@@ -18,7 +18,7 @@ use crate::failure::Outcome;
 use crate::help::{FIELD_FLAGS, VerbFlags, help};
 use crate::notices::Notices;
 use crate::output::write_bytes;
-use crate::output::{FORMATS, Output, VerbResult};
+use crate::output::{Output, VerbResult};
 use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
@@ -117,10 +117,7 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let observer = observer(&typed, upload)?;
     let output = match upload {
         Some(_) => Output::new(Some("csv"), typed.output.output.clone())?,
-        None => {
-            Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
-                .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?
-        }
+        None => typed.output.clone().open_or(&config, "score, fit")?,
     };
     let cuts = typed.picture.is_some();
     if let Some(path) = &typed.picture {

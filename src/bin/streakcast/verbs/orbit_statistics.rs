@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::json;
 use streakcast::config::{
-    Config, EXPOSURE, FIELD, Quantity, RequiredInput, SATELLITES, TimeRangeConfig, parse_exposure_s, state_scales,
+    Config, EXPOSURE, FIELD, Quantity, RequiredInput, SATELLITES, TimeRangeConfig, parse_exposure_s,
 };
 use streakcast::forecast::{
     TrailRequest, TrailStatistics, trail_angle_table, trail_histogram_table, trail_statistics, trail_table,
@@ -101,8 +101,7 @@ pub fn run(typed: &OrbitStatisticsArguments, output: OutputArguments, config: &C
     };
     let found = trail_statistics(&prepared.sky, &request)?;
     notices.warn_left_out(&prepared, &found.left_out, start)?;
-    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &photometry);
+    config.state_scales(&mut prepared.provenance, &photometry);
     prepared.provenance.state(
         "options",
         json!({

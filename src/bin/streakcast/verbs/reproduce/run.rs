@@ -26,7 +26,7 @@ use super::lu2024::{self, Lu2024Arguments};
 use crate::failure::Outcome;
 use crate::help::help;
 use crate::notices::Notices;
-use crate::output::{Output, VerbResult};
+use crate::output::VerbResult;
 use crate::screen::{Shown, rounded, shown};
 use crate::start::begin;
 
@@ -132,7 +132,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         (_, Some(flag)) => bail!("{flag} has no effect on this paper; allowed: reproduce lu2024"),
         _ => {}
     }
-    let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
+    let output = typed.output.open(&config)?;
     let notices = begin(&config)?;
     let mut provenance = Provenance::new();
     provenance.state("synthetic", true);
