@@ -11,34 +11,6 @@ use crate::message::Quoted;
 use crate::message::listed;
 use crate::passes::Pass;
 
-impl FromStr for MagnitudeLimit {
-    type Err = Error;
-
-    /// Parses one number, `7`, or limits by band, `g=7,y=5,default=6`.
-    fn from_str(text: &str) -> Result<Self, Error> {
-        let number = |text: &str| text.trim().parse::<f64>().ok();
-        if let Some(limit) = number(text) {
-            return Ok(MagnitudeLimit::All(limit));
-        }
-        let pairs = text.split(',').map(|part| {
-            let (band, limit) = part.split_once('=')?;
-            Some((band.trim().to_owned(), number(limit)?)).filter(|(band, _)| !band.is_empty())
-        });
-        let mut limits = BTreeMap::new();
-        for pair in pairs {
-            let (band, limit) = pair.ok_or_else(|| {
-                Error::format(format!("invalid magnitude limit '{}'", Quoted::new(text)))
-                    .allowing("a number, or numbers by band such as g=7,y=5,default=6")
-            })?;
-            if limits.insert(band.clone(), limit).is_some() {
-                return Err(Error::format(format!("band {band} has two limits in '{}'", Quoted::new(text)))
-                    .allowing("one number for each band, such as g=7,y=5,default=6"));
-            }
-        }
-        Ok(MagnitudeLimit::PerBand(limits))
-    }
-}
-
 /// Choice of the satellites that block the start of an exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
