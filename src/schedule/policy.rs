@@ -1,6 +1,6 @@
 //! Policy for verdicts: magnitude limit, largest cost of streaks, least probability, margin and longest delay.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};

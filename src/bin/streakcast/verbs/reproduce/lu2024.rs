@@ -19,7 +19,7 @@ use streakcast::fit::{
 use streakcast::frames::seconds_after;
 use streakcast::geometry::Site;
 use streakcast::maps::{Earth, FigurePanel, Grid, PAPER_FIGURES, PaperFigure, SkyView};
-use streakcast::output::{Provenance, Section, counted};
+use streakcast::output::{Provenance, counted};
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, ModelLibrary, PhotometryOptions};
 use streakcast::plot::{
     Corner, Picture, ResidualHistogram, blocking_picture, corner, paper_picture, residual_histogram,
