@@ -8,7 +8,7 @@ use streakcast::config::Config;
 use streakcast::frames::mjd_utc;
 use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
-use streakcast::input::{TableRow, TableRows};
+use streakcast::input::{TableRow, TableRows, json_error};
 use streakcast::output::{Provenance, Table, Value as Cell, format_utc};
 
 /// Table with cells as text, as in CSV. Missing values are empty.
@@ -72,7 +72,7 @@ impl Columns {
     }
 
     fn from_json(origin: &str, text: &str, sections: &[&str]) -> anyhow::Result<Self> {
-        let broken = |error: serde_json::Error| anyhow!("table {origin} is not JSON: {error}");
+        let broken = |error: serde_json::Error| anyhow!("table {origin} is not JSON: {}", json_error(&error));
         let allowed = sections.join("' or '");
         let (mut document, rows) = match serde_json::from_str::<Value>(text) {
             Ok(Value::Array(rows)) => (Map::new(), rows),
