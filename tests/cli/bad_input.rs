@@ -454,6 +454,11 @@ fn suspicious_schedules_give_warnings() {
     );
     let (_, _, quiet) = run(&[&flag(&schedule), &["--policy", &policy, "--quiet"]]);
     assert_eq!(quiet, "");
+    let as_text = file(&folder, "text.toml", b"limit_mag = 'g=7'\n");
+    let of_text = run(&[&flag(&schedule), &["--policy", &as_text]]);
+    assert_eq!(of_text.2.replace("text.toml", "p.toml"), stderr);
+    let wrong = file(&folder, "wrong.toml", b"margin_s = 3\nlimit_mag = 'g=7,y'\n");
+    fails(&[&flag(&schedule), &["--policy", &wrong]], &["wrong.toml", "line 2", "'g=7,y'", "g=7,y=5,default=6"]);
     let (_, _, stderr) = run(&[&flag(&schedule), &["--limit-mag", "G=5,default=7"]]);
     assert!(stderr.contains("limit_mag of band G has no effect: the exposures have the band g"), "{stderr}");
 }
