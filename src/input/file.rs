@@ -184,6 +184,8 @@ fn in_words(message: &str) -> String {
     };
     let given = what.strip_prefix("invalid type: ").or_else(|| what.strip_prefix("invalid value: "));
     let what = match given {
+        Some("map") => "invalid value, a table of keys".to_owned(),
+        Some("sequence") => "invalid value, a list".to_owned(),
         // The value is in quotes after its type.
         Some(given) => format!("invalid value {}", given.find(['"', '`']).map_or(given, |start| &given[start..])),
         None if what.contains("must be quoted") => "invalid value".to_owned(),
@@ -258,7 +260,7 @@ mod tests {
         for (message, expected) in [
             ("invalid type: string \"x\", expected f64", "invalid value \"x\"; allowed: a number"),
             ("invalid value: integer `-1`, expected usize", "invalid value '-1'; allowed: a whole number"),
-            ("invalid type: map, expected a string", "invalid value map; allowed: a text in quotes"),
+            ("invalid type: map, expected a string", "invalid value, a table of keys; allowed: a text in quotes"),
             ("unknown field `a`, expected one of `b`, `c`", "unknown key 'a'; allowed: b, c"),
             ("unknown variant `a`, expected `b` or `c`", "unknown value 'a'; allowed: b or c"),
             ("missing field `a`", "missing key 'a'"),

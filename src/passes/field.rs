@@ -8,6 +8,9 @@ use crate::error::Error;
 use crate::frames::{Direction, Gcrs};
 use crate::input::json_error;
 
+/// Form of a field, for errors.
+const FORM: &str = r#"a field is {"shapes": [{"circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], ...]}], "unit": "deg"}"#;
+
 /// Largest distance of a point of a rectangle or polygon from the centre of the field, in degrees of the tangent plane
 /// (45° on the sky).
 const LARGEST_TANGENT_DEG: f64 = 57.3;
@@ -113,7 +116,7 @@ impl Field {
     }
 
     fn from_file(file: serde_json::Result<FieldFile>) -> Result<Self, Error> {
-        let file = file.map_err(|error| json_error(&error))?;
+        let file = file.map_err(|error| json_error(&error).with_remark(FORM))?;
         if let Some(unit) = file.unit.filter(|unit| unit != "deg") {
             return Err(Error::invalid("unit of the field", format!("{unit:?}"), "\"deg\""));
         }
