@@ -271,7 +271,11 @@ mod tests {
             ("limit_mag = ", "line 1"),
             (
                 "limit_mag = 'telescope'",
-                "line 1: invalid magnitude limit; allowed: a number, or a table of numbers by band",
+                "line 1: invalid magnitude limit 'telescope'; allowed: a number, or numbers by band such as g=7,y=5,default=6",
+            ),
+            (
+                "limit_mag = [7]",
+                "line 1: invalid magnitude limit; allowed: a number, a text such as g=7,default=6, or a table",
             ),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();

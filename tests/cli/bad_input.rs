@@ -273,7 +273,7 @@ fn invalid_schedules() {
     );
     schedule("noise.bin", &[0xff, 0x00, 0x81, 0x7f], &["noise.bin"]);
     schedule("rows.json", b"{\"visits\": []}", &["without an array 'exposures'"]);
-    schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json, line 1"]);
+    schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json: line 1"]);
     schedule("none.json", b"[]", &["none.json is empty"]);
     let twice = b"exposure_id,start_utc,duration_s,ra_deg,dec_deg,ra_deg\n1,2024-08-14T03:30:00Z,30,280,-30,10\n";
     schedule("twice.csv", twice, &["twice.csv: column ra_deg occurs twice; allowed: once"]);
