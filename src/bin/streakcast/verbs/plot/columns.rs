@@ -75,7 +75,10 @@ impl Columns {
         let read = serde_json::Deserializer::from_str(text).into_iter::<Value>().collect::<Result<Vec<_>, _>>();
         let mut values = read.map_err(|error| anyhow!("table {origin} is not JSON: {}", json_error(&error)))?;
         let allowed = sections.join("' or '");
-        let (mut document, rows) = if values.len() == 1 {
+        // The first line of JSON lines is the provenance; each other line is a row.
+        let first = values.first().and_then(Value::as_object);
+        let is_about = first.is_some_and(|first| first.len() == 1 && first.contains_key("provenance"));
+        let (mut document, rows) = if values.len() == 1 && !is_about {
             match values.remove(0) {
                 Value::Array(rows) => (Map::new(), rows),
                 Value::Object(mut document) => match sections.iter().find_map(|section| document.remove(*section)) {
@@ -87,8 +90,6 @@ impl Columns {
                 ),
             }
         } else {
-            // JSON lines: one object per line. The first line is the provenance.
-            let is_about = values.first().is_some_and(|first| first.get("provenance").is_some());
             let about = if is_about { object(values.remove(0)).unwrap_or_default() } else { Map::new() };
             (about, values)
         };
@@ -191,6 +192,10 @@ impl Columns {
 
     /// Returns the cells of a column.
     pub fn texts(&self, name: &str) -> anyhow::Result<Vec<&str>> {
+        // JSON without rows has no names of columns.
+        if self.rows.is_empty() && self.names.is_empty() {
+            return Ok(Vec::new());
+        }
         let index = self.names.iter().position(|known| known == name).ok_or_else(|| {
             anyhow!("missing column {name} in the table {}, which has {}", self.origin, self.names.join(", "))
         })?;
